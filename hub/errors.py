@@ -1,0 +1,115 @@
+"""Every error the hub raises on purpose.
+
+    HubError
+    ├── MessageFormatError (ValueError)        a format string that is not one: "{int,"
+    ├── CodecError (ValueError)                values or bytes that do not fit their format
+    ├── FrameError (ValueError)                bytes from the wire that are no frame of ours
+    ├── UndefinedMessageError (LookupError)    a message nobody has defined at this central
+    ├── RedefinedMessageError (ValueError)     the same name defined with another format
+    ├── CentralUnreachableError (ConnectionError)  nobody answers at the endpoint
+    ├── NameTakenError (ConnectionError)       another live module has this name
+    ├── EndpointError (OSError)                a port that is busy, an address that is not allowed
+    ├── QueryError (RuntimeError)              a query that ended without an answer
+    │   ├── NoHandlerError                     nobody answers queries of this name
+    │   ├── HandlerDiedError                   the module that was asked is gone
+    │   ├── HandlerFailedError                 the module that was asked could not answer
+    │   └── QueryTimeoutError (TimeoutError)   the answer did not come in time
+    ├── ArenaError (ValueError)                an arena file with mistakes, all of them listed
+    ├── RobotFileError (ValueError)            a robot file with mistakes, all of them listed
+    └── ModuleStartError (RuntimeError)        a module that could not be started
+
+The text of an error says what happened, where, and what to do, in one sentence.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+
+class HubError(Exception):
+    """Root of the hub's errors."""
+
+
+class MessageFormatError(HubError, ValueError):
+    """A format string that does not follow the grammar.
+
+    Attributes:
+        position: Index of the offending character in the format string.
+    """
+
+    def __init__(self, text: str, position: int, reason: str) -> None:
+        self.position = position
+        shown = text if len(text) <= 80 else text[:77] + "..."
+        super().__init__(f"format {shown!r}, position {position}: {reason}")
+
+
+class CodecError(HubError, ValueError):
+    """Values that do not fit a format, or bytes that no values of it make."""
+
+
+class FrameError(HubError, ValueError):
+    """Bytes that are no frame of this protocol."""
+
+
+class UndefinedMessageError(HubError, LookupError):
+    """A message that nobody has defined at this central."""
+
+
+class RedefinedMessageError(HubError, ValueError):
+    """A message that is already defined with another format."""
+
+
+class CentralUnreachableError(HubError, ConnectionError):
+    """No central answers at the endpoint."""
+
+
+class NameTakenError(HubError, ConnectionError):
+    """Another live module is connected under this name."""
+
+
+class EndpointError(HubError, OSError):
+    """An endpoint that cannot be used: busy, malformed or not allowed."""
+
+
+class QueryError(HubError, RuntimeError):
+    """A query that ended without an answer."""
+
+
+class NoHandlerError(QueryError):
+    """No connected module answers queries of this name."""
+
+
+class HandlerDiedError(QueryError):
+    """The module that was asked went away before it answered."""
+
+
+class HandlerFailedError(QueryError):
+    """The module that was asked reported that it cannot answer."""
+
+
+class QueryTimeoutError(QueryError, TimeoutError):
+    """The answer did not come within the time the caller gave."""
+
+
+class _FileError(HubError, ValueError):
+    """A file with mistakes, all of them listed.
+
+    Attributes:
+        problems: One sentence for each mistake.
+    """
+
+    def __init__(self, path: str, problems: Sequence[str]) -> None:
+        self.problems = tuple(problems)
+        super().__init__("\n".join(f"{path}: {problem}" for problem in self.problems))
+
+
+class ArenaError(_FileError):
+    """An arena file with mistakes, all of them listed in `problems`."""
+
+
+class RobotFileError(_FileError):
+    """A robot file with mistakes, all of them listed in `problems`."""
+
+
+class ModuleStartError(HubError, RuntimeError):
+    """A module process that could not be started."""

@@ -1,0 +1,1 @@
+"""The vocabulary that all modules and consoles share; pure, no sockets."""

@@ -1,0 +1,161 @@
+"""Messages of the camera: pictures on request, pan, tilt and zoom."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.ipc.definition import Keep, MessageDefinition, Plane
+
+
+class ImageKind(enum.IntEnum):
+    """Colours of a requested picture."""
+
+    GREY = 0
+    COLOUR = 1
+
+
+class ImageCoding(enum.IntEnum):
+    """How the bytes of a picture are coded.
+
+    Attributes:
+        RLE: Two-dimensional run-length coding, `hub.gcm.rle`.
+    """
+
+    RLE = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ImageRequest:
+    """Ask for one picture.
+
+    Attributes:
+        kind: Grey or colour.
+        width_px: Width wanted; the answer is never larger than the camera's.
+        height_px: Height wanted; the answer is never larger than the camera's.
+        quality: 1 to 100; 100 is exact, less keeps fewer shades a channel.
+    """
+
+    kind: ImageKind = ImageKind.COLOUR
+    width_px: int = 160
+    height_px: int = 120
+    quality: int = 60
+
+
+IMAGE_REQUEST = MessageDefinition(
+    name="GCM_Image_Request", format="{{enum:1},int,int,int}", type=ImageRequest
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CameraState:
+    """Where the camera looks.
+
+    Attributes:
+        stamp: When it was measured [s since the epoch]; for records only.
+        pan: Angle from straight ahead [rad], positive left.
+        tilt: Angle from the horizontal [rad], positive up.
+        zoom: 0 (wide) to 1 (tele).
+        horizontal_fov: Field of view from left to right [rad].
+        vertical_fov: Field of view from top to bottom of a 4:3 picture [rad].
+        mount_forward: Camera ahead of the robot's centre [m].
+        mount_height: Camera above the ground [m].
+        pan_limit: Largest pan to either side [rad].
+        tilt_limit: Largest tilt up or down [rad].
+        slewing: 1 while it still moves to where it was sent, else 0.
+    """
+
+    stamp: float
+    pan: float
+    tilt: float
+    zoom: float
+    horizontal_fov: float
+    vertical_fov: float
+    mount_forward: float
+    mount_height: float
+    pan_limit: float
+    tilt_limit: float
+    slewing: int
+
+
+_CAMERA_STATE = "{double,double,double,double,double,double,double,double,double,double,ubyte}"
+
+CAMERA_STATE = MessageDefinition(
+    name="GCM_CameraState", format=_CAMERA_STATE, type=CameraState, rate_hz=10.0
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Image:
+    """One picture, the answer to an `ImageRequest`.
+
+    Attributes:
+        camera: Where the camera looked when the picture was taken.
+        coding: How `data` is coded.
+        width_px: Width of the picture.
+        height_px: Height of the picture.
+        channels: 1 for grey, 3 for red, green, blue.
+        length: Bytes of `data`.
+        data: The coded picture, shape (length,).
+    """
+
+    camera: CameraState
+    coding: ImageCoding
+    width_px: int
+    height_px: int
+    channels: int
+    length: int
+    data: npt.NDArray[np.uint8]
+
+
+IMAGE = MessageDefinition(
+    name="GCM_Common_Image",
+    format="{" + _CAMERA_STATE + ",{enum:0},int,int,int,uint,<ubyte:6>}",
+    type=Image,
+)
+
+
+class CameraMotion(enum.IntEnum):
+    """What a `CameraCommand` means.
+
+    Attributes:
+        ABSOLUTE: Go to pan, tilt and zoom.
+        RELATIVE: Change pan, tilt and zoom by the given amounts.
+        HOME: Look straight ahead, wide.
+    """
+
+    ABSOLUTE = 0
+    RELATIVE = 1
+    HOME = 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CameraCommand:
+    """Move the camera.
+
+    Attributes:
+        motion: How the three amounts are meant.
+        pan: [rad], positive left; NaN leaves it.
+        tilt: [rad], positive up; NaN leaves it.
+        zoom: 0 to 1 (or the change of it); NaN leaves it.
+    """
+
+    motion: CameraMotion = CameraMotion.RELATIVE
+    pan: float = 0.0
+    tilt: float = 0.0
+    zoom: float = 0.0
+
+
+CAMERA_COMMAND = MessageDefinition(
+    name="GCM_Camera_Command",
+    format="{{enum:2},double,double,double}",
+    type=CameraCommand,
+    keep=Keep.ALL,
+    plane=Plane.COMMAND,
+    lifespan_s=1.0,
+)
+
+MESSAGES = (IMAGE_REQUEST, IMAGE, CAMERA_STATE, CAMERA_COMMAND)

@@ -1,0 +1,1 @@
+"""The message bus, the counterpart of CMU IPC; it knows no robot."""

@@ -1,0 +1,76 @@
+"""Definitions made from what central lists, for tools that have no dataclass of a message."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+import types
+from typing import Any
+
+from hub.errors import MessageFormatError
+from hub.ipc import control
+from hub.ipc.definition import Keep, MessageDefinition, Plane
+
+_TOKEN = re.compile(r"\s*([A-Za-z_]\w*|\[\]|[{},])", re.ASCII)
+
+
+def from_listing(entry: control.Define) -> MessageDefinition[Any]:
+    """The definition that a listing describes; values are generated dataclasses.
+
+    Raises:
+        MessageFormatError: The entry does not describe a message.
+    """
+    tokens = _TOKEN.findall(entry.fields)
+    kind = _record(tokens, entry.name)
+    if tokens:
+        raise MessageFormatError(entry.fields, 0, f"the fields of {entry.name} do not end")
+    try:
+        keep, plane = Keep(entry.keep), Plane(entry.plane)
+    except ValueError as error:
+        raise MessageFormatError(entry.name, 0, str(error)) from error
+    return MessageDefinition(
+        name=entry.name,
+        format=entry.format,
+        type=kind,
+        keep=keep,
+        plane=plane,
+        rate_hz=entry.rate_hz,
+        lifespan_s=entry.lifespan_s,
+    )
+
+
+def to_listing(definition: MessageDefinition[Any]) -> control.Define:
+    """What central is told of a definition."""
+    return control.Define(
+        name=definition.name,
+        format=definition.format,
+        fields=definition.fields,
+        keep=definition.keep.value,
+        plane=definition.plane.value,
+        rate_hz=definition.rate_hz,
+        lifespan_s=definition.lifespan_s,
+    )
+
+
+def _record(tokens: list[str], name: str) -> type[Any]:
+    """The dataclass of the fields that `tokens` start with; consumed up to the closing brace."""
+    members: list[tuple[str, Any]] = []
+    while tokens and tokens[0] != "}":
+        field = tokens.pop(0)
+        kind: Any = Any
+        array = bool(tokens) and tokens[0] == "[]"
+        if array:
+            tokens.pop(0)
+        if tokens and tokens[0] == "{":
+            tokens.pop(0)
+            inner = _record(tokens, f"{name}_{field}")
+            kind = types.GenericAlias(tuple, (inner, ...)) if array else inner
+            if tokens:
+                tokens.pop(0)
+        members.append((field, kind))
+        if tokens and tokens[0] == ",":
+            tokens.pop(0)
+    try:
+        return dataclasses.make_dataclass(name, members, frozen=True, kw_only=True)
+    except (TypeError, ValueError) as error:
+        raise MessageFormatError(name, 0, f"fields that are no names: {error}") from error

@@ -1,0 +1,275 @@
+"""The format-string grammar of CMU IPC: text to a Format tree and back.
+
+format   := primitive | struct | enum | array | pointer
+struct   := '{' [member {',' member}] '}'        member := format | sequence
+enum     := '{' 'enum' ':' LARGEST '}' | '{' 'enum' NAME {',' NAME} '}'
+array    := '[' format ':' N {',' N} ']'
+sequence := '<' format ':' I {',' I} '>'         I: 1-based number of an integer member before it;
+                                                 its length is the product of those members
+pointer  := '*' format                           null or a value
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+from dataclasses import dataclass
+from typing import NoReturn
+
+from hub.errors import MessageFormatError
+
+MAX_TEXT = 4096
+MAX_DEPTH = 16
+MAX_ELEMENTS = 1 << 24
+
+INTEGERS = ("byte", "ubyte", "char", "short", "ushort", "int", "uint", "long", "ulong")
+PRIMITIVES = (*INTEGERS, "float", "double", "boolean", "string")
+
+_TOKEN = re.compile(r"[ \t\n\r\f]*(?:([{}\[\]<>,:*])|([A-Za-z_]\w*)|(\d+))", re.ASCII)
+_BLANK = re.compile(r"[ \t\n\r\f]*")
+
+
+@dataclass(frozen=True, slots=True)
+class Primitive:
+    """A number, a boolean or a string; `name` is one of `PRIMITIVES`."""
+
+    name: str
+
+    def __str__(self) -> str:
+        return self.name
+
+
+@dataclass(frozen=True, slots=True)
+class Enum:
+    """A number from 0 to `largest`, with names for them or none."""
+
+    largest: int
+    names: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return "{enum " + ",".join(self.names) + "}" if self.names else f"{{enum:{self.largest}}}"
+
+
+@dataclass(frozen=True, slots=True)
+class Struct:
+    """Members one after the other."""
+
+    members: tuple[Format, ...]
+
+    def __str__(self) -> str:
+        return "{" + ",".join(map(str, self.members)) + "}"
+
+
+@dataclass(frozen=True, slots=True)
+class FixedArray:
+    """As many elements as the product of `dimensions`, last index fastest."""
+
+    element: Format
+    dimensions: tuple[int, ...]
+
+    @property
+    def count(self) -> int:
+        """Number of elements."""
+        return math.prod(self.dimensions)
+
+    def __str__(self) -> str:
+        return f"[{self.element}:{','.join(map(str, self.dimensions))}]"
+
+
+@dataclass(frozen=True, slots=True)
+class VariableArray:
+    """As many elements as the product of the struct's members numbered in `size_members`."""
+
+    element: Format
+    size_members: tuple[int, ...]
+
+    def __str__(self) -> str:
+        return f"<{self.element}:{','.join(map(str, self.size_members))}>"
+
+
+@dataclass(frozen=True, slots=True)
+class Pointer:
+    """Null, or one value of `target`."""
+
+    target: Format
+
+    def __str__(self) -> str:
+        return f"*{self.target}"
+
+
+Format = Primitive | Enum | Struct | FixedArray | VariableArray | Pointer
+
+
+def parse(text: str) -> Format:
+    """The tree of a format string.
+
+    Raises:
+        MessageFormatError: With the position and the reason.
+    """
+    if len(text) > MAX_TEXT:
+        raise MessageFormatError(text, MAX_TEXT, f"longer than {MAX_TEXT} characters")
+    parser = _Parser(text)
+    tree = parser.format(1)
+    if parser.token:
+        parser.fail("nothing may follow a complete format")
+    return tree
+
+
+class _Parser:
+    """Recursive descent over the tokens of one text."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.end = 0
+        self.start = 0
+        self.token = ""
+        self.advance()
+
+    def advance(self) -> str:
+        """The present token; moves on to the next."""
+        passed = self.token
+        match = _TOKEN.match(self.text, self.end)
+        if match is None:
+            blank = _BLANK.match(self.text, self.end)
+            self.start = self.end = blank.end() if blank else self.end
+            self.token = ""
+            if self.start < len(self.text):
+                self.fail(f"unexpected character {self.text[self.start]!r}")
+            return passed
+        self.token = match.group(match.lastindex or 0)
+        self.end = match.end()
+        self.start = self.end - len(self.token)
+        return passed
+
+    def fail(self, reason: str) -> NoReturn:
+        raise MessageFormatError(self.text, self.start, reason)
+
+    def expect(self, wanted: str) -> None:
+        if self.token != wanted:
+            self.fail(f"expected {wanted!r}, found {self.token or 'the end'!r}")
+        self.advance()
+
+    def format(self, depth: int) -> Format:
+        if depth > MAX_DEPTH:
+            self.fail(f"nested deeper than {MAX_DEPTH}")
+        if self.token == "{":
+            return self.braces(depth)
+        if self.token == "[":
+            return self.fixed_array(depth)
+        if self.token == "*":
+            self.advance()
+            return Pointer(self.format(depth + 1))
+        if self.token == "<":
+            self.fail("a variable array stands directly inside a struct")
+        if self.token not in PRIMITIVES:
+            near = difflib.get_close_matches(self.token, PRIMITIVES, 1)
+            hint = f"; did you mean {near[0]!r}?" if near else ""
+            self.fail(f"expected a type, found {self.token[:20] or 'the end'!r}{hint}")
+        return Primitive(self.advance())
+
+    def braces(self, depth: int) -> Format:
+        self.expect("{")
+        if self.token == "enum":
+            self.advance()
+            return self.enum()
+        members: list[Format] = []
+        while self.token != "}":
+            if members:
+                self.expect(",")
+            if self.token == "<":
+                members.append(self.variable_array(depth, members))
+            else:
+                members.append(self.format(depth + 1))
+        self.advance()
+        return Struct(tuple(members))
+
+    def enum(self) -> Enum:
+        if self.token == ":":
+            self.advance()
+            largest = self.number(0, 2**31 - 1)
+            self.expect("}")
+            return Enum(largest)
+        names: list[str] = []
+        while not names or self.token == ",":
+            if names:
+                self.advance()
+            if not self.token.isidentifier():
+                self.fail(f"expected a name of the enum, found {self.token or 'the end'!r}")
+            if self.token in names:
+                self.fail(f"the enum names {self.token!r} twice")
+            names.append(self.advance())
+        self.expect("}")
+        return Enum(len(names) - 1, tuple(names))
+
+    def fixed_array(self, depth: int) -> Format:
+        self.expect("[")
+        start = self.start
+        element = self.format(depth + 1)
+        self.refuse_empty(element, start)
+        self.expect(":")
+        dimensions = [self.number(1, MAX_ELEMENTS)]
+        while self.token == ",":
+            self.advance()
+            dimensions.append(self.number(1, MAX_ELEMENTS))
+        if math.prod(dimensions) * elements_of(element) > MAX_ELEMENTS:
+            self.fail(f"more than {MAX_ELEMENTS} elements")
+        self.expect("]")
+        return FixedArray(element, tuple(dimensions))
+
+    def variable_array(self, depth: int, before: list[Format]) -> Format:
+        self.expect("<")
+        start = self.start
+        element = self.format(depth + 1)
+        self.refuse_empty(element, start)
+        self.expect(":")
+        sizes = [self.size_member(before)]
+        while self.token == ",":
+            self.advance()
+            sizes.append(self.size_member(before))
+        self.expect(">")
+        return VariableArray(element, tuple(sizes))
+
+    def size_member(self, before: list[Format]) -> int:
+        start = self.start
+        number = self.number(1, 4096)
+        if number > len(before) or not _is_integer(before[number - 1]):
+            self.start = start
+            self.fail(f"member {number} is no integer that stands before the array")
+        return number
+
+    def refuse_empty(self, element: Format, start: int) -> None:
+        if elements_of(element) == 0:
+            self.start = start
+            self.fail("an array of empty structs has no meaning")
+
+    def number(self, smallest: int, largest: int) -> int:
+        if not self.token.isdigit() or len(self.token) > 10:
+            self.fail(f"expected a number, found {self.token[:20] or 'the end'!r}")
+        if not smallest <= int(self.token) <= largest:
+            self.fail(f"{self.token} is not between {smallest} and {largest}")
+        return int(self.advance())
+
+
+def _is_integer(node: Format) -> bool:
+    return isinstance(node, Primitive) and node.name in INTEGERS
+
+
+def elements_of(node: Format) -> int:
+    """How many values a value of this format has at least; 0 only for empty structs."""
+    if isinstance(node, Struct):
+        return sum(elements_of(member) for member in node.members)
+    if isinstance(node, FixedArray):
+        return node.count * elements_of(node.element)
+    return 1
+
+
+def is_fixed_length(node: Format) -> bool:
+    """Whether all values of it take the same space: no strings, pointers or variable arrays."""
+    if isinstance(node, Struct):
+        return all(is_fixed_length(member) for member in node.members)
+    if isinstance(node, FixedArray):
+        return is_fixed_length(node.element)
+    if isinstance(node, Primitive):
+        return node.name != "string"
+    return isinstance(node, Enum)

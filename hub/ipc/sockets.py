@@ -1,0 +1,35 @@
+"""Where every socket of the bus is made: options before bind or connect, in one place."""
+
+from __future__ import annotations
+
+import zmq
+
+from hub.ipc.definition import Plane
+from hub.ipc.frames import MAX_FRAME
+
+PLANES = tuple(Plane)
+QUEUE = {Plane.STATE: 500, Plane.COMMAND: 50}
+"""Messages a plane keeps for one slow peer; beyond it the newest are dropped and seen as gaps."""
+
+
+def make(context: zmq.Context[zmq.Socket[bytes]], kind: int, queue: int) -> zmq.Socket[bytes]:
+    """A socket with the bus's options.
+
+    Heartbeats find a dead peer in 1.5 s; queues are bounded; closing never waits.
+    """
+    made = context.socket(kind)
+    made.linger = 0
+    made.sndhwm = made.rcvhwm = queue
+    made.maxmsgsize = MAX_FRAME
+    made.heartbeat_ivl = 500
+    made.heartbeat_timeout = 1500
+    made.heartbeat_ttl = 2000
+    made.reconnect_ivl = 50
+    made.reconnect_ivl_max = 250
+    made.connect_timeout = 1000
+    made.handshake_ivl = 3000
+    made.tcp_keepalive = 1
+    if kind == zmq.PUB:
+        # Nothing may be kept for a central that is not there: it would be old when it comes.
+        made.immediate = True
+    return made
