@@ -75,6 +75,10 @@ class Central:
             thread.start()
             self._threads.append(thread)
 
+    def connected(self) -> tuple[str, ...]:
+        """Names of the modules and consoles that are connected now."""
+        return self._registry.connected()
+
     def close(self) -> None:
         """End the threads and free the endpoints."""
         self._stopping.set()

@@ -53,7 +53,8 @@ class _Timer:
 
 @dataclass(slots=True)
 class _Waiting:
-    definition: MessageDefinition[Any]
+    name: str
+    read: Callable[[frames.Frame], Any]
     deadline: float
     timeout: float
     answered: Callable[[Any, Reception], None]
@@ -218,11 +219,15 @@ class Client:
     ) -> None:
         """Ask; exactly one of `answered` and `failed` is called later, from `listen`."""
         self.define(request, response)
-        self._queries = self._queries % 0xFFFF_FFFF + 1
-        deadline = self._clock() + timeout
-        self._waiting[self._queries] = _Waiting(response, deadline, timeout, answered, failed)
-        query = control.Query(number=self._queries, name=request.name, timeout_s=timeout)
-        self._tell(query, self._pack(request, value, None))
+        waiting = _Waiting(
+            request.name,
+            lambda frame: decode(response, frame),
+            self._clock() + timeout,
+            timeout,
+            answered,
+            failed,
+        )
+        self._ask(request, value, waiting)
 
     def query_response(
         self,
@@ -237,16 +242,26 @@ class Client:
         Raises:
             QueryError: No handler, it died or failed, or the time ran out.
         """
-        answers: list[R] = []
+        self.define(response)
+        answer: R = decode(response, self.query_frame(request, value, timeout=timeout))
+        return answer
+
+    def query_frame(
+        self, request: MessageDefinition[T], value: T, *, timeout: float
+    ) -> frames.Frame:
+        """As `query_response`, for whoever does not know what message the answer will be."""
+        self.define(request)
+        answers: list[frames.Frame] = []
         failures: list[QueryError] = []
-        self.query_notify(
-            request,
-            value,
-            response,
-            timeout=timeout,
-            answered=lambda answer, _: answers.append(answer),
-            failed=failures.append,
+        waiting = _Waiting(
+            request.name,
+            lambda frame: frame,
+            self._clock() + timeout,
+            timeout,
+            lambda frame, _: answers.append(frame),
+            failures.append,
         )
+        self._ask(request, value, waiting)
         while not answers and not failures:
             self.listen(0.1)
         if failures:
@@ -336,6 +351,12 @@ class Client:
             payload=definition.encode(value),
         )
 
+    def _ask(self, request: MessageDefinition[Any], value: Any, waiting: _Waiting) -> None:
+        self._queries = self._queries % 0xFFFF_FFFF + 1
+        self._waiting[self._queries] = waiting
+        query = control.Query(number=self._queries, name=request.name, timeout_s=waiting.timeout)
+        self._tell(query, self._pack(request, value, None))
+
     def _tell(self, message: Any, attached: bytes | None = None) -> None:
         parts = [control.pack(message)] + ([] if attached is None else [attached])
         try:
@@ -347,7 +368,7 @@ class Client:
         now = self._clock()
         for number in [n for n, waiting in self._waiting.items() if waiting.deadline < now]:
             waiting = self._waiting.pop(number)
-            text = f"no answer to the query for {waiting.definition.name} in {waiting.timeout:g} s"
+            text = f"no answer to the query {waiting.name} in {waiting.timeout:g} s"
             waiting.failed(QueryTimeoutError(text))
         if now < self._next_ping:
             return
@@ -445,12 +466,13 @@ class Client:
 
     def _answer(self, message: control.Query, attached: bytes | None) -> None:
         responder = self._responders.get(message.name)
+        asked = self._clock()  # what the answer says was measured from now on, not when it is sent
         try:
             if responder is None or attached is None:
                 text = f"{self.name} does not answer {message.name}"
                 raise HandlerFailedError(text)
             definition, value = responder(frames.unpack(attached))
-            answer = self._pack(definition, value, None)
+            answer = self._pack(definition, value, asked)
         except HubError as error:
             failure = control.Failure(
                 number=message.number, error="HandlerFailedError", text=str(error)
@@ -473,7 +495,7 @@ class Client:
         else:
             try:
                 frame = frames.unpack(attached)
-                value = decode(waiting.definition, frame)
+                value = waiting.read(frame)
             except (FrameError, CodecError) as error:
                 waiting.failed(HandlerFailedError(str(error)))
                 return

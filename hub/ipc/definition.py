@@ -89,6 +89,14 @@ class MessageDefinition(Generic[T]):
         """Field names in the format's nesting, for people: "x, y, stamp{sec, nanosec}"."""
         return self._record.fields
 
+    def build(self, values: Sequence[Any]) -> T:
+        """The value whose members are `values`, structs as sequences.
+
+        Raises:
+            CodecError: An enum member has no such value.
+        """
+        return typing.cast("T", self._record.build(values))
+
     def encode(self, value: T) -> list[Buffer]:
         """The payload of `value`, in pieces that the frame joins once.
 
@@ -103,7 +111,7 @@ class MessageDefinition(Generic[T]):
         Raises:
             CodecError: The bytes are no message of this definition.
         """
-        return typing.cast("T", self._record.build(self._codec.decode(payload)))
+        return self.build(self._codec.decode(payload))
 
 
 def check_name(name: str) -> None:

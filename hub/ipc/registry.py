@@ -104,6 +104,10 @@ class Registry:
             control.Bye: self._bye,
         }
 
+    def connected(self) -> tuple[str, ...]:
+        """Names of the peers; any thread may ask."""
+        return tuple(self._names)
+
     def handle(
         self, identity: bytes, descriptor: int, message: Any, attached: Buffer | None
     ) -> list[Outgoing]:

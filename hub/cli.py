@@ -1,0 +1,128 @@
+"""`rune-hub`: arguments, errors in one sentence, exit codes."""
+
+from __future__ import annotations
+
+import argparse
+import enum
+import importlib.metadata
+import logging
+import sys
+from collections.abc import Sequence
+
+from hub.errors import CentralUnreachableError, HubError, QueryError
+from hub.ipc.security import DEFAULT_ENDPOINT
+
+
+class ExitCode(enum.IntEnum):
+    """How a command ends."""
+
+    OK = 0
+    FAULT = 1
+    USAGE = 2
+    NO_HUB = 3
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run `rune-hub`; returns the exit code."""
+    options = _parser().parse_args(arguments)
+    logging.basicConfig(
+        level=logging.INFO if options.command == "run" else logging.WARNING,
+        format="%(asctime)s hub %(levelname)s %(message)s",
+        stream=sys.stderr,
+    )
+    try:
+        return _run_command(options)
+    except KeyboardInterrupt:
+        return ExitCode.OK
+    except BrokenPipeError:
+        sys.stderr.close()  # whoever read our output has seen enough
+        return ExitCode.OK
+    except HubError as error:
+        sys.stderr.write(f"rune-hub: {error}\n")
+        if isinstance(error, (CentralUnreachableError, QueryError)):
+            return ExitCode.NO_HUB
+        return ExitCode.USAGE
+
+
+def _run_command(options: argparse.Namespace) -> int:
+    if options.command == "run":
+        return _run_daemon(options)
+    from hub.inspection import commands
+
+    client = commands.connect(options.hub, options.command)
+    try:
+        if options.command == "list":
+            return commands.list_all(client, as_json=options.json)
+        if options.command == "echo":
+            return commands.echo(client, options.name, count=options.count, as_json=options.json)
+        if options.command == "rate":
+            return commands.rate(
+                client, options.name, seconds=options.seconds, as_json=options.json
+            )
+        if options.command == "send":
+            return commands.send(client, options.name, options.fields, rate_hz=options.rate)
+        return commands.query(
+            client, options.name, options.fields, timeout=options.timeout, as_json=options.json
+        )
+    finally:
+        client.close()
+
+
+def _run_daemon(options: argparse.Namespace) -> int:
+    import dataclasses
+
+    from hub.robomon.daemon import Daemon
+    from hub.robomon.table import load_robot_table
+
+    table = load_robot_table(options.robot)
+    if options.port is not None:
+        table = dataclasses.replace(
+            table, robot=dataclasses.replace(table.robot, port=options.port)
+        )
+    return Daemon(table, as_json=options.json).run(stop_with_stdin=options.stop_with_stdin)
+
+
+def _port(text: str) -> int:
+    port = int(text)
+    if not 0 <= port <= 65531:
+        raise ValueError
+    return port
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="rune-hub",
+        description="The hub on a robot: carries messages between modules and keeps them alive.",
+        epilog="Exit codes: 0 ok, 1 a fault, 2 wrong usage or robot file, 3 no hub or no answer.",
+    )
+    version = importlib.metadata.version("robot-user-nexus")
+    parser.add_argument("--version", action="version", version=f"rune-hub {version}")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+
+    run = commands.add_parser("run", help="start central and a robot's modules; Ctrl-C ends all")
+    run.add_argument("robot", help="a robot file (TOML), or the name of a shipped one: magellan")
+    run.add_argument("--port", type=_port, help="TCP port instead of the file's; 0: a free one")
+    run.add_argument("--json", action="store_true", help="say what happens as JSON lines")
+    run.add_argument("--stop-with-stdin", action="store_true", help="stop when standard input ends")
+
+    look = argparse.ArgumentParser(add_help=False)
+    look.add_argument("--hub", default=DEFAULT_ENDPOINT, help="where the hub is (%(default)s)")
+    name = argparse.ArgumentParser(add_help=False, parents=[look])
+    name.add_argument("name", help="message name; `rune-hub list` shows all")
+    fields = argparse.ArgumentParser(add_help=False, parents=[name])
+    fields.add_argument(
+        "fields", nargs="*", metavar="FIELD=VALUE", help="linear.x=0.5; fields left out are zero"
+    )
+
+    listing = commands.add_parser("list", parents=[look], help="modules and messages of a hub")
+    echo = commands.add_parser("echo", parents=[name], help="show messages as they come")
+    echo.add_argument("-n", "--count", type=int, default=0, help="end after so many")
+    rate = commands.add_parser("rate", parents=[name], help="show how often a message comes")
+    rate.add_argument("--seconds", type=float, default=0.0, help="end after so long")
+    send = commands.add_parser("send", parents=[fields], help="publish a message")
+    send.add_argument("-r", "--rate", type=float, default=0.0, help="repeat so often a second")
+    query = commands.add_parser("query", parents=[fields], help="ask, and show the answer")
+    query.add_argument("--timeout", type=float, default=2.0, help="wait so long [s]")
+    for command in (listing, echo, rate, query):
+        command.add_argument("--json", action="store_true", help="JSON, one line a message")
+    return parser

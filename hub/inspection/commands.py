@@ -1,0 +1,181 @@
+"""The commands that look into a running hub; each returns the exit code."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import os
+import sys
+import time
+from collections.abc import Sequence
+from typing import Any
+
+from hub.errors import UndefinedMessageError
+from hub.gcm.catalog import BY_NAME
+from hub.inspection import values
+from hub.ipc import control
+from hub.ipc.broadcast import Reception, decode
+from hub.ipc.client import Client
+from hub.ipc.definition import MessageDefinition
+from hub.ipc.description import from_listing
+from hub.toml_tables import nearest
+
+_ANSWER_S = 2.0
+_JOIN_S = 0.3
+"""Time in which a new publisher learns who subscribes; before that it sends to nobody [s]."""
+
+
+def connect(endpoint: str, command: str) -> Client:
+    """A connected client for one command.
+
+    Raises:
+        HubError: The endpoint is wrong, or no hub answers there.
+    """
+    client = Client(f"rune-hub-{command}-{os.getpid()}", endpoint)
+    try:
+        client.wait_connected(_ANSWER_S)
+    except BaseException:
+        client.close()
+        raise
+    return client
+
+
+def list_all(client: Client, *, as_json: bool) -> int:
+    """Show modules, messages, and what central has dropped."""
+    listing = client.listing(_ANSWER_S)
+    peers = [peer for peer in listing.peers if peer.name != client.name]
+    if as_json:
+        _put(json.dumps(values.plain(listing) | {"peers": [values.plain(peer) for peer in peers]}))
+        return 0
+    _put(f"{len(peers)} modules and consoles")
+    for peer in peers:
+        answers = f", answers {peer.handles}" if peer.handles else ""
+        _put(f"  {peer.name} (pid {peer.pid}, heard {peer.silent_s:.1f} s ago{answers})")
+    _put(f"{listing.definition_count} messages")
+    for entry in sorted(listing.definitions, key=lambda entry: entry.name):
+        length = "fixed" if from_listing(entry).fixed_length else "variable"
+        seen = f"{entry.messages} seen, {entry.bytes} bytes"
+        _put(f"  {entry.name} ({length} length, by {entry.definer}; {seen})")
+        _put(f"    {entry.format}")
+        _put(f"    {entry.fields}")
+    for count in listing.dropped:
+        _put(f"dropped: {count.reason}: {count.count}")
+    return 0
+
+
+def echo(client: Client, name: str, *, count: int, as_json: bool) -> int:
+    """Show messages as they come, until `count` were shown (0: until Ctrl-C)."""
+    definition = find(client, name)
+    shown = 0
+
+    def show(value: Any, reception: Reception) -> None:  # noqa: ANN401 - any message
+        nonlocal shown
+        shown += 1
+        _show(value, as_json=as_json, reception=reception)
+
+    client.subscribe(definition, show)
+    while count == 0 or shown < count:
+        client.listen(0.2)
+    return 0
+
+
+def rate(client: Client, name: str, *, seconds: float, as_json: bool) -> int:
+    """Show how often a message comes, each second, for `seconds` (0: until Ctrl-C)."""
+    definition = find(client, name)
+    arrivals: list[float] = []
+    ages: list[float] = []
+    missed = 0
+
+    def note(value: object, reception: Reception) -> None:
+        nonlocal missed
+        del value
+        arrivals.append(time.monotonic())
+        ages.append(reception.age)
+        missed += reception.missed
+
+    client.subscribe(definition, note)
+    end = time.monotonic() + seconds if seconds else float("inf")
+    while time.monotonic() < end:
+        _serve_for(client, min(1.0, end - time.monotonic()))
+        _put(_rate_line(name, arrivals, ages, missed, as_json=as_json))
+        del arrivals[:-1], ages[:-1]
+    return 0
+
+
+def send(client: Client, name: str, assignments: Sequence[str], *, rate_hz: float) -> int:
+    """Publish one message, or at `rate_hz` until Ctrl-C."""
+    definition = find(client, name)
+    value = values.value_from_text(definition, assignments)
+    client.define(definition)
+    client.wait_defined(_ANSWER_S)
+    _serve_for(client, _JOIN_S)
+    client.publish(definition, value)
+    if rate_hz > 0:
+        client.every(1.0 / rate_hz, lambda: client.publish(definition, value))
+        while True:
+            client.listen(0.2)
+    return 0
+
+
+def query(
+    client: Client, name: str, assignments: Sequence[str], *, timeout: float, as_json: bool
+) -> int:
+    """Ask, and show the answer."""
+    definition = find(client, name)
+    value = values.value_from_text(definition, assignments)
+    frame = client.query_frame(definition, value, timeout=timeout)
+    answer = decode(find(client, frame.name), frame)
+    _show(answer, as_json=as_json, reception=None)
+    return 0
+
+
+def find(client: Client, name: str) -> MessageDefinition[Any]:
+    """The definition of a message, from the vocabulary or from what central lists.
+
+    Raises:
+        UndefinedMessageError: Neither knows it.
+    """
+    if name in BY_NAME:
+        return BY_NAME[name]
+    listed: dict[str, control.Define] = {
+        entry.name: entry for entry in client.listing(_ANSWER_S).definitions
+    }
+    if name not in listed:
+        text = f"no message {name!r} is defined at {client.endpoint}{nearest(name, listed)}"
+        raise UndefinedMessageError(text + "; `rune-hub list` shows all")
+    return from_listing(listed[name])
+
+
+def _serve_for(client: Client, seconds: float) -> None:
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        client.listen(0.05)
+
+
+def _show(value: Any, *, as_json: bool, reception: Reception | None) -> None:  # noqa: ANN401
+    if as_json:
+        _put(json.dumps(values.plain(value)))
+        return
+    for line in values.lines(value):
+        _put(line)
+    if reception is not None:
+        _put(f"--- {reception.sequence}")
+
+
+def _rate_line(
+    name: str, arrivals: Sequence[float], ages: Sequence[float], missed: int, *, as_json: bool
+) -> str:
+    gaps = [later - earlier for earlier, later in itertools.pairwise(arrivals)]
+    hertz = len(gaps) / sum(gaps) if gaps else 0.0
+    if as_json:
+        oldest = max(ages, default=0.0)
+        return json.dumps({"name": name, "hz": hertz, "missed": missed, "oldest_s": oldest})
+    if not gaps:
+        return f"{name}: nothing comes"
+    spread = f"gaps {min(gaps) * 1e3:.1f} to {max(gaps) * 1e3:.1f} ms"
+    return f"{name}: {hertz:.1f} Hz, {spread}, oldest {max(ages) * 1e3:.1f} ms, {missed} missed"
+
+
+def _put(line: str) -> None:
+    sys.stdout.write(line + "\n")
+    sys.stdout.flush()

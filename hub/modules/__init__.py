@@ -1,0 +1,1 @@
+"""The robot's modules: one package per process, none imports another."""

@@ -1,0 +1,1 @@
+"""The seam to the hardware: wheels, range sensors, bumpers, battery."""

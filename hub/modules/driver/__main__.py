@@ -1,0 +1,73 @@
+"""The driver process: passes drive commands to the wheels and reports what the hardware says."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+
+from hub.gcm import navigation
+from hub.gcm.capability import Capability
+from hub.ipc.broadcast import Reception
+from hub.ipc.client import Client
+from hub.modules.driver.watchdog import CommandWatchdog
+from hub.robots.description import RobotDescription
+from hub.robots.registry import KINDS
+from hub.runtime import run_module
+
+_PERIOD = 0.01
+"""Time between two looks at the hardware [s]."""
+_STEPS_PER_REPORT = round(1.0 / navigation.DRIVE_STATE.rate_hz / _PERIOD)
+_LONGEST_STEP = 0.25
+"""A longer pause of the process is not simulated through [s]."""
+
+
+def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
+    """Connect the hardware to the bus."""
+    base = KINDS[robot.kind].open_base(robot)
+    watchdog = CommandWatchdog()
+    clock = time.monotonic
+    last = clock()
+    steps = 0
+
+    def report() -> None:
+        now = clock()
+        client.publish(navigation.DRIVE_STATE, base.drive_state(time.time()), measured=now)
+        truth = base.ground_truth()
+        if truth is not None:
+            client.publish(navigation.GROUND_TRUTH, truth, measured=now)
+
+    def command(twist: navigation.Twist, reception: Reception) -> None:
+        watchdog.fed(clock() - reception.age)
+        base.set_velocity(twist.linear.x, twist.angular.z)
+
+    def step() -> None:
+        nonlocal last, steps
+        now = clock()
+        if watchdog.expired(now):
+            base.set_velocity(0.0, 0.0)
+        base.advance(min(now - last, _LONGEST_STEP))
+        last = now
+        steps += 1
+        if steps % _STEPS_PER_REPORT == 0:
+            report()
+
+    def finish() -> None:
+        base.set_velocity(0.0, 0.0)
+        report()
+
+    client.subscribe(navigation.DRIVE_COMMAND, command)
+    client.define(navigation.DRIVE_STATE, navigation.GROUND_TRUTH)
+    client.every(_PERIOD, step)
+    return finish
+
+
+def main() -> int:
+    """Run the process."""
+    purpose = "Drives the robot's hardware: wheels, range sensors, bumpers, battery."
+    capabilities = (Capability.DRV_BASE, Capability.SIM_TRUTH)
+    return run_module("driver", purpose, capabilities, build)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

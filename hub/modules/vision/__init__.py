@@ -1,0 +1,1 @@
+"""Pictures on request and the pan/tilt/zoom camera."""

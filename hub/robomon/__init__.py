@@ -1,0 +1,1 @@
+"""The daemon that runs central and the robot's modules."""

@@ -1,0 +1,1 @@
+"""The robots: what hardware each kind has, and how to reach it."""

@@ -1,0 +1,95 @@
+"""The hardware part of a robot file: which kind of robot, its limits, where its hub listens."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hub import toml_tables as toml
+from hub.errors import RobotFileError
+from hub.ipc.security import DEFAULT_PORT
+
+SHIPPED = Path(__file__).parent / "files"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotDescription:
+    """What a robot file says of the robot itself.
+
+    Attributes:
+        path: The file.
+        name: The robot's name.
+        kind: Its kind; `hub.robots.registry` knows which there are.
+        port: TCP port of its central; 0 takes a free one.
+        linear_limit: Largest forward velocity [m/s].
+        angular_limit: Largest turn rate [rad/s].
+        arena: Arena of a simulated robot: a shipped name, or a path.
+        seed: Seed of the simulation.
+        modules: The tables under [modules], not yet checked.
+    """
+
+    path: Path
+    name: str
+    kind: str
+    port: int
+    linear_limit: float
+    angular_limit: float
+    arena: str
+    seed: int
+    modules: dict[str, Any]
+
+
+_TOP = {
+    "name": toml.Key(toml.text(32)),
+    "kind": toml.Key(toml.text(64)),
+}
+_TABLES = {
+    "hub": {"port": toml.Key(toml.whole_number(0, 65531), DEFAULT_PORT)},
+    "limits": {
+        "linear": toml.Key(toml.number(0.01, 3.0), 0.5, "linear_limit"),
+        "angular": toml.Key(toml.number(0.01, 6.0), 1.0, "angular_limit"),
+    },
+    "simulation": {
+        "arena": toml.Key(toml.text(200), "yellow"),
+        "seed": toml.Key(toml.whole_number(0, 2**63 - 1), 1),
+    },
+}
+
+
+def find_robot_file(name_or_path: str) -> Path:
+    """The robot file of that path, or the shipped one of that name.
+
+    Raises:
+        RobotFileError: There is neither.
+    """
+    path = Path(name_or_path)
+    if path.exists():
+        return path
+    names = sorted(file.stem for file in SHIPPED.glob("*.toml"))
+    if name_or_path in names:
+        return SHIPPED / f"{name_or_path}.toml"
+    hint = toml.nearest(name_or_path, names)
+    problem = f"there is no such file, and the robots that come with Rune are {', '.join(names)}"
+    raise RobotFileError(name_or_path, [problem + hint])
+
+
+def read_description(path: Path) -> tuple[RobotDescription, list[str]]:
+    """What the file says of the robot, and all that is wrong with it.
+
+    Raises:
+        RobotFileError: The file cannot be read or is not TOML.
+    """
+    data = toml.load(path, RobotFileError)
+    problems: list[str] = []
+    modules = data.pop("modules", {})
+    if not isinstance(modules, dict):
+        problems.append("modules has to be tables: [modules.NAME]")
+        modules = {}
+    tables = {name: data.pop(name, {}) for name in _TABLES}
+    fields = toml.read_table(_TOP, data, "top of the file", problems)
+    for name, keys in _TABLES.items():
+        fields |= toml.read_table(keys, tables[name], f"[{name}]", problems)
+    if fields["arena"].endswith(".toml"):
+        fields["arena"] = str(path.parent / fields["arena"])
+    return RobotDescription(path=path, modules=modules, **fields), problems

@@ -1,0 +1,187 @@
+"""Reading TOML files that people write: every key is checked, all mistakes are gathered.
+
+Arenas and robots are such files; each says its keys as a table of `Key`, and this file reads them.
+"""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+MAX_FILE_BYTES = 1_000_000
+
+Reader = Callable[[object], Any]
+REQUIRED: Any = object()
+
+
+class RefusedError(ValueError):
+    """A value that is not what its key wants; the text says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """One key of a table.
+
+    Attributes:
+        read: Turns what TOML gives into the value, or raises `RefusedError`.
+        default: Value where the key is absent; `REQUIRED` where it must not be.
+        field: Name of the value, if it is not the key's.
+    """
+
+    read: Reader
+    default: Any = REQUIRED
+    field: str = ""
+
+
+def number(low: float, high: float) -> Reader:
+    """A number from `low` to `high`."""
+
+    def read(value: object) -> float:
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            text = f"{shorten(value)} is not a number"
+            raise RefusedError(text)
+        # An integer of any length is valid TOML, so it is compared before it is converted.
+        if not low <= value <= high:
+            shown = repr(value) if len(repr(value)) <= 20 else "a number of many digits"
+            text = f"{shown} is not between {low:g} and {high:g}"
+            raise RefusedError(text)
+        return float(value)
+
+    return read
+
+
+def whole_number(low: int, high: int) -> Reader:
+    """A whole number from `low` to `high`."""
+    within = number(low, high)
+
+    def read(value: object) -> int:
+        if isinstance(value, float):
+            text = f"{value!r} is not a whole number"
+            raise RefusedError(text)
+        return int(within(value))
+
+    return read
+
+
+def numbers(count: int, low: float, high: float) -> Reader:
+    """A list of `count` numbers from `low` to `high`, as a tuple."""
+    one = number(low, high)
+
+    def read(value: object) -> tuple[float, ...]:
+        if not isinstance(value, list) or len(value) != count:
+            text = f"{shorten(value)} is not a list of {count} numbers"
+            raise RefusedError(text)
+        return tuple(one(item) for item in value)
+
+    return read
+
+
+def text(longest: int) -> Reader:
+    """A text of 1 to `longest` characters."""
+
+    def read(value: object) -> str:
+        if not isinstance(value, str) or not 1 <= len(value) <= longest:
+            reason = f"{shorten(value)} is not a text of 1 to {longest} characters"
+            raise RefusedError(reason)
+        return value
+
+    return read
+
+
+def texts(longest: int, most: int) -> Reader:
+    """A list of 1 to `most` texts, as a tuple."""
+    one = text(longest)
+
+    def read(value: object) -> tuple[str, ...]:
+        if not isinstance(value, list) or not 1 <= len(value) <= most:
+            reason = f"{shorten(value)} is not a list of 1 to {most} texts"
+            raise RefusedError(reason)
+        return tuple(one(item) for item in value)
+
+    return read
+
+
+def choice(names: Iterable[str] | Mapping[str, Any]) -> Reader:
+    """One of the names; what it stands for, where they are a mapping."""
+    known = dict(names) if isinstance(names, Mapping) else {name: name for name in names}
+
+    def read(value: object) -> Any:  # noqa: ANN401 - whatever the mapping holds
+        if isinstance(value, str) and value in known:
+            return known[value]
+        reason = f"{shorten(value)} is none of {', '.join(known)}{nearest(value, known)}"
+        raise RefusedError(reason)
+
+    return read
+
+
+def shorten(value: object) -> str:
+    """How a value is shown in a message."""
+    shown = repr(value)
+    return shown if len(shown) <= 40 else shown[:37] + "..."
+
+
+def nearest(value: object, known: Iterable[str]) -> str:
+    """The part of a message that names the nearest known name; empty where none is near."""
+    if not isinstance(value, str):
+        return ""
+    near = difflib.get_close_matches(value[:64], list(known), n=1, cutoff=0.5)
+    return f"; did you mean {near[0]!r}?" if near else ""
+
+
+def load(path: Path, error: Callable[[str, list[str]], Exception]) -> dict[str, Any]:
+    """What a TOML file holds.
+
+    Args:
+        path: The file.
+        error: Makes the exception from the file's name and the problems.
+
+    Raises:
+        Exception: Made by `error`: it cannot be read, is too large, or is not TOML.
+    """
+    try:
+        with path.open("rb") as file:
+            raw = file.read(MAX_FILE_BYTES + 1)
+    except (OSError, ValueError) as fault:
+        reason = getattr(fault, "strerror", None) or str(fault)
+        raise error(str(path), [f"cannot be read: {reason}"]) from fault
+    if len(raw) > MAX_FILE_BYTES:
+        raise error(str(path), [f"is larger than {MAX_FILE_BYTES} bytes"])
+    try:
+        return tomllib.loads(raw.decode())
+    except UnicodeDecodeError as fault:
+        raise error(str(path), [f"is not UTF-8 text at byte {fault.start}"]) from fault
+    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as fault:
+        raise error(str(path), [f"is not TOML: {fault}"]) from fault
+
+
+def read_table(
+    keys: Mapping[str, Key], values: object, place: str, problems: list[str]
+) -> dict[str, Any]:
+    """The values of one table by field name; what is wrong is added to `problems`.
+
+    A value that is missing and has no default is None.
+    """
+    if not isinstance(values, dict):
+        problems.append(f"{place}: {shorten(values)} is not a table")
+        values = {}
+    problems += [
+        f"{place}: unknown key {shorten(name)}{nearest(name, keys)}"
+        for name in values
+        if name not in keys
+    ]
+    fields: dict[str, Any] = {}
+    for name, key in keys.items():
+        field = key.field or name
+        fields[field] = None if key.default is REQUIRED else key.default
+        if name in values:
+            try:
+                fields[field] = key.read(values[name])
+            except RefusedError as refused:
+                problems.append(f"{place}, key '{name}': {refused}")
+        elif key.default is REQUIRED:
+            problems.append(f"{place}: key '{name}' is missing")
+    return fields
