@@ -159,19 +159,25 @@ def load(path: Path, error: Callable[[str, list[str]], Exception]) -> dict[str, 
 
 
 def read_table(
-    keys: Mapping[str, Key], values: object, place: str, problems: list[str]
+    keys: Mapping[str, Key],
+    values: object,
+    place: str,
+    problems: list[str],
+    *,
+    tables: Iterable[str] = (),
 ) -> dict[str, Any]:
     """The values of one table by field name; what is wrong is added to `problems`.
 
-    A value that is missing and has no default is None.
+    A value that is missing and has no default is None. `tables` are names that are known in this
+    place as well and read elsewhere.
     """
     if not isinstance(values, dict):
         problems.append(f"{place}: {shorten(values)} is not a table")
         values = {}
     problems += [
-        f"{place}: unknown key {shorten(name)}{nearest(name, keys)}"
+        f"{place}: unknown key {shorten(name)}{nearest(name, [*keys, *tables])}"
         for name in values
-        if name not in keys
+        if name not in keys and name not in tables
     ]
     fields: dict[str, Any] = {}
     for name, key in keys.items():

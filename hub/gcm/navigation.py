@@ -94,6 +94,7 @@ class MotionState(enum.IntEnum):
         SILENCE: Commands stopped coming while moving; stopped, waits for a neutral command.
         STOPPED: Somebody sent a stop; waits for a neutral command.
         NO_DRIVER: The driver does not report; nothing can move.
+        WAITING: Nobody has commanded yet; waits for a neutral command.
     """
 
     STANDING = 0
@@ -101,6 +102,7 @@ class MotionState(enum.IntEnum):
     SILENCE = 2
     STOPPED = 3
     NO_DRIVER = 4
+    WAITING = 5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -146,7 +148,7 @@ class RobotState:
 ROBOT_STATE = MessageDefinition(
     name="GCM_RobotState",
     format="{double,double,double,double,double,double,double,double,[float:16],[float:16],"
-    "uint,float,float,{enum:4},uint}",
+    "uint,float,float,{enum:5},uint}",
     type=RobotState,
     rate_hz=20.0,
 )

@@ -56,22 +56,16 @@ def plain(value: Any) -> Any:  # noqa: ANN401 - any value of any message
     return value
 
 
-def lines(value: Any, indent: str = "") -> Iterator[str]:  # noqa: ANN401 - any value
+def lines(value: Any) -> Iterator[str]:  # noqa: ANN401 - any value
     """The value for people: a line a field, inner fields indented."""
-    for name, member in plain(value).items():
-        if isinstance(member, dict):
-            yield f"{indent}{name}:"
-            yield from lines_of_mapping(member, indent + "  ")
-        else:
-            yield f"{indent}{name}: {_shown(member)}"
+    yield from _lines(plain(value), "")
 
 
-def lines_of_mapping(members: dict[str, Any], indent: str) -> Iterator[str]:
-    """A line for each member of an inner struct."""
+def _lines(members: dict[str, Any], indent: str) -> Iterator[str]:
     for name, member in members.items():
         if isinstance(member, dict):
             yield f"{indent}{name}:"
-            yield from lines_of_mapping(member, indent + "  ")
+            yield from _lines(member, indent + "  ")
         else:
             yield f"{indent}{name}: {_shown(member)}"
 

@@ -82,14 +82,13 @@ def read_description(path: Path) -> tuple[RobotDescription, list[str]]:
     """
     data = toml.load(path, RobotFileError)
     problems: list[str] = []
-    modules = data.pop("modules", {})
+    fields = toml.read_table(_TOP, data, "top of the file", problems, tables=[*_TABLES, "modules"])
+    for name, keys in _TABLES.items():
+        fields |= toml.read_table(keys, data.get(name, {}), f"[{name}]", problems)
+    modules = data.get("modules", {})
     if not isinstance(modules, dict):
         problems.append("modules has to be tables: [modules.NAME]")
         modules = {}
-    tables = {name: data.pop(name, {}) for name in _TABLES}
-    fields = toml.read_table(_TOP, data, "top of the file", problems)
-    for name, keys in _TABLES.items():
-        fields |= toml.read_table(keys, tables[name], f"[{name}]", problems)
     if fields["arena"].endswith(".toml"):
         fields["arena"] = str(path.parent / fields["arena"])
     return RobotDescription(path=path, modules=modules, **fields), problems

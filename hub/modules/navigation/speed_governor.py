@@ -15,6 +15,8 @@ SILENCE_S = 0.3
 DRIVER_SILENCE_S = 1.0
 """Time without a report after which the driver counts as gone [s]."""
 
+_NEUTRAL_FIRST = (MotionState.WAITING, MotionState.SILENCE, MotionState.STOPPED)
+
 
 class SpeedGovernor:
     """Decides on the velocity; every method gets the present monotonic time [s].
@@ -34,7 +36,7 @@ class SpeedGovernor:
         self._linear_limit = linear_limit
         self._angular_limit = angular_limit
         self._silence_s = silence_s
-        self._state = MotionState.STOPPED
+        self._state = MotionState.WAITING
         self._velocity = (0.0, 0.0)
         self._fresh_until = now
         self._driver_until = now
@@ -50,7 +52,7 @@ class SpeedGovernor:
             return
         neutral = linear == 0.0 and angular == 0.0
         self._expire(now)
-        if self._state in (MotionState.SILENCE, MotionState.STOPPED) and not neutral:
+        if self._state in _NEUTRAL_FIRST and not neutral:
             self.refused += 1
             return
         self._state = MotionState.STANDING if neutral else MotionState.MOVING
@@ -78,10 +80,6 @@ class SpeedGovernor:
         """What is done with commands now."""
         self._expire(now)
         return MotionState.NO_DRIVER if now >= self._driver_until else self._state
-
-    def deadline(self) -> float | None:
-        """When the velocity changes by itself, if it is going to [s]."""
-        return self._fresh_until if self._state is MotionState.MOVING else None
 
     def _expire(self, now: float) -> None:
         if now >= self._driver_until and self._state is MotionState.MOVING:

@@ -23,4 +23,4 @@ def prepare(pixels: npt.NDArray[np.uint8], kind: ImageKind) -> npt.NDArray[np.ui
     """
     if kind is ImageKind.COLOUR:
         return pixels
-    return (pixels @ _GREY_WEIGHTS >> 8).astype(np.uint8)
+    return (pixels @ _GREY_WEIGHTS + 128 >> 8).astype(np.uint8)

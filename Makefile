@@ -1,0 +1,50 @@
+# Every target sets up .venv by itself; nothing else is needed but Python 3.11, make and git.
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
+BIN := .venv/bin
+READY := .venv/ready
+ONLY ?= *
+
+.PHONY: demo test check fix bench soak setup lock clean
+
+demo: $(READY)  ## open the console on a simulated robot
+	@$(BIN)/rune demo
+
+test: $(READY)  ## run the tests
+	$(BIN)/pytest
+
+check: $(READY)  ## everything CI asks for; changes no file
+	$(BIN)/ruff format --check
+	$(BIN)/ruff check
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/pytest
+
+fix: $(READY)  ## format, and mend what the linter can
+	$(BIN)/ruff format
+	$(BIN)/ruff check --fix
+
+bench: $(READY)  ## every figure, or one script's with ONLY=sim
+	@for script in benchmarks/$(ONLY).py; do \
+		if [ $$script != benchmarks/figures.py ]; then $(BIN)/python $$script || exit 1; fi; done
+
+soak: $(READY)  ## the tests that run for minutes
+	$(BIN)/pytest -m soak --timeout 1800
+
+setup: $(READY)
+
+$(READY): requirements.lock pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo "Rune needs Python 3.11 or newer: make PYTHON=/path/to/python3.11"; exit 2; }
+	@echo "setting up .venv (once)"
+	@$(PYTHON) -m venv .venv
+	@$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	@$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+lock:  ## choose versions anew within the bounds of pyproject.toml; needs uv
+	uv pip compile pyproject.toml --extra console --group dev --universal --python-version 3.11 \
+		--generate-hashes --no-emit-index-url --custom-compile-command "make lock" \
+		--upgrade --quiet -o requirements.lock
+
+clean:
+	rm -rf .venv

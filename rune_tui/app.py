@@ -1,0 +1,142 @@
+"""The running console: starts the links, and connects the way up and the way down.
+
+Nothing here decides anything: what is drawn is up to `view`, what keys mean is up to `dispatch`.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import signal
+import time
+from collections.abc import Iterable, Mapping
+
+from textual import events
+from textual.app import App, ComposeResult
+
+from rune_tui.controls.events import ControlEvent
+from rune_tui.controls.keyboard import KeyboardHold, name_of_key
+from rune_tui.dispatch import Dispatch
+from rune_tui.layout.spec import LayoutSpec
+from rune_tui.link.robot_link import RobotLink
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.effects import Effect, QuitEffect
+from rune_tui.ui.terminal import output_is_pending
+from rune_tui.ui.view_pane import ViewPane
+from rune_tui.view import View
+
+_FRAME_S = 1.0 / 30.0
+_TICK_S = 0.05
+_EMERGENCY_KEY = "ctrl+c"
+
+
+class Console(App[None], inherit_bindings=False):
+    """The console on a terminal."""
+
+    ENABLE_COMMAND_PALETTE = False
+    CSS = "Screen { layers: view; overflow: hidden; }"
+
+    def __init__(self, layout: LayoutSpec, links: Mapping[str, RobotLink]) -> None:
+        """Prepare.
+
+        Args:
+            layout: What is shown, and what keys do.
+            links: A connection for each robot of the layout, not yet started.
+        """
+        super().__init__()
+        self.title = f"Rune {layout.path}"
+        self._layout_spec = layout
+        self._links = links
+        self._view = View(layout.view)
+        self._dispatch = Dispatch(layout)
+        self._keyboard = KeyboardHold()
+        self._pane = ViewPane()
+
+    def compose(self) -> ComposeResult:
+        """One pane for everything: the layout says what is in it."""
+        yield self._pane
+
+    def run_to_end(self) -> int:
+        """Run; the robots are told to stand and the links are closed however it ends.
+
+        Returns:
+            The exit code.
+        """
+        for link in self._links.values():
+            link.start()
+        try:
+            self.run()
+        finally:
+            self._let_go()
+            for link in self._links.values():
+                link.close()
+        return self.return_code or 0
+
+    def on_mount(self) -> None:
+        """Start the clocks, and end in order when the system asks."""
+        loop = asyncio.get_running_loop()
+        for name in ("SIGTERM", "SIGHUP"):
+            # Where signals cannot be handled (Windows, tests in a thread), they end the process
+            # as they always do, and the robot stops by itself.
+            with contextlib.suppress(AttributeError, NotImplementedError, ValueError, RuntimeError):
+                loop.add_signal_handler(getattr(signal, name), self.exit)
+        self.set_interval(_FRAME_S, self._draw)
+        self.set_interval(_TICK_S, self._tick)
+
+    def on_resize(self, event: events.Resize) -> None:
+        """Follow the terminal's size; from now on, ask for no larger pictures than it shows."""
+        self._view.resize(event.size.width, event.size.height)
+        sizes = self._view.picture_sizes()
+        for name, link in self._links.items():
+            link.want_pictures(sizes.get(name))
+        self._draw()
+
+    def on_key(self, event: events.Key) -> None:
+        """A key went down or repeats."""
+        event.stop()
+        event.prevent_default()
+        key = name_of_key(event.key, event.character)
+        if key == _EMERGENCY_KEY:
+            self.exit()  # whatever the layout says, there is a way out
+        self._handle(self._keyboard.press(key, time.monotonic()))
+
+    def on_app_blur(self) -> None:
+        """Keys can go up unseen while the terminal is not in front: let go of all."""
+        self._let_go()
+
+    def _tick(self) -> None:
+        self._handle(self._keyboard.expire(time.monotonic()))
+        self._execute(self._dispatch.tick(self._state()))
+
+    def _draw(self) -> None:
+        if output_is_pending(self):
+            return
+        robots = {name: link.state for name, link in self._links.items()}
+        cells = self._view.render(robots, self._state())
+        if cells is not None:
+            self._pane.show(cells)
+        for name, robot in robots.items():
+            if robot.picture is not None:
+                self._links[name].shown(robot.picture.number)
+
+    def _handle(self, control_events: Iterable[ControlEvent]) -> None:
+        for event in control_events:
+            self._execute(self._dispatch.handle(event, self._state()))
+
+    def _let_go(self) -> None:
+        self._keyboard.release_all()
+        self._execute(self._dispatch.released(self._state()))
+
+    def _execute(self, effects: Iterable[Effect]) -> None:
+        for effect in effects:
+            if isinstance(effect, QuitEffect):
+                self.exit()
+            else:
+                self._links[effect.robot].send(effect.definition, effect.value)
+
+    def _state(self) -> ConsoleState:
+        return ConsoleState(
+            now=time.monotonic(),
+            held=self._keyboard.held,
+            run_number=self._layout_spec.run_number,
+        )

@@ -1,0 +1,220 @@
+"""`rune`: arguments, errors in one sentence, exit codes."""
+
+from __future__ import annotations
+
+import argparse
+import enum
+import importlib.metadata
+import logging
+import logging.handlers
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rune_tui.errors import ConsoleError
+
+if TYPE_CHECKING:
+    from rune_tui.layout.spec import LayoutSpec
+    from rune_tui.link.robot_link import RobotLink
+
+_DEMO_LAYOUT = "demo"
+_DEMO_ROBOT = "magellan"
+_PICTURE_ENDINGS = (".txt", ".svg", ".png")
+_LOG_BYTES = 1_000_000
+
+
+class ExitCode(enum.IntEnum):
+    """How a command ends."""
+
+    OK = 0
+    FAULT = 1
+    USAGE = 2
+    NO_HUB = 3
+
+
+class _UsageError(ConsoleError):
+    """The command cannot be carried out as it was given."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run `rune`; returns the exit code."""
+    from hub.errors import HubError
+
+    options = _parser().parse_args(arguments)
+    commands = {"run": _run, "demo": _demo, "check": _check, "shot": _shot}
+    try:
+        return commands[options.command](options)
+    except KeyboardInterrupt:
+        return ExitCode.OK
+    except (ConsoleError, HubError) as error:
+        sys.stderr.write(f"rune: {error}\n")
+        return ExitCode.USAGE
+
+
+def _run(options: argparse.Namespace) -> int:
+    _need_terminal()
+    layout = _load(options.layout)
+    links = _links(layout, _endpoint(options.hub))
+    _log_to_file()
+    return _console(layout, links)
+
+
+def _demo(options: argparse.Namespace) -> int:
+    from rune_tui.demo import DemoHub
+
+    _need_terminal()
+    with DemoHub(_DEMO_ROBOT, _log_to_file()) as hub:
+        import rune_tui.app  # noqa: F401 - loaded while the hub starts
+
+        layout = _load(options.layout)
+        return _console(layout, _links(layout, hub.endpoint()))
+
+
+def _check(options: argparse.Namespace) -> int:
+    from rune_tui.errors import LayoutError
+    from rune_tui.layout.loader import load_layout
+
+    code = ExitCode.OK
+    for path in options.layouts:
+        try:
+            load_layout(path)
+        except LayoutError as error:
+            sys.stderr.write(f"{error}\n")
+            code = ExitCode.USAGE
+        else:
+            sys.stdout.write(f"{path}: ok\n")
+    return code
+
+
+def _shot(options: argparse.Namespace) -> int:
+    from contextlib import ExitStack
+
+    from rune_tui import shot
+    from rune_tui.demo import DemoHub
+
+    path: Path = options.output
+    if path.suffix not in _PICTURE_ENDINGS:
+        text = f"{path}: the name has to end in one of {', '.join(_PICTURE_ENDINGS)}"
+        raise _UsageError(text)
+    layout = _load(options.layout)
+    with ExitStack() as stack:
+        hub = _endpoint(options.hub)
+        if options.demo:
+            hub = stack.enter_context(DemoHub(_DEMO_ROBOT, _log_to_file())).endpoint()
+        answered = shot.take(
+            layout, _links(layout, hub), size=options.size, seconds=options.seconds, path=path
+        )
+    if answered:
+        return ExitCode.OK
+    sys.stderr.write(f"rune: no hub answered, {path} shows that; is rune-hub running?\n")
+    return ExitCode.NO_HUB
+
+
+def _console(layout: LayoutSpec, links: dict[str, RobotLink]) -> int:
+    from rune_tui.app import Console
+
+    return Console(layout, links).run_to_end()
+
+
+def _load(name_or_path: str) -> LayoutSpec:
+    """The layout file of that path, or the shipped layout of that name."""
+    from rune_tui.layout.loader import load_layout
+
+    path = Path(name_or_path)
+    if not path.exists() and path.suffix == "":
+        here = Path(__file__).parent
+        for folder in (here / "layouts", here.parent / "layouts"):
+            if (folder / f"{name_or_path}.xml").is_file():
+                return load_layout(folder / f"{name_or_path}.xml")
+    return load_layout(path)
+
+
+def _links(layout: LayoutSpec, hub: str) -> dict[str, RobotLink]:
+    from rune_tui.link.robot_link import RobotLink
+
+    if hub and len(layout.robots) > 1:
+        text = f"{layout.path} names {len(layout.robots)} robots; one --hub cannot be for all"
+        raise _UsageError(text)
+    return {robot.name: RobotLink(robot, hub) for robot in layout.robots}
+
+
+def _endpoint(hub: str) -> str:
+    """HOST, HOST:PORT or a whole endpoint as an endpoint; empty stays empty."""
+    if not hub or "://" in hub:
+        return hub
+    return f"tcp://{hub}" if ":" in hub else f"tcp://{hub}:1381"
+
+
+def _need_terminal() -> None:
+    if not (sys.stdin.isatty() and sys.stderr.isatty()):
+        text = "this needs a terminal; without one, `rune shot` draws a picture into a file"
+        raise _UsageError(text)
+
+
+def _log_to_file() -> Path:
+    """Send the log to the user's log folder, away from the picture; the file."""
+    import platformdirs
+
+    folder = Path(platformdirs.user_log_dir("rune", appauthor=False))
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        path = folder / "rune.log"
+        handler = logging.handlers.RotatingFileHandler(
+            path, maxBytes=_LOG_BYTES, backupCount=2, encoding="utf-8"
+        )
+    except OSError as error:
+        text = f"the log cannot be written: {error}"
+        raise _UsageError(text) from error
+    handler.setFormatter(logging.Formatter("%(asctime)s console %(levelname)s %(message)s"))
+    logging.basicConfig(level=logging.INFO, handlers=[handler])
+    return path
+
+
+def _size(text: str) -> tuple[int, int]:
+    columns, _, rows = text.partition("x")
+    size = int(columns), int(rows)
+    if not (1 <= size[0] <= 1000 and 1 <= size[1] <= 1000):
+        raise ValueError
+    return size
+
+
+def _seconds(text: str) -> float:
+    seconds = float(text)
+    if not 0.0 <= seconds <= 3600.0:
+        raise ValueError
+    return seconds
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="rune",
+        description="Rune, the Robot-User Nexus: drive robots from a terminal.",
+        epilog="Exit codes: 0 ok, 1 a fault, 2 wrong usage or layout, 3 no hub.",
+    )
+    version = importlib.metadata.version("robot-user-nexus")
+    parser.add_argument("--version", action="version", version=f"rune {version}")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    hub_help = "HOST, HOST:PORT or tcp://HOST:PORT instead of the layout's hub"
+
+    run = commands.add_parser("run", help="open the console with a layout")
+    run.add_argument("layout", help="a layout file, or the name of a shipped layout")
+    run.add_argument("--hub", default="", help=hub_help)
+
+    demo = commands.add_parser("demo", help="open the console on a simulated robot")
+    demo.add_argument("layout", nargs="?", default=_DEMO_LAYOUT, help="default: %(default)s")
+
+    check = commands.add_parser("check", help="report all that is wrong with layout files")
+    check.add_argument("layouts", nargs="+", metavar="LAYOUT", help="layout files")
+
+    shot = commands.add_parser("shot", help="draw a picture of a layout without a terminal")
+    shot.add_argument("layout", help="a layout file, or the name of a shipped layout")
+    shot.add_argument("-o", "--output", type=Path, required=True, help="FILE.txt, .svg or .png")
+    shot.add_argument(
+        "--size", type=_size, default=(120, 40), metavar="COLUMNSxROWS", help="default: 120x40"
+    )
+    shot.add_argument("--seconds", type=_seconds, default=3.0, help="watch so long (%(default)s)")
+    source = shot.add_mutually_exclusive_group()
+    source.add_argument("--hub", default="", help=hub_help)
+    source.add_argument("--demo", action="store_true", help="on a simulated robot of its own")
+    return parser

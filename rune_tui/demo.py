@@ -1,0 +1,92 @@
+"""The hub of `rune demo`: a simulated robot as a process of its own, on free loopback ports."""
+
+from __future__ import annotations
+
+import json
+import selectors
+import subprocess
+import sys
+import time
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from rune_tui.errors import DemoError
+
+_START_S = 10.0
+_STOP_S = 8.0
+
+
+class DemoHub:
+    """`rune-hub run` of a shipped robot; it ends with this process, however that ends."""
+
+    def __init__(self, robot: str, log: Path) -> None:
+        """Start the process; it goes on starting while the console does.
+
+        Args:
+            robot: Name of a shipped robot.
+            log: File for what the hub logs.
+
+        Raises:
+            DemoError: The process cannot be started.
+        """
+        self._log = log
+        command = [sys.executable, "-m", "hub", "run", robot, "--port", "0", "--json"]
+        try:
+            with log.open("ab") as file:
+                self._process = subprocess.Popen(
+                    [*command, "--stop-with-stdin"],
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    stderr=file,
+                    process_group=0,
+                )
+        except OSError as error:
+            text = f"the demo's hub cannot be started: {error}"
+            raise DemoError(text) from error
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def endpoint(self) -> str:
+        """Where it listens, as soon as it does.
+
+        Raises:
+            DemoError: It ended, or takes too long.
+        """
+        pipe = self._process.stdout
+        if pipe is None:
+            text = "the demo's hub has no output"
+            raise DemoError(text)
+        deadline = time.monotonic() + _START_S
+        with selectors.DefaultSelector() as selector:
+            selector.register(pipe, selectors.EVENT_READ)
+            while selector.select(max(0.0, deadline - time.monotonic())):
+                line = pipe.readline()
+                if not line:
+                    break
+                said = json.loads(line)
+                if said["event"] == "listening":
+                    return str(said["hub"])
+        text = f"the demo's hub did not start; {self._log} says why"
+        raise DemoError(text)
+
+    def close(self) -> None:
+        """End it and all its modules."""
+        if self._process.stdin is not None:
+            self._process.stdin.close()
+        try:
+            self._process.wait(_STOP_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        if self._process.stdout is not None:
+            self._process.stdout.close()

@@ -1,0 +1,59 @@
+"""Every error the console raises on purpose.
+
+    ConsoleError
+    ├── LayoutError (ValueError)        a layout file with mistakes, all of them listed
+    ├── DemoError (RuntimeError)        the demo's hub did not come up
+    └── PictureFileError (OSError)      `rune shot` cannot write its file
+
+A lost hub, a lost joystick and a stale picture are no errors but drawn states.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+class ConsoleError(Exception):
+    """Root of the console's errors."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, order=True)
+class LayoutProblem:
+    """One mistake in a layout file.
+
+    Attributes:
+        path: The file as the operator named it.
+        line: Line, counted from 1; 0 when the file as a whole is meant.
+        column: Column, counted from 1; 0 when it is not known.
+        message: What is wrong, the nearest known name, what is allowed.
+    """
+
+    path: str
+    line: int
+    column: int
+    message: str
+
+    def __str__(self) -> str:
+        place = ":".join(str(part) for part in (self.path, self.line, self.column) if part)
+        return f"{place}: {self.message}"
+
+
+class LayoutError(ConsoleError, ValueError):
+    """A layout file with mistakes.
+
+    Attributes:
+        problems: All mistakes found, in file order.
+    """
+
+    def __init__(self, problems: Sequence[LayoutProblem]) -> None:
+        self.problems = tuple(sorted(problems))
+        super().__init__("\n".join(map(str, self.problems)))
+
+
+class DemoError(ConsoleError, RuntimeError):
+    """The demo's hub did not come up."""
+
+
+class PictureFileError(ConsoleError, OSError):
+    """A picture file that cannot be written."""

@@ -1,0 +1,1 @@
+"""The connection to each robot's hub."""

@@ -1,0 +1,1 @@
+"""What the console knows, and the geometry between picture and world."""

@@ -1,0 +1,68 @@
+"""`rune shot`: the picture of a layout, drawn without a terminal."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from pathlib import Path
+
+from rune_tui.compositor import picture
+from rune_tui.errors import PictureFileError
+from rune_tui.layout.spec import LayoutSpec
+from rune_tui.link.robot_link import RobotLink
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import LinkPhase
+from rune_tui.view import View
+
+_LOOK_S = 0.02
+
+
+def take(
+    layout: LayoutSpec,
+    links: Mapping[str, RobotLink],
+    *,
+    size: tuple[int, int],
+    seconds: float,
+    path: Path,
+) -> bool:
+    """Watch the robots for a while, then write what the console would show.
+
+    Args:
+        layout: What is shown.
+        links: A connection for each robot, not yet started.
+        size: Columns and rows of the terminal [cells].
+        seconds: How long to watch [s].
+        path: File to write; its ending says what: .txt, .svg or .png.
+
+    Returns:
+        Whether every robot's hub answered.
+
+    Raises:
+        PictureFileError: The file cannot be written.
+    """
+    view = View(layout.view)
+    view.resize(*size)
+    sizes = view.picture_sizes()
+    for name, link in links.items():
+        link.want_pictures(sizes.get(name))
+        link.start()
+    try:
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            for link in links.values():
+                if link.state.picture is not None:
+                    link.shown(link.state.picture.number)
+            time.sleep(_LOOK_S)
+        robots = {name: link.state for name, link in links.items()}
+        state = ConsoleState(now=time.monotonic(), run_number=layout.run_number)
+        cells = view.render(robots, state)
+    finally:
+        for link in links.values():
+            link.close()
+    if cells is not None:
+        try:
+            picture.save(cells, path)
+        except OSError as error:
+            text = f"{path} cannot be written: {error.strerror or error}"
+            raise PictureFileError(text) from error
+    return all(robot.link.phase is LinkPhase.CONNECTED for robot in robots.values())

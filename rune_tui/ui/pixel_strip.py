@@ -1,0 +1,111 @@
+"""A row of the picture as Textual knows rows: encoded once for the terminal, segments on demand.
+
+Textual styles and encodes every cell of a row by itself, which takes 200 ms a frame of video. A
+`PixelStrip` brings its bytes along; segments are only made when something asks for them, such as a
+screenshot or a pane that covers part of the row. This file and `terminal.py` are where private API
+of Textual is touched.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from rich.color import Color as RichColor
+from rich.console import Console
+from rich.segment import Segment
+from rich.style import Style
+from textual.color import Color
+from textual.filter import LineFilter
+from textual.strip import Strip
+
+from rune_tui.compositor.ansi import RowEncoder
+from rune_tui.compositor.cells import Cells
+
+_UPPER_HALF = "▀"
+
+
+class PixelStrip(Strip):
+    """Columns `start` to `end` of one row of cells."""
+
+    __slots__ = ["_cells", "_end", "_made", "_row", "_start"]
+
+    def __init__(
+        self, cells: Cells, row: int, start: int, end: int, encoded: str | None = None
+    ) -> None:
+        self._made: list[Segment] | None = None
+        super().__init__((), end - start)
+        self._cells, self._row, self._start, self._end = cells, row, start, end
+        self._cell_count = end - start
+        self._render_cache = encoded
+
+    # Shadows the slot of Strip, to make segments on demand.
+    @property
+    def _segments(self) -> list[Segment]:
+        if self._made is None:
+            self._made = segments(self._cells, self._row, self._start, self._end)
+        return self._made
+
+    @_segments.setter
+    def _segments(self, value: list[Segment]) -> None:
+        del value  # Strip's constructor sets none
+
+    def __bool__(self) -> bool:
+        return True
+
+    def __len__(self) -> int:
+        return self._end - self._start
+
+    def render(self, console: Console) -> str:
+        """The row's bytes for the terminal."""
+        del console
+        if self._render_cache is None:
+            part = part_of(self._cells, self._row, self._start, self._end)
+            self._render_cache = RowEncoder().encode_text(part)[0]
+        return self._render_cache
+
+    def crop(self, start: int, end: int | None = None) -> Strip:
+        """Part of the row."""
+        width = self._end - self._start
+        first = max(0, start)
+        last = width if end is None else min(end, width)
+        if first == 0 and last == width:
+            return self
+        if last <= first:
+            return Strip([], 0)
+        return PixelStrip(self._cells, self._row, self._start + first, self._start + last)
+
+    def divide(self, cuts: Iterable[int]) -> Sequence[Strip]:
+        """The row in pieces that end at the cuts."""
+        pieces, first = [], 0
+        for cut in cuts:
+            pieces.append(self.crop(first, cut))
+            first = cut
+        return pieces
+
+    def apply_filter(self, filter: LineFilter, background: Color) -> Strip:  # noqa: A002
+        """Unchanged: filters are for styles, these are a camera's colours."""
+        del filter, background
+        return self
+
+
+def part_of(cells: Cells, row: int, start: int, end: int) -> Cells:
+    """One row's columns `start` to `end`, as a frame of its own."""
+    return Cells(
+        pixels=cells.pixels[2 * row : 2 * row + 2, start:end],
+        glyphs=cells.glyphs[row : row + 1, start:end],
+        ink=cells.ink[row : row + 1, start:end],
+    )
+
+
+def segments(cells: Cells, row: int, start: int, end: int) -> list[Segment]:
+    """The cells as Rich segments, one each; slow, for screenshots."""
+    made = []
+    for column in range(start, end):
+        upper, lower = cells.pixels[2 * row : 2 * row + 2, column, :3].astype(int)
+        glyph = int(cells.glyphs[row, column])
+        ink, ground = upper, lower
+        if glyph:
+            ink, ground = cells.ink[row, column, :3], (upper + lower + 1) // 2
+        style = Style(color=RichColor.from_rgb(*ink), bgcolor=RichColor.from_rgb(*ground))
+        made.append(Segment(chr(glyph) if glyph else _UPPER_HALF, style))
+    return made

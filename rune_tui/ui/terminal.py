@@ -1,0 +1,18 @@
+"""How far the terminal is behind with what it was sent."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from textual.app import App
+
+
+def output_is_pending(app: App[Any]) -> bool:
+    """Whether the terminal has not yet taken what was drawn before.
+
+    Textual writes in a thread, from a queue that holds 30 pieces and then blocks the whole console.
+    Drawing only while that queue is empty keeps the console alive when the terminal is slow or has
+    stopped reading, and what it shows next is the newest frame.
+    """
+    writer = getattr(app._driver, "_writer_thread", None)  # noqa: SLF001 - no public way to ask
+    return writer is not None and writer._queue.qsize() > 0  # noqa: SLF001 - as above

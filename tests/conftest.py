@@ -1,0 +1,42 @@
+"""Fixtures for every test: nothing of the developer's own, nothing left behind."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import psutil
+import pytest
+
+from tests.waiting import until
+
+
+@pytest.fixture(autouse=True)
+def own_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Logs and sockets go into the test's own folder."""
+    for variable in ("XDG_STATE_HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME"):
+        monkeypatch.setenv(variable, str(tmp_path / variable.lower()))
+    monkeypatch.delenv("XDG_RUNTIME_DIR", raising=False)
+
+
+@pytest.fixture(autouse=True)
+def nothing_left_behind() -> Iterator[None]:
+    """A test that leaves threads or processes of ours behind fails."""
+    threads = set(threading.enumerate())
+    children = {child.pid for child in psutil.Process().children(recursive=True)}
+    yield
+
+    def left() -> list[str]:
+        running = [
+            f"process {child.pid}: {child.name()}"
+            for child in psutil.Process().children(recursive=True)
+            if child.pid not in children
+        ]
+        return running + [
+            f"thread {thread.name}"
+            for thread in set(threading.enumerate()) - threads
+            if not thread.name.startswith(("asyncio_", "textual-", "pymonitor"))
+        ]
+
+    until(lambda: not left(), 5.0, lambda: f"left behind: {left()}")

@@ -1,0 +1,90 @@
+"""Robot files: what they say, and every mistake at once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from hub.errors import RobotFileError
+from hub.robomon.table import load_robot_table
+from hub.robots.description import SHIPPED
+
+GOOD = (SHIPPED / "magellan.toml").read_text()
+
+
+def problems_of(folder: Path, text: str) -> list[str]:
+    path = folder / "robot.toml"
+    path.write_text(text)
+    with pytest.raises(RobotFileError) as caught:
+        load_robot_table(str(path))
+    assert all(line.startswith(f"{path}: ") for line in str(caught.value).splitlines())
+    return list(caught.value.problems)
+
+
+def test_shipped_robot_has_driver_navigation_and_vision() -> None:
+    table = load_robot_table("magellan")
+    assert [module.name for module in table.modules] == ["driver", "navigation", "vision"]
+    assert table.robot.port == 1381
+    assert table.robot.linear_limit == 0.5
+
+
+def test_arena_of_one_s_own_lies_beside_the_robot_file(tmp_path: Path) -> None:
+    import hub.sim
+
+    shipped = Path(hub.sim.__file__).parent / "arenas" / "empty.toml"
+    (tmp_path / "mine.toml").write_text(shipped.read_text())
+    robot = tmp_path / "robot.toml"
+    robot.write_text(GOOD.replace('arena = "yellow"', 'arena = "mine.toml"'))
+    assert load_robot_table(str(robot)).robot.arena == str(tmp_path / "mine.toml")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('name = "magellan"\n', "", "top of the file: key 'name' is missing"),
+        ('"simulated-magellan"', '"simulated-magelan"', "did you mean 'simulated-magellan'?"),
+        ("port = 1381", "port = 70000", "[hub], key 'port': 70000 is not between 0 and 65531"),
+        ("port = 1381", "prot = 1381", "[hub]: unknown key 'prot'; did you mean 'port'?"),
+        ("linear = 0.5", 'linear = "fast"', "[limits], key 'linear': 'fast' is not a number"),
+        ("linear = 0.5", "linear = nan", "[limits], key 'linear': nan is not between"),
+        ('arena = "yellow"', 'arena = "yelow"', "yellow"),
+        ("seed = 1 ", "seed = 1.5 ", "1.5 is not a whole number"),
+        ('run = "hub.modules.vision"', "", "[modules.vision]: give either 'run'"),
+        ("hub.modules.vision", "hub.modules.sight", "no Python module 'hub.modules.sight'"),
+        ("[modules.vision]", "[[modules.vision]]", "[modules.vision]: "),
+        ("[simulation]", "[simulator]", "unknown key 'simulator'; did you mean 'simulation'?"),
+    ],
+)
+def test_a_mistake_is_named_with_its_place(tmp_path: Path, old: str, new: str, said: str) -> None:
+    assert old in GOOD
+    assert any(said in problem for problem in problems_of(tmp_path, GOOD.replace(old, new)))
+
+
+def test_all_mistakes_are_reported_at_once(tmp_path: Path) -> None:
+    text = GOOD.replace("1381", "-1").replace("seed", "sead").replace("0.5", "500")
+    assert len(problems_of(tmp_path, text)) == 3
+
+
+def test_not_toml_and_no_file(tmp_path: Path) -> None:
+    assert "is not TOML" in problems_of(tmp_path, "name = ")[0]
+    with pytest.raises(RobotFileError, match="did you mean 'magellan'"):
+        load_robot_table("magelan")
+    with pytest.raises(RobotFileError, match="cannot be read"):
+        load_robot_table(str(tmp_path))
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=150)
+@given(st.data())
+def test_no_bytes_raise_anything_but_our_error(tmp_path: Path, data: st.DataObject) -> None:
+    raw = bytearray(GOOD.encode())
+    for _ in range(data.draw(st.integers(1, 6))):
+        raw[data.draw(st.integers(0, len(raw) - 1))] = data.draw(st.integers(0, 255))
+    path = tmp_path / "robot.toml"
+    path.write_bytes(raw)
+    try:
+        load_robot_table(str(path))
+    except RobotFileError as error:
+        assert error.problems

@@ -1,0 +1,223 @@
+"""Real processes for system tests and benchmarks: a hub, and a console on a pseudo-terminal."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import pty
+import selectors
+import signal
+import struct
+import subprocess
+import sys
+import termios
+import time
+from collections import deque
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pyte
+
+from hub.gcm import navigation
+from hub.ipc.broadcast import Reception
+from hub.ipc.client import Client
+from hub.ipc.definition import MessageDefinition
+from tests.waiting import until
+
+ROBOT_FILE = """
+name = "magellan"
+kind = "simulated-magellan"
+[hub]
+port = 0
+[simulation]
+arena = "{arena}"
+seed = 7
+[modules.driver]
+run = "hub.modules.driver"
+[modules.navigation]
+run = "hub.modules.navigation"
+{restart}
+[modules.vision]
+run = "hub.modules.vision"
+"""
+
+
+class HubProcess:
+    """`rune-hub run`, from start to end."""
+
+    def __init__(self, folder: Path, *, arena: str = "empty", restart: str = "") -> None:
+        robot = folder / "robot.toml"
+        robot.write_text(ROBOT_FILE.format(arena=arena, restart=restart))
+        self.log = folder / "hub.log"
+        with self.log.open("wb") as log:
+            self.process = subprocess.Popen(
+                [sys.executable, "-m", "hub", "run", str(robot), "--json", "--stop-with-stdin"],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=log,
+            )
+        self.endpoint = self._said("listening")["hub"]
+        self.pids: dict[str, int] = self._said("ready")["pids"]
+
+    def _said(self, event: str) -> dict[str, Any]:
+        pipe = self.process.stdout
+        assert pipe is not None
+        with selectors.DefaultSelector() as selector:
+            selector.register(pipe, selectors.EVENT_READ)
+            while selector.select(20.0):
+                line = pipe.readline()
+                assert line, f"the hub ended: {self.log.read_text()}"
+                said: dict[str, Any] = json.loads(line)
+                if said["event"] == event:
+                    return said
+        raise AssertionError(f"the hub never said {event}: {self.log.read_text()}")
+
+    def close(self) -> None:
+        """Stop it as the demo does."""
+        if self.process.stdin is not None:
+            self.process.stdin.close()
+        self.process.wait(15.0)
+        if self.process.stdout is not None:
+            self.process.stdout.close()
+
+
+class Observer:
+    """A client that remembers messages with the time they came."""
+
+    def __init__(self, endpoint: str, *definitions: MessageDefinition[Any]) -> None:
+        self.client = Client(f"observer-{os.getpid()}-{id(self)}", endpoint)
+        self.seen: dict[str, deque[tuple[float, Any]]] = {}
+        self.client.wait_connected(5.0)
+        for definition in definitions or (navigation.GROUND_TRUTH,):
+            history: deque[tuple[float, Any]] = deque(maxlen=100_000)
+            self.seen[definition.name] = history
+
+            def remember(
+                value: Any, reception: Reception, history: deque[tuple[float, Any]] = history
+            ) -> None:
+                history.append((reception.measured, value))
+
+            self.client.subscribe(definition, remember)
+        self.wait(lambda: all(self.seen.values()), 10.0)
+
+    @property
+    def truth(self) -> navigation.GroundTruth:
+        """Where the robot really is now."""
+        self.client.listen(0.0)
+        newest: navigation.GroundTruth = self.history[-1][1]
+        return newest
+
+    @property
+    def history(self) -> deque[tuple[float, Any]]:
+        """Ground truth with times on this process's monotonic clock."""
+        return self.seen[navigation.GROUND_TRUTH.name]
+
+    def wait(self, condition: Any, timeout: float, why: str = "it did not happen") -> None:
+        until(condition, timeout, why, meanwhile=lambda: self.client.listen(0.01))
+
+    def close(self) -> None:
+        self.client.close()
+
+
+class ConsoleProcess:
+    """`rune ...` on a pseudo-terminal, with a terminal emulator that eats what it writes."""
+
+    def __init__(
+        self,
+        arguments: Sequence[str],
+        *,
+        columns: int = 100,
+        rows: int = 30,
+        environment: dict[str, str] | None = None,
+    ) -> None:
+        self.started = time.monotonic()
+        self.screen = pyte.Screen(columns, rows)
+        self._stream = pyte.ByteStream(self.screen)
+        self.output_bytes = 0
+        self.terminal, inner = pty.openpty()
+        fcntl.ioctl(inner, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "rune_tui", *arguments],
+            stdin=inner,
+            stdout=inner,
+            stderr=inner,
+            start_new_session=True,
+            preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
+            env={**os.environ, "TERM": "xterm-256color", **(environment or {})},
+        )
+        os.close(inner)
+        os.set_blocking(self.terminal, False)
+
+    def type(self, keys: str) -> None:
+        """Press keys."""
+        os.write(self.terminal, keys.encode())
+
+    def pump(self, seconds: float = 0.02) -> None:
+        """Read what the console writes for a while."""
+        end = time.monotonic() + seconds
+        with selectors.DefaultSelector() as selector:
+            selector.register(self.terminal, selectors.EVENT_READ)
+            while (left := end - time.monotonic()) > 0:
+                if not selector.select(left):
+                    return
+                try:
+                    data = os.read(self.terminal, 1 << 16)
+                except OSError:  # the console closed its end
+                    return
+                self.output_bytes += len(data)
+                self._stream.feed(data)
+
+    def hold(self, keys: str, seconds: float, *, every: float = 0.033) -> None:
+        """Keep a key down as a terminal shows it: a press and repeats."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.type(keys)
+            self.pump(every)
+
+    @property
+    def text(self) -> str:
+        """What is written on the screen."""
+        return "\n".join(self.screen.display)
+
+    def colours(self) -> dict[tuple[int, int], tuple[str, str]]:
+        """Foreground and background of every cell."""
+        return {
+            (row, column): (cell.fg, cell.bg)
+            for row, line in self.screen.buffer.items()
+            for column, cell in line.items()
+        }
+
+    def wait(self, condition: Any, timeout: float, why: str = "") -> None:
+        until(condition, timeout, lambda: f"{why}\n{self.text}", meanwhile=lambda: self.pump(0.03))
+
+    def wait_for_picture(self, timeout: float = 20.0) -> None:
+        """Until the camera image is on the screen: many colours."""
+        self.wait(lambda: self.has_picture, timeout, "no picture came")
+
+    @property
+    def has_picture(self) -> bool:
+        return len({colours for colours in self.colours().values()}) > 100
+
+    def wait_ended(self, timeout: float = 15.0) -> int:
+        """Until it ended; its exit code."""
+        self.wait(lambda: self.process.poll() is not None, timeout, "it did not end")
+        return self.process.wait()
+
+    def close(self) -> None:
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGTERM)
+            try:
+                self.wait_ended(10.0)
+            except AssertionError:
+                self.process.kill()
+                self.process.wait()
+        os.close(self.terminal)
+
+
+def family(pid: int) -> list[psutil.Process]:
+    """A process and all its descendants."""
+    process = psutil.Process(pid)
+    return [process, *process.children(recursive=True)]
