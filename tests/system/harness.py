@@ -31,7 +31,7 @@ ROBOT_FILE = """
 name = "magellan"
 kind = "simulated-magellan"
 [hub]
-port = 0
+port = {port}
 [simulation]
 arena = "{arena}"
 seed = 7
@@ -39,18 +39,21 @@ seed = 7
 run = "hub.modules.driver"
 [modules.navigation]
 run = "hub.modules.navigation"
-{restart}
 [modules.vision]
 run = "hub.modules.vision"
 """
 
 
+_FRESH_S = 0.08
+"""Ground truth comes every 20 ms; what is older than this may be queued [s]."""
+
+
 class HubProcess:
     """`rune-hub run`, from start to end."""
 
-    def __init__(self, folder: Path, *, arena: str = "empty", restart: str = "") -> None:
+    def __init__(self, folder: Path, *, arena: str = "empty", port: int = 0) -> None:
         robot = folder / "robot.toml"
-        robot.write_text(ROBOT_FILE.format(arena=arena, restart=restart))
+        robot.write_text(ROBOT_FILE.format(arena=arena, port=port))
         self.log = folder / "hub.log"
         with self.log.open("wb") as log:
             self.process = subprocess.Popen(
@@ -73,7 +76,8 @@ class HubProcess:
                 said: dict[str, Any] = json.loads(line)
                 if said["event"] == event:
                     return said
-        raise AssertionError(f"the hub never said {event}: {self.log.read_text()}")
+        text = f"the hub never said {event}: {self.log.read_text()}"
+        raise AssertionError(text)
 
     def close(self) -> None:
         """Stop it as the demo does."""
@@ -106,7 +110,7 @@ class Observer:
     @property
     def truth(self) -> navigation.GroundTruth:
         """Where the robot really is now."""
-        self.client.listen(0.0)
+        self.wait(lambda: time.monotonic() - self.history[-1][0] < _FRESH_S, 10.0, "no truth comes")
         newest: navigation.GroundTruth = self.history[-1][1]
         return newest
 
@@ -145,7 +149,8 @@ class ConsoleProcess:
             stdout=inner,
             stderr=inner,
             start_new_session=True,
-            preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
+            # The terminal has to be the console's own, so that closing it hangs up.
+            preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),  # noqa: PLW1509
             env={**os.environ, "TERM": "xterm-256color", **(environment or {})},
         )
         os.close(inner)
@@ -199,7 +204,7 @@ class ConsoleProcess:
 
     @property
     def has_picture(self) -> bool:
-        return len({colours for colours in self.colours().values()}) > 100
+        return len(set(self.colours().values())) > 100
 
     def wait_ended(self, timeout: float = 15.0) -> int:
         """Until it ended; its exit code."""
@@ -215,6 +220,11 @@ class ConsoleProcess:
                 self.process.kill()
                 self.process.wait()
         os.close(self.terminal)
+
+
+def gone(processes: Sequence[psutil.Process]) -> bool:
+    """Whether all of them have ended."""
+    return not any(p.is_running() and p.status() != psutil.STATUS_ZOMBIE for p in processes)
 
 
 def family(pid: int) -> list[psutil.Process]:

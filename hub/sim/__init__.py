@@ -1,0 +1,1 @@
+"""The simulator: arenas, ray casting, kinematics and sensors, in numpy alone."""

@@ -1,0 +1,250 @@
+"""An arena: the solids in it, what is to be found in it, and where the robot starts."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.errors import ArenaError
+from hub.sim.arena_file import read_arena_file
+from hub.sim.arena_specs import ArenaSpec
+from hub.sim.building import build
+from hub.sim.geometry import Box, Colour, Cylinder, Pose, Side, Surface
+
+SHIPPED = Path(__file__).parent / "arenas"
+"""Where the arenas that come with the hub lie."""
+BODY_RADIUS = 0.203
+"""Radius of the robot [m], iRobot Magellan Pro."""
+BODY_HEIGHT = 0.45
+"""Height of the robot with its camera [m]; what begins above it is driven under."""
+LOWEST_OBSTACLE = 0.01
+"""What ends below this height [m] is driven over."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Victim:
+    """A person to be found.
+
+    Attributes:
+        name: Its name in the arena file.
+        x: Position in the arena's frame [m].
+        y: Position in the arena's frame [m].
+        pose: "sitting" or "lying".
+    """
+
+    name: str
+    x: float
+    y: float
+    pose: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Landmark:
+    """A sign whose position is known.
+
+    Attributes:
+        name: Its name in the arena file.
+        x: Position in the arena's frame [m].
+        y: Position in the arena's frame [m].
+        height: Middle above the floor [m].
+        facing: Which way it looks.
+        colour: Its colour.
+    """
+
+    name: str
+    x: float
+    y: float
+    height: float
+    facing: Side
+    colour: Colour
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ring:
+    """A Landolt C, for tests of what the operator can make out.
+
+    Attributes:
+        x: Position in the arena's frame [m].
+        y: Position in the arena's frame [m].
+        height: Middle above the floor [m].
+        facing: Which way it looks.
+        gap_width: Width of the gap [m].
+        gap: On which side the gap is, as seen by who looks at it.
+    """
+
+    x: float
+    y: float
+    height: float
+    facing: Side
+    gap_width: float
+    gap: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Footprints:
+    """What stands in the way of the robot, seen from above.
+
+    Attributes:
+        low: Least x, y of each box [m], shape (b, 2).
+        high: Greatest x, y of each box [m], shape (b, 2).
+        centre: Axis of each cylinder [m], shape (c, 2).
+        radius: Radius of each cylinder [m], shape (c,).
+        brightness: How much infrared light each sends back, 0 to 1, boxes first, shape (b + c,).
+        origin: Where each stands in the arena file, boxes first, b + c names.
+    """
+
+    low: npt.NDArray[np.float64]
+    high: npt.NDArray[np.float64]
+    centre: npt.NDArray[np.float64]
+    radius: npt.NDArray[np.float64]
+    brightness: npt.NDArray[np.float64]
+    origin: tuple[str, ...]
+
+    def distances(self, x: float, y: float) -> npt.NDArray[np.float64]:
+        """From a point to each obstacle [m], boxes first, shape (b + c,); 0 or less: inside."""
+        point = np.array((x, y))
+        beyond = np.maximum(np.maximum(self.low - point, point - self.high), 0.0)
+        away = self.centre - point
+        return np.concatenate(
+            (np.hypot(beyond[:, 0], beyond[:, 1]), np.hypot(away[:, 0], away[:, 1]) - self.radius)
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Arena:
+    """Everything there is; nothing in it moves.
+
+    Attributes:
+        name: Its name.
+        start: Where the robot starts, in the arena's frame.
+        boxes: All boxes.
+        cylinders: All cylinders.
+        footprints: What the robot can bump into and its range sensors can see.
+        ceiling: Height of the ceiling [m].
+        floor: What the floor looks like.
+        victims: The persons to be found.
+        landmarks: The signs.
+        rings: The Landolt rings.
+    """
+
+    name: str
+    start: Pose
+    boxes: tuple[Box, ...]
+    cylinders: tuple[Cylinder, ...]
+    footprints: Footprints
+    ceiling: float
+    floor: Surface
+    victims: tuple[Victim, ...]
+    landmarks: tuple[Landmark, ...]
+    rings: tuple[Ring, ...]
+
+
+def shipped_arenas() -> tuple[str, ...]:
+    """Names of the arenas that come with the hub."""
+    return tuple(sorted(path.stem for path in SHIPPED.glob("*.toml")))
+
+
+def load_arena(name_or_path: str) -> Arena:
+    """An arena that comes with the hub, by name, or any arena file, by path.
+
+    Raises:
+        ArenaError: There is no such arena, or its file has mistakes, which are all listed.
+    """
+    if name_or_path in shipped_arenas():
+        path = SHIPPED / f"{name_or_path}.toml"
+    else:
+        path = Path(name_or_path)
+        if path.suffix != ".toml" and not path.is_file():
+            known = shipped_arenas()
+            near = difflib.get_close_matches(name_or_path[:64], known, n=1)
+            hint = f"; did you mean {near[0]!r}?" if near else ""
+            text = f"no arena of this name; give a .toml file or one of {', '.join(known)}{hint}"
+            raise ArenaError(name_or_path, [text])
+    arena = arena_from_spec(read_arena_file(path))
+    touched = _touched_at_start(arena)
+    if touched:
+        raise ArenaError(str(path), [f"start: the robot would touch {name}" for name in touched])
+    return arena
+
+
+def arena_from_spec(spec: ArenaSpec) -> Arena:
+    """Build what a checked file says."""
+    boxes, cylinders, origins = build(spec)
+    return Arena(
+        name=spec.name,
+        start=Pose(
+            x=spec.start.at[0], y=spec.start.at[1], theta=math.radians(spec.start.heading_deg)
+        ),
+        boxes=boxes,
+        cylinders=cylinders,
+        footprints=footprints_of(boxes, cylinders, origins),
+        ceiling=spec.hall.ceiling,
+        floor=Surface(texture=spec.hall.floor_texture, colour=spec.hall.floor_colour),
+        victims=tuple(
+            Victim(name=item.name, x=item.at[0], y=item.at[1], pose=item.pose)
+            for item in spec.victims
+        ),
+        landmarks=tuple(
+            Landmark(
+                name=item.name,
+                x=item.at[0],
+                y=item.at[1],
+                height=item.height,
+                facing=item.facing,
+                colour=item.colour,
+            )
+            for item in spec.landmarks
+        ),
+        rings=tuple(
+            Ring(
+                x=item.at[0],
+                y=item.at[1],
+                height=item.height,
+                facing=item.facing,
+                gap_width=item.gap_mm / 1000.0,
+                gap=item.gap,
+            )
+            for item in spec.rings
+        ),
+    )
+
+
+def footprints_of(
+    boxes: tuple[Box, ...], cylinders: tuple[Cylinder, ...], origins: tuple[str, ...]
+) -> Footprints:
+    """The solids at the height of the robot's body."""
+    near_boxes = [
+        (box, origin)
+        for box, origin in zip(boxes, origins, strict=False)
+        if _in_the_way(box.low[2], box.high[2])
+    ]
+    near_cylinders = [
+        (item, origin)
+        for item, origin in zip(cylinders, origins[len(boxes) :], strict=True)
+        if _in_the_way(item.low, item.high)
+    ]
+    surfaces = [item.surface for item, _ in (*near_boxes, *near_cylinders)]
+    return Footprints(
+        low=np.array([box.low[:2] for box, _ in near_boxes]).reshape(-1, 2),
+        high=np.array([box.high[:2] for box, _ in near_boxes]).reshape(-1, 2),
+        centre=np.array([(item.x, item.y) for item, _ in near_cylinders]).reshape(-1, 2),
+        radius=np.array([item.radius for item, _ in near_cylinders], dtype=np.float64),
+        brightness=np.array([sum(item.colour) / 765.0 for item in surfaces], dtype=np.float64),
+        origin=tuple(origin for _, origin in (*near_boxes, *near_cylinders)),
+    )
+
+
+def _in_the_way(low: float, high: float) -> bool:
+    return low < BODY_HEIGHT and high > LOWEST_OBSTACLE
+
+
+def _touched_at_start(arena: Arena) -> list[str]:
+    """What a robot at the start pose would stand in, each place of the file once."""
+    distances = arena.footprints.distances(arena.start.x, arena.start.y)
+    touched = (arena.footprints.origin[index] for index in np.flatnonzero(distances < BODY_RADIUS))
+    return list(dict.fromkeys(touched))

@@ -1,0 +1,200 @@
+"""Builds the boxes and cylinders of an arena from what its file says."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from hub.sim.arena_specs import (
+    ArenaSpec,
+    BoxSpec,
+    Colour,
+    CylinderSpec,
+    DoorwaySpec,
+    LandmarkSpec,
+    RingSpec,
+    VictimSpec,
+    WallSpec,
+)
+from hub.sim.geometry import Box, Cylinder, Side, Surface
+
+PANEL_THICKNESS = 0.02
+"""How far signs and rings stand out from their wall [m]."""
+RING_PANEL_IN_GAPS = 7.0
+"""Side of a ring's panel in widths of its gap; the ring itself is 5 gaps wide."""
+
+SKIN = Surface(texture="plain", colour=(228, 176, 140))
+HAIR = Surface(texture="plain", colour=(62, 40, 28))
+FACE = Surface(texture="face", colour=(228, 176, 140))
+PANEL_WHITE: Colour = (240, 240, 236)
+
+
+def build(spec: ArenaSpec) -> tuple[tuple[Box, ...], tuple[Cylinder, ...], tuple[str, ...]]:
+    """All solids of an arena, and a name for the origin of each box, then each cylinder.
+
+    The names are the places in the file ("wall 3"), for messages to its author.
+    """
+    boxes: list[Box] = []
+    origins: list[str] = []
+    parts = (
+        ("wall", spec.walls, _wall),
+        ("box", spec.boxes, _box),
+        ("victim", spec.victims, _victim),
+        ("landmark", spec.landmarks, _landmark),
+        ("ring", spec.rings, _ring),
+    )
+    for kind, specs, make in parts:
+        for index, item in enumerate(specs, start=1):
+            made = list(make(item))  # type: ignore[operator]  # each spec stands beside its maker
+            boxes.extend(made)
+            origins.extend([f"{kind} {index}"] * len(made))
+    cylinders = tuple(_cylinder(item) for item in spec.cylinders)
+    origins.extend(f"cylinder {index}" for index in range(1, len(cylinders) + 1))
+    return tuple(boxes), cylinders, tuple(origins)
+
+
+def _wall(wall: WallSpec) -> Iterator[Box]:
+    """The pieces of a wall between its doorways, and a lintel over each lower doorway."""
+    length = math.dist(wall.begin, wall.end)
+    reached = 0.0
+    for door in sorted(wall.doorways, key=lambda item: item.at):
+        left, right = door.at - door.width / 2, door.at + door.width / 2
+        if left > reached:
+            yield _wall_piece(wall, reached, left, 0.0)
+        yield from _lintel(wall, door, left, right)
+        reached = right
+    if reached < length:
+        yield _wall_piece(wall, reached, length, 0.0)
+
+
+def _lintel(wall: WallSpec, door: DoorwaySpec, left: float, right: float) -> Iterator[Box]:
+    if door.height is not None and door.height < wall.height:
+        yield _wall_piece(wall, left, right, door.height)
+
+
+def _wall_piece(wall: WallSpec, first: float, last: float, base: float) -> Box:
+    """A piece from `first` to `last` [m] along the wall; its ends at corners fill the corner."""
+    along = 0 if wall.begin[1] == wall.end[1] else 1
+    direction = 1.0 if wall.end[along] > wall.begin[along] else -1.0
+    ends = sorted(wall.begin[along] + direction * distance for distance in (first, last))
+    middle = wall.begin[1 - along]
+    across = (middle - wall.thickness / 2, middle + wall.thickness / 2)
+    (x_low, x_high), (y_low, y_high) = (ends, across) if along == 0 else (across, ends)
+    return Box(
+        low=(x_low, y_low, base),
+        high=(x_high, y_high, wall.height),
+        surface=Surface(texture=wall.texture, colour=wall.colour),
+    )
+
+
+def _box(box: BoxSpec) -> Iterator[Box]:
+    (x, y), (dx, dy, dz) = box.at, box.size
+    yield Box(
+        low=(x - dx / 2, y - dy / 2, box.base),
+        high=(x + dx / 2, y + dy / 2, box.base + dz),
+        surface=Surface(texture=box.texture, colour=box.colour),
+    )
+
+
+def _cylinder(cylinder: CylinderSpec) -> Cylinder:
+    return Cylinder(
+        x=cylinder.at[0],
+        y=cylinder.at[1],
+        radius=cylinder.radius,
+        low=cylinder.base,
+        high=cylinder.base + cylinder.height,
+        surface=Surface(texture=cylinder.texture, colour=cylinder.colour),
+    )
+
+
+def _victim(victim: VictimSpec) -> Iterator[Box]:
+    """A person of a head with a face, a trunk, legs and arms.
+
+    Sitting, the face looks where the victim faces; lying, the head points there and the face up.
+    """
+    clothes = Surface(texture="plain", colour=victim.colour)
+    dark = Surface(texture="plain", colour=(52, 56, 70))
+    if victim.pose == "lying":
+        yield _part(victim, (0.53, 0.75), (-0.10, 0.10), (0.0, 0.20), SKIN, Side.UP)
+        yield _part(victim, (0.75, 0.79), (-0.10, 0.10), (0.0, 0.20), HAIR)
+        yield _part(victim, (-0.05, 0.53), (-0.20, 0.20), (0.0, 0.22), clothes)
+        yield _part(victim, (-0.80, -0.05), (-0.15, 0.15), (0.0, 0.14), dark)
+        for left, right in ((-0.29, -0.20), (0.20, 0.29)):
+            yield _part(victim, (-0.05, 0.50), (left, right), (0.0, 0.09), SKIN)
+        return
+    yield _part(victim, (-0.09, 0.11), (-0.10, 0.10), (0.56, 0.78), SKIN, victim.facing)
+    yield _part(victim, (-0.11, 0.115), (-0.105, 0.105), (0.78, 0.82), HAIR)
+    yield _part(victim, (-0.12, 0.12), (-0.20, 0.20), (0.0, 0.56), clothes)
+    yield _part(victim, (0.12, 0.62), (-0.17, 0.17), (0.0, 0.15), dark)
+    for left, right in ((-0.29, -0.20), (0.20, 0.29)):
+        yield _part(victim, (-0.05, 0.30), (left, right), (0.20, 0.30), SKIN)
+
+
+def _part(
+    victim: VictimSpec,
+    ahead: tuple[float, float],
+    left: tuple[float, float],
+    up: tuple[float, float],
+    surface: Surface,
+    face: Side | None = None,
+) -> Box:
+    """One box of a body, given in the victim's own frame (ahead, to its left, up) [m]."""
+    axis, sign = victim.facing.axis, victim.facing.sign
+    # Left of east is north, left of north is west.
+    left_sign = sign if axis == 0 else -sign
+    span_ahead = sorted(victim.at[axis] + sign * value for value in ahead)
+    span_left = sorted(victim.at[1 - axis] + left_sign * value for value in left)
+    (x_low, x_high), (y_low, y_high) = (
+        (span_ahead, span_left) if axis == 0 else (span_left, span_ahead)
+    )
+    return Box(
+        low=(x_low, y_low, up[0]),
+        high=(x_high, y_high, up[1]),
+        surface=surface,
+        picture_side=face,
+        picture=None if face is None else FACE,
+    )
+
+
+def _landmark(landmark: LandmarkSpec) -> Iterator[Box]:
+    yield _sign(
+        landmark.at,
+        landmark.facing,
+        landmark.height,
+        landmark.size,
+        Surface(texture="plain", colour=landmark.colour),
+        Surface(texture="sign", colour=landmark.colour),
+    )
+
+
+def _ring(ring: RingSpec) -> Iterator[Box]:
+    yield _sign(
+        ring.at,
+        ring.facing,
+        ring.height,
+        RING_PANEL_IN_GAPS * ring.gap_mm / 1000.0,
+        Surface(texture="plain", colour=PANEL_WHITE),
+        Surface(texture=f"ring {ring.gap}", colour=PANEL_WHITE),
+    )
+
+
+def _sign(
+    at: tuple[float, float],
+    facing: Side,
+    height: float,
+    size: float,
+    surface: Surface,
+    picture: Surface,
+) -> Box:
+    """A square panel whose back is at `at` and whose picture looks to `facing`."""
+    depth = sorted((at[facing.axis], at[facing.axis] + facing.sign * PANEL_THICKNESS))
+    middle = at[1 - facing.axis]
+    across = [middle - size / 2, middle + size / 2]
+    (x_low, x_high), (y_low, y_high) = (depth, across) if facing.axis == 0 else (across, depth)
+    return Box(
+        low=(x_low, y_low, height - size / 2),
+        high=(x_high, y_high, height + size / 2),
+        surface=surface,
+        picture_side=facing,
+        picture=picture,
+    )

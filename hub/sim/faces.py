@@ -1,0 +1,166 @@
+"""The sides of an arena's solids as arrays, computed once for the ray caster."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.sim.arena import Arena
+from hub.sim.geometry import Box, Side, Surface
+from hub.sim.textures import SIDE as TEXELS
+from hub.sim.textures import Atlas, make_atlas
+
+FLOOR = 0
+CEILING = 1
+PLANES = 2
+"""Floor and ceiling come first among the drawn things, then boxes' sides, then cylinders."""
+
+CEILING_SURFACE = Surface(texture="ceiling", colour=(122, 126, 134))
+
+_BRIGHTNESS = {0: 1.0, 1: 0.84, 2: 1.08}
+"""Light from above and from the east, so that two walls that meet differ, by axis."""
+_POSITIVE = 128.0 * TEXELS
+"""Added to texel coordinates [texels]: a whole number of tiles that makes all of them positive."""
+_SHRINK = 0.998
+"""Keeps the rim of a picture from wrapping around to its other side."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Faces:
+    """Everything that is drawn: f sides of boxes, c cylinders.
+
+    Arrays of "things" have one entry for floor, ceiling, each side and each cylinder, in this
+    order, so 2 + f + c.
+
+    Attributes:
+        corners: Corners of each side, counter-clockwise from outside [m], shape (f, 4, 3).
+        axis: Which coordinate is constant on a side, shape (f,).
+        coordinate: That coordinate [m], shape (f,).
+        sign: Whether a side looks along its axis (1) or against it (-1), shape (f,).
+        cylinders: x, y, radius, low, high of each cylinder [m], shape (c, 5).
+        first_texel: Texel index of each thing's material at level 0, shape (things,).
+        flat: Whether a thing's texture lies in x and y instead of standing up, shape (things,).
+        across_x: Whether the texture runs along x from left to right, shape (things,).
+        column_scale: Texels per metre from left to right, shape (things,).
+        column_offset: Texel column at coordinate 0, shape (things,).
+        row_scale: Texels per metre of the downward coordinate, shape (things,).
+        row_offset: Texel row at coordinate 0, shape (things,).
+        brightness: Share of light each thing gets, shape (things,).
+        atlas: The textures.
+    """
+
+    corners: npt.NDArray[np.float64]
+    axis: npt.NDArray[np.intp]
+    coordinate: npt.NDArray[np.float64]
+    sign: npt.NDArray[np.float64]
+    cylinders: npt.NDArray[np.float64]
+    first_texel: npt.NDArray[np.int32]
+    flat: npt.NDArray[np.bool_]
+    across_x: npt.NDArray[np.bool_]
+    column_scale: npt.NDArray[np.float32]
+    column_offset: npt.NDArray[np.float32]
+    row_scale: npt.NDArray[np.float32]
+    row_offset: npt.NDArray[np.float32]
+    brightness: npt.NDArray[np.float32]
+    atlas: Atlas
+
+
+@dataclass(frozen=True, slots=True)
+class _Face:
+    box: Box
+    side: Side
+
+    @property
+    def pictured(self) -> bool:
+        return self.box.picture_side is self.side and self.box.picture is not None
+
+    @property
+    def surface(self) -> Surface:
+        picture = self.box.picture
+        return picture if self.pictured and picture is not None else self.box.surface
+
+    def corners(self) -> npt.NDArray[np.float64]:
+        """Four corners, counter-clockwise for who looks at the side from outside, shape (4, 3)."""
+        axis, sign = self.side.axis, self.side.sign
+        first, second = (axis + 1) % 3, (axis + 2) % 3
+        corners = np.empty((4, 3))
+        corners[:, axis] = self.box.high[axis] if sign > 0 else self.box.low[axis]
+        low, high = self.box.low, self.box.high
+        corners[:, first] = [low[first], high[first], high[first], low[first]]
+        corners[:, second] = [low[second], low[second], high[second], high[second]]
+        return corners if sign > 0 else corners[::-1]
+
+
+def make_faces(arena: Arena) -> Faces:
+    """Prepare an arena for drawing."""
+    # The undersides of what stands on the floor are never seen.
+    faces = [
+        _Face(box, side)
+        for box in arena.boxes
+        for side in Side
+        if side is not Side.DOWN or box.low[2] > 0.0
+    ]
+    surfaces = [
+        arena.floor,
+        CEILING_SURFACE,
+        *(face.surface for face in faces),
+        *(item.surface for item in arena.cylinders),
+    ]
+    atlas = make_atlas(surfaces)
+    material = np.array([atlas.index[surface] for surface in surfaces])
+    levels_stride = len(atlas.planes[0]) // len(atlas.index)
+    mapping = _mapping(faces, atlas.tile[material])
+    axis = np.array([face.side.axis for face in faces], dtype=np.intp)
+    corners = np.array([face.corners() for face in faces]).reshape(-1, 4, 3)
+    wall_light = [_BRIGHTNESS[face.side.axis] for face in faces]
+    return Faces(
+        corners=corners,
+        axis=axis,
+        coordinate=corners[np.arange(len(faces)), 0, axis],
+        sign=np.array([face.side.sign for face in faces], dtype=np.float64),
+        cylinders=np.array(
+            [(item.x, item.y, item.radius, item.low, item.high) for item in arena.cylinders],
+            dtype=np.float64,
+        ).reshape(-1, 5),
+        first_texel=(material * levels_stride).astype(np.int32),
+        flat=np.array([True, True, *(axis == 2), *(False for _ in arena.cylinders)]),
+        across_x=np.array([True, True, *(axis != 0), *(True for _ in arena.cylinders)]),
+        column_scale=mapping[:, 0].astype(np.float32),
+        column_offset=mapping[:, 1].astype(np.float32),
+        row_scale=mapping[:, 2].astype(np.float32),
+        row_offset=mapping[:, 3].astype(np.float32),
+        brightness=np.array(
+            [0.92, 1.0, *wall_light, *(1.0 for _ in arena.cylinders)], dtype=np.float32
+        ),
+        atlas=atlas,
+    )
+
+
+def _mapping(faces: list[_Face], tile: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Scale and offset of texel column and row of every thing, shape (things, 4)."""
+    per_metre = TEXELS / tile
+    mapping = np.empty((len(tile), 4))
+    mapping[:, 0] = per_metre
+    mapping[:, 1] = _POSITIVE
+    mapping[:, 2] = -per_metre
+    mapping[:, 3] = _POSITIVE
+    for thing, face in enumerate(faces, start=PLANES):
+        if face.pictured:
+            mapping[thing] = _picture_mapping(face)
+    return mapping
+
+
+def _picture_mapping(face: _Face) -> tuple[float, float, float, float]:
+    """Scale and offset such that a picture fills the side once, upright and not mirrored."""
+    low, high = face.box.low, face.box.high
+    across = 1 if face.side.axis == 0 else 0
+    down = 1 if face.side.axis == 2 else 2
+    # Who looks west at an east side has north, larger y, at the right; north sides are mirrored.
+    to_right = face.side.sign if face.side.axis != 1 else -face.side.sign
+    columns = to_right * TEXELS * _SHRINK / (high[across] - low[across])
+    rows = -TEXELS * _SHRINK / (high[down] - low[down])
+    left = low[across] if to_right > 0 else high[across]
+    margin = TEXELS * (1.0 - _SHRINK) / 2
+    return columns, margin - columns * left, rows, margin - rows * high[down]

@@ -1,0 +1,108 @@
+"""The shapes an arena is built of: axis-aligned boxes and upright cylinders with surfaces.
+
+Arena frame: x east, y north, z up [m]; angles counter-clockwise from x [rad].
+"""
+
+from __future__ import annotations
+
+import enum
+import math
+from dataclasses import dataclass
+
+Colour = tuple[int, int, int]
+"""Red, green, blue, 0 to 255."""
+
+
+class Side(enum.Enum):
+    """Which way one side of a box looks; the value is (axis, sign)."""
+
+    EAST = (0, 1)
+    WEST = (0, -1)
+    NORTH = (1, 1)
+    SOUTH = (1, -1)
+    UP = (2, 1)
+    DOWN = (2, -1)
+
+    @property
+    def axis(self) -> int:
+        """0 for x, 1 for y, 2 for z."""
+        return self.value[0]
+
+    @property
+    def sign(self) -> int:
+        """1 when it looks along the axis, -1 when against it."""
+        return self.value[1]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Surface:
+    """What a side looks like.
+
+    Attributes:
+        texture: A name from `textures.TEXTURES`.
+        colour: What the texture is tinted with.
+    """
+
+    texture: str
+    colour: Colour
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Box:
+    """A box along the axes.
+
+    Attributes:
+        low: Least x, y, z [m].
+        high: Greatest x, y, z [m].
+        surface: What it looks like.
+        picture_side: The side that carries `picture` once over its whole area, or None.
+        picture: What that side looks like.
+    """
+
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
+    surface: Surface
+    picture_side: Side | None = None
+    picture: Surface | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cylinder:
+    """An upright cylinder.
+
+    Attributes:
+        x: Axis [m].
+        y: Axis [m].
+        radius: Radius [m].
+        low: Height of its bottom [m].
+        high: Height of its top [m].
+        surface: What it looks like.
+    """
+
+    x: float
+    y: float
+    radius: float
+    low: float
+    high: float
+    surface: Surface
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pose:
+    """A place and a heading in the plane.
+
+    Attributes:
+        x: Position [m].
+        y: Position [m].
+        theta: Heading [rad], counter-clockwise from x.
+    """
+
+    x: float
+    y: float
+    theta: float
+
+
+def wrap_angle(angle: float) -> float:
+    """The same direction in (-pi, pi] [rad]."""
+    wrapped = math.remainder(angle, 2.0 * math.pi)
+    return math.pi if wrapped <= -math.pi else wrapped

@@ -1,0 +1,137 @@
+"""Gives every pixel its colour once it is known what it shows and how far that is."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.sim.faces import PLANES, Faces
+from hub.sim.textures import LEVELS
+from hub.sim.textures import SIDE as TEXELS
+from hub.sim.view import Frame, View
+
+_HAZE = 74.0
+"""Grey that far things fade into, 0 to 255."""
+_CLEAR = 1.06
+_FADE_PER_METRE = 0.055
+_LEAST_SHARE = 0.22
+"""Share of its own colour that a thing keeps: CLEAR - FADE * depth, from LEAST_SHARE to 1."""
+_GRAZING = 2.5
+"""Floors are seen at a grazing angle: a pixel covers this many times more of them than of walls."""
+_LIGHT_FROM = (0.8, 0.6)
+"""Where the light on cylinders comes from, in x and y, unit length."""
+_FAR_SIDE_LIGHT = 0.62
+
+
+class Shader:
+    """Colours frames of one arena; owns its working memory, so it belongs to one thread."""
+
+    def __init__(self, faces: Faces) -> None:
+        self._faces = faces
+        self._first_cylinder = PLANES + len(faces.axis)
+        fineness = np.abs(faces.column_scale)
+        self._texels_per_metre = np.where(faces.flat, _GRAZING * fineness, fineness).astype(
+            np.float32
+        )
+
+    def shade(self, view: View, frame: Frame) -> npt.NDArray[np.uint8]:
+        """The picture of a frame, shape (height, width, 3)."""
+        faces = self._faces
+        thing = frame.thing
+        depth = 1.0 / frame.inverse_depth
+        x, y, z = self._points(view, frame, depth)
+        across = np.where(faces.across_x[thing], x, y)
+        down = np.where(faces.flat[thing], y, z)
+        brightness = faces.brightness.take(thing)
+        if len(faces.cylinders):
+            self._wrap_cylinders(frame, x, y, across, brightness)
+        texel = self._texels(frame, depth, across, down)
+
+        depth *= -_FADE_PER_METRE
+        depth += _CLEAR
+        share = np.clip(depth, _LEAST_SHARE, 1.0, out=depth)
+        haze = ((1.0 - share) * (_HAZE * 256.0)).astype(np.uint16)
+        share *= brightness
+        share *= 256.0
+        light = share.astype(np.uint16)
+        picture = np.empty((frame.height, frame.width, 3), dtype=np.uint8)
+        for channel, plane in enumerate(faces.atlas.planes):
+            colour = plane.take(texel)
+            # At most 255 * 256: brightness above 1 is clipped where it would not fit.
+            shaded = _saturating_product(colour, light, haze)
+            np.right_shift(shaded, 8, out=picture[..., channel], casting="unsafe")
+        return picture
+
+    def _points(
+        self, view: View, frame: Frame, depth: npt.NDArray[np.float32]
+    ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+        """What each pixel shows, in the arena's frame [m], each of shape (height, width)."""
+        x = frame.ray_x * depth
+        x += np.float32(view.x)
+        y = frame.ray_y * depth
+        y += np.float32(view.y)
+        z = frame.ray_z.astype(np.float32)[:, None] * depth
+        z += np.float32(view.z)
+        return x, y, z
+
+    def _wrap_cylinders(
+        self,
+        frame: Frame,
+        x: npt.NDArray[np.float32],
+        y: npt.NDArray[np.float32],
+        across: npt.NDArray[np.float32],
+        brightness: npt.NDArray[np.float32],
+    ) -> None:
+        """Measure textures around cylinders, and light the side that looks to the light."""
+        where = np.nonzero(frame.thing >= self._first_cylinder)
+        if not len(where[0]):
+            return
+        centre_x, centre_y, radius = self._faces.cylinders[
+            frame.thing[where] - self._first_cylinder, :3
+        ].T
+        from_x, from_y = x[where] - centre_x, y[where] - centre_y
+        across[where] = np.arctan2(from_y, from_x) * radius
+        lit = (from_x * _LIGHT_FROM[0] + from_y * _LIGHT_FROM[1]) / radius
+        middle = (1.0 + _FAR_SIDE_LIGHT) / 2
+        brightness[where] = middle + (1.0 - middle) * lit
+
+    def _texels(
+        self,
+        frame: Frame,
+        depth: npt.NDArray[np.float32],
+        across: npt.NDArray[np.float32],
+        down: npt.NDArray[np.float32],
+    ) -> npt.NDArray[np.intp]:
+        """Index into the atlas of what each pixel shows, shape (height, width)."""
+        faces, thing = self._faces, frame.thing
+        across *= faces.column_scale.take(thing)
+        across += faces.column_offset.take(thing)
+        down *= faces.row_scale.take(thing)
+        down += faces.row_offset.take(thing)
+        column = across.astype(np.int32)
+        column &= TEXELS - 1
+        row = down.astype(np.int32)
+        row &= TEXELS - 1
+        texels_per_pixel = self._texels_per_metre.take(thing)
+        texels_per_pixel *= depth
+        # A level is taken from half again as many texels as fit it without smoothing.
+        texels_per_pixel *= np.float32(1.0 / (1.5 * frame.focal))
+        level = np.zeros(thing.shape, dtype=np.int32)
+        for number in range(LEVELS - 1):
+            level += texels_per_pixel > float(1 << number)
+        level *= TEXELS
+        level += row
+        level *= TEXELS
+        level += column
+        level += faces.first_texel.take(thing)
+        return level.astype(np.intp)
+
+
+def _saturating_product(
+    colour: npt.NDArray[np.uint16], light: npt.NDArray[np.uint16], haze: npt.NDArray[np.uint16]
+) -> npt.NDArray[np.uint16]:
+    """`colour * light + haze`, at most 65535."""
+    total = colour.astype(np.uint32)
+    total *= light
+    total += haze
+    return np.minimum(total, 65535, out=total).astype(np.uint16)

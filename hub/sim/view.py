@@ -1,0 +1,104 @@
+"""Where a camera stands and looks, and the working memory of one size of picture."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+FARTHEST_SEEN = 60.0
+"""Depth of what lies beyond everything [m]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class View:
+    """A camera that does not roll.
+
+    Attributes:
+        x: Position in the arena's frame [m].
+        y: Position in the arena's frame [m].
+        z: Height above the floor [m], below the ceiling.
+        yaw: Where it looks [rad], counter-clockwise from x.
+        pitch: Upward from the horizontal [rad], within a right angle.
+        horizontal_fov: Field of view from left to right [rad].
+    """
+
+    x: float
+    y: float
+    z: float
+    yaw: float
+    pitch: float
+    horizontal_fov: float
+
+    @property
+    def eye(self) -> npt.NDArray[np.float64]:
+        """Position, shape (3,) [m]."""
+        return np.array((self.x, self.y, self.z))
+
+    def basis(self) -> npt.NDArray[np.float64]:
+        """Unit vectors to the right, up and forward in the arena's frame, shape (3, 3)."""
+        cos_yaw, sin_yaw = math.cos(self.yaw), math.sin(self.yaw)
+        cos_pitch, sin_pitch = math.cos(self.pitch), math.sin(self.pitch)
+        return np.array(
+            (
+                (sin_yaw, -cos_yaw, 0.0),
+                (-cos_yaw * sin_pitch, -sin_yaw * sin_pitch, cos_pitch),
+                (cos_yaw * cos_pitch, sin_yaw * cos_pitch, sin_pitch),
+            )
+        )
+
+
+class Frame:
+    """Rays and buffers of one picture size, filled anew for every picture.
+
+    Attributes:
+        width: Columns.
+        height: Rows.
+        focal: Focal length [px].
+        half_width: Tangent of half the horizontal field of view.
+        half_height: Tangent of half the vertical field of view.
+        basis: Right, up and forward of the camera, shape (3, 3).
+        columns: Numbers of the columns, shape (width,).
+        across: Component of the rays to the right, shape (width,).
+        up: Component of the rays upward in the camera's frame, shape (height,).
+        ray_x: Component of the rays along the arena's x, shape (height, width).
+        ray_y: Component of the rays along the arena's y, shape (height, width).
+        ray_z: Component of the rays along the arena's z, shape (height,).
+        inverse_depth: Inverse of the depth of what is seen [1/m], shape (height, width).
+        thing: What is seen, as numbered by `faces.Faces`, shape (height, width).
+        scratch: Memory for one plane of numbers, shape (height, width).
+    """
+
+    def __init__(self, width_px: int, height_px: int) -> None:
+        shape = (height_px, width_px)
+        self.width = width_px
+        self.height = height_px
+        self.focal = 1.0
+        self.half_width = 1.0
+        self.half_height = 1.0
+        self.basis = np.eye(3)
+        self.columns = np.arange(width_px, dtype=np.int16)
+        self.across = np.zeros(width_px)
+        self.up = np.zeros(height_px)
+        self.ray_x = np.empty(shape, dtype=np.float32)
+        self.ray_y = np.empty(shape, dtype=np.float32)
+        self.ray_z = np.zeros(height_px)
+        self.inverse_depth = np.empty(shape, dtype=np.float32)
+        self.thing = np.empty(shape, dtype=np.intp)
+        self.scratch = np.empty(shape, dtype=np.float32)
+
+    def aim(self, view: View) -> None:
+        """Compute the rays of all pixels' centres; pixels are square."""
+        self.half_width = math.tan(view.horizontal_fov / 2)
+        self.half_height = self.half_width * self.height / self.width
+        self.focal = self.width / 2 / self.half_width
+        self.basis = view.basis()
+        self.across = (np.arange(self.width) + 0.5 - self.width / 2) / self.focal
+        self.up = (self.height / 2 - 0.5 - np.arange(self.height)) / self.focal
+        right, upward, forward = self.basis
+        for rays, axis in ((self.ray_x, 0), (self.ray_y, 1)):
+            down = (self.up * upward[axis] + forward[axis]).astype(np.float32)
+            np.add(down[:, None], (self.across * right[axis]).astype(np.float32), out=rays)
+        self.ray_z = self.up * upward[2] + forward[2]

@@ -1,0 +1,88 @@
+"""Real hubs, observers and consoles, ended after each test."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, closing
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.system.harness import ConsoleProcess, HubProcess, Observer
+
+LAYOUT = """<rune run="1">
+  <robot name="magellan" hub="{hub}">
+    <capability name="VIS_VID" interval_ms="66"/>
+    <capability name="VIS_PTZ"/>
+    <capability name="NAV_STATE"/>
+    <capability name="NAV_MOVE"/>
+  </robot>
+  <view xsize="100" ysize="60">
+    <widget handler="widgetQuit"><event key="q"/></widget>
+    <viewport name="camera" robot="magellan" xpos="0" ypos="0" xsize="100" ysize="58">
+      <visualizer function="visualizeCameraImage" message="GCM_Common_Image"/>
+      <widget handler="widgetSetSpeed">
+        <event key="w" control="translate" value="1"/>
+        <event key="s" control="translate" value="-1"/>
+        <event key="a" control="rotate" value="1"/>
+        <event key="d" control="rotate" value="-1"/>
+      </widget>
+      <widget handler="widgetStop"><event key="space"/></widget>
+      <widget handler="widgetAdjustPan"><event key="j" value="1"/></widget>
+    </viewport>
+    <viewport name="status" robot="magellan" xpos="0" ypos="58" xsize="100" ysize="2">
+      <visualizer function="visualizeStatus" message="GCM_RobotState"/>
+    </viewport>
+  </view>
+</rune>
+"""
+
+
+@pytest.fixture
+def stack() -> Iterator[ExitStack]:
+    """Closes everything, the last opened first."""
+    with ExitStack() as opened:
+        yield opened
+
+
+@pytest.fixture
+def start_hub(tmp_path: Path, stack: ExitStack) -> Callable[..., HubProcess]:
+    """Start a hub with a simulated robot in an empty hall."""
+
+    def start(**options: Any) -> HubProcess:
+        return stack.enter_context(closing(HubProcess(tmp_path, **options)))
+
+    return start
+
+
+@pytest.fixture
+def hub(start_hub: Callable[..., HubProcess]) -> HubProcess:
+    return start_hub()
+
+
+@pytest.fixture
+def observer(hub: HubProcess, stack: ExitStack) -> Observer:
+    """Sees ground truth."""
+    return stack.enter_context(closing(Observer(hub.endpoint)))
+
+
+@pytest.fixture
+def start_console(tmp_path: Path, stack: ExitStack) -> Callable[..., ConsoleProcess]:
+    """Start a console with the tests' layout on a hub."""
+
+    def start(hub_endpoint: str, **options: Any) -> ConsoleProcess:
+        layout = tmp_path / "layout.xml"
+        layout.write_text(LAYOUT.format(hub=hub_endpoint))
+        console = ConsoleProcess(["run", str(layout)], **options)
+        return stack.enter_context(closing(console))
+
+    return start
+
+
+@pytest.fixture
+def console(hub: HubProcess, start_console: Callable[..., ConsoleProcess]) -> ConsoleProcess:
+    """A console that shows the picture."""
+    started = start_console(hub.endpoint)
+    started.wait_for_picture()
+    return started

@@ -1,0 +1,37 @@
+"""`rune demo`: one command, everything moves, nothing stays behind."""
+
+from __future__ import annotations
+
+import signal
+from contextlib import ExitStack, closing
+
+import pytest
+
+from tests.system.harness import ConsoleProcess, family, gone
+from tests.waiting import until
+
+
+@pytest.fixture
+def demo(stack: ExitStack) -> ConsoleProcess:
+    return stack.enter_context(closing(ConsoleProcess(["demo"], columns=120, rows=40)))
+
+
+def test_shows_a_picture_drives_and_leaves_nothing_behind(demo: ConsoleProcess) -> None:
+    demo.wait_for_picture()
+    processes = family(demo.process.pid)
+    assert len(processes) == 5
+    demo.wait(lambda: "STANDING" in demo.text, 10.0)
+    demo.hold("w", 1.0)
+    demo.wait(lambda: "MOVING" in demo.text, 5.0)
+    demo.type("q")
+    assert demo.wait_ended() == 0
+    until(lambda: gone(processes), 10.0, "processes are left")
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGKILL])
+def test_its_hub_ends_with_it_however_it_ends(demo: ConsoleProcess, number: signal.Signals) -> None:
+    demo.wait_for_picture()
+    processes = family(demo.process.pid)
+    demo.process.send_signal(number)
+    demo.wait_ended()
+    until(lambda: gone(processes), 10.0, "processes are left")

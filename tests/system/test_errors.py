@@ -1,0 +1,114 @@
+"""What goes wrong is said in a sentence, with the right exit code."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.system.harness import ConsoleProcess, HubProcess
+
+
+def run(*arguments: str) -> tuple[int, str, str]:
+    done = subprocess.run(
+        [sys.executable, "-m", *arguments],
+        capture_output=True,
+        text=True,
+        timeout=30.0,
+        stdin=subprocess.DEVNULL,
+        check=False,
+    )
+    assert "Traceback" not in done.stderr
+    return done.returncode, done.stdout, done.stderr
+
+
+def test_wrong_layout() -> None:
+    path = Path(__file__).with_name("wrong_layout.xml")
+    code, _, said = run("rune_tui", "check", str(path))
+    assert code == 2
+    assert f"{path}:4:" in said
+    assert "did you mean" in said.lower()
+
+
+def test_wrong_layout_is_refused_by_run_and_shot_as_well(tmp_path: Path) -> None:
+    path = str(Path(__file__).with_name("wrong_layout.xml"))
+    assert run("rune_tui", "shot", path, "-o", str(tmp_path / "x.png"))[0] == 2
+
+
+def test_missing_layout() -> None:
+    code, _, said = run("rune_tui", "check", "/nowhere/layout.xml")
+    assert code == 2
+    assert "/nowhere/layout.xml" in said
+
+
+def test_run_without_a_terminal() -> None:
+    code, _, said = run("rune_tui", "run", "demo")
+    assert code == 2
+    assert "terminal" in said
+
+
+def test_missing_hub(tmp_path: Path) -> None:
+    picture = tmp_path / "lost.txt"
+    arguments = ("--hub", "127.0.0.1:1", "--seconds", "0.5", "-o", str(picture))
+    code, _, said = run("rune_tui", "shot", "minimal", *arguments)
+    assert code == 3
+    assert "no hub answered" in said
+    assert "connecting to magellan at tcp://127.0.0.1:1" in picture.read_text()
+
+
+@pytest.mark.parametrize("command", [["list"], ["echo", "X"], ["send", "X"], ["query", "X"]])
+def test_missing_hub_for_looking_into_it(command: list[str]) -> None:
+    code, _, said = run("hub", *command, "--hub", "tcp://127.0.0.1:1")
+    assert code == 3
+    assert said == "rune-hub: no hub answers at tcp://127.0.0.1:1; is rune-hub running there?\n"
+
+
+def test_hub_elsewhere_is_refused() -> None:
+    code, _, said = run("hub", "list", "--hub", "tcp://192.0.2.1:1381")
+    assert code == 2
+    assert "ssh -L" in said
+
+
+def test_busy_port(hub: HubProcess) -> None:
+    port = hub.endpoint.rpartition(":")[2]
+    code, _, said = run("hub", "run", "magellan", "--port", port)
+    assert code == 2
+    assert f":{port}: another program uses it" in said
+
+
+def test_wrong_robot_file(tmp_path: Path) -> None:
+    robot = tmp_path / "robot.toml"
+    robot.write_text('nam = "x"\n[modules.driver]\nrum = "hub.modules.driver"\n')
+    code, _, said = run("hub", "run", str(robot))
+    assert code == 2
+    assert "did you mean 'name'" in said
+    assert "did you mean 'run'" in said
+
+
+def test_unknown_message(hub: HubProcess) -> None:
+    code, _, said = run("hub", "echo", "GCM_RobotStat", "--hub", hub.endpoint)
+    assert code == 2
+    assert "did you mean 'GCM_RobotState'" in said
+
+
+def test_picture_of_an_unknown_kind(tmp_path: Path) -> None:
+    code, _, said = run("rune_tui", "shot", "minimal", "-o", str(tmp_path / "x.bmp"))
+    assert code == 2
+    assert ".png" in said
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(20, 5), (10, 2), (1, 1)])
+def test_tiny_terminals_show_something_and_quit(
+    hub: HubProcess, start_console: Callable[..., ConsoleProcess], columns: int, rows: int
+) -> None:
+    console = start_console(hub.endpoint, columns=columns, rows=rows)
+    if columns >= 10:
+        console.wait(lambda: bool(console.text.strip()), 10.0)
+    else:
+        console.wait(lambda: console.output_bytes > 0, 10.0)
+    console.pump(0.5)
+    console.type("q")
+    assert console.wait_ended() == 0

@@ -1,0 +1,55 @@
+"""A lost hub is a drawn state, and the console comes back by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from tests.system.harness import ConsoleProcess, HubProcess, Observer
+
+
+def test_console_without_a_hub_says_so_and_goes_on(
+    start_console: Callable[..., ConsoleProcess],
+) -> None:
+    console = start_console("tcp://127.0.0.1:1")
+    console.wait(lambda: "no link" in console.text or "connecting" in console.text, 10.0)
+    console.type("q")
+    assert console.wait_ended() == 0
+
+
+def test_console_comes_back_when_the_hub_does(
+    tmp_path: Path, start_console: Callable[..., ConsoleProcess]
+) -> None:
+    first = HubProcess(tmp_path)
+    console = start_console(first.endpoint)
+    console.wait_for_picture()
+    first.close()
+    console.wait(lambda: "LINK LOST" in console.text, 10.0)
+    console.wait(lambda: "STALE" in console.text or "no link" in console.text, 10.0)
+    port = int(first.endpoint.rpartition(":")[2])
+    second = HubProcess(tmp_path, port=port)
+    try:
+        console.wait(lambda: "linked" in console.text, 15.0)
+        console.wait_for_picture()
+        observer = Observer(second.endpoint)
+        console.hold("w", 1.5)
+        assert observer.truth.linear > 0.1
+        observer.close()
+    finally:
+        second.close()
+
+
+def test_a_terminal_that_stops_reading_delays_no_stop(
+    console: ConsoleProcess, observer: Observer
+) -> None:
+    console.hold("w", 1.0)
+    assert observer.truth.linear > 0.2
+    # From here on nobody reads what the console writes, while keys still come.
+    for _ in range(40):
+        console.type("w")
+        observer.client.listen(0.03)
+    assert observer.truth.linear > 0.2
+    console.type(" ")
+    observer.wait(lambda: observer.truth.commanded_linear == 0.0, 1.0, "the stop did not come")
+    console.pump(1.0)
+    console.wait(lambda: "STANDING" in console.text, 10.0, "the picture does not come back")
