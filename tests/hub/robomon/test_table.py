@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 
 import pytest
@@ -84,7 +85,5 @@ def test_no_bytes_raise_anything_but_our_error(tmp_path: Path, data: st.DataObje
         raw[data.draw(st.integers(0, len(raw) - 1))] = data.draw(st.integers(0, 255))
     path = tmp_path / "robot.toml"
     path.write_bytes(raw)
-    try:
+    with contextlib.suppress(RobotFileError):
         load_robot_table(str(path))
-    except RobotFileError as error:
-        assert error.problems

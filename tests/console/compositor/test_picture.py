@@ -1,0 +1,95 @@
+"""Cells as picture, drawing and text."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from PIL import Image
+
+from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.picture import image, plain_text, save, svg
+from rune_tui.errors import PictureFileError
+
+
+@pytest.fixture
+def cells() -> Cells:
+    """Three cells by two: red over blue, white, and an "R" in green on the mean of 0 and 100."""
+    pixels = np.zeros((4, 3, 4), np.uint8)
+    pixels[0, 0, :3] = (255, 0, 0)
+    pixels[1, 0, :3] = (0, 0, 255)
+    pixels[0:2, 1, :3] = 255
+    pixels[3, 2, :3] = 100
+    glyphs = np.zeros((2, 3), np.uint32)
+    glyphs[1, 2] = ord("R")
+    ink = np.zeros((2, 3, 4), np.uint8)
+    ink[1, 2, :3] = (0, 255, 0)
+    return Cells(pixels=pixels, glyphs=glyphs, ink=ink)
+
+
+def test_the_picture_shows_two_blocks_a_cell(cells: Cells) -> None:
+    picture = image(cells, scale=8)
+    assert picture.size == (24, 32)
+    assert picture.getpixel((4, 4)) == (255, 0, 0)
+    assert picture.getpixel((4, 12)) == (0, 0, 255)
+    assert picture.getpixel((12, 9)) == (255, 255, 255)
+
+
+def test_the_picture_shows_characters_in_ink_on_the_mean(cells: Cells) -> None:
+    cell = np.asarray(image(cells, scale=12))[24:, 24:]
+    assert (cell[0, 0] == 50).all()
+    assert (cell[-1, -1] == 50).all()
+    assert (cell[..., 1] > 200).any()
+
+
+def test_plain_text_shows_characters_and_brightness(cells: Cells) -> None:
+    assert plain_text(cells) == ":@\n  R\n"
+
+
+def test_the_drawing_merges_runs_and_holds_the_text(cells: Cells) -> None:
+    root = ET.fromstring(svg(cells))
+    space = "{http://www.w3.org/2000/svg}"
+    rectangles = [item.attrib for item in root.iter(f"{space}rect")]
+    assert [r["fill"] for r in rectangles[:3]] == ["#ff0000", "#ffffff", "#000000"]
+    third = [r for r in rectangles if r["y"] == "16"]
+    assert [(r["x"], r["width"], r["fill"]) for r in third] == [
+        ("0", "16", "#000000"),
+        ("16", "8", "#323232"),
+    ]
+    (text,) = root.iter(f"{space}text")
+    assert text.text == "R"
+    assert text.attrib["fill"] == "#00ff00"
+
+
+@given(st.lists(st.integers(0, 0xFFFFFFFF), min_size=1, max_size=8))
+def test_whatever_the_code_points_the_files_are_well_formed(points: list[int]) -> None:
+    cells = Cells(
+        pixels=np.zeros((2, len(points), 4), np.uint8),
+        glyphs=np.array([points], np.uint32),
+        ink=np.zeros((1, len(points), 4), np.uint8),
+    )
+    ET.fromstring(svg(cells))
+    assert not re.search(r"[\x00-\x09\x0b-\x1f\x7f-\x9f]", plain_text(cells))
+    plain_text(cells).encode()
+    image(cells, scale=2)
+
+
+def test_the_suffix_says_how_a_file_is_written(cells: Cells, tmp_path: Path) -> None:
+    save(cells, tmp_path / "shot.PNG")
+    with Image.open(tmp_path / "shot.PNG") as picture:
+        assert picture.size == (24, 32)
+    save(cells, tmp_path / "shot.svg")
+    assert ET.parse(tmp_path / "shot.svg").getroot().tag.endswith("svg")
+    save(cells, tmp_path / "shot.txt")
+    assert (tmp_path / "shot.txt").read_text() == plain_text(cells)
+
+
+@pytest.mark.parametrize("name", ["shot.gif", "shot", "missing/shot.png", "missing/shot.txt"])
+def test_a_file_that_cannot_be_written_is_named(cells: Cells, tmp_path: Path, name: str) -> None:
+    with pytest.raises(PictureFileError, match=re.escape(name)):
+        save(cells, tmp_path / name)

@@ -1,0 +1,95 @@
+"""What the shipped layouts look like, as text files that can be read and compared.
+
+After a wanted change, write them anew: RUNE_WRITE_SNAPSHOTS=1 pytest tests/console
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hub.gcm.navigation import MotionState
+from hub.gcm.navigation import RobotState as NavigationState
+from hub.gcm.vision import CameraState
+from rune_tui.compositor.picture import plain_text
+from rune_tui.layout.loader import load_layout
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
+from rune_tui.view import View
+
+ROOT = Path(__file__).parents[2]
+SNAPSHOTS = ROOT / "tests" / "golden" / "layouts"
+NOW = 100.0
+
+CAMERA = CameraState(
+    stamp=0.0,
+    pan=0.5,
+    tilt=-0.1,
+    zoom=0.2,
+    horizontal_fov=0.7,
+    vertical_fov=0.53,
+    mount_forward=0.05,
+    mount_height=0.37,
+    pan_limit=1.745,
+    tilt_limit=0.436,
+    slewing=0,
+)
+NAVIGATION = NavigationState(
+    stamp=0.0,
+    x=1.0,
+    y=2.0,
+    theta=0.3,
+    linear=0.42,
+    angular=-0.2,
+    commanded_linear=0.5,
+    commanded_angular=-0.2,
+    sonar=np.linspace(0.5, 4.0, 16).astype(np.float32),
+    infrared=np.full(16, np.inf, np.float32),
+    bumpers=0,
+    battery_voltage=24.6,
+    battery_fraction=0.87,
+    motion=MotionState.MOVING,
+    refused=0,
+)
+
+
+def robot(age: float) -> RobotState:
+    """A robot that drives; its data is `age` seconds old."""
+    rows, columns = np.mgrid[0:120, 0:160]
+    shades = [columns, rows * 2, (rows // 10 + columns // 10) % 2 * 200]
+    pixels = np.stack(shades, -1).astype(np.uint8)
+    measured = NOW - age
+    return RobotState(
+        name="magellan",
+        link=LinkState(phase=LinkPhase.CONNECTED, since=0.0, endpoint="tcp://127.0.0.1:1381"),
+        picture=Received(value=Picture(pixels=pixels, camera=CAMERA), measured=measured, number=1),
+        navigation=Received(value=NAVIGATION, measured=measured, number=2),
+        camera=Received(value=CAMERA, measured=measured, number=3),
+    )
+
+
+LOST = RobotState(
+    name="magellan",
+    link=LinkState(phase=LinkPhase.LOST, since=NOW - 7.0, endpoint="tcp://127.0.0.1:1381"),
+)
+
+
+@pytest.mark.parametrize("size", [(120, 40), (80, 24), (20, 5)], ids=lambda size: f"{size[0]}x{size[1]}")
+@pytest.mark.parametrize("layout", sorted(path.stem for path in (ROOT / "layouts").glob("*.xml")))
+@pytest.mark.parametrize("state", ["live", "stale", "lost"])
+def test_layout_looks_as_it_did(layout: str, size: tuple[int, int], state: str) -> None:
+    view = View(load_layout(ROOT / "layouts" / f"{layout}.xml").view)
+    view.resize(*size)
+    shown = {"live": robot(0.05), "stale": robot(4.2), "lost": LOST}[state]
+    cells = view.render({"magellan": shown}, ConsoleState(now=NOW, held=("w",)))
+    assert cells is not None
+    assert (cells.columns, cells.rows) == size
+    text = plain_text(cells)
+    path = SNAPSHOTS / f"{layout}-{size[0]}x{size[1]}-{state}.txt"
+    if os.environ.get("RUNE_WRITE_SNAPSHOTS"):
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text)
+    assert text == path.read_text()

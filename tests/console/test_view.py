@@ -1,0 +1,326 @@
+"""The view places viewports, redraws what changed, and works on any terminal."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hub.gcm.navigation import MotionState
+from hub.gcm.navigation import RobotState as NavigationState
+from hub.gcm.vision import CameraState
+from rune_tui.compositor.ansi import RowEncoder
+from rune_tui.compositor.cells import Cells
+from rune_tui.layout.spec import ViewportSpec, ViewSpec, VisualizerSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
+from rune_tui.raster.canvas import Canvas
+from rune_tui.view import MIN_COLUMNS, MIN_ROWS, View, placed
+
+STATE = ConsoleState(now=100.0)
+CAMERA = CameraState(
+    stamp=0.0,
+    pan=0.5,
+    tilt=0.1,
+    zoom=0.0,
+    horizontal_fov=0.8,
+    vertical_fov=0.6,
+    mount_forward=0.1,
+    mount_height=0.5,
+    pan_limit=1.6,
+    tilt_limit=0.5,
+    slewing=0,
+)
+NAVIGATION = NavigationState(
+    stamp=0.0,
+    x=0.0,
+    y=0.0,
+    theta=0.0,
+    linear=0.1,
+    angular=0.0,
+    commanded_linear=0.1,
+    commanded_angular=0.0,
+    sonar=np.full(16, 1.5, np.float32),
+    infrared=np.full(16, math.inf, np.float32),
+    bumpers=0,
+    battery_voltage=24.0,
+    battery_fraction=0.5,
+    motion=MotionState.MOVING,
+    refused=0,
+)
+
+
+def known(value: Any, number: int = 1, age: float = 0.1) -> Received[Any]:
+    return Received(value=value, measured=STATE.now - age, number=number)
+
+
+def robot(name: str = "magellan", shade: int = 200, number: int = 1, **changes: Any) -> RobotState:
+    """A linked robot whose camera sees a wall of one shade of red."""
+    wall = np.zeros((48, 64, 3), np.uint8)
+    wall[..., 0] = shade
+    values: dict[str, Any] = {
+        "link": LinkState(phase=LinkPhase.CONNECTED, since=0.0, endpoint="tcp://127.0.0.1:1381"),
+        "picture": known(Picture(pixels=wall, camera=CAMERA), number),
+        "navigation": known(NAVIGATION),
+        "camera": known(CAMERA),
+    }
+    return RobotState(name=name, **values | changes)
+
+
+def viewport(
+    function: str, place: tuple[int, int, int, int], *, text: str = "", **changes: Any
+) -> ViewportSpec:
+    shown = VisualizerSpec(function=function, message="", option=0.0, text=text, line=1)
+    values: dict[str, Any] = {
+        "name": function,
+        "robot": "magellan",
+        "visible": True,
+        "transparency": 0,
+        "zpos": 0,
+        "scaled": True,
+        "visualizer": shown,
+        "widgets": (),
+        "line": 1,
+    }
+    x, y, width, height = place
+    return ViewportSpec(xpos=x, ypos=y, xsize=width, ysize=height, **values | changes)
+
+
+def view(*viewports: ViewportSpec, xsize: int = 160, ysize: int = 96) -> ViewSpec:
+    return ViewSpec(xsize=xsize, ysize=ysize, background=(1, 2, 3), viewports=viewports, widgets=())
+
+
+EVERYTHING = view(
+    viewport("visualizeCameraImage", (0, 0, 160, 94)),
+    viewport("visualizeRangeData", (118, 50, 40, 40), zpos=2, transparency=40),
+    viewport("visualizePanData", (40, 0, 80, 2), zpos=1),
+    viewport("visualizeTiltData", (158, 20, 2, 40), zpos=1),
+    viewport("visualizeLabel", (2, 2, 30, 2), zpos=3, text="Magellan"),
+    viewport("visualizeStatus", (0, 94, 160, 2), zpos=3),
+)
+
+
+def shown(spec: ViewSpec, columns: int, rows: int, **changes: Any) -> Cells:
+    screen = View(spec)
+    screen.resize(columns, rows)
+    cells = screen.render({"magellan": robot(**changes)}, STATE)
+    assert cells is not None
+    return cells
+
+
+def words(cells: Cells) -> str:
+    return "\n".join("".join(chr(p or 32) for p in row) for row in cells.glyphs.tolist())
+
+
+@pytest.mark.parametrize("columns", range(1, 61))
+def test_every_terminal_size_shows_something_of_that_size(columns: int) -> None:
+    for rows in range(1, 21):
+        cells = shown(EVERYTHING, columns, rows)
+        assert cells.pixels.shape == (2 * rows, columns, 4)
+        assert cells.glyphs.shape == (rows, columns)
+        assert cells.ink.shape == (rows, columns, 4)
+        assert cells.glyphs.any()
+
+
+def test_twenty_columns_by_five_rows_show_video_and_state() -> None:
+    cells = shown(EVERYTHING, 20, 5)
+    assert "MOVING" in words(cells).splitlines()[-1]
+    assert (cells.pixels[:8, :, 0] == 200).mean() > 0.2
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(MIN_COLUMNS - 1, 20), (60, MIN_ROWS - 1), (9, 1)])
+def test_below_a_usable_size_the_words_too_small_stand_alone(columns: int, rows: int) -> None:
+    assert words(shown(EVERYTHING, columns, rows)).strip() == "too small"
+
+
+def test_nothing_is_drawn_before_the_size_is_known() -> None:
+    assert View(EVERYTHING).render({"magellan": robot()}, STATE) is None
+
+
+def test_nothing_new_gives_no_frame() -> None:
+    for size in ((80, 24), (5, 2)):
+        screen = View(EVERYTHING)
+        screen.resize(*size)
+        robots = {"magellan": robot()}
+        assert screen.render(robots, STATE) is not None
+        assert screen.render(robots, STATE) is None
+        later = ConsoleState(now=STATE.now + 0.05)
+        assert screen.render({"magellan": robot()}, later) is None
+        screen.resize(*size)
+        assert screen.render(robots, STATE) is not None
+
+
+class _Counted:
+    """Counts how often each visualizer draws, by the class that does."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.drawn: list[str] = []
+        from rune_tui.visualizers.registry import VISUALIZERS
+
+        for kind in VISUALIZERS.values():
+            monkeypatch.setattr(kind, "draw", self._counting(kind))
+
+    def _counting(self, kind: type[Any]) -> Any:
+        original = kind.draw
+
+        def draw(itself: Any, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
+            self.drawn.append(kind.__name__)
+            original(itself, canvas, robot, state)
+
+        return draw
+
+
+def test_only_the_viewport_whose_data_changed_is_drawn_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    counted = _Counted(monkeypatch)
+    screen = View(EVERYTHING)
+    screen.resize(80, 24)
+    before = screen.render({"magellan": robot()}, STATE)
+    assert len(counted.drawn) == 6
+    counted.drawn.clear()
+    after = screen.render({"magellan": robot(shade=90, number=2)}, STATE)
+    assert counted.drawn == ["CameraImage"]
+    assert before is not None
+    assert after is not None
+    assert (after.pixels != before.pixels).any()
+    assert (after.glyphs == before.glyphs).all()
+
+
+def test_hidden_viewports_are_neither_drawn_nor_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    counted = _Counted(monkeypatch)
+    hidden = view(
+        viewport("visualizeCameraImage", (0, 0, 160, 96), visible=False),
+        viewport("visualizeCameraImage", (0, 0, 160, 96), transparency=255),
+        viewport("visualizeStatus", (0, 0, 160, 2), visualizer=None),
+    )
+    screen = View(hidden)
+    screen.resize(80, 24)
+    cells = screen.render({"magellan": robot()}, STATE)
+    assert counted.drawn == []
+    assert cells is not None
+    assert (cells.pixels[..., :3] == (1, 2, 3)).all()
+    assert screen.picture_sizes() == {}
+
+
+def test_ageing_alone_gives_a_new_frame_at_each_step() -> None:
+    screen = View(view(viewport("visualizeCameraImage", (0, 0, 160, 96))))
+    screen.resize(80, 24)
+    robots = {"magellan": robot()}
+    frames = [screen.render(robots, ConsoleState(now=100.0 + 0.25 * i)) for i in range(12)]
+    # Fresh, then dimmed after one second, then (3.0 s old, measured 0.1 s before) hatched.
+    assert [i for i, frame in enumerate(frames) if frame is not None] == [0, 4]
+    assert screen.render(robots, ConsoleState(now=103.0)) is not None
+
+
+def test_the_nearer_viewport_covers_the_farther() -> None:
+    front = viewport("visualizeLabel", (0, 0, 160, 2), text="front", zpos=2)
+    back = viewport("visualizeLabel", (0, 0, 160, 2), text="behind", zpos=1)
+    assert words(shown(view(front, back), 80, 24)).startswith("frontd")
+
+
+def test_viewports_of_several_robots_show_each_its_own() -> None:
+    spec = view(
+        viewport("visualizeStatus", (0, 0, 160, 2)),
+        viewport("visualizeStatus", (0, 2, 160, 2), robot="blimp"),
+    )
+    screen = View(spec)
+    screen.resize(160, 48)
+    cells = screen.render({"magellan": robot(), "blimp": robot("blimp")}, STATE)
+    assert cells is not None
+    lines = words(cells).splitlines()
+    assert "magellan" in lines[0]
+    assert "blimp" in lines[1]
+
+
+def test_places_scale_and_touching_viewports_keep_touching() -> None:
+    left = viewport("visualizePanData", (0, 0, 53, 96))
+    right = viewport("visualizePanData", (53, 0, 107, 96))
+    for columns in range(1, 200, 7):
+        one = placed(left, view(), columns, 30, whole_cells=False)
+        two = placed(right, view(), columns, 30, whole_cells=False)
+        assert one.x == 0
+        assert one.x + one.width in {two.x, two.x + 1}  # one pixel is the least there is
+        assert two.x + two.width == columns
+        assert (one.y, one.height) == (0, 60)
+    assert placed(left, view(), 320, 96, whole_cells=False).width == 106
+
+
+def test_unscaled_viewports_keep_their_size_and_scale_their_corner() -> None:
+    spec = viewport("visualizePanData", (40, 24, 30, 10), scaled=False)
+    place = placed(spec, view(), 80, 24, whole_cells=False)
+    assert (place.x, place.y, place.width, place.height) == (20, 12, 30, 10)
+
+
+def test_an_unscaled_viewport_inside_the_design_stays_inside_the_terminal() -> None:
+    spec = viewport("visualizePanData", (120, 56, 40, 40), scaled=False)
+    place = placed(spec, view(), 80, 24, whole_cells=False)
+    assert (place.x, place.y, place.width, place.height) == (40, 8, 40, 40)
+
+
+def test_a_viewport_partly_outside_the_design_stays_partly_outside() -> None:
+    spec = viewport("visualizePanData", (-20, -12, 40, 24))
+    place = placed(spec, view(), 80, 24, whole_cells=False)
+    assert (place.x, place.y, place.width, place.height) == (-10, -6, 20, 12)
+    cells = shown(view(viewport("visualizeCameraImage", (80, 0, 400, 96))), 80, 24)
+    assert (cells.pixels[:, :40, 0] == 1).all()
+
+
+@given(
+    corner=st.tuples(st.integers(-50, 150), st.integers(-50, 90)),
+    size=st.tuples(st.integers(1, 100), st.integers(1, 80)),
+    terminal=st.tuples(st.integers(1, 300), st.integers(1, 100)),
+    scaled=st.booleans(),
+)
+def test_text_viewports_are_made_of_whole_cells(
+    corner: tuple[int, int], size: tuple[int, int], terminal: tuple[int, int], *, scaled: bool
+) -> None:
+    columns, rows = terminal
+    spec = viewport("visualizeStatus", (*corner, *size), scaled=scaled)
+    place = placed(spec, view(), columns, rows, whole_cells=True)
+    assert place.width >= 1
+    assert place.height >= 2
+    assert place.y % 2 == place.height % 2 == 0
+    if corner[1] >= 0 and corner[1] + size[1] <= 96 and place.height <= 2 * rows:
+        assert 0 <= place.y <= 2 * rows - place.height
+
+
+def test_the_picture_size_is_the_largest_shown_of_each_robot() -> None:
+    spec = view(
+        viewport("visualizeCameraImage", (0, 0, 80, 60)),
+        viewport("visualizeCameraImage", (80, 0, 40, 30)),
+        viewport("visualizeCameraImage", (0, 60, 8, 6), robot="blimp"),
+    )
+    screen = View(spec)
+    screen.resize(160, 48)
+    assert screen.picture_sizes() == {"magellan": (80, 60), "blimp": (16, 12)}
+    screen.resize(80, 24)
+    assert screen.picture_sizes()["magellan"] == (40, 30)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.text(), st.text(), st.lists(st.text(), max_size=3), st.integers(1, 60))
+def test_no_text_from_outside_puts_a_control_byte_on_the_terminal(
+    name: str, detail: str, held: list[str], columns: int
+) -> None:
+    spec = view(
+        viewport("visualizeCameraImage", (0, 0, 160, 60)),
+        viewport("visualizeLabel", (0, 60, 160, 20), text=detail),
+        viewport("visualizeStatus", (0, 80, 160, 8)),
+        viewport("visualizeRangeData", (0, 88, 160, 8)),
+    )
+    link = LinkState(phase=LinkPhase.LOST, since=90.0, endpoint=name, detail=detail)
+    screen = View(spec)
+    screen.resize(columns, 12)
+    robots = {"magellan": robot(name, link=link, picture=None, navigation=None)}
+    cells = screen.render(robots, ConsoleState(now=100.0, held=tuple(held)))
+    assert cells is not None
+    for row in RowEncoder().encode_text(cells):
+        text = re.sub(r"\x1b\[[\d;]+m", "", row)
+        assert not re.search(r"[\x00-\x1f\x7f-\x9f]", text)
+        assert len(text) == columns

@@ -1,0 +1,177 @@
+"""A robot's state for pictures, and drawings kept as text to compare with."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hub.gcm.navigation import MotionState
+from hub.gcm.navigation import RobotState as NavigationState
+from hub.gcm.vision import CameraState
+from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
+from rune_tui.raster.canvas import Canvas
+from rune_tui.visualizers.registry import visualizer
+
+NOW = 100.0
+GOLDEN = Path(__file__).parents[2] / "golden" / "cells"
+LETTERS = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+
+Draw = Callable[..., Canvas]
+
+
+def navigation(**changes: Any) -> NavigationState:
+    """Standing in the open: every sonar reads 2 m, infrared sees nothing."""
+    values: dict[str, Any] = {
+        "stamp": 0.0,
+        "x": 0.0,
+        "y": 0.0,
+        "theta": 0.0,
+        "linear": 0.0,
+        "angular": 0.0,
+        "commanded_linear": 0.0,
+        "commanded_angular": 0.0,
+        "sonar": np.full(16, 2.0, np.float32),
+        "infrared": np.full(16, np.inf, np.float32),
+        "bumpers": 0,
+        "battery_voltage": 24.1,
+        "battery_fraction": 0.87,
+        "motion": MotionState.STANDING,
+        "refused": 0,
+    }
+    return NavigationState(**values | changes)
+
+
+def camera(**changes: Any) -> CameraState:
+    """Looking straight ahead, wide."""
+    values: dict[str, Any] = {
+        "stamp": 0.0,
+        "pan": 0.0,
+        "tilt": 0.0,
+        "zoom": 0.0,
+        "horizontal_fov": 0.8,
+        "vertical_fov": 0.6,
+        "mount_forward": 0.1,
+        "mount_height": 0.5,
+        "pan_limit": 1.6,
+        "tilt_limit": 0.5,
+        "slewing": 0,
+    }
+    return CameraState(**values | changes)
+
+
+def picture() -> Picture:
+    """Eight by six pixels: red, green, blue and white quarters."""
+    pixels = np.zeros((6, 8, 3), np.uint8)
+    pixels[:3, :4, 0] = 200
+    pixels[:3, 4:, 1] = 200
+    pixels[3:, :4, 2] = 200
+    pixels[3:, 4:] = 200
+    return Picture(pixels=pixels, camera=camera())
+
+
+def received(value: Any, age: float = 0.1, number: int = 1) -> Received[Any]:
+    return Received(value=value, measured=NOW - age, number=number)
+
+
+class Made:
+    """Makes states; ages are in seconds before `NOW`."""
+
+    now = NOW
+    navigation = staticmethod(navigation)
+    camera = staticmethod(camera)
+    picture = staticmethod(picture)
+    received = staticmethod(received)
+
+    @staticmethod
+    def link(phase: LinkPhase = LinkPhase.CONNECTED, **changes: Any) -> LinkState:
+        values: dict[str, Any] = {"since": NOW - 3.4, "endpoint": "tcp://10.0.0.5:1381"}
+        return LinkState(phase=phase, **values | changes)
+
+    def robot(self, **parts: Any) -> RobotState:
+        """A linked robot of which everything is known, but for the parts given."""
+        values: dict[str, Any] = {
+            "link": self.link(),
+            "picture": received(picture()),
+            "navigation": received(navigation()),
+            "camera": received(camera()),
+        }
+        return RobotState(name="magellan", **values | parts)
+
+
+@pytest.fixture
+def made() -> Made:
+    return Made()
+
+
+@pytest.fixture
+def spec() -> Callable[..., VisualizerSpec]:
+    """The specification of a visualizer."""
+
+    def make(function: str, *, option: float = 0.0, text: str = "") -> VisualizerSpec:
+        return VisualizerSpec(function=function, message="", option=option, text=text, line=1)
+
+    return make
+
+
+@pytest.fixture
+def draw(spec: Callable[..., VisualizerSpec]) -> Draw:
+    """Draws a robot's state by a visualizer's name on a canvas of the size in pixels."""
+
+    def drawn(
+        function: str,
+        robot: RobotState,
+        size: tuple[int, int],
+        *,
+        held: tuple[str, ...] = (),
+        **options: Any,
+    ) -> Canvas:
+        canvas = Canvas.blank(*size)
+        state = ConsoleState(now=NOW, held=held)
+        visualizer(spec(function, **options)).draw(canvas, robot, state)
+        return canvas
+
+    return drawn
+
+
+def words(canvas: Canvas) -> list[str]:
+    """The characters of each row of cells, blanks for none."""
+    return ["".join(chr(p or 32) for p in row).rstrip() for row in canvas.glyphs.tolist()]
+
+
+@pytest.fixture
+def golden() -> Callable[[str, Canvas], None]:
+    """Compares a drawing with the one in the file; RUNE_WRITE_GOLDEN=1 writes it anew."""
+
+    def compare(name: str, canvas: Canvas) -> None:
+        path = GOLDEN / f"{name}.txt"
+        text = described(canvas)
+        if os.environ.get("RUNE_WRITE_GOLDEN"):
+            path.write_text(text, "utf-8")
+        assert text == path.read_text("utf-8")
+
+    return compare
+
+
+def described(canvas: Canvas) -> str:
+    """A drawing as text: its characters, then a letter a pixel, then what the letters mean."""
+    meaning: dict[str, str] = {"00000000": "."}
+
+    def letter(colour: list[int]) -> str:
+        return meaning.setdefault(bytes(colour).hex(), LETTERS[len(meaning) - 1])
+
+    pixels = ["".join(map(letter, row)) for row in canvas.pixels.tolist()]
+    ink = [
+        "".join(letter(c) if g else "." for c, g in zip(colours, glyphs, strict=True))
+        for colours, glyphs in zip(canvas.ink.tolist(), canvas.glyphs.tolist(), strict=True)
+    ]
+    colours = [f"{sign} {colour}" for colour, sign in meaning.items()]
+    characters = [f"|{row:<{canvas.width}}|" for row in words(canvas)]
+    parts = (("characters", characters), ("ink", ink), ("pixels", pixels), ("rrggbbaa", colours))
+    return "".join("\n".join([f"[{title}]", *lines, ""]) for title, lines in parts)

@@ -1,0 +1,156 @@
+"""visualizeStatus and visualizeLabel."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from hub.gcm.navigation import MotionState
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import LinkPhase
+from rune_tui.visualizers.status import Status
+
+NAME = "visualizeStatus"
+
+
+def line(canvas, row: int = 0) -> str:
+    return "".join(chr(p or 32) for p in canvas.glyphs[row].tolist()).strip()
+
+
+@pytest.fixture
+def said(made, draw):
+    """The status line with these parts of the robot's own state."""
+
+    def say(*, age: float = 0.1, held: tuple[str, ...] = (), width: int = 200, **changes) -> str:
+        robot = made.robot(navigation=made.received(made.navigation(**changes), age))
+        return line(draw(NAME, robot, (width, 2), held=held))
+
+    return say
+
+
+def test_everything_that_is_known_is_said_in_one_line(made, draw, golden) -> None:
+    navigation = made.navigation(
+        motion=MotionState.MOVING, linear=0.25, angular=math.radians(-12), battery_fraction=0.5
+    )
+    robot = made.robot(
+        navigation=made.received(navigation),
+        camera=made.received(made.camera(pan=math.radians(37))),
+        picture=made.received(made.picture(), 0.5),
+    )
+    canvas = draw(NAME, robot, (130, 2), held=("w", "d"))
+    assert line(canvas) == (
+        "magellan  linked  MOVING  +0.25 m/s -12°/s  battery 50% 24.1 V  nearest 1.80 m ahead  "
+        "camera 37° left  picture 0.5 s old  keys w d"
+    )
+    golden("status", canvas)
+
+
+@pytest.mark.parametrize(
+    ("motion", "words"),
+    [
+        (MotionState.STANDING, "STANDING"),
+        (MotionState.MOVING, "MOVING"),
+        (MotionState.SILENCE, "STOPPED: commands fell silent"),
+        (MotionState.STOPPED, "STOPPED: a stop was sent"),
+        (MotionState.NO_DRIVER, "NO DRIVER: cannot move"),
+    ],
+)
+def test_every_motion_state_has_its_words(said, motion, words) -> None:
+    assert words in said(motion=motion)
+
+
+def test_no_speed_has_no_sign(said) -> None:
+    assert "  0.00 m/s 0°/s  " in said(linear=-0.001, angular=0.001)
+
+
+@pytest.mark.parametrize(
+    ("fraction", "voltage", "words"),
+    [(0.87, math.nan, "battery 87%  "), (math.nan, 24.1, "battery 24.1 V  "), (0.1, 20.0, "LOW")],
+)
+def test_of_the_battery_only_what_is_known_is_said(said, fraction, voltage, words) -> None:
+    assert words in said(battery_fraction=fraction, battery_voltage=voltage)
+
+
+def test_an_unknown_battery_is_not_mentioned(said) -> None:
+    assert "battery" not in said(battery_fraction=math.nan, battery_voltage=math.nan)
+
+
+@pytest.mark.parametrize(
+    ("sensor", "side"),
+    [
+        (0, "ahead"),
+        (1, "ahead"),
+        (3, "left"),
+        (4, "left"),
+        (8, "behind"),
+        (12, "right"),
+        (15, "ahead"),
+    ],
+)
+def test_the_nearest_obstacle_is_told_from_the_rim_with_its_side(said, sensor, side) -> None:
+    ranges = np.full(16, np.inf, np.float32)
+    ranges[sensor] = 0.503
+    assert f"NEAR 0.30 m {side}" in said(sonar=ranges)
+    assert f"NEAR 0.30 m {side}" in said(infrared=ranges)
+
+
+def test_nothing_seen_is_not_called_near(said) -> None:
+    nothing = np.full(16, np.inf, np.float32)
+    nothing[3] = np.nan
+    assert "m ahead" not in said(sonar=nothing)
+
+
+def test_old_state_is_called_old(said) -> None:
+    assert "OLD" not in said(age=0.9)
+    assert "STATE 1.5 s OLD" in said(age=1.5)
+
+
+def test_a_small_pan_and_a_fresh_picture_are_not_mentioned(made, draw) -> None:
+    robot = made.robot(camera=made.received(made.camera(pan=math.radians(-4.9))))
+    text = line(draw(NAME, robot, (200, 2)))
+    assert "camera" not in text
+    assert "picture" not in text
+    robot = made.robot(camera=made.received(made.camera(pan=math.radians(-6))))
+    assert "camera 6° right" in line(draw(NAME, robot, (200, 2)))
+
+
+@pytest.mark.parametrize(
+    ("phase", "words"),
+    [(LinkPhase.CONNECTING, "connecting 3 s"), (LinkPhase.LOST, "LINK LOST 3 s")],
+)
+def test_a_link_that_is_not_there_is_named(made, draw, phase, words) -> None:
+    robot = made.robot(link=made.link(phase), navigation=None)
+    text = line(draw(NAME, robot, (200, 2)))
+    assert words in text
+    assert "no robot state yet" in text
+
+
+@pytest.mark.parametrize("width", range(1, 90))
+def test_where_room_is_short_whole_parts_go_and_the_gravest_stays(made, draw, width) -> None:
+    robot = made.robot(link=made.link(LinkPhase.LOST))
+    text = line(draw(NAME, robot, (width, 2)))
+    assert text
+    assert "LINK LOST 3 s".startswith(text) or "LINK LOST 3 s" in text
+    assert all(part in line(draw(NAME, robot, (200, 2))) for part in text.split("  "))
+
+
+def test_the_token_changes_with_the_words_only(made) -> None:
+    shown, state = Status(), ConsoleState(now=made.now)
+
+    def token(**changes):
+        return shown.source(made.robot(navigation=made.received(made.navigation(**changes))), state)
+
+    assert token(linear=0.25) == token(linear=0.251, x=3.0)
+    assert token(linear=0.25) != token(linear=0.26)
+    robot = made.robot()
+    held = ConsoleState(now=made.now, held=("w",))
+    assert shown.source(robot, state) != shown.source(robot, held)
+
+
+def test_a_label_says_its_text_wrapped_and_lets_the_rest_be_seen(made, draw, golden) -> None:
+    canvas = draw("visualizeLabel", made.robot(), (10, 6), text="Magellan Pro of the lab")
+    assert [line(canvas, row) for row in range(3)] == ["Magellan", "Pro of the", "lab"]
+    assert not canvas.pixels.any()
+    golden("label", canvas)

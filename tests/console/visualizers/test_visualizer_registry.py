@@ -1,0 +1,57 @@
+"""All visualizers together."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from rune_tui.visualizers.registry import VISUALIZERS, visualizer
+from rune_tui.visualizers.staleness import Staleness, age_text, staleness
+
+
+def test_every_name_makes_its_visualizer(spec) -> None:
+    for name, kind in VISUALIZERS.items():
+        assert isinstance(visualizer(spec(name)), kind)
+
+
+@pytest.mark.parametrize("name", sorted(VISUALIZERS))
+@pytest.mark.parametrize("size", [(1, 1), (1, 2), (2, 1), (3, 5), (40, 2), (2, 40)])
+def test_every_visualizer_draws_on_any_canvas_with_and_without_data(made, draw, name, size) -> None:
+    draw(name, made.robot(), size, text="words")
+    draw(name, made.robot(picture=None, navigation=None, camera=None), size, text="words")
+
+
+@pytest.mark.parametrize(
+    ("age", "expected"),
+    [
+        (0.0, Staleness.FRESH),
+        (1.0, Staleness.FRESH),
+        (1.1, Staleness.OLD),
+        (3.0, Staleness.OLD),
+        (3.1, Staleness.STALE),
+    ],
+)
+def test_the_steps_of_age_are_one_and_three_seconds(age: float, expected: Staleness) -> None:
+    assert staleness(age) is expected
+
+
+@pytest.mark.parametrize(
+    ("age", "text"),
+    [
+        (0.0, "0.0 s"),
+        (4.29, "4.2 s"),
+        (9.99, "9.9 s"),
+        (37.9, "37 s"),
+        (180, "3 min"),
+        (9e3, "2 h"),
+    ],
+)
+def test_an_age_is_told_as_precisely_as_helps(age: float, text: str) -> None:
+    assert age_text(age) == text
+
+
+@example(7199.0)
+@given(st.floats(0, 1e7))
+def test_an_age_is_always_short(age: float) -> None:
+    assert len(age_text(age)) <= len("119 min")

@@ -1,0 +1,83 @@
+"""Rubbish on every port of a running hub, while a person drives: nothing dies, nothing stops."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import random
+import socket
+import subprocess
+import sys
+
+import psutil
+import zmq
+
+from hub.gcm.navigation import GROUND_TRUTH
+from tests.system.harness import ConsoleProcess, HubProcess, Observer, family
+
+HUGE_FRAME = (
+    # A ZMTP 3.0 greeting with the NULL mechanism, then a frame that announces 8 GiB.
+    b"\xff\0\0\0\0\0\0\0\x01\x7f\x03\x00NULL"
+    + bytes(16)
+    + bytes(32)
+    + b"\x02"
+    + (8 << 30).to_bytes(8, "big")
+    + bytes(1000)
+)
+
+
+def _ports(hub: HubProcess) -> list[int]:
+    process = psutil.Process(hub.process.pid)
+    return sorted({c.laddr.port for c in process.net_connections() if c.status == "LISTEN"})
+
+
+def _raw(port: int, data: bytes) -> None:
+    # It may be refused in the middle, as it should be.
+    with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), 2.0) as peer:
+        peer.sendall(data)
+
+
+def _through_zeromq(port: int, frames: list[list[bytes]]) -> None:
+    with zmq.Context() as context:
+        for kind in (zmq.DEALER, zmq.PUB, zmq.PUSH):
+            with context.socket(kind) as peer:
+                peer.linger = 100
+                peer.connect(f"tcp://127.0.0.1:{port}")
+                peer.poll(50, zmq.POLLOUT)
+                for parts in frames:
+                    try:
+                        peer.send_multipart(parts, zmq.NOBLOCK)
+                    except zmq.Again:
+                        break
+
+
+def test_rubbish_on_every_port_changes_nothing(
+    hub: HubProcess, console: ConsoleProcess, observer: Observer
+) -> None:
+    chance = random.Random(1)
+    good = bytes(observer.client._pack(GROUND_TRUTH, observer.truth, None))
+    frames = [[good[: chance.randrange(len(good))]] for _ in range(30)]
+    frames += [[chance.randbytes(chance.randrange(1, 300))] for _ in range(30)]
+    frames += [[b"SIM_Unheard\0\0\0\0\0" + good[16:]], [b"RUNE\1\5\0\0" + bytes(9)], [b"RUNE"] * 9]
+    ports = _ports(hub)
+    assert len(ports) == 5
+    for port in ports:
+        for data in (b"GET / HTTP/1.1\r\n\r\n", chance.randbytes(500), HUGE_FRAME, b"\xff", b""):
+            _raw(port, data)
+        _through_zeromq(port, frames)
+        console.hold("w", 0.2)
+    assert observer.truth.linear > 0.2, "driving was disturbed"
+    assert len(family(hub.process.pid)) == 4
+    listing = subprocess.run(
+        [sys.executable, "-m", "hub", "list", "--json", "--hub", hub.endpoint],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    dropped = {entry["reason"]: entry["count"] for entry in json.loads(listing.stdout)["dropped"]}
+    assert dropped["malformed control frame"] >= 10
+    assert any("malformed frame" in reason for reason in dropped)
+    log = hub.log.read_text()
+    for reason in dropped:
+        assert log.count(f" hub WARNING {reason} (") <= 1
+    assert "Traceback" not in log

@@ -1,0 +1,103 @@
+"""Every command in the documentation works as it is written."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from tests.system.harness import ConsoleProcess, HubProcess
+from tests.waiting import until
+
+ROOT = Path(__file__).parents[2]
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+MODULES = {"rune": "rune_tui", "rune-hub": "hub"}
+
+
+def commands(page: Path) -> Iterator[str]:
+    """Lines after a $ in the page's console blocks."""
+    for block in re.findall(r"^```console\n(.*?)^```", page.read_text(), re.DOTALL | re.MULTILINE):
+        for line in block.splitlines():
+            if line.startswith("$ "):
+                yield line[2:].partition("  #")[0].strip()
+
+
+ALL = [
+    pytest.param(command, id=f"{page.name}: {command}")
+    for page in PAGES
+    for command in dict.fromkeys(commands(page))
+]
+
+
+def test_there_are_commands() -> None:
+    assert len(ALL) > 10
+
+
+@pytest.mark.parametrize("command", ALL)
+def test_command_works(command: str, request: pytest.FixtureRequest, tmp_path: Path) -> None:
+    words = shlex.split(command)
+    if words[0] == "make":
+        targets = re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
+        assert words[1] in targets
+    elif words[0] in ("git", "cd", "pip"):
+        pass  # getting Rune is the business of a fresh machine, not of this test
+    elif words[:2] == ["rune-hub", "run"]:
+        _starts_and_ends(words, tmp_path)
+    elif words[:2] in (["rune", "demo"], ["rune", "run"]):
+        _shows_a_picture(words, request)
+    else:
+        _succeeds(words, request, tmp_path)
+
+
+def _starts_and_ends(words: list[str], folder: Path) -> None:
+    arguments = [*words[1:], "--port", "0"]
+    log = folder / "log"
+    with log.open("wb") as file:
+        hub = subprocess.Popen(
+            [sys.executable, "-m", "hub", *arguments],
+            cwd=ROOT,
+            stdout=file,
+            stderr=subprocess.STDOUT,
+        )
+    until(lambda: "ready; Ctrl-C ends it" in log.read_text(), 20.0, log.read_text)
+    hub.send_signal(signal.SIGINT)
+    assert hub.wait(15.0) == 0
+
+
+def _shows_a_picture(words: list[str], request: pytest.FixtureRequest) -> None:
+    arguments = [str(ROOT / word) if word.endswith(".xml") else word for word in words[1:]]
+    if "--hub" in arguments:
+        hub: HubProcess = request.getfixturevalue("hub")
+        arguments[arguments.index("--hub") + 1] = hub.endpoint
+    with closing(ConsoleProcess(arguments)) as console:
+        console.wait_for_picture()
+        console.type("q")
+        assert console.wait_ended() == 0
+
+
+def _succeeds(words: list[str], request: pytest.FixtureRequest, folder: Path) -> None:
+    arguments = [str(ROOT / word) if word.endswith(".xml") else word for word in words[1:]]
+    if words[0] == "rune-hub":
+        hub: HubProcess = request.getfixturevalue("hub")
+        arguments += ["--hub", hub.endpoint]
+    process = subprocess.Popen(
+        [sys.executable, "-m", MODULES[words[0]], *arguments],
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        _, said = process.communicate(timeout=1.5 if "-r" in arguments else 30.0)
+    except subprocess.TimeoutExpired:
+        assert "-r" in arguments, "it does not end"
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=10.0)
+    assert process.returncode == 0, said
