@@ -22,6 +22,7 @@ _DEMO_LAYOUT = "demo"
 _DEMO_ROBOT = "magellan"
 _PICTURE_ENDINGS = (".txt", ".svg", ".png")
 _LOG_BYTES = 1_000_000
+_CONSOLE_LIBRARIES = ("textual", "rich", "PIL", "lxml", "platformdirs")
 
 
 class ExitCode(enum.IntEnum):
@@ -47,6 +48,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return commands[options.command](options)
     except KeyboardInterrupt:
         return ExitCode.OK
+    except ModuleNotFoundError as error:
+        if error.name not in _CONSOLE_LIBRARIES:
+            raise
+        text = f"{error.name} is missing; install it with pip install 'robot-user-nexus[console]'"
+        sys.stderr.write(f"rune: {text}\n")
+        return ExitCode.USAGE
     except (ConsoleError, HubError) as error:
         sys.stderr.write(f"rune: {error}\n")
         return ExitCode.USAGE

@@ -77,7 +77,7 @@ LOST = RobotState(
 )
 
 
-@pytest.mark.parametrize("size", [(120, 40), (80, 24), (20, 5)], ids=lambda size: f"{size[0]}x{size[1]}")
+@pytest.mark.parametrize("size", [(120, 40), (80, 24), (20, 5)], ids=lambda size: f"{size[0]}")
 @pytest.mark.parametrize("layout", sorted(path.stem for path in (ROOT / "layouts").glob("*.xml")))
 @pytest.mark.parametrize("state", ["live", "stale", "lost"])
 def test_layout_looks_as_it_did(layout: str, size: tuple[int, int], state: str) -> None:
