@@ -85,7 +85,7 @@ class Ring:
     gap: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Footprints:
     """What stands in the way of the robot, seen from above.
 
@@ -115,7 +115,7 @@ class Footprints:
         )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Arena:
     """Everything there is; nothing in it moves.
 
@@ -159,7 +159,7 @@ def load_arena(name_or_path: str) -> Arena:
         path = SHIPPED / f"{name_or_path}.toml"
     else:
         path = Path(name_or_path)
-        if path.suffix != ".toml" and not path.is_file():
+        if path.suffix != ".toml" and path.name == name_or_path:
             known = shipped_arenas()
             near = difflib.get_close_matches(name_or_path[:64], known, n=1)
             hint = f"; did you mean {near[0]!r}?" if near else ""
@@ -228,14 +228,15 @@ def footprints_of(
         for item, origin in zip(cylinders, origins[len(boxes) :], strict=True)
         if _in_the_way(item.low, item.high)
     ]
-    surfaces = [item.surface for item, _ in (*near_boxes, *near_cylinders)]
+    surfaces = [box.surface for box, _ in near_boxes]
+    surfaces += [item.surface for item, _ in near_cylinders]
     return Footprints(
         low=np.array([box.low[:2] for box, _ in near_boxes]).reshape(-1, 2),
         high=np.array([box.high[:2] for box, _ in near_boxes]).reshape(-1, 2),
         centre=np.array([(item.x, item.y) for item, _ in near_cylinders]).reshape(-1, 2),
         radius=np.array([item.radius for item, _ in near_cylinders], dtype=np.float64),
         brightness=np.array([sum(item.colour) / 765.0 for item in surfaces], dtype=np.float64),
-        origin=tuple(origin for _, origin in (*near_boxes, *near_cylinders)),
+        origin=(*(origin for _, origin in near_boxes), *(origin for _, origin in near_cylinders)),
     )
 
 

@@ -24,7 +24,7 @@ COLOURS: Mapping[str, Colour] = {
     "brick": (176, 92, 70),
     "slate": (104, 116, 130),
 }
-SURFACE_TEXTURES = ("plain", "brick", "panel", "wood", "concrete", "checker")
+SURFACE_TEXTURES = ("plain", "brick", "panel", "wood", "concrete", "fabric", "checker")
 FACINGS = {side.name.lower(): side for side in (Side.EAST, Side.NORTH, Side.WEST, Side.SOUTH)}
 GAPS = ("right", "up-right", "up", "up-left", "left", "down-left", "down", "down-right")
 POSES = ("sitting", "lying")

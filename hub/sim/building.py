@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from hub.sim.arena_specs import (
     ArenaSpec,
     BoxSpec,
-    Colour,
     CylinderSpec,
     DoorwaySpec,
     LandmarkSpec,
@@ -16,15 +15,18 @@ from hub.sim.arena_specs import (
     VictimSpec,
     WallSpec,
 )
-from hub.sim.geometry import Box, Cylinder, Side, Surface
+from hub.sim.geometry import Box, Colour, Cylinder, Side, Surface
 
 PANEL_THICKNESS = 0.02
 """How far signs and rings stand out from their wall [m]."""
 RING_PANEL_IN_GAPS = 7.0
 """Side of a ring's panel in widths of its gap; the ring itself is 5 gaps wide."""
 
+_SLIVER = 1e-6
+"""Pieces of a wall shorter than this [m] come from rounding only."""
+
 SKIN = Surface(texture="plain", colour=(228, 176, 140))
-HAIR = Surface(texture="plain", colour=(62, 40, 28))
+HAIR = Surface(texture="fabric", colour=(62, 40, 28))
 FACE = Surface(texture="face", colour=(228, 176, 140))
 PANEL_WHITE: Colour = (240, 240, 236)
 
@@ -36,16 +38,16 @@ def build(spec: ArenaSpec) -> tuple[tuple[Box, ...], tuple[Cylinder, ...], tuple
     """
     boxes: list[Box] = []
     origins: list[str] = []
-    parts = (
-        ("wall", spec.walls, _wall),
-        ("box", spec.boxes, _box),
-        ("victim", spec.victims, _victim),
-        ("landmark", spec.landmarks, _landmark),
-        ("ring", spec.rings, _ring),
+    parts: tuple[tuple[str, list[Iterator[Box]]], ...] = (
+        ("wall", [_wall(item) for item in spec.walls]),
+        ("box", [_box(item) for item in spec.boxes]),
+        ("victim", [_victim(item) for item in spec.victims]),
+        ("landmark", [_landmark(item) for item in spec.landmarks]),
+        ("ring", [_ring(item) for item in spec.rings]),
     )
-    for kind, specs, make in parts:
-        for index, item in enumerate(specs, start=1):
-            made = list(make(item))  # type: ignore[operator]  # each spec stands beside its maker
+    for kind, makings in parts:
+        for index, making in enumerate(makings, start=1):
+            made = list(making)
             boxes.extend(made)
             origins.extend([f"{kind} {index}"] * len(made))
     cylinders = tuple(_cylinder(item) for item in spec.cylinders)
@@ -59,11 +61,11 @@ def _wall(wall: WallSpec) -> Iterator[Box]:
     reached = 0.0
     for door in sorted(wall.doorways, key=lambda item: item.at):
         left, right = door.at - door.width / 2, door.at + door.width / 2
-        if left > reached:
+        if left > reached + _SLIVER:
             yield _wall_piece(wall, reached, left, 0.0)
         yield from _lintel(wall, door, left, right)
         reached = right
-    if reached < length:
+    if reached < length - _SLIVER:
         yield _wall_piece(wall, reached, length, 0.0)
 
 
@@ -112,8 +114,8 @@ def _victim(victim: VictimSpec) -> Iterator[Box]:
 
     Sitting, the face looks where the victim faces; lying, the head points there and the face up.
     """
-    clothes = Surface(texture="plain", colour=victim.colour)
-    dark = Surface(texture="plain", colour=(52, 56, 70))
+    clothes = Surface(texture="fabric", colour=victim.colour)
+    dark = Surface(texture="fabric", colour=(52, 56, 70))
     if victim.pose == "lying":
         yield _part(victim, (0.53, 0.75), (-0.10, 0.10), (0.0, 0.20), SKIN, Side.UP)
         yield _part(victim, (0.75, 0.79), (-0.10, 0.10), (0.0, 0.20), HAIR)
@@ -133,19 +135,17 @@ def _victim(victim: VictimSpec) -> Iterator[Box]:
 def _part(
     victim: VictimSpec,
     ahead: tuple[float, float],
-    left: tuple[float, float],
+    across: tuple[float, float],
     up: tuple[float, float],
     surface: Surface,
     face: Side | None = None,
 ) -> Box:
-    """One box of a body, given in the victim's own frame (ahead, to its left, up) [m]."""
+    """One box of a body, given ahead of the victim, across (bodies are symmetric) and up [m]."""
     axis, sign = victim.facing.axis, victim.facing.sign
-    # Left of east is north, left of north is west.
-    left_sign = sign if axis == 0 else -sign
     span_ahead = sorted(victim.at[axis] + sign * value for value in ahead)
-    span_left = sorted(victim.at[1 - axis] + left_sign * value for value in left)
+    span_across = tuple(victim.at[1 - axis] + value for value in across)
     (x_low, x_high), (y_low, y_high) = (
-        (span_ahead, span_left) if axis == 0 else (span_left, span_ahead)
+        (span_ahead, span_across) if axis == 0 else (span_across, span_ahead)
     )
     return Box(
         low=(x_low, y_low, up[0]),

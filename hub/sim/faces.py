@@ -27,7 +27,7 @@ _SHRINK = 0.998
 """Keeps the rim of a picture from wrapping around to its other side."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Faces:
     """Everything that is drawn: f sides of boxes, c cylinders.
 
@@ -132,7 +132,7 @@ def make_faces(arena: Arena) -> Faces:
         row_scale=mapping[:, 2].astype(np.float32),
         row_offset=mapping[:, 3].astype(np.float32),
         brightness=np.array(
-            [0.92, 1.0, *wall_light, *(1.0 for _ in arena.cylinders)], dtype=np.float32
+            [1.24, 1.0, *wall_light, *(1.0 for _ in arena.cylinders)], dtype=np.float32
         ),
         atlas=atlas,
     )

@@ -22,7 +22,7 @@ _NEAREST = 1e-6
 _STEEP = 1e-12
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Candidates:
     """Sides that may be seen, nearest first, with the pixels they cover.
 
@@ -153,7 +153,7 @@ def _in_sight(corners: npt.NDArray[np.float64], frame: Frame) -> npt.NDArray[np.
     x, y, z = corners[..., 0], corners[..., 1], corners[..., 2]
     wide, high = frame.half_width * z, frame.half_height * z
     beyond = np.stack((z <= 0.0, x > wide, x < -wide, y > high, y < -high))
-    return ~beyond.all(axis=2).any(axis=0)
+    return np.logical_not(beyond.all(axis=2).any(axis=0))
 
 
 def _row_spans(

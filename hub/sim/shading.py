@@ -18,6 +18,9 @@ _LEAST_SHARE = 0.22
 """Share of its own colour that a thing keeps: CLEAR - FADE * depth, from LEAST_SHARE to 1."""
 _GRAZING = 2.5
 """Floors are seen at a grazing angle: a pixel covers this many times more of them than of walls."""
+_FOOT_LIGHT = 0.72
+_FOOT_SHADE_PER_METRE = 1.1
+"""Share of light at the foot of what stands up, and how fast it grows with height."""
 _LIGHT_FROM = (0.8, 0.6)
 """Where the light on cylinders comes from, in x and y, unit length."""
 _FAR_SIDE_LIGHT = 0.62
@@ -45,6 +48,10 @@ class Shader:
         brightness = faces.brightness.take(thing)
         if len(faces.cylinders):
             self._wrap_cylinders(frame, x, y, across, brightness)
+        # Little light reaches the foot of a wall; z is not needed any more.
+        z *= _FOOT_SHADE_PER_METRE
+        z += _FOOT_LIGHT
+        brightness *= np.clip(z, _FOOT_LIGHT, 1.0, out=z)
         texel = self._texels(frame, depth, across, down)
 
         depth *= -_FADE_PER_METRE

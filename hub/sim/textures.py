@@ -20,6 +20,8 @@ SIDE = 64
 LEVELS = 6
 """Degrees of smoothing; at level n, blocks of 2**n texels have one colour."""
 
+_RING_BLACK = 16.0
+
 Pattern = npt.NDArray[np.float64]
 """Brightness of each texel relative to the surface's colour, shape (SIDE, SIDE), or its red, green
 and blue, 0 to 255, shape (SIDE, SIDE, 3); row 0 is on top."""
@@ -33,7 +35,7 @@ class Texture:
     tile: float = 1.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Atlas:
     """All textures of an arena side by side.
 
@@ -137,6 +139,15 @@ def _concrete(_: Surface) -> Pattern:
     return 1.0 + total
 
 
+def _fabric(_: Surface) -> Pattern:
+    """Folds and a weave."""
+    rows, columns = _grid()
+    turn = 2 * math.pi / SIDE
+    weave = 0.04 * ((rows // 2 + columns // 2) % 2)
+    cloth: Pattern = 0.95 + weave + 0.07 * np.sin(3 * turn * columns + 2 * np.sin(turn * rows))
+    return cloth * _grain(0.04)
+
+
 def _checker(_: Surface) -> Pattern:
     rows, columns = _grid()
     half = SIDE // 2
@@ -193,8 +204,8 @@ def _ring(angle_deg: float) -> Callable[[Surface], Pattern]:
         across = y * math.cos(math.radians(angle_deg)) - x * math.sin(math.radians(angle_deg))
         ring = (radius >= 1.5) & (radius <= 2.5) & ~((along > 0) & (np.abs(across) <= 0.5))
         black = ring.reshape(SIDE, fine, SIDE, fine).mean(axis=(1, 3))[..., None]
-        ground = np.array(surface.colour, float)
-        return ground * (1.0 - black) + 16.0 * black
+        panel: Pattern = np.array(surface.colour, float) * (1.0 - black) + _RING_BLACK * black
+        return panel
 
     return draw
 
@@ -205,6 +216,7 @@ TEXTURES: Mapping[str, Texture] = {
     "panel": Texture(_panel, 1.2),
     "wood": Texture(_wood, 0.8),
     "concrete": Texture(_concrete, 2.0),
+    "fabric": Texture(_fabric, 0.5),
     "checker": Texture(_checker, 1.0),
     "ceiling": Texture(_ceiling, 2.0),
     "face": Texture(_face),

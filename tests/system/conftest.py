@@ -82,7 +82,8 @@ def start_console(tmp_path: Path, stack: ExitStack) -> Callable[..., ConsoleProc
 
 @pytest.fixture
 def console(hub: HubProcess, start_console: Callable[..., ConsoleProcess]) -> ConsoleProcess:
-    """A console that shows the picture."""
+    """A console that shows the picture of a robot that is ready to drive."""
     started = start_console(hub.endpoint)
     started.wait_for_picture()
+    started.wait(lambda: "STANDING" in started.text, 10.0)
     return started

@@ -12,7 +12,8 @@ import sys
 import psutil
 import zmq
 
-from hub.gcm.navigation import GROUND_TRUTH
+from hub.gcm.navigation import GROUND_TRUTH, GroundTruth
+from hub.ipc import frames
 from tests.system.harness import ConsoleProcess, HubProcess, Observer, family
 
 HUGE_FRAME = (
@@ -26,6 +27,18 @@ HUGE_FRAME = (
 )
 
 
+def _frame(truth: GroundTruth) -> bytes:
+    """A frame that is right in everything."""
+    return frames.pack(
+        frames.prefix(GROUND_TRUTH.name),
+        publisher=1,
+        fingerprint=GROUND_TRUTH.fingerprint,
+        sequence=1,
+        stamp_ns=0,
+        payload=GROUND_TRUTH.encode(truth),
+    )
+
+
 def _ports(hub: HubProcess) -> list[int]:
     process = psutil.Process(hub.process.pid)
     return sorted({c.laddr.port for c in process.net_connections() if c.status == "LISTEN"})
@@ -37,14 +50,14 @@ def _raw(port: int, data: bytes) -> None:
         peer.sendall(data)
 
 
-def _through_zeromq(port: int, frames: list[list[bytes]]) -> None:
+def _through_zeromq(port: int, rubbish: list[list[bytes]]) -> None:
     with zmq.Context() as context:
         for kind in (zmq.DEALER, zmq.PUB, zmq.PUSH):
             with context.socket(kind) as peer:
                 peer.linger = 100
                 peer.connect(f"tcp://127.0.0.1:{port}")
                 peer.poll(50, zmq.POLLOUT)
-                for parts in frames:
+                for parts in rubbish:
                     try:
                         peer.send_multipart(parts, zmq.NOBLOCK)
                     except zmq.Again:
@@ -55,16 +68,16 @@ def test_rubbish_on_every_port_changes_nothing(
     hub: HubProcess, console: ConsoleProcess, observer: Observer
 ) -> None:
     chance = random.Random(1)
-    good = bytes(observer.client._pack(GROUND_TRUTH, observer.truth, None))
-    frames = [[good[: chance.randrange(len(good))]] for _ in range(30)]
-    frames += [[chance.randbytes(chance.randrange(1, 300))] for _ in range(30)]
-    frames += [[b"SIM_Unheard\0\0\0\0\0" + good[16:]], [b"RUNE\1\5\0\0" + bytes(9)], [b"RUNE"] * 9]
+    good = _frame(observer.truth)
+    rubbish = [[good[: chance.randrange(len(good))]] for _ in range(30)]
+    rubbish += [[chance.randbytes(chance.randrange(1, 300))] for _ in range(30)]
+    rubbish += [[b"SIM_Unheard\0\0\0\0\0" + good[16:]], [b"RUNE\1\5\0\0" + bytes(9)], [b"RUNE"] * 9]
     ports = _ports(hub)
     assert len(ports) == 5
     for port in ports:
         for data in (b"GET / HTTP/1.1\r\n\r\n", chance.randbytes(500), HUGE_FRAME, b"\xff", b""):
             _raw(port, data)
-        _through_zeromq(port, frames)
+        _through_zeromq(port, rubbish)
         console.hold("w", 0.2)
     assert observer.truth.linear > 0.2, "driving was disturbed"
     assert len(family(hub.process.pid)) == 4

@@ -1,0 +1,48 @@
+"""How every benchmark reports: one JSON line a figure on standard output, all else on standard error."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Callable, Mapping
+
+
+def report(
+    name: str,
+    value: float | None,
+    unit: str,
+    *,
+    bar: float | None = None,
+    better: str = "lower",
+    peers: Mapping[str, float] | None = None,
+    note: str = "",
+) -> None:
+    """Print one figure; value None and a note where it could not be measured."""
+    line = {
+        "name": name,
+        "value": value if value is None else round(value, 4),
+        "unit": unit,
+        "better": better,
+        "bar": bar,
+        "peers": dict(peers or {}),
+        "note": note,
+    }
+    print(json.dumps(line), flush=True)
+
+
+def say(text: str) -> None:
+    """Progress for the person who waits."""
+    print(text, file=sys.stderr, flush=True)
+
+
+def median_ms(work: Callable[[int], object], runs: int, warmup: int = 3) -> float:
+    """Median time of one call of `work`, which gets the number of the call [ms]."""
+    for index in range(warmup):
+        work(index)
+    times = []
+    for index in range(runs):
+        start = time.perf_counter()
+        work(index)
+        times.append(time.perf_counter() - start)
+    return sorted(times)[len(times) // 2] * 1e3

@@ -1,0 +1,208 @@
+"""A simulated iRobot Magellan Pro with a Sony EVI-D30 camera on top."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.gcm.navigation import DriveState, GroundTruth
+from hub.gcm.vision import CameraCommand, CameraMotion, CameraState
+from hub.sim.arena import Arena
+from hub.sim.battery import Battery
+from hub.sim.contact import Body
+from hub.sim.kinematics import ANGULAR, LINEAR, approach, limited, moved
+from hub.sim.odometry import Odometry
+from hub.sim.pan_tilt_zoom import (
+    PAN_LIMIT,
+    TILT_LIMIT,
+    PanTiltZoom,
+    horizontal_fov,
+    vertical_fov,
+)
+from hub.sim.range_sensors import RangeSensors
+from hub.sim.ray_caster import RayCaster
+from hub.sim.view import View
+
+STEP = 0.01
+"""Length of a step of the simulation [s]."""
+STEPS_PER_SCAN = 10
+"""All range sensors measure together at 10 Hz; the real ring of sonars takes half a second."""
+LONGEST_ADVANCE = 5.0
+"""More time than this in one call [s] is dropped, as after the process was suspended."""
+MOUNT_FORWARD = 0.05
+"""Camera ahead of the robot's centre [m]."""
+MOUNT_HEIGHT = 0.37
+"""Camera above the ground [m]."""
+SENSOR_WIDTH_PX = 320
+SENSOR_HEIGHT_PX = 240
+
+_ROUNDING = 1e-9
+_FARTHEST_PLACE = 1000.0
+"""No arena reaches this far [m]; the ray caster's single precision does."""
+
+
+class SimulatedMagellan:
+    """Wheels, range sensors, bumpers and battery in an arena; implements `DriveBase`.
+
+    The same seed and the same calls give the same values to the last bit. Reading a state changes
+    nothing and draws no random number. Sensors are scanned at 10 Hz of simulated time; between two
+    scans the last ranges are reported.
+    """
+
+    def __init__(
+        self,
+        arena: Arena,
+        *,
+        seed: int = 0,
+        linear_limit: float = 0.5,
+        angular_limit: float = 1.0,
+    ) -> None:
+        odometry_seed, sensor_seed = np.random.SeedSequence(seed).spawn(2)
+        self._linear_limit = linear_limit
+        self._angular_limit = angular_limit
+        self._body = Body(arena.footprints)
+        self._odometry = Odometry(odometry_seed)
+        self._sensors = RangeSensors(arena.footprints, sensor_seed)
+        self._battery = Battery()
+        self._commanded = (0.0, 0.0)
+        self._linear = 0.0
+        self._angular = 0.0
+        self._steps = 0
+        self._time_left = 0.0
+        # Settles what the body touches at the start.
+        self._pose = self._body.move(arena.start, arena.start)
+        self._scan()
+
+    def set_velocity(self, linear: float, angular: float) -> None:
+        """Tell the wheels: forward [m/s], counter-clockwise [rad/s]; NaN counts as 0."""
+        self._commanded = (
+            limited(linear, self._linear_limit),
+            limited(angular, self._angular_limit),
+        )
+
+    def advance(self, seconds: float) -> None:
+        """Let simulated time pass in whole steps; what is left over counts in the next call."""
+        if not seconds > 0.0:
+            return
+        self._time_left += min(seconds, LONGEST_ADVANCE)
+        while self._time_left >= STEP - _ROUNDING:
+            self._time_left -= STEP
+            self._step()
+
+    def drive_state(self, stamp: float) -> DriveState:
+        """What encoders, range sensors, bumpers and battery say now."""
+        pose = self._odometry.pose
+        return DriveState(
+            stamp=stamp,
+            x=pose.x,
+            y=pose.y,
+            theta=pose.theta,
+            linear=self._linear,
+            angular=self._angular,
+            commanded_linear=self._commanded[0],
+            commanded_angular=self._commanded[1],
+            sonar=self._sonar.copy(),
+            infrared=self._infrared.copy(),
+            bumpers=self._body.bumpers(self._pose),
+            battery_voltage=self._battery.voltage,
+            battery_fraction=self._battery.fraction,
+        )
+
+    def ground_truth(self) -> GroundTruth:
+        """Where it really is, in the arena's frame."""
+        return GroundTruth(
+            time=self._steps * STEP,
+            x=self._pose.x,
+            y=self._pose.y,
+            theta=self._pose.theta,
+            linear=self._linear,
+            angular=self._angular,
+            commanded_linear=self._commanded[0],
+            commanded_angular=self._commanded[1],
+            contacts=self._body.contacts,
+            touching=int(bool(self._body.touched)),
+        )
+
+    def _step(self) -> None:
+        linear = approach(self._linear, self._commanded[0], LINEAR, STEP)
+        angular = approach(self._angular, self._commanded[1], ANGULAR, STEP)
+        before = self._pose
+        wanted = moved(before, linear * STEP, angular * STEP)
+        self._pose = self._body.move(before, wanted)
+        if self._body.touched:
+            linear = self._held_back(linear, before.x, before.y, before.theta + angular * STEP / 2)
+        self._linear, self._angular = linear, angular
+        self._odometry.moved(linear * STEP, angular * STEP, STEP)
+        self._battery = self._battery.after(STEP, linear, angular)
+        self._steps += 1
+        if self._steps % STEPS_PER_SCAN == 0:
+            self._scan()
+
+    def _held_back(self, linear: float, x: float, y: float, heading: float) -> float:
+        """Forward velocity that an obstacle leaves: wheels hold on to the floor, motors stall."""
+        forward = (self._pose.x - x) * math.cos(heading) + (self._pose.y - y) * math.sin(heading)
+        return max(min(forward / STEP, max(linear, 0.0)), min(linear, 0.0))
+
+    def _scan(self) -> None:
+        self._sonar = self._sensors.sonar(self._pose)
+        self._infrared = self._sensors.infrared(self._pose)
+
+
+class SimulatedCamera:
+    """A camera on a pan/tilt/zoom head in an arena; implements `Camera`."""
+
+    def __init__(self, arena: Arena) -> None:
+        self._caster = RayCaster(arena)
+        self._head = PanTiltZoom()
+        self._robot = (arena.start.x, arena.start.y, arena.start.theta)
+
+    def advance(self, seconds: float) -> None:
+        """Let the head move for some time [s]."""
+        self._head.advance(seconds)
+
+    def move(self, command: CameraCommand) -> None:
+        """Send the head somewhere; NaN leaves an amount, what is too far goes to the limit."""
+        if command.motion is CameraMotion.HOME:
+            self._head.go_to(0.0, 0.0, 0.0)
+        elif command.motion is CameraMotion.ABSOLUTE:
+            self._head.go_to(command.pan, command.tilt, command.zoom)
+        else:
+            self._head.go_by(command.pan, command.tilt, command.zoom)
+
+    def camera_state(self, stamp: float) -> CameraState:
+        """Where the camera looks now."""
+        return CameraState(
+            stamp=stamp,
+            pan=self._head.pan,
+            tilt=self._head.tilt,
+            zoom=self._head.zoom,
+            horizontal_fov=horizontal_fov(self._head.zoom),
+            vertical_fov=vertical_fov(self._head.zoom),
+            mount_forward=MOUNT_FORWARD,
+            mount_height=MOUNT_HEIGHT,
+            pan_limit=PAN_LIMIT,
+            tilt_limit=TILT_LIMIT,
+            slewing=int(self._head.slewing),
+        )
+
+    def place(self, x: float, y: float, theta: float) -> None:
+        """Where the robot is in the arena's frame [m, m, rad]; ignored when not finite."""
+        if math.isfinite(x) and math.isfinite(y) and math.isfinite(theta):
+            self._robot = (limited(x, _FARTHEST_PLACE), limited(y, _FARTHEST_PLACE), theta)
+
+    def capture(self, width_px: int, height_px: int) -> npt.NDArray[np.uint8]:
+        """A picture, shape (height, width, 3), at least 1 by 1 and at most 320 by 240 pixels."""
+        x, y, theta = self._robot
+        view = View(
+            x=x + MOUNT_FORWARD * math.cos(theta),
+            y=y + MOUNT_FORWARD * math.sin(theta),
+            z=MOUNT_HEIGHT,
+            yaw=theta + self._head.pan,
+            pitch=self._head.tilt,
+            horizontal_fov=horizontal_fov(self._head.zoom),
+        )
+        width = max(1, min(width_px, SENSOR_WIDTH_PX))
+        height = max(1, min(height_px, SENSOR_HEIGHT_PX))
+        return self._caster.picture(view, width, height)

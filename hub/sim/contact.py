@@ -1,0 +1,93 @@
+"""Contact of the round body with what stands in its way."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.sim.arena import BODY_RADIUS, Footprints
+from hub.sim.geometry import Pose
+
+TOUCH = 1e-3
+"""A bumper is pressed when something is this near [m]."""
+BUMPERS = 16
+_GAP = 1e-6
+"""Distance that is left when the body is pushed out of something [m]."""
+_PUSHES = 6
+
+
+class Body:
+    """The robot's body among obstacles: where it can go and what it touches.
+
+    Attributes:
+        touched: Numbers of the obstacles it touches.
+        contacts: Times it has come to touch an obstacle that it did not touch before.
+    """
+
+    def __init__(self, footprints: Footprints) -> None:
+        self._obstacles = footprints
+        self._boxes = len(footprints.low)
+        self._free = 0.0
+        self.touched: frozenset[int] = frozenset()
+        self.contacts = 0
+
+    def move(self, before: Pose, wanted: Pose) -> Pose:
+        """Where the body gets on a short way to a wanted pose: it slides along, or stays.
+
+        A way counts as short when it is shorter than the body's radius.
+        """
+        self._free -= math.hypot(wanted.x - before.x, wanted.y - before.y)
+        # Whatever is farther than the way travelled since the last look cannot be reached yet.
+        if self._free > TOUCH:
+            return wanted
+        x, y = self._pushed_out(before, wanted)
+        distances = self._obstacles.distances(x, y)
+        self._free = float(distances.min(initial=math.inf)) - BODY_RADIUS
+        touched = frozenset(np.flatnonzero(distances < BODY_RADIUS + TOUCH).tolist())
+        self.contacts += len(touched - self.touched)
+        self.touched = touched
+        return Pose(x=x, y=y, theta=wanted.theta)
+
+    def bumpers(self, pose: Pose) -> int:
+        """Bit i is set when bumper i, at 22.5 i degrees from ahead, is pressed."""
+        bits = 0
+        for number in self.touched:
+            x, y = self._nearest_point(number, pose.x, pose.y)
+            direction = math.atan2(y - pose.y, x - pose.x) - pose.theta
+            bits |= 1 << round(direction * BUMPERS / (2 * math.pi)) % BUMPERS
+        return bits
+
+    def _pushed_out(self, before: Pose, wanted: Pose) -> tuple[float, float]:
+        """The wanted place, moved out of what it overlaps; the one before where that fails."""
+        x, y = wanted.x, wanted.y
+        for _ in range(_PUSHES):
+            distances = self._obstacles.distances(x, y)
+            if float(distances.min(initial=math.inf)) >= BODY_RADIUS:
+                return x, y
+            deepest = int(distances.argmin())
+            near_x, near_y = self._nearest_point(deepest, x, y)
+            away = np.array((x - near_x, y - near_y))
+            length = float(np.hypot(away[0], away[1]))
+            if length < _GAP:
+                break
+            scale = (BODY_RADIUS + _GAP) / length
+            x, y = near_x + float(away[0]) * scale, near_y + float(away[1]) * scale
+        return before.x, before.y
+
+    def _nearest_point(self, number: int, x: float, y: float) -> tuple[float, float]:
+        """The point of an obstacle's outline that is nearest to a point outside it."""
+        obstacles = self._obstacles
+        if number < self._boxes:
+            point: npt.NDArray[np.float64] = np.clip(
+                (x, y), obstacles.low[number], obstacles.high[number]
+            )
+            return float(point[0]), float(point[1])
+        centre_x, centre_y = obstacles.centre[number - self._boxes].tolist()
+        radius = float(obstacles.radius[number - self._boxes])
+        distance = math.hypot(x - centre_x, y - centre_y)
+        if distance == 0.0:
+            return centre_x, centre_y
+        scale = radius / distance
+        return centre_x + (x - centre_x) * scale, centre_y + (y - centre_y) * scale

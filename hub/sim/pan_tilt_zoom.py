@@ -1,0 +1,78 @@
+"""A pan/tilt/zoom head after the Sony EVI-D30: limits, and the time that moving takes."""
+
+from __future__ import annotations
+
+import math
+
+PAN_LIMIT = math.radians(100.0)
+TILT_LIMIT = math.radians(25.0)
+PAN_SPEED = math.radians(80.0)
+TILT_SPEED = math.radians(50.0)
+ZOOM_SPEED = 0.5
+"""Zoom from wide to tele takes 2 s [1/s]."""
+WIDE_FOV = math.radians(48.8)
+"""Horizontal field of view at zoom 0 [rad]."""
+TELE_FOV = math.radians(4.3)
+"""Horizontal field of view at zoom 1 [rad]; between the two it is linear in zoom."""
+
+_LOW = (-PAN_LIMIT, -TILT_LIMIT, 0.0)
+_HIGH = (PAN_LIMIT, TILT_LIMIT, 1.0)
+_SPEED = (PAN_SPEED, TILT_SPEED, ZOOM_SPEED)
+
+
+def horizontal_fov(zoom: float) -> float:
+    """Field of view from left to right [rad] at a zoom of 0 to 1."""
+    return WIDE_FOV + (TELE_FOV - WIDE_FOV) * zoom
+
+
+def vertical_fov(zoom: float) -> float:
+    """Field of view from top to bottom of a 4:3 picture [rad] at a zoom of 0 to 1."""
+    return 2.0 * math.atan(math.tan(horizontal_fov(zoom) / 2.0) * 3.0 / 4.0)
+
+
+class PanTiltZoom:
+    """Where the head is and where it goes; amounts are pan [rad], tilt [rad], zoom [0 to 1]."""
+
+    def __init__(self) -> None:
+        self._now = [0.0, 0.0, 0.0]
+        self._goal = [0.0, 0.0, 0.0]
+
+    @property
+    def pan(self) -> float:
+        """Angle from straight ahead [rad], positive left."""
+        return self._now[0]
+
+    @property
+    def tilt(self) -> float:
+        """Angle from the horizontal [rad], positive up."""
+        return self._now[1]
+
+    @property
+    def zoom(self) -> float:
+        """0 (wide) to 1 (tele)."""
+        return self._now[2]
+
+    @property
+    def slewing(self) -> bool:
+        """Whether it still moves to where it was sent."""
+        return self._now != self._goal
+
+    def go_to(self, pan: float, tilt: float, zoom: float) -> None:
+        """Go there, as far as the limits allow; NaN leaves an amount."""
+        wanted = (pan, tilt, zoom)
+        self._goal = [
+            old if math.isnan(new) else max(low, min(high, new))
+            for old, new, low, high in zip(self._goal, wanted, _LOW, _HIGH, strict=True)
+        ]
+
+    def go_by(self, pan: float, tilt: float, zoom: float) -> None:
+        """Go on by these amounts from where it was last sent, so that quick presses add up."""
+        self.go_to(*(goal + by for goal, by in zip(self._goal, (pan, tilt, zoom), strict=True)))
+
+    def advance(self, seconds: float) -> None:
+        """Move for some time [s]."""
+        for index, (now, goal, speed) in enumerate(zip(self._now, self._goal, _SPEED, strict=True)):
+            way = speed * max(0.0, seconds)
+            self._now[index] = (
+                goal if abs(goal - now) <= way else now + math.copysign(way, goal - now)
+            )

@@ -1,0 +1,144 @@
+"""What sonars and infrared sensors say of walls, voids and posts."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hub.robots.magellan import SimulatedMagellan
+from hub.sim.arena import BODY_RADIUS, load_arena
+from hub.sim.geometry import Pose
+from hub.sim.range_sensors import (
+    INFRARED_FARTHEST,
+    INFRARED_NEAREST,
+    SONAR_CONE,
+    SONAR_FARTHEST,
+    SONAR_INCIDENCE,
+    RangeSensors,
+    first_hits,
+)
+from tests.hub.sim.arenas import VOID, arena_of, free_poses
+
+CENTRE = Pose(x=0.0, y=0.0, theta=0.0)
+
+
+def sensors_before_a_wall(distance: float, colour: str = "white") -> RangeSensors:
+    """A wall in the east whose face is at the given distance from the origin [m]."""
+    x = distance + 0.05
+    text = f'[[wall]]\nfrom=[{x},-20]\nto=[{x},20]\ncolour="{colour}"\n'
+    return RangeSensors(arena_of(VOID + text).footprints, np.random.SeedSequence(4))
+
+
+@pytest.mark.parametrize("distance", [0.25, 0.5, 1.0, 2.5, 4.5])
+def test_a_sonar_that_faces_a_wall_tells_its_distance_from_the_centre(distance: float) -> None:
+    sensors = sensors_before_a_wall(distance)
+    ranges = np.array([sensors.sonar(CENTRE)[0] for _ in range(200)])
+    assert ranges.mean() == pytest.approx(distance, rel=0.003)
+    assert ranges.std() == pytest.approx(0.01 * distance, rel=0.25)
+
+
+def test_sonars_in_a_void_hear_nothing_and_infrared_sees_nothing() -> None:
+    sensors = RangeSensors(arena_of(VOID).footprints, np.random.SeedSequence(4))
+    assert np.isinf(sensors.sonar(CENTRE)).all()
+    assert np.isinf(sensors.infrared(CENTRE)).all()
+
+
+def test_a_wall_beyond_the_farthest_echo_is_not_heard() -> None:
+    assert np.isinf(sensors_before_a_wall(SONAR_FARTHEST + 0.1).sonar(CENTRE)).all()
+
+
+@pytest.mark.parametrize("degrees", range(0, 90, 5))
+def test_a_wall_at_grazing_incidence_sends_no_echo(degrees: int) -> None:
+    """The rim of the cone may still meet a wall squarely that its middle does not."""
+    heard = np.isfinite(
+        sensors_before_a_wall(1.0).sonar(Pose(x=0.0, y=0.0, theta=math.radians(degrees)))[0]
+    )
+    assert heard == (math.radians(degrees) <= SONAR_INCIDENCE + SONAR_CONE / 2)
+
+
+def test_a_post_is_heard_within_the_cone_only() -> None:
+    for degrees, heard in ((0, True), (12, True), (17, False)):
+        x, y = 2 * math.cos(math.radians(degrees)), 2 * math.sin(math.radians(degrees))
+        arena = arena_of(VOID + f"[[cylinder]]\nat=[{x},{y}]\nradius=0.05\nheight=1\n")
+        sonar = RangeSensors(arena.footprints, np.random.SeedSequence(4)).sonar(CENTRE)
+        assert np.isfinite(sonar[0]) == heard
+        if heard:
+            assert sonar[0] == pytest.approx(1.95, rel=0.05)
+
+
+def test_of_a_wall_and_a_post_the_nearer_one_is_met() -> None:
+    for post, wall in ((1.0, 2.0), (3.0, 2.0)):
+        text = f"[[cylinder]]\nat=[{post},0]\nradius=0.1\nheight=1\n"
+        text += f"[[wall]]\nfrom=[{wall},-3]\nto=[{wall},3]\nthickness=0.2\n"
+        ahead = np.array([[1.0, 0.0]])
+        distance, _, number = first_hits(arena_of(VOID + text).footprints, 0 * ahead, ahead)
+        assert distance[0] == pytest.approx(min(post, wall) - 0.1)
+        assert number[0] == (1 if post < wall else 0)
+
+
+def test_what_is_above_or_far_below_the_body_is_not_seen() -> None:
+    table = "[[box]]\nat=[1,0]\nsize=[0.5,0.5,0.05]\nbase=0.7\n"
+    arena = arena_of(VOID + table)
+    sonar = RangeSensors(arena.footprints, np.random.SeedSequence(4)).sonar(CENTRE)
+    assert np.isinf(sonar).all()
+
+
+def test_infrared_tells_the_distance_from_the_centre_within_its_range() -> None:
+    for distance in (BODY_RADIUS + 0.2, BODY_RADIUS + 0.6):
+        sensors = sensors_before_a_wall(distance)
+        ranges = np.array([sensors.infrared(CENTRE)[0] for _ in range(200)])
+        assert ranges.mean() == pytest.approx(distance, rel=0.01)
+        assert 0.0 < ranges.std() < 0.04 * distance
+    too_near = sensors_before_a_wall(BODY_RADIUS + 0.03).infrared(CENTRE)[0]
+    assert too_near == pytest.approx(BODY_RADIUS + INFRARED_NEAREST)
+    assert np.isinf(sensors_before_a_wall(BODY_RADIUS + 0.85).infrared(CENTRE)[0])
+
+
+def test_infrared_misses_a_dark_wall_that_it_would_see_if_it_were_bright() -> None:
+    distance = BODY_RADIUS + 0.7
+    assert np.isfinite(sensors_before_a_wall(distance, "white").infrared(CENTRE)[0])
+    assert np.isinf(sensors_before_a_wall(distance, "black").infrared(CENTRE)[0])
+    near = sensors_before_a_wall(BODY_RADIUS + 0.3, "black").infrared(CENTRE)[0]
+    assert near <= BODY_RADIUS + INFRARED_FARTHEST
+
+
+@settings(max_examples=30, deadline=None)
+@given(angle=st.floats(-math.pi, math.pi), seed=st.integers(0, 1000))
+def test_first_hits_lie_on_the_outline_of_what_they_name(angle: float, seed: int) -> None:
+    arena = load_arena("yellow")
+    obstacles = arena.footprints
+    (pose,) = free_poses(arena, 1, seed, 0.5, 9.5)
+    directions = np.array([[math.cos(angle), math.sin(angle)]])
+    distance, squareness, number = first_hits(obstacles, np.array([[pose.x, pose.y]]), directions)
+    x, y = (np.array((pose.x, pose.y)) + distance[0] * directions[0]).tolist()
+    at_hit = obstacles.distances(x, y)
+    assert abs(at_hit[number[0]]) < 1e-6
+    assert 0.0 <= squareness[0] <= 1.0
+    # Nothing stands between: every shorter way ends outside of everything.
+    for share in np.linspace(0.0, 0.999, 50):
+        way = share * distance[0]
+        place = (pose.x + way * math.cos(angle), pose.y + way * math.sin(angle))
+        assert obstacles.distances(*place).min() > -1e-9
+
+
+def test_scans_come_at_ten_hertz_of_simulated_time() -> None:
+    robot = SimulatedMagellan(load_arena("yellow"), seed=2)
+    scans = []
+    for _ in range(100):
+        robot.advance(0.01)
+        scans.append(robot.drive_state(0.0).sonar.tobytes())
+    assert len(set(scans)) == 11
+
+
+def test_reported_ranges_are_the_readers_own() -> None:
+    robot = SimulatedMagellan(load_arena("yellow"), seed=2)
+    state = robot.drive_state(0.0)
+    state.sonar[:] = -1.0
+    state.infrared[:] = -1.0
+    assert (robot.drive_state(0.0).sonar > 0).all()
+    assert (robot.drive_state(0.0).infrared > 0).all()
+    assert state.sonar.dtype == state.infrared.dtype == np.float32
