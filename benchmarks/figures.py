@@ -1,4 +1,4 @@
-"""How every benchmark reports: one JSON line a figure on standard output, all else on standard error."""
+"""How every benchmark reports: one JSON line a figure on standard output, the rest elsewhere."""
 
 from __future__ import annotations
 
