@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from figures import median_ms, report
 
+from benchmarks.figures import median_ms, report
 from hub.robots.magellan import SimulatedCamera
 from hub.sim.arena import BODY_RADIUS, Arena, load_arena
 from hub.sim.geometry import Pose

@@ -7,8 +7,8 @@ cell differs from its neighbour and from the frame before: the worst case for an
 from __future__ import annotations
 
 import numpy as np
-from figures import median_ms, report, say
 
+from benchmarks.figures import median_ms, report, say
 from rune_tui.compositor.ansi import RowEncoder
 from rune_tui.compositor.cells import Cells
 

@@ -46,8 +46,7 @@ def number(low: float, high: float) -> Reader:
             raise RefusedError(text)
         # An integer of any length is valid TOML, so it is compared before it is converted.
         if not low <= value <= high:
-            shown = repr(value) if len(repr(value)) <= 20 else "a number of many digits"
-            text = f"{shown} is not between {low:g} and {high:g}"
+            text = f"{shorten(value)} is not between {low:g} and {high:g}"
             raise RefusedError(text)
         return float(value)
 
@@ -120,7 +119,10 @@ def choice(names: Iterable[str] | Mapping[str, Any]) -> Reader:
 
 def shorten(value: object) -> str:
     """How a value is shown in a message."""
-    shown = repr(value)
+    try:
+        shown = repr(value)
+    except ValueError:  # Python refuses to write whole numbers of thousands of digits
+        return "a number of many digits"
     return shown if len(shown) <= 40 else shown[:37] + "..."
 
 

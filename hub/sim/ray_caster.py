@@ -213,7 +213,7 @@ def _draw_cylinder(view: View, frame: Frame, cylinder: list[float], thing: int) 
 def _cylinder_columns(
     frame: Frame, to_axis: npt.NDArray[np.float64], radius: float
 ) -> slice[int, int, None]:
-    """Columns that may show a cylinder; all of them when it is very near."""
+    """Columns that may show a cylinder; all of them when it reaches beside the camera."""
     right, _, forward = frame.basis
     level = math.hypot(forward[0], forward[1])
     across = float(right[:2] @ to_axis)
@@ -222,7 +222,7 @@ def _cylinder_columns(
         return slice(0, 0)
     # Tilting brings the top or bottom of a picture nearer: ahead counts for the steepest row.
     steep = frame.half_height * math.sqrt(max(0.0, 1.0 - level * level))
-    if ahead <= 1.5 * radius or level <= steep:
+    if ahead <= radius:
         return slice(0, frame.width)
     least, most = level - steep, level + steep
     edges = [

@@ -69,6 +69,13 @@ def test_all_mistakes_are_reported_at_once(tmp_path: Path) -> None:
     assert len(problems_of(tmp_path, text)) == 3
 
 
+def test_a_number_of_thousands_of_digits_is_no_way_out(tmp_path: Path) -> None:
+    text = GOOD.replace("port = 1381", "port = 0x" + "f" * 5000)
+    assert problems_of(tmp_path, text) == [
+        "[hub], key 'port': a number of many digits is not between 0 and 65531"
+    ]
+
+
 def test_not_toml_and_no_file(tmp_path: Path) -> None:
     assert "is not TOML" in problems_of(tmp_path, "name = ")[0]
     with pytest.raises(RobotFileError, match="did you mean 'magellan'"):

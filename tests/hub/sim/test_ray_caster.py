@@ -90,6 +90,15 @@ def test_a_drum_that_nearly_touches_the_camera_is_drawn_to_its_edges() -> None:
             assert wrong.mean() < 0.002
 
 
+def test_a_post_that_reaches_just_beside_the_camera_is_drawn() -> None:
+    arena = arena_of(VOID + "[[cylinder]]\nat=[0.5, -0.75]\nradius=0.5\nheight=1.5\n")
+    view = view_of(0.0, 0.0, 0.0, 0.2)
+    drawn = RayCaster(arena).depth(view, 80, 60)
+    wrong = np.abs(drawn - slow_depth(arena, view, 80, 60)) > 0.005
+    assert (drawn < 2.0).any()
+    assert wrong.mean() < 0.002
+
+
 def test_a_void_shows_floor_and_ceiling_only() -> None:
     depth = RayCaster(arena_of(VOID)).depth(view_of(0.0, 0.0, 1.0), 40, 30)
     assert depth[-1, 20] == pytest.approx(HEIGHT / math.tan(WIDE / 2) / 0.75, rel=0.05)

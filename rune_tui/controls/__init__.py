@@ -1,0 +1,1 @@
+"""Keys and devices to control events."""

@@ -1,0 +1,115 @@
+"""Keys that count as held down, on terminals that report no release.
+
+A terminal repeats a held key and says nothing when it goes up. So a key counts as held until its
+repeats stay away: after the first press for as long as keyboards wait before they repeat, then
+for a few repeat intervals.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+from rune_tui.controls.events import ControlEvent
+from rune_tui.layout.names import canonical_key
+
+FIRST_HOLD_S = 0.6
+LEAST_HOLD_S = 0.15
+REPEAT_FACTOR = 2.5
+_REPEATS_MEASURED = 6
+_BURST_S = 0.01
+"""Repeats closer than this came together over a slow line and say nothing of the rate [s]."""
+
+
+def name_of_key(key: str, character: str | None) -> str:
+    """The name under which layouts know a key.
+
+    Args:
+        key: What the terminal library calls it, such as "plus", "up" or "W".
+        character: The printable character it types, if any.
+    """
+    chord = not {"shift"}.issuperset(key.split("+")[:-1])
+    if chord or character is None or len(character) != 1 or not character.isprintable():
+        return canonical_key(key)
+    return canonical_key(character)
+
+
+@dataclass(slots=True)
+class _Hold:
+    last: float
+    deadline: float
+    repeats: int = 0
+
+
+class KeyboardHold:
+    """Key presses and repeats in, presses, repeats and releases out; the clock is passed in.
+
+    How fast the keyboard repeats is measured over its last few repeats, whatever the key. The
+    longest of these intervals counts, because a slow line delivers repeats in bursts.
+    """
+
+    def __init__(
+        self,
+        *,
+        first_hold_s: float = FIRST_HOLD_S,
+        least_hold_s: float = LEAST_HOLD_S,
+        repeat_factor: float = REPEAT_FACTOR,
+    ) -> None:
+        """Set the holding times.
+
+        Args:
+            first_hold_s: How long a first press holds, and the longest that anything holds [s].
+            least_hold_s: How long a repeat holds at least [s].
+            repeat_factor: How many repeat intervals a repeat holds.
+        """
+        self._first_hold_s = first_hold_s
+        self._least_hold_s = min(least_hold_s, first_hold_s)
+        self._repeat_factor = repeat_factor
+        self._holds: dict[str, _Hold] = {}
+        self._intervals: deque[float] = deque(maxlen=_REPEATS_MEASURED)
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """Keys that count as held, in the order they were pressed."""
+        return tuple(self._holds)
+
+    def press(self, key: str, now: float) -> tuple[ControlEvent, ...]:
+        """The terminal reports a key: releases that were due by now, then its press or repeat."""
+        key = canonical_key(key)
+        due = self.expire(now)
+        hold = self._holds.get(key)
+        if hold is None:
+            self._holds[key] = _Hold(last=now, deadline=now + self._first_hold_s)
+            return (*due, ControlEvent(key=key, pressed=True))
+        # From press to first repeat is the keyboard's delay, which says nothing of its rate.
+        if hold.repeats and now - hold.last >= _BURST_S:
+            self._intervals.append(now - hold.last)
+        hold.repeats += 1
+        hold.last = now
+        hold.deadline = now + self._repeat_hold()
+        return (*due, ControlEvent(key=key, pressed=True, repeat=True))
+
+    def expire(self, now: float) -> tuple[ControlEvent, ...]:
+        """Releases that are due, the earliest first."""
+        due = sorted(
+            (hold.deadline, key) for key, hold in self._holds.items() if hold.deadline <= now
+        )
+        for _, key in due:
+            del self._holds[key]
+        return tuple(ControlEvent(key=key, pressed=False) for _, key in due)
+
+    def release_all(self) -> tuple[ControlEvent, ...]:
+        """Everything is let go: the terminal lost the focus, was suspended, or the console ends."""
+        released = tuple(ControlEvent(key=key, pressed=False) for key in self._holds)
+        self._holds.clear()
+        return released
+
+    def next_deadline(self) -> float | None:
+        """When `expire` has something to do next; None while nothing is held."""
+        return min((hold.deadline for hold in self._holds.values()), default=None)
+
+    def _repeat_hold(self) -> float:
+        if not self._intervals:
+            return self._first_hold_s
+        wanted = self._repeat_factor * max(self._intervals)
+        return min(self._first_hold_s, max(self._least_hold_s, wanted))

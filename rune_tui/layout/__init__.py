@@ -1,0 +1,1 @@
+"""The operator's XML file: schema, loader, frozen specs."""

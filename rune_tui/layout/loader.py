@@ -1,0 +1,199 @@
+"""Reads a layout file: bytes to XML to specs, with every mistake of the file at once.
+
+Only this file knows the XML library. Files come from strangers: no DTD, no entity, no network,
+and a limit on the size.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib.resources
+import itertools
+import re
+import stat
+from collections.abc import Iterable
+from pathlib import Path
+
+from lxml import etree
+
+from rune_tui.errors import LayoutError, LayoutProblem
+from rune_tui.layout.building import SpecBuilder
+from rune_tui.layout.checks import find_mistakes
+from rune_tui.layout.grammar import Mistake, Node, Rules, read_rules
+from rune_tui.layout.spec import LayoutSpec
+
+LARGEST_FILE = 1024 * 1024
+"""Bytes a layout file may have; a large layout has a few thousand."""
+
+_DEEPEST = 16
+"""Levels of elements that are looked at; valid layouts have five, the schema eight."""
+
+_MOST_ATTRIBUTES = 100
+"""Attributes of an element that are looked at; the schema allows ten, and looking is quadratic."""
+
+# Atomic and possessive, so that a hostile file cannot make the search backtrack.
+_DOCTYPE = re.compile(r"(?>\s|<\?(?>.*?\?>)|<!--(?>.*?-->))*+<!DOCTYPE", re.DOTALL)
+
+
+def load_layout(path: str | Path) -> LayoutSpec:
+    """Read and check a layout file.
+
+    Raises:
+        LayoutError: The file cannot be read or has mistakes; all of them are listed.
+    """
+    shown = str(path)
+    text = _read_text(Path(path), shown)
+    document = _parse(text, shown)
+    rules, validator = _schema()
+    root = _to_node(document)
+    mistakes = list(rules.mistakes(root))
+    if not mistakes:
+        mistakes += _unexplained(validator, document)
+    if root.tag == rules.root:
+        mistakes += find_mistakes(root, rules)
+    if mistakes:
+        raise _error(shown, mistakes)
+    return SpecBuilder(rules, shown).layout(root)
+
+
+def _error(shown: str, mistakes: Iterable[Mistake]) -> LayoutError:
+    return LayoutError([_problem(shown, mistake.message, mistake.line) for mistake in mistakes])
+
+
+def _refusal(shown: str, message: str, line: int = 0, column: int = 0) -> LayoutError:
+    return LayoutError([_problem(shown, message, line, column)])
+
+
+def _problem(shown: str, message: str, line: int, column: int = 0) -> LayoutProblem:
+    # Names from the file reach the operator's terminal, so nothing in them may control it.
+    plain = "".join(
+        one if one.isprintable() else one.encode("unicode_escape").decode() for one in message
+    )
+    return LayoutProblem(path=shown, line=line, column=column, message=plain)
+
+
+def _read_text(path: Path, shown: str) -> str:
+    try:
+        mode = path.stat().st_mode
+        if stat.S_ISDIR(mode):
+            raise _refusal(shown, "this is a directory; name a layout file in it")
+        if not stat.S_ISREG(mode):
+            raise _refusal(shown, "this is not a regular file; name a layout file")
+        with path.open("rb") as file:
+            data = file.read(LARGEST_FILE + 1)
+    except FileNotFoundError as error:
+        message = "there is no such file; check the path, the layouts that come with Rune are in "
+        raise _refusal(shown, message + "layouts/") from error
+    except PermissionError as error:
+        raise _refusal(shown, "the file may not be read; check its permissions") from error
+    except OSError as error:
+        message = f"the file cannot be read: {error.strerror or error}"
+        raise _refusal(shown, message) from error
+    except UnicodeEncodeError as error:
+        raise _refusal(ascii(shown), "this is no path: it holds a broken character") from error
+    except ValueError as error:
+        if isinstance(error, LayoutError):
+            raise
+        raise _refusal(shown, "this is no path: it holds a zero byte") from error
+    if len(data) > LARGEST_FILE:
+        message = f"the file is larger than {LARGEST_FILE} bytes; a layout is a few thousand long"
+        raise _refusal(shown, message)
+    return _decode(data, shown)
+
+
+def _decode(data: bytes, shown: str) -> str:
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        column = error.start - (data.rfind(b"\n", 0, error.start) + 1) + 1
+        message = f"byte 0x{data[error.start]:02x} is not UTF-8; save the file as UTF-8"
+        raise _refusal(shown, message, line, column) from error
+
+
+def _parse(text: str, shown: str) -> etree._Element:
+    if found := _DOCTYPE.match(text):
+        line = text.count("\n", 0, found.end()) + 1
+        message = "a document type (<!DOCTYPE ...>) is not allowed in a layout; remove it"
+        raise _refusal(shown, message, line)
+    if not text.strip():
+        raise _refusal(shown, "the file is empty; a layout is one <rune> element")
+    parser = etree.XMLParser(
+        encoding="utf-8",
+        resolve_entities=False,
+        load_dtd=False,
+        no_network=True,
+        huge_tree=False,
+        remove_comments=True,
+        remove_pis=True,
+    )
+    try:
+        return etree.fromstring(text.encode(), parser)
+    except etree.XMLSyntaxError as error:
+        line, column = error.position
+        message = f"this is not well-formed XML: {_plain(error.msg or '')}"
+        raise _refusal(shown, message, line or 1, max(column, 0)) from error
+
+
+_PLAIN = (
+    (
+        r"Opening and ending tag mismatch: (\S+) line (\d+) and (\S+)",
+        r"</\3> ends <\1>, which line \2 opened",
+    ),
+    (r"Premature end of data in tag (\S+) line (\d+)", r"<\1> of line \2 has no end tag"),
+    (r"Start tag expected, '<' not found", "the file must begin with an element"),
+    (r"Extra content at the end of the document", "something follows the end of </rune>"),
+    (r"EntityRef: expecting ';'", "a plain & must be written &amp;"),
+    (r"xmlParseEntityRef: no name", "a plain & must be written &amp;"),
+    (r"Entity '(.*)' not defined", r"the entity &\1; is not known; write the character itself"),
+    (r"Unescaped '<' not allowed in attributes values", "a < in a value must be written &lt;"),
+    (r"AttValue: \" or ' expected", "a value must stand in quotes"),
+    (r"Excessive depth in document: .*", "the elements are nested too deeply"),
+    (r"Invalid character: Char (\S+) .*", r"the character \1 is not allowed in XML"),
+    (r"xmlParseCharRef: invalid xmlChar value .*", "a character reference to no character"),
+    (r"(StartTag|xmlParseStartTag): invalid element name", "a plain < must be written &lt;"),
+    (r"Double hyphen within comment.*", "a comment may not hold two hyphens in a row"),
+    (r"Attribute (\S+) redefined", r"the attribute \1 is given twice"),
+)
+
+
+def _plain(reason: str) -> str:
+    """The parser's reason in plain words, where there are any."""
+    reason = re.sub(r", line \d+, column \d+$", "", " ".join(reason.split()))
+    for pattern, words in _PLAIN:
+        if found := re.fullmatch(pattern, reason):
+            return found.expand(words)
+    return reason or "the parser gives no reason"
+
+
+@functools.cache
+def _schema() -> tuple[Rules, etree.RelaxNG]:
+    data = importlib.resources.files("rune_tui.layout").joinpath("schema.rng").read_bytes()
+    document = etree.fromstring(data, etree.XMLParser(remove_comments=True))
+    return read_rules(_to_node(document)), etree.RelaxNG(document)
+
+
+def _to_node(element: etree._Element, depth: int = 0) -> Node:
+    attributes = itertools.islice(element.attrib, _MOST_ATTRIBUTES)
+    text = (element.text or "") + "".join(child.tail or "" for child in element)
+    return Node(
+        tag=str(element.tag),
+        attributes={str(name): str(element.attrib[name]) for name in attributes},
+        children=tuple(_to_node(child, depth + 1) for child in element if depth < _DEEPEST),
+        text=text.strip(" \t\n\r"),
+        line=_line(element),
+    )
+
+
+def _line(element: etree._Element) -> int:
+    """The line where a start tag ends; 0 if the parser does not know it."""
+    line: object = element.sourceline
+    return line if isinstance(line, int) else 0
+
+
+def _unexplained(validator: etree.RelaxNG, document: etree._Element) -> list[Mistake]:
+    """What the validator refuses although the rules read from the schema allow it."""
+    if validator.validate(document):
+        return []
+    found = [Mistake(entry.line, entry.message) for entry in validator.error_log]
+    return found or [Mistake(_line(document), "the file does not follow the schema")]

@@ -1,0 +1,170 @@
+"""What a layout file says, as frozen values; only the loader makes them from XML."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CapabilitySpec:
+    """A capability that the console wants of a robot.
+
+    Attributes:
+        name: Name from `hub.gcm.capability`.
+        interval_s: Shortest time between two requests of its data [s].
+    """
+
+    name: str
+    interval_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotSpec:
+    """A robot that the console connects to.
+
+    Attributes:
+        name: What viewports call it.
+        hub: Endpoint of its central, such as "tcp://127.0.0.1:1381".
+        capabilities: What the console wants of it, by capability name.
+    """
+
+    name: str
+    hub: str
+    capabilities: tuple[CapabilitySpec, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EventSpec:
+    """An input pattern that wakes a widget.
+
+    Attributes:
+        key: Key name, lower case, such as "w", "up", "space", "ctrl+c".
+        control: What the key stands for where a handler has several controls, such as
+            "translate" or "rotate"; empty where it has one.
+        value: How far the control is moved while the key is down, -1 to 1.
+        line: Line in the layout file.
+    """
+
+    key: str
+    control: str
+    value: float
+    line: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WidgetSpec:
+    """Events and the handler that gets them.
+
+    Attributes:
+        handler: Name of the handler, such as "widgetSetSpeed".
+        options: Options of the handler, by name.
+        events: Input patterns.
+        line: Line in the layout file.
+    """
+
+    handler: str
+    options: tuple[tuple[str, float], ...]
+    events: tuple[EventSpec, ...]
+    line: int
+
+    def option(self, name: str, default: float) -> float:
+        """The option of this name, or the default."""
+        return dict(self.options).get(name, default)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VisualizerSpec:
+    """What draws into a viewport.
+
+    Attributes:
+        function: Name of the function, such as "visualizeCameraImage".
+        message: Message it draws, such as "GCM_Common_Image".
+        option: Its numeric option; each visualizer says what it means.
+        text: Text for visualizers that show one.
+        line: Line in the layout file.
+    """
+
+    function: str
+    message: str
+    option: float
+    text: str
+    line: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ViewportSpec:
+    """A placed rectangle of the view.
+
+    Attributes:
+        name: Name in messages to the operator.
+        robot: Robot whose messages it shows.
+        visible: Whether it is drawn at the start.
+        transparency: 0 is opaque, 255 cannot be seen.
+        xpos: Left edge in design pixels of the view; may be negative.
+        ypos: Top edge in design pixels of the view; may be negative.
+        zpos: Larger is nearer to the eye.
+        xsize: Width in design pixels.
+        ysize: Height in design pixels.
+        scaled: Whether place and size follow the terminal's; if not, a design pixel is a pixel.
+        visualizer: What draws into it, if anything.
+        widgets: What listens while it is there.
+        line: Line in the layout file.
+    """
+
+    name: str
+    robot: str
+    visible: bool
+    transparency: int
+    xpos: int
+    ypos: int
+    zpos: int
+    xsize: int
+    ysize: int
+    scaled: bool
+    visualizer: VisualizerSpec | None
+    widgets: tuple[WidgetSpec, ...]
+    line: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ViewSpec:
+    """The whole picture.
+
+    Attributes:
+        xsize: Design width in pixels; a terminal cell is one pixel wide.
+        ysize: Design height in pixels; a terminal cell is two pixels high.
+        background: Red, green, blue behind all viewports.
+        viewports: In file order.
+        widgets: Global widgets.
+    """
+
+    xsize: int
+    ysize: int
+    background: tuple[int, int, int]
+    viewports: tuple[ViewportSpec, ...]
+    widgets: tuple[WidgetSpec, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LayoutSpec:
+    """A layout file.
+
+    Attributes:
+        path: Where it was read from.
+        run_number: The run it is for, shown and recorded.
+        robots: Robots, in file order.
+        view: The whole picture.
+    """
+
+    path: str
+    run_number: int
+    robots: tuple[RobotSpec, ...]
+    view: ViewSpec
+
+    def robot(self, name: str) -> RobotSpec:
+        """The robot of this name.
+
+        Raises:
+            KeyError: The layout has no such robot; the loader refuses such layouts.
+        """
+        return next(robot for robot in self.robots if robot.name == name)

@@ -1,0 +1,1 @@
+"""Rune widgets: control events to effects."""

@@ -1,0 +1,70 @@
+"""What every widget can do; dispatch knows widgets by this alone."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import Protocol, Self
+
+from rune_tui.controls.events import ControlEvent
+from rune_tui.layout.spec import EventSpec, WidgetSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.effects import Effect
+
+
+class Widget(Protocol):
+    """A handler at work: it turns control events into effects and keeps history.
+
+    Attributes:
+        robot: The robot it commands; empty for a global widget.
+    """
+
+    robot: str
+
+    @classmethod
+    def from_spec(cls, spec: WidgetSpec, robot: str) -> Self:
+        """The widget that a layout describes, for a robot of the layout."""
+
+    def handle(
+        self, event: ControlEvent, event_spec: EventSpec, state: ConsoleState
+    ) -> tuple[Effect, ...]:
+        """Effects of a press, repeat or release that matches one of its events."""
+
+    def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
+        """Effects of time going by; called 20 times a second."""
+
+    def release(self, state: ConsoleState) -> tuple[Effect, ...]:
+        """Forget what is held and leave the robot at rest, whatever was sent before."""
+
+
+class PressWidget(ABC):
+    """A widget that presses wake and nothing else: no history, nothing held."""
+
+    def __init__(self, spec: WidgetSpec, robot: str) -> None:
+        self.spec = spec
+        self.robot = robot
+
+    @classmethod
+    def from_spec(cls, spec: WidgetSpec, robot: str) -> Self:
+        """The widget that a layout describes, for a robot of the layout."""
+        return cls(spec, robot)
+
+    @abstractmethod
+    def press(self, event: ControlEvent, event_spec: EventSpec) -> tuple[Effect, ...]:
+        """Effects of a press or repeat."""
+
+    def handle(
+        self,
+        event: ControlEvent,
+        event_spec: EventSpec,
+        state: ConsoleState,  # noqa: ARG002 - a press means the same at any time
+    ) -> tuple[Effect, ...]:
+        """Effects of a press or repeat; a release has none."""
+        return self.press(event, event_spec) if event.pressed else ()
+
+    def tick(self, state: ConsoleState) -> tuple[Effect, ...]:  # noqa: ARG002 - nothing waits
+        """No effects."""
+        return ()
+
+    def release(self, state: ConsoleState) -> tuple[Effect, ...]:  # noqa: ARG002 - nothing is held
+        """No effects."""
+        return ()

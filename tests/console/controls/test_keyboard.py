@@ -1,0 +1,209 @@
+"""Which keys count as held on a terminal that reports no release."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from textual.keys import _character_to_key
+
+from rune_tui.controls.events import ControlEvent
+from rune_tui.controls.keyboard import KeyboardHold, name_of_key
+
+DELAY = 0.5
+RATE = 0.033
+
+
+def press(key: str) -> ControlEvent:
+    return ControlEvent(key=key, pressed=True)
+
+
+def repeat(key: str) -> ControlEvent:
+    return ControlEvent(key=key, pressed=True, repeat=True)
+
+
+def release(key: str) -> ControlEvent:
+    return ControlEvent(key=key, pressed=False)
+
+
+def hold_down(keyboard: KeyboardHold, key: str, start: float, repeats: int, rate: float) -> float:
+    """Press a key and let it repeat as a keyboard does; returns the time of the last repeat."""
+    assert keyboard.press(key, start) == (press(key),)
+    for number in range(repeats):
+        assert keyboard.press(key, start + DELAY + number * rate) == (repeat(key),)
+    return start + DELAY + (repeats - 1) * rate
+
+
+def test_a_tap_is_released_after_the_first_hold_and_not_before():
+    keyboard = KeyboardHold()
+    assert keyboard.press("w", 10.0) == (press("w"),)
+    assert keyboard.next_deadline() == pytest.approx(10.6)
+    assert keyboard.expire(10.599) == ()
+    assert keyboard.held == ("w",)
+    assert keyboard.expire(10.601) == (release("w"),)
+    assert keyboard.held == ()
+    assert keyboard.next_deadline() is None
+    assert keyboard.expire(99.0) == ()
+
+
+def test_the_first_hold_bridges_the_delay_of_the_keyboard():
+    keyboard = KeyboardHold()
+    hold_down(keyboard, "w", 0.0, 1, RATE)
+    assert keyboard.held == ("w",)
+
+
+@pytest.mark.parametrize(
+    ("rate", "hold"), [(0.033, 0.15), (0.06, 0.15), (0.1, 0.25), (0.2, 0.5), (0.25, 0.6)]
+)
+def test_a_repeating_key_holds_for_two_and_a_half_intervals_within_bounds(rate: float, hold: float):
+    keyboard = KeyboardHold()
+    last = hold_down(keyboard, "w", 0.0, 4, rate)
+    assert keyboard.next_deadline() == pytest.approx(last + hold)
+
+
+def test_the_first_repeat_alone_measures_nothing():
+    keyboard = KeyboardHold()
+    last = hold_down(keyboard, "w", 0.0, 1, RATE)
+    assert keyboard.next_deadline() == pytest.approx(last + 0.6)
+
+
+def test_the_rate_of_one_key_serves_the_next():
+    keyboard = KeyboardHold()
+    last = hold_down(keyboard, "w", 0.0, 5, RATE)
+    assert keyboard.expire(last + 1.0) == (release("w"),)
+    last = hold_down(keyboard, "a", 10.0, 1, RATE)
+    assert keyboard.next_deadline() == pytest.approx(last + 0.15)
+
+
+def test_repeats_that_come_in_bursts_do_not_release_the_key():
+    keyboard = KeyboardHold()
+    keyboard.press("w", 0.0)
+    for burst in range(20):
+        for number in range(4):
+            events = keyboard.press("w", DELAY + burst * 0.16 + number * 0.002)
+            assert events == (repeat("w"),)
+
+
+def test_of_uneven_repeats_the_longest_interval_counts():
+    keyboard = KeyboardHold()
+    keyboard.press("w", 0.0)
+    for moment in (0.5, 0.6, 0.63, 0.73, 0.76):
+        keyboard.press("w", moment)
+    assert keyboard.next_deadline() == pytest.approx(0.76 + 0.25)
+
+
+def test_a_slow_line_is_forgotten_after_a_few_quick_repeats():
+    keyboard = KeyboardHold()
+    last = hold_down(keyboard, "w", 0.0, 3, 0.2)
+    for number in range(1, 8):
+        keyboard.press("w", last + number * RATE)
+    assert keyboard.next_deadline() == pytest.approx(last + 7 * RATE + 0.15)
+
+
+def test_another_key_leaves_the_held_ones_alone():
+    keyboard = KeyboardHold()
+    keyboard.press("w", 0.0)
+    assert keyboard.press("d", 0.1) == (press("d"),)
+    assert keyboard.held == ("w", "d")
+    assert keyboard.expire(0.65) == (release("w"),)
+
+
+def test_releases_come_in_the_order_they_were_due():
+    keyboard = KeyboardHold()
+    keyboard.press("w", 0.0)
+    keyboard.press("a", 0.01)
+    keyboard.press("w", 0.5)
+    assert keyboard.expire(9.0) == (release("a"), release("w"))
+
+
+def test_a_press_after_the_deadline_is_a_release_and_a_new_press():
+    keyboard = KeyboardHold()
+    keyboard.press("w", 0.0)
+    keyboard.press("a", 0.0)
+    assert keyboard.press("w", 5.0) == (release("a"), release("w"), press("w"))
+
+
+def test_losing_the_focus_releases_everything_in_the_order_pressed():
+    keyboard = KeyboardHold()
+    for key in ("w", "d", "up"):
+        keyboard.press(key, 0.0)
+    assert keyboard.release_all() == (release("w"), release("d"), release("up"))
+    assert (keyboard.held, keyboard.next_deadline(), keyboard.release_all()) == ((), None, ())
+
+
+def test_the_names_of_a_key_are_one_key():
+    keyboard = KeyboardHold()
+    assert keyboard.press("plus", 0.0) == (press("+"),)
+    assert keyboard.press("+", 0.1) == (repeat("+"),)
+
+
+def test_times_can_be_chosen():
+    keyboard = KeyboardHold(first_hold_s=0.4, least_hold_s=0.1, repeat_factor=2.0)
+    keyboard.press("w", 0.0)
+    assert keyboard.next_deadline() == pytest.approx(0.4)
+    for number in range(4):
+        keyboard.press("w", 0.3 + number * 0.06)
+    assert keyboard.next_deadline() == pytest.approx(0.48 + 0.12)
+
+
+@pytest.mark.parametrize(
+    ("key", "character", "name"),
+    [
+        ("w", "w", "w"),
+        ("W", "W", "w"),
+        ("plus", "+", "+"),
+        ("space", " ", "space"),
+        ("enter", "\r", "enter"),
+        ("up", None, "up"),
+        ("ctrl+c", "\x03", "ctrl+c"),
+        ("alt+w", "w", "alt+w"),
+        ("shift+w", "W", "w"),
+        ("é", "é", "é"),
+    ],
+)
+def test_a_key_of_textual_has_the_name_layouts_use(key: str, character: str | None, name: str):
+    assert name_of_key(key, character) == name
+
+
+def test_every_character_has_one_name_with_or_without_its_text():
+    for character in map(chr, range(0x20, 0x7F)):
+        textual = _character_to_key(character)
+        assert name_of_key(textual, character) == name_of_key(textual, None)
+
+
+STEPS = st.lists(
+    st.tuples(
+        st.sampled_from(["press", "expire", "focus"]),
+        st.sampled_from("wasd"),
+        st.floats(min_value=0.0, max_value=1.0),
+    ),
+    max_size=60,
+)
+
+
+@given(steps=STEPS)
+def test_presses_and_releases_of_a_key_alternate_and_everything_ends_released(
+    steps: list[tuple[str, str, float]],
+):
+    keyboard = KeyboardHold()
+    now = 0.0
+    down: set[str] = set()
+    for action, key, pause in steps:
+        now += pause
+        if action == "press":
+            events = keyboard.press(key, now)
+        elif action == "expire":
+            events = keyboard.expire(now)
+        else:
+            events = keyboard.release_all()
+        for event in events:
+            assert (event.key in down) == (event.repeat or not event.pressed)
+            (down.add if event.pressed else down.discard)(event.key)
+        assert down == set(keyboard.held)
+        deadline = keyboard.next_deadline()
+        assert (deadline is None) == (not down)
+        if action != "focus":
+            assert deadline is None or now < deadline <= now + 0.6
+    for event in keyboard.expire(now + 0.6):
+        down.remove(event.key)
+    assert down == set()

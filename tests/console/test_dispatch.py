@@ -1,0 +1,356 @@
+"""From keys to effects: whatever the hands do, robots end at rest."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Twist
+from hub.gcm.vision import CAMERA_COMMAND
+from rune_tui.controls.events import ControlEvent
+from rune_tui.controls.keyboard import KeyboardHold
+from rune_tui.dispatch import Dispatch
+from rune_tui.layout.loader import load_layout
+from rune_tui.layout.spec import LayoutSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.effects import Effect, QuitEffect, SendEffect
+
+DEMO = load_layout(Path(__file__).parents[2] / "layouts" / "demo.xml")
+TWO_ROBOTS = """\
+<rune>
+  <robot name="magellan"/>
+  <robot name="blimp" hub="tcp://127.0.0.1:1391"/>
+  <robot name="watched" hub="tcp://127.0.0.1:1401"/>
+  <view xsize="160" ysize="96">
+    <widget handler="widgetQuit"><event key="q"/></widget>
+    <viewport name="slow" robot="magellan" xpos="0" ypos="0" xsize="80" ysize="96">
+      <widget handler="widgetSetSpeed">
+        <option name="linear" value="0.5"/>
+        <event key="w" control="translate"/>
+        <event key="e" control="translate"/>
+        <event key="e" control="rotate" value="-1"/>
+      </widget>
+      <widget handler="widgetStop"><event key="space"/></widget>
+    </viewport>
+    <viewport name="fast" robot="magellan" xpos="0" ypos="0" xsize="80" ysize="96">
+      <widget handler="widgetSetSpeed">
+        <option name="linear" value="1.5"/>
+        <event key="r" control="translate"/>
+      </widget>
+    </viewport>
+    <viewport name="blimp" robot="blimp" xpos="80" ypos="0" xsize="80" ysize="96">
+      <widget handler="widgetSetSpeed">
+        <event key="w" control="translate"/>
+        <event key="i" control="translate"/>
+      </widget>
+    </viewport>
+    <viewport name="watched" robot="watched" xpos="80" ypos="0" xsize="80" ysize="96">
+      <widget handler="widgetHomePTZ"><event key="h"/></widget>
+    </viewport>
+  </view>
+</rune>
+"""
+
+
+@pytest.fixture(scope="module")
+def two_robots(tmp_path_factory: pytest.TempPathFactory) -> LayoutSpec:
+    path = tmp_path_factory.mktemp("layouts") / "two.xml"
+    path.write_text(TWO_ROBOTS)
+    return load_layout(path)
+
+
+def at(now: float) -> ConsoleState:
+    return ConsoleState(now=now)
+
+
+def down(key: str) -> ControlEvent:
+    return ControlEvent(key=key, pressed=True)
+
+
+def up(key: str) -> ControlEvent:
+    return ControlEvent(key=key, pressed=False)
+
+
+def velocities(effects: Iterable[Effect], robot: str) -> list[tuple[float, float]]:
+    return [
+        (effect.value.linear.x, effect.value.angular.z)
+        for effect in effects
+        if isinstance(effect, SendEffect)
+        and effect.definition is VELOCITY_COMMAND
+        and effect.robot == robot
+    ]
+
+
+def stops(effects: Iterable[Effect]) -> list[str]:
+    return [
+        effect.robot
+        for effect in effects
+        if isinstance(effect, SendEffect) and effect.definition is STOP
+    ]
+
+
+def test_a_key_that_no_widget_names_does_nothing():
+    assert Dispatch(DEMO).handle(down("f9"), at(0.0)) == ()
+
+
+def test_letters_and_arrows_of_the_demo_drive_alike():
+    for letter, arrow in zip("wsad", ("up", "down", "left", "right"), strict=True):
+        first, second = Dispatch(DEMO), Dispatch(DEMO)
+        assert first.handle(down(letter), at(0.0)) == second.handle(down(arrow), at(0.0)) != ()
+
+
+def test_every_key_of_the_demo_has_an_effect():
+    dispatch = Dispatch(DEMO)
+    specs = [*DEMO.view.widgets]
+    for viewport in DEMO.view.viewports:
+        specs += viewport.widgets
+    for event in [event for spec in specs for event in spec.events]:
+        assert dispatch.handle(down(event.key), at(0.0))
+        dispatch.handle(up(event.key), at(0.0))
+
+
+def test_the_demo_looks_left_with_j_and_right_with_l():
+    (left,) = Dispatch(DEMO).handle(down("j"), at(0.0))
+    (right,) = Dispatch(DEMO).handle(down("l"), at(0.0))
+    assert isinstance(left, SendEffect)
+    assert isinstance(right, SendEffect)
+    assert left.definition is right.definition is CAMERA_COMMAND
+    assert left.value.pan > 0 > right.value.pan
+
+
+def test_one_key_may_drive_two_robots_and_two_controls(two_robots: LayoutSpec):
+    dispatch = Dispatch(two_robots)
+    effects = dispatch.handle(down("w"), at(0.0))
+    assert velocities(effects, "magellan") == [(0.5, 0.0)]
+    assert velocities(effects, "blimp") == [(0.5, 0.0)]
+    dispatch.handle(up("w"), at(0.1))
+    assert velocities(dispatch.handle(down("e"), at(0.2)), "magellan")[-1] == (0.5, -1.0)
+    assert velocities(dispatch.handle(up("e"), at(0.3)), "magellan")[-1] == (0.0, 0.0)
+
+
+def test_of_two_speed_widgets_of_a_robot_only_the_last_pressed_speaks(two_robots: LayoutSpec):
+    dispatch = Dispatch(two_robots)
+    assert velocities(dispatch.tick(at(0.0)), "magellan") == [(0.0, 0.0)]
+    dispatch.handle(down("w"), at(1.0))
+    assert velocities(dispatch.handle(down("r"), at(1.1)), "magellan") == [(1.5, 0.0)]
+    sent = [dispatch.tick(at(1.1 + number / 20)) for number in range(1, 21)]
+    assert velocities(sum(sent, ()), "magellan") == [(1.5, 0.0)] * 20
+    assert velocities(dispatch.handle(up("w"), at(2.2)), "magellan") == []
+    assert velocities(dispatch.handle(up("r"), at(2.3)), "magellan") == [(0.0, 0.0)]
+
+
+def test_a_stop_comes_first_and_zero_after_it_and_held_keys_no_longer_drive(
+    two_robots: LayoutSpec,
+):
+    dispatch = Dispatch(two_robots)
+    dispatch.handle(down("w"), at(0.0))
+    effects = dispatch.handle(down("space"), at(0.1))
+    assert stops(effects[:1]) == ["magellan"]
+    assert velocities(effects[1:], "magellan") == [(0.0, 0.0)]
+    assert velocities(effects, "blimp") == []
+    later = sum((dispatch.tick(at(0.1 + number / 20)) for number in range(1, 41)), ())
+    assert set(velocities(later, "magellan")) == {(0.0, 0.0)}
+    assert set(velocities(later, "blimp")) == {(0.5, 0.0)}
+    held = ControlEvent(key="w", pressed=True, repeat=True)
+    assert velocities(dispatch.handle(held, at(2.2)), "magellan") == []
+    dispatch.handle(up("w"), at(2.3))
+    assert velocities(dispatch.handle(down("w"), at(2.4)), "magellan") == [(0.5, 0.0)]
+
+
+def test_letting_go_of_everything_sends_one_zero_to_every_driven_robot(two_robots: LayoutSpec):
+    dispatch = Dispatch(two_robots)
+    dispatch.handle(down("w"), at(0.0))
+    effects = dispatch.released(at(0.1))
+    assert velocities(effects, "magellan") == [(0.0, 0.0)]
+    assert velocities(effects, "blimp") == [(0.0, 0.0)]
+    assert len(effects) == 2
+
+
+def test_letting_go_sends_zero_even_if_nothing_was_held(two_robots: LayoutSpec):
+    effects = Dispatch(two_robots).released(at(0.0))
+    assert velocities(effects, "magellan") == velocities(effects, "blimp") == [(0.0, 0.0)]
+
+
+def test_quit_is_global(two_robots: LayoutSpec):
+    assert Dispatch(two_robots).handle(down("q"), at(0.0)) == (QuitEffect(),)
+
+
+class Hands:
+    """A keyboard, a clock that ticks 20 times a second, and a log of what was sent when."""
+
+    def __init__(self, layout: LayoutSpec) -> None:
+        self.dispatch = Dispatch(layout)
+        self.keyboard = KeyboardHold()
+        self.steps = 0
+        self.sent: list[tuple[float, Effect]] = []
+
+    @property
+    def now(self) -> float:
+        return 500.0 + self.steps / 100
+
+    def put(self, effects: Iterable[Effect]) -> None:
+        self.sent += [(self.now, effect) for effect in effects]
+
+    def feed(self, events: Iterable[ControlEvent]) -> None:
+        for event in events:
+            self.put(self.dispatch.handle(event, at(self.now)))
+
+    def wait(self, hundredths: int) -> None:
+        for _ in range(hundredths):
+            self.steps += 1
+            self.feed(self.keyboard.expire(self.now))
+            if self.steps % 5 == 0:
+                self.put(self.dispatch.tick(at(self.now)))
+
+    def velocities(self, since: float, until: float, robot: str = "magellan") -> list[Twist]:
+        return [
+            effect.value
+            for moment, effect in self.sent
+            if since <= moment < until
+            and isinstance(effect, SendEffect)
+            and effect.definition is VELOCITY_COMMAND
+            and effect.robot == robot
+        ]
+
+
+KEYS = ("w", "s", "a", "d", "up", "left", "space", "j")
+ACTIONS = st.lists(
+    st.tuples(
+        st.sampled_from([*KEYS, *KEYS, "let go", "focus lost"]),
+        st.integers(min_value=0, max_value=70),
+    ),
+    min_size=1,
+    max_size=40,
+)
+
+
+def play(actions: list[tuple[str, int]]) -> Hands:
+    hands = Hands(DEMO)
+    for action, pause in actions:
+        if action == "let go":
+            hands.feed(hands.keyboard.release_all())
+        elif action == "focus lost":
+            hands.keyboard.release_all()
+            hands.put(hands.dispatch.released(at(hands.now)))
+        else:
+            hands.feed(hands.keyboard.press(action, hands.now))
+        hands.wait(pause)
+    return hands
+
+
+@given(actions=ACTIONS)
+@settings(max_examples=150, deadline=None)
+def test_speeds_never_exceed_the_options_whatever_the_hands_do(actions: list[tuple[str, int]]):
+    hands = play(actions)
+    for twist in hands.velocities(0.0, 1e9):
+        assert abs(twist.linear.x) <= 0.5
+        assert abs(twist.angular.z) <= 1.0
+        assert twist == Twist.planar(twist.linear.x, twist.angular.z)
+
+
+@given(actions=ACTIONS)
+@settings(max_examples=150, deadline=None)
+def test_when_hands_leave_the_robot_is_at_rest_within_the_first_hold(
+    actions: list[tuple[str, int]],
+):
+    hands = play(actions)
+    hands.wait(61)
+    start = hands.now
+    hands.wait(1000)
+    sent = hands.velocities(start, hands.now)
+    assert all(twist.neutral for twist in sent)
+    assert 49 <= len(sent) <= 51
+
+
+@given(actions=ACTIONS)
+@settings(max_examples=150, deadline=None)
+def test_letting_go_sends_zero_once_and_then_five_times_a_second(actions: list[tuple[str, int]]):
+    hands = play(actions)
+    hands.wait(1)
+    moving = any(not twist.neutral for twist in hands.velocities(0.0, 1e9)[-1:])
+    before = len(hands.sent)
+    hands.feed(hands.keyboard.release_all())
+    let_go = [
+        effect.value.neutral
+        for _, effect in hands.sent[before:]
+        if isinstance(effect, SendEffect) and effect.definition is VELOCITY_COMMAND
+    ]
+    if moving:
+        assert let_go.count(True) == 1
+        assert let_go[-1]
+        start = hands.now + 0.001
+        hands.wait(16)
+        assert hands.velocities(start, hands.now) == []
+        hands.wait(200 - 16)
+        assert 9 <= len(hands.velocities(start, hands.now)) <= 11
+    assert all(twist.neutral for twist in hands.velocities(hands.now, 1e9))
+
+
+@given(actions=ACTIONS)
+@settings(max_examples=150, deadline=None)
+def test_losing_the_focus_sends_exactly_one_zero_at_once(actions: list[tuple[str, int]]):
+    hands = play(actions)
+    hands.keyboard.release_all()
+    effects = hands.dispatch.released(at(hands.now))
+    assert velocities(effects, "magellan") == [(0.0, 0.0)]
+    assert len(effects) == 1
+    hands.wait(500)
+    assert all(twist.neutral for twist in hands.velocities(hands.now - 4.995, hands.now))
+
+
+@given(actions=ACTIONS)
+@settings(max_examples=150, deadline=None)
+def test_while_a_robot_moves_no_command_is_older_than_a_tenth_of_a_second(
+    actions: list[tuple[str, int]],
+):
+    hands = play(actions)
+    hands.wait(100)
+    commands = [
+        (moment, effect.value.neutral)
+        for moment, effect in hands.sent
+        if isinstance(effect, SendEffect) and effect.definition is VELOCITY_COMMAND
+    ]
+    for (before, neutral), (after, _) in itertools.pairwise(commands):
+        assert after - before <= (0.251 if neutral else 0.101)
+
+
+@given(actions=ACTIONS)
+@settings(max_examples=150, deadline=None)
+def test_the_newest_of_the_held_keys_of_a_control_wins(actions: list[tuple[str, int]]):
+    linear = {"w": 0.5, "up": 0.5, "s": -0.5}
+    hands = Hands(DEMO)
+    order: list[str] = []
+    for action, pause in actions:
+        if action not in linear:
+            continue
+        for event in hands.keyboard.press(action, hands.now):
+            hands.feed([event])
+            if event.repeat:
+                continue
+            if event.pressed:
+                order.append(event.key)
+            else:
+                order.remove(event.key)
+            newest = linear[order[-1]] if order else 0.0
+            assert hands.velocities(0.0, 1e9)[-1].linear.x == newest
+        hands.wait(pause)
+        order = [key for key in order if key in hands.keyboard.held]
+
+
+@pytest.mark.parametrize(("seconds", "repeat_hz"), [(5, 30), (5, 10), (3, 5)])
+def test_a_key_held_for_seconds_gives_twenty_commands_a_second(seconds: int, repeat_hz: int):
+    hands = Hands(DEMO)
+    hands.feed(hands.keyboard.press("w", hands.now))
+    hands.wait(50)
+    start = hands.now
+    for _ in range(seconds * repeat_hz):
+        hands.feed(hands.keyboard.press("w", hands.now))
+        hands.wait(100 // repeat_hz)
+    sent = hands.velocities(start, hands.now)
+    assert all(twist == Twist.planar(0.5, 0.0) for twist in sent)
+    assert abs(len(sent) - 20 * (hands.now - start)) <= 2
