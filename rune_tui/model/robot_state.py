@@ -97,6 +97,6 @@ class RobotState:
     navigation: Received[NavigationState] | None = None
     camera: Received[CameraState] | None = None
 
-    def with_(self, **changes: Any) -> RobotState:
+    def with_(self, **changes: Any) -> RobotState:  # noqa: ANN401 - the fields have several types
         """A copy with other values."""
         return dataclasses.replace(self, **changes)

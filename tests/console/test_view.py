@@ -324,3 +324,20 @@ def test_no_text_from_outside_puts_a_control_byte_on_the_terminal(
         text = re.sub(r"\x1b\[[\d;]+m", "", row)
         assert not re.search(r"[\x00-\x1f\x7f-\x9f]", text)
         assert len(text) == columns
+
+
+def test_a_fault_in_one_viewport_takes_no_other_from_the_operator(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    broken = known(Picture(pixels=np.zeros(5, np.uint8), camera=CAMERA))
+    pane = View(EVERYTHING)
+    pane.resize(120, 40)
+    cells = pane.render({"magellan": robot(picture=broken)}, STATE)
+    assert cells is not None
+    assert "visualizeCameraImage failed" in words(cells)
+    assert "MOVING" in words(cells)
+    pane.render({"magellan": robot(picture=broken)}, STATE)
+    assert len(caplog.records) == 1
+    mended = pane.render({"magellan": robot()}, STATE)
+    assert mended is not None
+    assert "failed" not in words(mended)

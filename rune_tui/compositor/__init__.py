@@ -1,0 +1,1 @@
+"""Layers of pixels and text to cells, cells to terminal bytes."""

@@ -1,0 +1,129 @@
+"""Cells as files: a PNG picture, an SVG drawing, or plain text."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.sax.saxutils import escape
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image, ImageDraw, ImageFont
+
+from rune_tui.compositor.blend import mean
+from rune_tui.compositor.cells import Cells
+from rune_tui.errors import PictureFileError
+
+SUFFIXES = (".txt", ".svg", ".png")
+
+_RAMP = np.array([ord(c) for c in " .:-=+*#%@"], np.uint32)
+_LUMA = np.array([299, 587, 114], np.uint32)  # ITU-R BT.601, thousandths
+
+
+def save(cells: Cells, path: Path) -> None:
+    """Write cells to a file, as its suffix says.
+
+    Raises:
+        PictureFileError: The suffix is none of `SUFFIXES`, or the file cannot be written.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        text = f"{path}: a picture file ends in {', '.join(SUFFIXES)}; name it so"
+        raise PictureFileError(text)
+    try:
+        if suffix == ".png":
+            image(cells).save(path, "PNG")
+        else:
+            path.write_text(svg(cells) if suffix == ".svg" else plain_text(cells), "utf-8")
+    except OSError as error:
+        text = f"{path}: cannot write the picture ({error.strerror or error}); choose another place"
+        raise PictureFileError(text) from error
+
+
+def image(cells: Cells, *, scale: int = 8) -> Image.Image:
+    """The cells as a terminal would show them.
+
+    Args:
+        cells: The frame.
+        scale: Width and height of a cell's half [pixels of the result].
+    """
+    shown = glyph_grounds(cells)
+    picture = Image.fromarray(np.ascontiguousarray(shown[..., :3]))
+    size = (cells.columns * scale, 2 * cells.rows * scale)
+    picture = picture.resize(size, Image.Resampling.NEAREST)
+    draw = ImageDraw.Draw(picture)
+    font = ImageFont.load_default(1.6 * scale)
+    for row, column in np.argwhere(cells.glyphs > ord(" ")).tolist():
+        red, green, blue = cells.ink[row, column, :3].tolist()
+        place = ((column + 0.5) * scale, (2 * row + 1.55) * scale)
+        glyph = _visible(int(cells.glyphs[row, column]))
+        # The font is proportional: each character stands in the middle of its cell.
+        draw.text(place, glyph, (red, green, blue), font, anchor="ms")
+    return picture
+
+
+def plain_text(cells: Cells) -> str:
+    """Characters where there are some, elsewhere one that is as dense as the cell is bright."""
+    upper, lower = cells.pixels[0::2, :, :3], cells.pixels[1::2, :, :3]
+    brightness = mean(upper, lower) @ _LUMA // 1000
+    shades = _RAMP[brightness * len(_RAMP) // 256]
+    lines = np.where(cells.glyphs > 0, cells.glyphs, shades).tolist()
+    return "".join("".join(map(_visible, line)).rstrip() + "\n" for line in lines)
+
+
+def svg(cells: Cells, *, scale: int = 8) -> str:
+    """The cells as an SVG drawing: a rectangle for each run of one colour, text over them.
+
+    Args:
+        cells: The frame.
+        scale: Width and height of a cell's half [user units].
+    """
+    width, height = cells.columns * scale, 2 * cells.rows * scale
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" '
+        f'width="{width}" height="{height}" shape-rendering="crispEdges">',
+    ]
+    for row, line in enumerate(glyph_grounds(cells)):
+        parts += [
+            f'<rect x="{first * scale}" y="{row * scale}" width="{(end - first) * scale}" '
+            f'height="{scale}" fill="{_hexadecimal(line[first])}"/>'
+            for first, end in _runs(line[:, :3])
+        ]
+    parts.append(
+        f'<g font-family="monospace" font-size="{1.6 * scale:g}" text-anchor="middle" '
+        'xml:space="preserve">'
+    )
+    for row, column in np.argwhere(cells.glyphs > ord(" ")).tolist():
+        glyph = escape(_visible(int(cells.glyphs[row, column])))
+        parts.append(
+            f'<text x="{(column + 0.5) * scale:g}" y="{(2 * row + 1.55) * scale:g}" '
+            f'fill="{_hexadecimal(cells.ink[row, column])}">{glyph}</text>'
+        )
+    return "\n".join([*parts, "</g>", "</svg>", ""])
+
+
+def glyph_grounds(cells: Cells) -> npt.NDArray[np.uint8]:
+    """The pixels as shown: both of a cell with a character have their mean, shape as `pixels`."""
+    ground = mean(cells.pixels[0::2], cells.pixels[1::2])
+    shown = cells.pixels.copy()
+    written = cells.glyphs > 0
+    for half in (shown[0::2], shown[1::2]):
+        half[written] = ground[written]
+    return shown
+
+
+def _runs(line: npt.NDArray[np.uint8]) -> list[tuple[int, int]]:
+    """First and one past last column of each stretch of one colour, line of shape (columns, 3)."""
+    edges = np.flatnonzero((line[1:] != line[:-1]).any(axis=1)) + 1
+    ends = [*edges.tolist(), len(line)]
+    return list(zip([0, *edges.tolist()], ends, strict=True)) if len(line) else []
+
+
+def _hexadecimal(colour: npt.NDArray[np.uint8]) -> str:
+    return f"#{int(colour[0]):02x}{int(colour[1]):02x}{int(colour[2]):02x}"
+
+
+def _visible(code_point: int) -> str:
+    """The character, or "?" for what files may not hold (controls, surrogates, non-characters)."""
+    glyph = chr(code_point) if code_point <= 0x10FFFF else "?"
+    fits = glyph.isprintable() and code_point not in {0xFFFE, 0xFFFF}
+    return glyph if fits else "?"

@@ -1,0 +1,193 @@
+"""The whole picture: places viewports on the terminal, redraws what changed, composes the rest."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass
+
+from rune_tui.compositor.blend import Layer, compose
+from rune_tui.compositor.cells import Cells
+from rune_tui.layout.spec import ViewportSpec, ViewSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import RobotState
+from rune_tui.raster.canvas import Canvas
+from rune_tui.raster.resize import fitted_size
+from rune_tui.visualizers.notice import write_notice
+from rune_tui.visualizers.registry import CAMERA_IMAGE, visualizer
+from rune_tui.visualizers.visualizer import Visualizer
+
+_logger = logging.getLogger(__name__)
+
+MIN_COLUMNS = 16
+MIN_ROWS = 4
+MIN_PICTURE = (16, 12)
+"""Smallest picture worth asking for, width and height [pixels]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Place:
+    """Where a viewport lies on the terminal's pixel grid (columns, 2 * rows) [pixels]."""
+
+    x: int
+    y: int
+    width: int
+    height: int
+
+
+@dataclass(slots=True, kw_only=True)
+class _Pane:
+    """A visible viewport, its visualizer, and what was drawn last."""
+
+    spec: ViewportSpec
+    visualizer: Visualizer
+    place: Place
+    layer: Layer | None = None
+    source: Hashable = None
+    failed: bool = False
+
+    def refresh(self, robot: RobotState, state: ConsoleState) -> bool:
+        """Draw again if that would show something else; whether it did."""
+        try:
+            source = self.visualizer.source(robot, state)
+            if self.layer is not None and source == self.source:
+                return False
+            canvas = self._drawn(robot, state)
+            self.failed = False
+        except Exception:  # a fault in one picture must not take the others from the operator
+            if self.failed:
+                return False
+            self.failed = True
+            function = self.spec.visualizer.function if self.spec.visualizer else ""
+            _logger.exception("viewport %s: %s failed", self.spec.name, function)
+            source, canvas = object(), Canvas.blank(self.place.width, self.place.height)
+            write_notice(canvas, f"{function} failed; the log says why")
+        self.source = source
+        self.layer = Layer(
+            canvas=canvas,
+            x=self.place.x,
+            y=self.place.y,
+            zpos=self.spec.zpos,
+            transparency=self.spec.transparency,
+        )
+        return True
+
+    def _drawn(self, robot: RobotState, state: ConsoleState) -> Canvas:
+        canvas = Canvas.blank(self.place.width, self.place.height)
+        self.visualizer.draw(canvas, robot, state)
+        return canvas
+
+
+class View:
+    """Turns the states of robots into cells; nothing is drawn until `resize` was called."""
+
+    def __init__(self, spec: ViewSpec) -> None:
+        self._spec = spec
+        self._columns = 0
+        self._rows = 0
+        self._panes: list[_Pane] = []
+        self._complete = False
+
+    def resize(self, columns: int, rows: int) -> None:
+        """Place everything on a terminal of this size [cells]; the next frame is drawn anew."""
+        self._columns = max(0, columns)
+        self._rows = max(0, rows)
+        self._complete = False
+        self._panes = []
+        if self._too_small:
+            return
+        for viewport in self._spec.viewports:
+            if viewport.visible and viewport.visualizer and viewport.transparency < 255:
+                shown = visualizer(viewport.visualizer)
+                place = placed(viewport, self._spec, columns, rows, whole_cells=shown.whole_cells)
+                self._panes.append(_Pane(spec=viewport, visualizer=shown, place=place))
+
+    def render(self, robots: Mapping[str, RobotState], state: ConsoleState) -> Cells | None:
+        """The picture as it is now, or None when it is the one returned last.
+
+        Args:
+            robots: Every robot of the layout, by name.
+            state: The console's own state.
+        """
+        if not self._columns or not self._rows:
+            return None
+        # Every pane is asked: no short cut after the first that changed.
+        changed = [pane.refresh(robots[pane.spec.robot], state) for pane in self._panes]
+        if self._complete and not any(changed):
+            return None
+        self._complete = True
+        layers = [pane.layer for pane in self._panes if pane.layer is not None]
+        if self._too_small:
+            layers = [self._apology()]
+        return compose(self._columns, self._rows, self._spec.background, layers)
+
+    def picture_sizes(self) -> Mapping[str, tuple[int, int]]:
+        """Width and height [pixels] of the largest 4:3 picture shown of each robot.
+
+        Robots of which no camera image is on the screen are missing; the console needs to ask
+        them for none.
+        """
+        sizes: dict[str, tuple[int, int]] = {}
+        for pane in self._panes:
+            if pane.spec.visualizer and pane.spec.visualizer.function == CAMERA_IMAGE:
+                size = fitted_size(4, 3, pane.place.width, pane.place.height)
+                sizes[pane.spec.robot] = max(size, sizes.get(pane.spec.robot, MIN_PICTURE))
+        return sizes
+
+    @property
+    def _too_small(self) -> bool:
+        return self._columns < MIN_COLUMNS or self._rows < MIN_ROWS
+
+    def _apology(self) -> Layer:
+        canvas = Canvas.blank(self._columns, 2 * self._rows)
+        write_notice(canvas, "too small")
+        return Layer(canvas=canvas, x=0, y=0)
+
+
+def placed(
+    viewport: ViewportSpec, view: ViewSpec, columns: int, rows: int, *, whole_cells: bool
+) -> Place:
+    """Where a viewport of the design lies on a terminal.
+
+    Edges scale, so viewports that touch in the design touch on the terminal; unscaled viewports
+    keep their size and scale their upper left corner. What lies wholly inside the design is kept
+    wholly inside the terminal, if it fits.
+
+    Args:
+        viewport: What to place.
+        view: The design.
+        columns: Width of the terminal [cells].
+        rows: Height of the terminal [cells].
+        whole_cells: Whether it must be made of whole cells, so that text in it is not cut.
+    """
+    x, width = _span(
+        viewport.xpos, viewport.xsize, view.xsize, columns, step=1, scaled=viewport.scaled
+    )
+    y, height = _span(
+        viewport.ypos,
+        viewport.ysize,
+        view.ysize,
+        2 * rows,
+        step=2 if whole_cells else 1,
+        scaled=viewport.scaled,
+    )
+    return Place(x=x, y=y, width=width, height=height)
+
+
+def _span(
+    start: int, size: int, design: int, actual: int, *, step: int, scaled: bool
+) -> tuple[int, int]:
+    """First pixel and length on the terminal, both multiples of `step`."""
+    first = _scaled(start, design, actual, step)
+    length = _scaled(start + size, design, actual, step) - first
+    if not scaled:
+        length = -(-size // step) * step
+    length = max(step, length)
+    if start >= 0 and start + size <= design:
+        first = max(0, min(first, actual - length))
+    return first, length
+
+
+def _scaled(position: int, design: int, actual: int, step: int) -> int:
+    """round(position * actual / design) to a multiple of `step`, halves up."""
+    return (2 * position * actual + design * step) // (2 * design * step) * step

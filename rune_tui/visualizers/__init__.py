@@ -1,0 +1,1 @@
+"""One visualizer a file: a kind of message to a picture."""

@@ -1,0 +1,56 @@
+"""visualizeCameraImage: the newest camera picture, or in words why there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import RobotState
+from rune_tui.raster.canvas import Canvas
+from rune_tui.raster.resize import fitted
+from rune_tui.visualizers.notice import link_trouble, write_notice
+from rune_tui.visualizers.palette import BLACK, PANEL
+from rune_tui.visualizers.staleness import age_look, mark_age, weather
+
+
+@dataclass(frozen=True, slots=True)
+class CameraImage:
+    """Shows the picture as large as the viewport allows, its aspect kept, black around it."""
+
+    whole_cells: ClassVar[bool] = True
+
+    @classmethod
+    def from_spec(cls, spec: VisualizerSpec) -> Self:  # noqa: ARG003 it has no options
+        """The visualizer that a layout asks for."""
+        return cls()
+
+    def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
+        """Draw the picture, its age and the link's trouble."""
+        trouble = _explanation(robot, state.now)
+        if robot.picture is None or not robot.picture.value.pixels.size:
+            canvas.fill(PANEL)
+        else:
+            canvas.fill(BLACK)
+            age = robot.picture.age(state.now)
+            canvas.paste(*fitted(robot.picture.value.pixels, canvas.width, canvas.height))
+            weather(canvas, age)
+            mark_age(canvas, age)
+        if trouble:
+            write_notice(canvas, trouble)
+
+    def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
+        """Changes with the picture, the look of its age, and the words."""
+        words = _explanation(robot, state.now)
+        if robot.picture is None:
+            return words
+        return robot.picture.number, age_look(robot.picture, state.now), words
+
+
+def _explanation(robot: RobotState, now: float) -> str:
+    trouble = link_trouble(robot, now)
+    if trouble:
+        return f"{trouble}. {robot.link.detail}" if robot.link.detail else trouble
+    return "" if robot.picture else f"waiting for the first picture from {robot.name}"

@@ -1,0 +1,40 @@
+"""Words in place of a picture or over it: what is missing and why."""
+
+from __future__ import annotations
+
+import textwrap
+
+from rune_tui.model.robot_state import LinkPhase, RobotState
+from rune_tui.raster.canvas import Canvas, Colour, printable_text
+from rune_tui.raster.shapes import drawing
+from rune_tui.visualizers.palette import PANEL, WHITE
+
+
+def link_trouble(robot: RobotState, now: float) -> str:
+    """What is wrong with the link, in one line; empty while central answers."""
+    link = robot.link
+    seconds = int(max(0.0, now - link.since))
+    if link.phase is LinkPhase.CONNECTED:
+        return ""
+    if link.phase is LinkPhase.CONNECTING:
+        return f"connecting to {robot.name} at {link.endpoint}: {seconds} s"
+    return f"no link to {robot.name} at {link.endpoint}: retrying, {seconds} s"
+
+
+def write_notice(canvas: Canvas, text: str, *, ink: Colour = WHITE, ground: Colour = PANEL) -> None:
+    """Write words on a plate in the middle of a canvas, wrapped to its width.
+
+    What does not fit in height is left out from the end.
+    """
+    margin = 1 if canvas.width >= 12 else 0
+    lines = textwrap.wrap(printable_text(text), max(1, canvas.width - 2 * margin))
+    lines = lines[: canvas.rows]
+    if not lines:
+        return
+    width = min(canvas.width, max(map(len, lines)) + 2 * margin)
+    column = (canvas.width - width) // 2
+    row = (canvas.rows - len(lines)) // 2
+    with drawing(canvas) as pen:
+        pen.rectangle(column, 2 * row, column + width, 2 * (row + len(lines)), ground)
+    for index, line in enumerate(lines):
+        canvas.text((canvas.width - len(line)) // 2, row + index, line, ink)

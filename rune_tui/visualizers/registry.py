@@ -1,0 +1,34 @@
+"""Every visualizer by the name that layouts use."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.visualizers.camera_image import CameraImage
+from rune_tui.visualizers.label import Label
+from rune_tui.visualizers.pan_data import PanData
+from rune_tui.visualizers.range_data import RangeData
+from rune_tui.visualizers.status import Status
+from rune_tui.visualizers.tilt_data import TiltData
+from rune_tui.visualizers.visualizer import Visualizer
+
+CAMERA_IMAGE: Final = "visualizeCameraImage"
+
+VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
+    CAMERA_IMAGE: CameraImage,
+    "visualizeLabel": Label,
+    "visualizePanData": PanData,
+    "visualizeRangeData": RangeData,
+    "visualizeStatus": Status,
+    "visualizeTiltData": TiltData,
+}
+
+
+def visualizer(spec: VisualizerSpec) -> Visualizer:
+    """The visualizer that a layout asks for.
+
+    Raises:
+        KeyError: There is none of this name; the loader refuses such layouts.
+    """
+    return VISUALIZERS[spec.function].from_spec(spec)

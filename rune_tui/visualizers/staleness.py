@@ -1,0 +1,85 @@
+"""How old data looks: dimmed at one second, hatched and marked with its age at three."""
+
+from __future__ import annotations
+
+import enum
+from typing import Any
+
+import numpy as np
+
+from rune_tui.model.robot_state import Received
+from rune_tui.raster.canvas import Canvas
+from rune_tui.raster.shapes import drawing
+from rune_tui.visualizers.palette import ALARM, WHITE
+
+MENTION_AFTER_S = 0.25
+DIM_AFTER_S = 1.0
+HATCH_AFTER_S = 3.0
+
+_HATCH_PERIOD = 6
+_HATCH_WIDTH = 2
+
+
+class Staleness(enum.IntEnum):
+    """How far data can be trusted.
+
+    Attributes:
+        FRESH: Shown as it is.
+        OLD: Dimmed.
+        STALE: Hatched, marked with a word and its age.
+    """
+
+    FRESH = 0
+    OLD = 1
+    STALE = 2
+
+
+def staleness(age: float) -> Staleness:
+    """How data of this age [s] is shown."""
+    if age > HATCH_AFTER_S:
+        return Staleness.STALE
+    return Staleness.OLD if age > DIM_AFTER_S else Staleness.FRESH
+
+
+def age_text(age: float) -> str:
+    """An age [s] in as much detail as helps: "4.2 s", "37 s", "3 min", "2 h"."""
+    # Rounded down, so that nothing is called older than it is.
+    if age < 10.0:
+        return f"{int(age * 10.0) / 10.0:.1f} s"
+    if age < 120.0:
+        return f"{int(age)} s"
+    return f"{int(age / 60.0)} min" if age < 7200.0 else f"{int(age / 3600.0)} h"
+
+
+def age_look(received: Received[Any], now: float) -> tuple[Staleness, str]:
+    """What `weather` and `mark_age` make of a value's age: the same look, the same drawing."""
+    age = received.age(now)
+    step = staleness(age)
+    return step, age_text(age) if step is Staleness.STALE else ""
+
+
+def weather(canvas: Canvas, age: float) -> None:
+    """Make what has been drawn look as old as it is [s]; clear pixels stay clear."""
+    step = staleness(age)
+    if step is Staleness.FRESH:
+        return
+    for colours in (canvas.pixels, canvas.ink):
+        channels = colours[..., :3].astype(np.uint16)
+        grey = channels.sum(axis=2, keepdims=True, dtype=np.uint16) // 3
+        colours[..., :3] = (3 * channels + 2 * grey) // 10
+    if step is Staleness.STALE:
+        row, column = np.indices(canvas.pixels.shape[:2])
+        stripes = (row + column) % _HATCH_PERIOD < _HATCH_WIDTH
+        canvas.pixels[stripes, :3] //= 3
+
+
+def mark_age(canvas: Canvas, age: float) -> None:
+    """Write "STALE 4.2 s" over the middle of the first cell row, once data is that old [s]."""
+    if staleness(age) is not Staleness.STALE:
+        return
+    full = f" STALE {age_text(age)} "
+    string = full if len(full) <= canvas.width else f"!{age_text(age)}"
+    column = max(0, (canvas.width - len(string)) // 2)
+    with drawing(canvas) as pen:
+        pen.rectangle(column, 0, column + len(string), 2, ALARM)
+    canvas.text(column, 0, string, WHITE)

@@ -1,0 +1,59 @@
+"""visualizeStatus: one line of words on a dark bar."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import RobotState
+from rune_tui.raster.canvas import Canvas, printable_text
+from rune_tui.visualizers.palette import ALARM_INK, GOOD_INK, PANEL, WARNING, WHITE
+from rune_tui.visualizers.status_words import Mood, Part, status_parts
+
+_GAP = 2
+_INK = {
+    Mood.PLAIN: WHITE,
+    Mood.GOOD: GOOD_INK,
+    Mood.WARNING: WARNING,
+    Mood.ALARM: ALARM_INK,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """Name, link, motion, speed, battery, nearest obstacle, camera, picture age, keys held."""
+
+    whole_cells: ClassVar[bool] = True
+
+    @classmethod
+    def from_spec(cls, spec: VisualizerSpec) -> Self:  # noqa: ARG003 it has no options
+        """The visualizer that a layout asks for."""
+        return cls()
+
+    def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
+        """Write what there is room for in the first row."""
+        canvas.fill(PANEL)
+        parts = fitting(status_parts(robot, state), canvas.width)
+        column = 0 if _width(parts) + 2 > canvas.width else 1
+        for part in parts:
+            canvas.text(column, 0, part.text, _INK[part.mood])
+            column += len(printable_text(part.text)) + _GAP
+
+    def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
+        """Changes with any word of it."""
+        return status_parts(robot, state)
+
+
+def fitting(parts: Sequence[Part], columns: int) -> tuple[Part, ...]:
+    """The parts that fit side by side, those of least weight left out; at least one stays."""
+    kept = list(parts)
+    while len(kept) > 1 and _width(kept) > columns:
+        kept.remove(min(reversed(kept), key=lambda part: part.weight))
+    return tuple(kept)
+
+
+def _width(parts: Sequence[Part]) -> int:
+    return sum(len(printable_text(part.text)) + _GAP for part in parts) - _GAP

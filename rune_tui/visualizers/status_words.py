@@ -1,0 +1,150 @@
+"""What the status line says of a robot, part by part, the most important first to stay."""
+
+from __future__ import annotations
+
+import enum
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from hub.gcm.navigation import SENSOR_COUNT, MotionState
+from hub.gcm.navigation import RobotState as NavigationState
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import LinkPhase, RobotState
+from rune_tui.visualizers.range_data import BODY_RADIUS_M, is_near
+from rune_tui.visualizers.staleness import MENTION_AFTER_S, Staleness, age_text, staleness
+
+LOW_BATTERY = 0.2
+OFF_CENTRE_DEG = 5.0
+
+_SIDES = ("ahead", "left", "behind", "right")
+_MOTION = {
+    MotionState.STANDING: "STANDING",
+    MotionState.MOVING: "MOVING",
+    MotionState.SILENCE: "STOPPED: commands fell silent",
+    MotionState.STOPPED: "STOPPED: a stop was sent",
+    MotionState.NO_DRIVER: "NO DRIVER: cannot move",
+    MotionState.WAITING: "WAITING for a neutral command",
+}
+
+
+class Mood(enum.Enum):
+    """How a part is meant."""
+
+    PLAIN = "plain"
+    GOOD = "good"
+    WARNING = "warning"
+    ALARM = "alarm"
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A piece of the status line.
+
+    Attributes:
+        text: What it says.
+        weight: Where room is short, parts of the least weight go first.
+        mood: How it is meant.
+    """
+
+    text: str
+    weight: int
+    mood: Mood = Mood.PLAIN
+
+
+def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
+    """All that there is to say now, in the order in which it is shown."""
+    return (
+        Part(robot.name, 8),
+        _link(robot, state.now),
+        *_motion(robot, state.now),
+        *_camera(robot),
+        *_picture_age(robot, state.now),
+        *_held(state),
+    )
+
+
+def _link(robot: RobotState, now: float) -> Part:
+    seconds = f"{int(max(0.0, now - robot.link.since))} s"
+    if robot.link.phase is LinkPhase.CONNECTED:
+        return Part("linked", 2, Mood.GOOD)
+    if robot.link.phase is LinkPhase.CONNECTING:
+        return Part(f"connecting {seconds}", 9, Mood.WARNING)
+    return Part(f"LINK LOST {seconds}", 9, Mood.ALARM)
+
+
+def _motion(robot: RobotState, now: float) -> Iterator[Part]:
+    if robot.navigation is None:
+        yield Part("no robot state yet", 7, Mood.WARNING)
+        return
+    age = robot.navigation.age(now)
+    navigation = robot.navigation.value
+    if staleness(age) is not Staleness.FRESH:
+        yield Part(f"STATE {age_text(age)} OLD", 9, Mood.ALARM)
+    halted = navigation.motion not in {MotionState.STANDING, MotionState.MOVING}
+    yield Part(_MOTION[navigation.motion], 7, Mood.ALARM if halted else Mood.PLAIN)
+    yield Part(
+        f"{_signed(navigation.linear, 2)} m/s {_signed(math.degrees(navigation.angular), 0)}°/s", 6
+    )
+    yield from _battery(navigation)
+    yield from _nearest(navigation)
+
+
+def _battery(navigation: NavigationState) -> Iterator[Part]:
+    words = []
+    if math.isfinite(navigation.battery_fraction):
+        words.append(f"{100.0 * navigation.battery_fraction:.0f}%")
+    if math.isfinite(navigation.battery_voltage):
+        words.append(f"{navigation.battery_voltage:.1f} V")
+    if not words:
+        return
+    low = navigation.battery_fraction < LOW_BATTERY
+    text = " ".join(["BATTERY LOW" if low else "battery", *words])
+    yield Part(text, 6 if low else 3, Mood.ALARM if low else Mood.PLAIN)
+
+
+def _nearest(navigation: NavigationState) -> Iterator[Part]:
+    """The nearest thing seen and its distance from the robot's rim."""
+    ranges = np.fmin(navigation.sonar, navigation.infrared)
+    ranges = np.where(np.isnan(ranges), np.inf, ranges)
+    sensor = int(ranges.argmin())
+    if not math.isfinite(ranges[sensor]):
+        return
+    # Each side takes a quarter of the circle around its middle.
+    side = _SIDES[round(4 * sensor / SENSOR_COUNT) % 4]
+    distance = max(0.0, float(ranges[sensor]) - BODY_RADIUS_M)
+    near = is_near(float(ranges[sensor]))
+    word = "NEAR" if near else "nearest"
+    yield Part(f"{word} {distance:.2f} m {side}", 5, Mood.WARNING if near else Mood.PLAIN)
+
+
+def _camera(robot: RobotState) -> Iterator[Part]:
+    if robot.camera is None or not math.isfinite(robot.camera.value.pan):
+        return
+    pan = math.degrees(robot.camera.value.pan)
+    if abs(pan) > OFF_CENTRE_DEG:
+        yield Part(f"camera {abs(pan):.0f}° {'left' if pan > 0 else 'right'}", 4, Mood.WARNING)
+
+
+def _picture_age(robot: RobotState, now: float) -> Iterator[Part]:
+    if robot.picture is None:
+        return
+    age = robot.picture.age(now)
+    if age > MENTION_AFTER_S:
+        mood = Mood.PLAIN if staleness(age) is Staleness.FRESH else Mood.WARNING
+        yield Part(f"picture {age_text(age)} old", 5, mood)
+
+
+def _held(state: ConsoleState) -> Iterator[Part]:
+    if state.held:
+        yield Part(f"keys {' '.join(state.held)}", 1)
+
+
+def _signed(value: float, digits: int) -> str:
+    """With its sign, but for what rounds to zero."""
+    if not math.isfinite(value):
+        return "?"
+    rounded = round(value, digits)
+    return f"{rounded:+.{digits}f}" if rounded else f"{0.0:.{digits}f}"
