@@ -16,6 +16,7 @@ from textual.app import App, ComposeResult
 
 from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.keyboard import KeyboardHold, name_of_key
+from rune_tui.controls.stall_guard import StallGuard
 from rune_tui.dispatch import Dispatch
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.robot_link import RobotLink
@@ -50,6 +51,7 @@ class Console(App[None], inherit_bindings=False):
         self._view = View(layout.view)
         self._dispatch = Dispatch(layout)
         self._keyboard = KeyboardHold()
+        self._stalls = StallGuard()
         self._pane = ViewPane()
 
     def compose(self) -> ComposeResult:
@@ -95,18 +97,32 @@ class Console(App[None], inherit_bindings=False):
         """A key went down or repeats."""
         event.stop()
         event.prevent_default()
+        now = self._look_up()
         key = name_of_key(event.key, event.character)
         if key == _EMERGENCY_KEY:
             self.exit()  # whatever the layout says, there is a way out
-        self._handle(self._keyboard.press(key, time.monotonic()))
+        if not self._stalls.deaf(now):
+            self._handle(self._keyboard.press(key, now))
+
+    def on_paste(self) -> None:
+        """Pasted text is no driving: let go of all."""
+        self._let_go()
 
     def on_app_blur(self) -> None:
         """Keys can go up unseen while the terminal is not in front: let go of all."""
         self._let_go()
 
     def _tick(self) -> None:
-        self._handle(self._keyboard.expire(time.monotonic()))
+        now = self._look_up()
+        self._handle(self._keyboard.expire(now))
         self._execute(self._dispatch.tick(self._state()))
+
+    def _look_up(self) -> float:
+        """The time now; after a pause of the console itself, nothing counts as held."""
+        now = time.monotonic()
+        if self._stalls.stalled(now):
+            self._let_go()
+        return now
 
     def _draw(self) -> None:
         if output_is_pending(self):

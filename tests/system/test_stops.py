@@ -31,10 +31,13 @@ def test_console_gone_robot_stops(
     console.process.send_signal(number)
     _expect_stop(observer)
     if number is signal.SIGSTOP:
-        # Awake again, it must not drive off with the key that was held before.
+        # Awake again, it must not drive off with keys that were held or typed in its sleep.
+        console.type("wwwwwwwwww")
+        observer.history.clear()
         console.process.send_signal(signal.SIGCONT)
-        console.pump(0.5)
-        assert observer.truth.commanded_linear == 0.0
+        console.pump(1.0)
+        observer.wait(lambda: len(observer.history) > 40, 5.0)
+        assert all(truth.commanded_linear == 0.0 for _, truth in observer.history)
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
