@@ -34,14 +34,21 @@ def encode(pixels: _Pixels, *, quality: int = 100) -> _Pixels:
 
     Returns:
         Coded bytes, shape (length,).
+
+    Raises:
+        CodecError: The pixels are no picture of that kind.
     """
+    channels = pixels.shape[2] if pixels.ndim == 3 else 1
+    wanted = pixels.dtype == np.uint8 and pixels.ndim in (2, 3) and pixels.size > 0
+    if not (wanted and channels <= 4):
+        text = f"pixels of {pixels.dtype} in shape {pixels.shape} are no picture"
+        raise CodecError(text)
     if quality < 100:
         pixels = _quantised(pixels, quality)
     flat = _packed(pixels)
     ways = [(_ROWS, flat), (_ABOVE, _with_row_above(flat))]
     runs = [(way, image, _run_ends(image)) for way, image in ways]
     way, image, ends = min(runs, key=lambda candidate: len(candidate[2]))
-    channels = 1 if pixels.ndim == 2 else pixels.shape[2]
     coded = _run_bytes(way, image.reshape(-1), ends, channels)
     if len(coded) <= pixels.size:
         return coded

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -91,6 +92,12 @@ class Broadcasts:
         self._sending: dict[Plane, zmq.Socket[bytes]] = {}
         self._receiving: dict[Plane, zmq.Socket[bytes]] = {}
         self._subscriptions: dict[str, _Subscription] = {}
+        self._taken: deque[tuple[_Subscription, frames.Frame]] = deque()
+
+    @property
+    def waiting(self) -> bool:
+        """Whether messages were taken but not handed on yet, because a handler failed."""
+        return bool(self._taken)
 
     def connect(self, addresses: Sequence[str]) -> None:
         """Connect to a new run of central: for each plane where to send and where to receive."""
@@ -144,6 +151,7 @@ class Broadcasts:
 
     def receive(self, ready: dict[Any, int]) -> None:
         """Hand on what the ready sockets hold."""
+        self._deliver_taken()
         # Commands first: they must not wait behind a burst of states.
         for plane in (Plane.COMMAND, Plane.STATE):
             socket = self._receiving.get(plane)
@@ -168,8 +176,13 @@ class Broadcasts:
             key: object = (frame.name, frame.publisher) if newest else index
             batch.pop(key, None)
             batch[key] = (subscription, frame)
-        for subscription, frame in batch.values():
-            self._deliver(subscription, frame)
+        self._taken.extend(batch.values())
+        self._deliver_taken()
+
+    def _deliver_taken(self) -> None:
+        # One by one from a queue: after a handler that raises, the rest is still there.
+        while self._taken:
+            self._deliver(*self._taken.popleft())
 
     def _deliver(self, subscription: _Subscription, frame: frames.Frame) -> None:
         last = subscription.last.get(frame.publisher, 0)

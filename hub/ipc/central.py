@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import errno
 import logging
+import socket as socket_module
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -81,6 +82,8 @@ class Central:
 
     def close(self) -> None:
         """End the threads and free the endpoints."""
+        if self._stopping.is_set():
+            return
         self._stopping.set()
         for steering in self._steering:
             steering.send(b"TERMINATE")
@@ -110,6 +113,9 @@ class Central:
         self.endpoints: list[str] = []
         self._files: list[Path] = []
         self._ports, self._paths = [0] * (len(ends) - 1), [""] * (len(ends) - 1)
+        if len({type(endpoint) for endpoint in wanted}) < len(wanted):
+            text = "central listens at one tcp:// and one ipc:// endpoint; name only one of each"
+            raise EndpointError(text)
         for endpoint in wanted:
             bound = [_bind(end, _sibling(endpoint, index)) for index, end in enumerate(ends)]
             self.endpoints.append(bound[0])
@@ -149,23 +155,27 @@ class Central:
         while not self._stopping.is_set():
             ready = dict(poller.poll(_POLL_MS))
             try:
-                for monitor, where in self._monitors.items():
-                    if monitor in ready:
-                        self._watch(monitor, where)
-                if self._router in ready:
-                    self._answer()
-                if self._tap in ready:
-                    self._look()
-                self._send(self._registry.expire())
+                self._serve_ready(ready)
             except zmq.ContextTerminated:
                 break
             except Exception:  # a fault of ours must not end the broker
-                self.complaints.count("internal fault", "see the traceback")
-                _logger.exception("central goes on after a fault")
+                self.complaints.count("internal fault", "central goes on after it")
+                if self.complaints.counts["internal fault"] == 1:
+                    _logger.exception("the first internal fault")
         for monitor in self._monitors:
             monitor.close(0)
         self._router.close(0)
         self._tap.close(0)
+
+    def _serve_ready(self, ready: dict[_Socket, int]) -> None:
+        for monitor, where in self._monitors.items():
+            if monitor in ready:
+                self._watch(monitor, where)
+        if self._router in ready:
+            self._answer()
+        if self._tap in ready:
+            self._look()
+        self._send(self._registry.expire())
 
     def _watch(self, monitor: _Socket, where: str) -> None:
         """See who came, who went, and who sent something that is not ZeroMQ."""
@@ -250,10 +260,31 @@ def _sibling(
 
 def _bind(socket: _Socket, endpoint: security.TcpEndpoint | security.IpcEndpoint) -> str:
     """Bind; the address with its real port."""
+    if isinstance(endpoint, security.IpcEndpoint):
+        _refuse_taken(endpoint)
     try:
         socket.bind(str(endpoint))
     except zmq.ZMQError as error:
-        reason = "another program uses it" if error.errno == errno.EADDRINUSE else str(error)
-        text = f"cannot listen at {endpoint}: {reason}; stop that program or choose another port"
+        reason = f"{error}; choose another endpoint"
+        if error.errno == errno.EADDRINUSE:
+            reason = "another program uses it; stop that program or choose another port"
+        text = f"cannot listen at {endpoint}: {reason}"
         raise EndpointError(text) from error
     return socket.getsockopt_string(zmq.LAST_ENDPOINT).rstrip("\0")
+
+
+def _refuse_taken(endpoint: security.IpcEndpoint) -> None:
+    """Refuse the path of a live socket or of somebody's file: ZeroMQ would delete either."""
+    path = Path(endpoint.path)
+    if endpoint.path.startswith("@") or not path.exists():
+        return
+    if not path.is_socket():
+        text = f"cannot listen at {endpoint}: a file is there; choose another path"
+        raise EndpointError(text)
+    with socket_module.socket(socket_module.AF_UNIX) as probe:
+        try:
+            probe.connect(endpoint.path)
+        except OSError:
+            return  # left behind by a program that ended
+    text = f"cannot listen at {endpoint}: another program uses it; stop it or choose another path"
+    raise EndpointError(text)

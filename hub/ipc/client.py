@@ -12,7 +12,6 @@ import math
 import os
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import zmq
@@ -25,13 +24,15 @@ from hub.errors import (
     HandlerFailedError,
     HubError,
     QueryError,
-    QueryTimeoutError,
+    RedefinedMessageError,
 )
 from hub.ipc import control, description, frames, security, sockets
 from hub.ipc.age import AgeEstimator
 from hub.ipc.broadcast import Broadcasts, Reception, decode, reception
+from hub.ipc.chores import Posted, Timers
 from hub.ipc.complaints import Complaints
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.questions import Question, Questions
 
 _logger = logging.getLogger(__name__)
 
@@ -41,24 +42,9 @@ R = TypeVar("R")
 PING_S = 0.5
 LOST_S = 1.5
 """Central has not answered for this long: the connection counts as lost [s]."""
+RETRY_S = 0.02
+"""How soon a hello is tried again while there is no connection at all [s]."""
 _BATCH = 256
-
-
-@dataclass(slots=True)
-class _Timer:
-    due: float
-    period: float
-    work: Callable[[], None]
-
-
-@dataclass(slots=True)
-class _Waiting:
-    name: str
-    read: Callable[[frames.Frame], Any]
-    deadline: float
-    timeout: float
-    answered: Callable[[Any, Reception], None]
-    failed: Callable[[QueryError], None]
 
 
 class Client:
@@ -84,10 +70,10 @@ class Client:
             EndpointError: The endpoint is malformed or not on this machine.
         """
         self.name = name
-        self.endpoint = str(security.parse_endpoint(endpoint))
+        self.endpoint = security.connectable(endpoint)
         self._tcp_host = self.endpoint.rpartition(":")[0]
         self.complaints = Complaints(_logger, clock)
-        self.refusal: hub.errors.HubError | None = None
+        self.refusal: HubError | None = None
         self._clock = clock
         self._context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
         self._epoch = 0
@@ -98,19 +84,16 @@ class Client:
         self._refused: dict[str, HubError] = {}
         self._confirmed: set[str] = set()
         self._responders: dict[str, Callable[[frames.Frame], list[Any]]] = {}
-        self._waiting: dict[int, _Waiting] = {}
+        self._questions = Questions()
         self._listings: list[control.Listing] = []
-        self._sequences: collections.Counter[str] = collections.Counter()
+        self._published: collections.Counter[str] = collections.Counter()
+        self._attached: collections.Counter[str] = collections.Counter()
         self._prefixes: dict[str, bytes] = {}
         self._ages = AgeEstimator()
-        self._timers: list[_Timer] = []
-        self._queries = 0
-        self._posted: collections.deque[Callable[[], None]] = collections.deque()
-        self._wake_read, self._wake_write = os.pipe()
-        os.set_blocking(self._wake_read, False)
-        os.set_blocking(self._wake_write, False)
+        self._timers = Timers()
+        self._posted = Posted()
         self._poller = zmq.Poller()
-        self._poller.register(self._wake_read, zmq.POLLIN)
+        self._poller.register(self._posted.file, zmq.POLLIN)
         self._files: dict[int, Callable[[], None]] = {}
         self._broadcasts = Broadcasts(
             self._context, self._poller, self._ages, self.complaints, clock
@@ -142,9 +125,17 @@ class Client:
             self.listen(min(left, 0.1))
 
     def define(self, *definitions: MessageDefinition[Any]) -> None:
-        """Make messages known at central; whoever publishes, subscribes or answers defines."""
+        """Make messages known at central; whoever publishes, subscribes or answers defines.
+
+        Raises:
+            RedefinedMessageError: We have defined one with another format ourselves.
+        """
         for definition in definitions:
-            if definition.name not in self._definitions:
+            known = self._definitions.get(definition.name)
+            if known is not None and known.fingerprint != definition.fingerprint:
+                text = f"{self.name} uses {definition.name} as {known.format}"
+                raise RedefinedMessageError(f"{text} and as {definition.format}; keep to one")
+            if known is None:
                 self._definitions[definition.name] = definition
                 self._prefixes[definition.name] = frames.prefix(definition.name)
                 if self._publisher:
@@ -180,7 +171,7 @@ class Client:
             CodecError: The value does not fit the format.
         """
         self.define(definition)
-        frame = self._pack(definition, value, measured)
+        frame = self._pack(definition, value, measured, self._published)
         if self._publisher:
             self._broadcasts.send(definition, frame)
 
@@ -219,15 +210,15 @@ class Client:
     ) -> None:
         """Ask; exactly one of `answered` and `failed` is called later, from `listen`."""
         self.define(request, response)
-        waiting = _Waiting(
-            request.name,
-            lambda frame: decode(response, frame),
-            self._clock() + timeout,
-            timeout,
-            answered,
-            failed,
+        question = Question(
+            name=request.name,
+            read=lambda frame: decode(response, frame),
+            timeout=timeout,
+            deadline=self._clock() + timeout,
+            answered=answered,
+            failed=failed,
         )
-        self._ask(request, value, waiting)
+        self._ask(request, value, question)
 
     def query_response(
         self,
@@ -253,15 +244,15 @@ class Client:
         self.define(request)
         answers: list[frames.Frame] = []
         failures: list[QueryError] = []
-        waiting = _Waiting(
-            request.name,
-            lambda frame: frame,
-            self._clock() + timeout,
-            timeout,
-            lambda frame, _: answers.append(frame),
-            failures.append,
+        question = Question(
+            name=request.name,
+            read=lambda frame: frame,
+            timeout=timeout,
+            deadline=self._clock() + timeout,
+            answered=lambda frame, _: answers.append(frame),
+            failed=failures.append,
         )
-        self._ask(request, value, waiting)
+        self._ask(request, value, question)
         while not answers and not failures:
             self.listen(0.1)
         if failures:
@@ -286,7 +277,7 @@ class Client:
 
     def every(self, period: float, work: Callable[[], None]) -> None:
         """Call `work` every `period` [s] from `listen`; late calls are skipped, not made up for."""
-        self._timers.append(_Timer(self._clock() + period, period, work))
+        self._timers.add(self._clock(), period, work)
 
     def watch(self, file: int, work: Callable[[], None]) -> None:
         """Call `work` from `listen` whenever the file descriptor is readable."""
@@ -300,76 +291,83 @@ class Client:
 
     def post(self, work: Callable[[], None]) -> None:
         """Have `work` called from `listen`; the one method that any thread may call."""
-        self._posted.append(work)
-        try:
-            os.write(self._wake_write, b"\0")
-        except BlockingIOError:
-            pass  # the pipe is full of wake-ups already
-        except OSError:
-            _logger.debug("posted to a closed client")
+        self._posted.add(work)
 
     def listen(self, timeout: float) -> None:
         """Wait for up to `timeout` [s] and serve what has come: messages, timers, posted work."""
-        now = self._clock()
-        wake = min((timer.due for timer in self._timers), default=now + timeout)
-        wait = max(0.0, min(timeout, wake - now, self._next_ping - now))
-        ready = dict(self._poller.poll(math.ceil(wait * 1e3)))
-        if self._wake_read in ready:
-            self._drain_wake()
-        while self._posted:
-            self._posted.popleft()()
-        for file, work in list(self._files.items()):
-            if file in ready:
-                work()
+        ready = dict(self._poller.poll(math.ceil(self._wait(timeout) * 1e3)))
+        if self._posted.file in ready:
+            self._posted.drain()
+        self._posted.run()
+        for file in list(self._files):
+            if file in ready and file in self._files:
+                self._files[file]()
         self._broadcasts.receive(ready)
         if self._control in ready:
             self._receive_control()
-        self._run_timers()
+        self._timers.run(self._clock())
         self._keep_alive()
 
     def close(self) -> None:
         """Say goodbye and free everything; nothing is sent afterwards."""
+        if self._context.closed:
+            return
         if self._publisher:
             self._tell(control.Bye())
             self._control.linger = 200
         self._broadcasts.close(linger_ms=100)
         self._control.close()
         self._context.term()
-        os.close(self._wake_read)
-        os.close(self._wake_write)
+        self._posted.close()
+
+    def _wait(self, timeout: float) -> float:
+        """How long nothing needs to be done, up to `timeout` [s]."""
+        if self._posted or self._broadcasts.waiting:
+            return 0.0
+        now = self._clock()
+        end = now + timeout
+        wake = min(end, self._next_ping, self._timers.due(end), self._questions.due(end))
+        return max(0.0, wake - now)
 
     def _pack(
-        self, definition: MessageDefinition[Any], value: Any, measured: float | None
+        self,
+        definition: MessageDefinition[Any],
+        value: Any,
+        measured: float | None,
+        counter: collections.Counter[str],
     ) -> bytes:
-        self._sequences[definition.name] += 1
+        payload = definition.encode(value)
+        # Counted only now, and apart from queries: a gap means that a broadcast did not come.
+        counter[definition.name] += 1
         return frames.pack(
             self._prefixes[definition.name],
             publisher=self._publisher,
             fingerprint=definition.fingerprint,
-            sequence=self._sequences[definition.name],
+            sequence=counter[definition.name],
             stamp_ns=int((self._clock() if measured is None else measured) * 1e9),
-            payload=definition.encode(value),
+            payload=payload,
         )
 
-    def _ask(self, request: MessageDefinition[Any], value: Any, waiting: _Waiting) -> None:
-        self._queries = self._queries % 0xFFFF_FFFF + 1
-        self._waiting[self._queries] = waiting
-        query = control.Query(number=self._queries, name=request.name, timeout_s=waiting.timeout)
-        self._tell(query, self._pack(request, value, None))
+    def _ask(self, request: MessageDefinition[Any], value: Any, question: Question) -> None:
+        frame = self._pack(request, value, None, self._attached)
+        number = self._questions.add(question)
+        query = control.Query(number=number, name=request.name, timeout_s=question.timeout)
+        if not self._publisher or not self._tell(query, frame):
+            self._questions.not_sent(number)
 
-    def _tell(self, message: Any, attached: bytes | None = None) -> None:
+    def _tell(self, message: Any, attached: bytes | None = None) -> bool:
         parts = [control.pack(message)] + ([] if attached is None else [attached])
         try:
             self._control.send_multipart(parts, zmq.NOBLOCK)
         except zmq.Again:
-            self.complaints.count("not sent", "the queue to central is full")
+            if not isinstance(message, control.Hello):
+                self.complaints.count("not sent", "there is no connection to central now")
+            return False
+        return True
 
     def _keep_alive(self) -> None:
         now = self._clock()
-        for number in [n for n, waiting in self._waiting.items() if waiting.deadline < now]:
-            waiting = self._waiting.pop(number)
-            text = f"no answer to the query {waiting.name} in {waiting.timeout:g} s"
-            waiting.failed(QueryTimeoutError(text))
+        self._questions.expire(now, self.endpoint)
         if now < self._next_ping:
             return
         self._next_ping = now + PING_S
@@ -378,34 +376,18 @@ class Client:
             self._forget_central()
         if self._publisher:
             self._tell(control.Ping(epoch=self._epoch))
-        else:
-            self._tell(control.Hello(name=self.name, pid=os.getpid()))
+        elif not self._tell(control.Hello(name=self.name, pid=os.getpid())):
+            self._next_ping = now + RETRY_S
 
     def _forget_central(self) -> None:
         self._publisher = 0
         self._confirmed.clear()
-        for number in list(self._waiting):
-            waiting = self._waiting.pop(number)
-            waiting.failed(QueryTimeoutError(f"the hub at {self.endpoint} does not answer"))
         self._poller.unregister(self._control)
         self._control.close()
         self._control = sockets.make(self._context, zmq.DEALER, 1000)
         self._control.connect(self.endpoint)
         self._poller.register(self._control, zmq.POLLIN)
-
-    def _drain_wake(self) -> None:
-        try:
-            while os.read(self._wake_read, 4096):
-                pass
-        except BlockingIOError:
-            pass
-
-    def _run_timers(self) -> None:
-        now = self._clock()
-        for timer in self._timers:
-            if timer.due <= now:
-                timer.due = max(timer.due + timer.period, now)
-                timer.work()
+        self._questions.end_all(f"the hub at {self.endpoint} does not answer")
 
     def _receive_control(self) -> None:
         for _ in range(_BATCH):
@@ -415,9 +397,10 @@ class Client:
                 return
             try:
                 message = control.unpack(parts[0])
-                self._handle(message, parts[1] if len(parts) > 1 else None)
             except (FrameError, CodecError) as error:
                 self.complaints.count("malformed control frame", str(error))
+                continue
+            self._handle(message, parts[1] if len(parts) > 1 else None)
 
     def _handle(self, message: Any, attached: bytes | None) -> None:
         self._heard = self._clock()
@@ -426,6 +409,7 @@ class Client:
         elif isinstance(message, control.Stranger):
             self._publisher = 0
             self._next_ping = 0.0
+            self._questions.end_all(f"the hub at {self.endpoint} was started again")
         elif isinstance(message, control.Refused):
             self._refuse(message)
         elif isinstance(message, control.Defined):
@@ -442,6 +426,8 @@ class Client:
         self._publisher = message.publisher
         if message.epoch != self._epoch:
             self._epoch = message.epoch
+            self._confirmed.clear()
+            self._refused.clear()
             self._broadcasts.connect([self._address(message, place) for place in range(4)])
         for definition in self._definitions.values():
             self._tell(description.to_listing(definition))
@@ -454,14 +440,10 @@ class Client:
         return f"{self._tcp_host}:{message.ports[place]}"
 
     def _refuse(self, message: control.Refused) -> None:
-        kind = getattr(hub.errors, message.error, CentralUnreachableError)
-        if kind is hub.errors.MessageFormatError:
-            kind = hub.errors.RedefinedMessageError
-        error = kind(message.text)
-        if message.subject == self.name:
-            self.refusal = error
+        if message.error in ("NameTakenError", "CentralUnreachableError"):
+            self.refusal = getattr(hub.errors, message.error)(message.text)
         else:
-            self._refused[message.subject] = error
+            self._refused[message.subject] = RedefinedMessageError(message.text)
         self.complaints.count("refused by central", message.text)
 
     def _answer(self, message: control.Query, attached: bytes | None) -> None:
@@ -472,31 +454,26 @@ class Client:
                 text = f"{self.name} does not answer {message.name}"
                 raise HandlerFailedError(text)
             definition, value = responder(frames.unpack(attached))
-            answer = self._pack(definition, value, asked)
+            answer = self._pack(definition, value, asked, self._attached)
         except HubError as error:
-            failure = control.Failure(
-                number=message.number, error="HandlerFailedError", text=str(error)
-            )
-            self._tell(failure)
+            self._tell(_failure(message.number, str(error)))
             return
+        except Exception as error:
+            self._tell(_failure(message.number, f"{self.name} failed at {message.name}: {error!r}"))
+            raise
         self._tell(control.Response(number=message.number), answer)
 
     def _conclude(
         self, message: control.Response | control.Failure, attached: bytes | None
     ) -> None:
-        waiting = self._waiting.pop(message.number, None)
-        if waiting is None:
+        def received(frame: frames.Frame) -> Reception:
+            return reception(frame, self._ages, self._clock())
+
+        if not self._questions.conclude(message, attached, received):
             self.complaints.count("late answer", "nobody waits for it any more")
-        elif isinstance(message, control.Failure) or attached is None:
-            text = message.text if isinstance(message, control.Failure) else "an empty answer"
-            kind = getattr(hub.errors, getattr(message, "error", ""), HandlerFailedError)
-            valid = isinstance(kind, type) and issubclass(kind, QueryError)
-            waiting.failed(kind(text) if valid else HandlerFailedError(text))
-        else:
-            try:
-                frame = frames.unpack(attached)
-                value = waiting.read(frame)
-            except (FrameError, CodecError) as error:
-                waiting.failed(HandlerFailedError(str(error)))
-                return
-            waiting.answered(value, reception(frame, self._ages, self._clock()))
+
+
+def _failure(number: int, text: str) -> control.Failure:
+    """That a query ended without an answer, in a text that can be sent whatever is in it."""
+    sayable = text.replace("\0", "?").encode(errors="replace").decode()
+    return control.Failure(number=number, error="HandlerFailedError", text=sayable)

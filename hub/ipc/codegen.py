@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import math
+import operator
 import struct
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -54,7 +55,8 @@ class _Generator:
 
     `self.offset` is the position behind the encapsulation header while it is the same for all
     values; from the first part of variable length on it is None and the generated code keeps it in
-    the local variable `at`.
+    the local variable `at`. `self.run` are numbers that wait for one struct call, `self.unchecked`
+    the enums among them.
     """
 
     arguments = ""
@@ -66,6 +68,7 @@ class _Generator:
         self.offset: int | None = 0
         self.run: list[tuple[str, str]] = []
         self.counter = 0
+        self.unchecked: list[tuple[str, int]] = []
         self.root = tree
 
     def function(self) -> Callable[[Any], Any]:
@@ -122,7 +125,13 @@ class _Writer(_Generator):
     arguments = "value"
 
     def body(self) -> None:
-        self.names |= {"array": _array, "text": _text, "check": _check_length}
+        self.names |= {
+            "array": _array,
+            "text": _text,
+            "flag": _flag,
+            "index": operator.index,
+            "check": _check_length,
+        }
         self.emit(f"parts = [{ENCAPSULATION!r}]")
         self.emit("put = parts.append")
         self.write(self.root, "value")
@@ -148,7 +157,8 @@ class _Writer(_Generator):
             if node.name == "string":
                 self.write_string(value)
             else:
-                self.run.append((_LETTER[node.name], value))
+                given = f"flag({value})" if node.name == "boolean" else value
+                self.run.append((_LETTER[node.name], given))
         elif isinstance(node, formats.Enum):
             self.emit(f"if not 0 <= {value} <= {node.largest}:")
             self.emit(f"    raise ValueError(f'enum value {{{value}}} is not 0 to {node.largest}')")
@@ -156,7 +166,7 @@ class _Writer(_Generator):
         elif isinstance(node, formats.Struct):
             self.write_struct(node, value)
         elif isinstance(node, formats.FixedArray):
-            self.write_elements(node.element, value, str(node.count))
+            self.write_elements(node.element, value, str(node.count), node.dimensions)
         elif isinstance(node, formats.Pointer):
             self.write_pointer(node, value)
         else:
@@ -165,14 +175,16 @@ class _Writer(_Generator):
     def write_struct(self, node: formats.Struct, value: str) -> None:
         own = self.fresh("v")
         self.emit(f"{own} = {value}")
-        self.emit(f"check({own}, {len(node.members)})")
+        length = len(node.members)
+        self.emit(f"if {own}.__class__ is not tuple or len({own}) != {length}:")
+        self.emit(f"    check({own}, {length})")
         for index, member in enumerate(node.members):
             if isinstance(member, formats.VariableArray):
-                sizes = " * ".join(f"{own}[{number - 1}]" for number in member.size_members)
+                members = (f"index({own}[{number - 1}])" for number in member.size_members)
                 count = self.fresh("n")
-                self.emit(f"{count} = {sizes}")
+                self.emit(f"{count} = {' * '.join(members)}")
                 self.run.append(("I", count))
-                self.write_elements(member.element, f"{own}[{index}]", count, sequence=True)
+                self.write_elements(member.element, f"{own}[{index}]", count, None)
             else:
                 self.write(member, f"{own}[{index}]")
 
@@ -186,11 +198,11 @@ class _Writer(_Generator):
         self.emit(f"at += len({local})")
 
     def write_elements(
-        self, element: formats.Format, value: str, count: str, *, sequence: bool = False
+        self, element: formats.Format, value: str, count: str, dimensions: tuple[int, ...] | None
     ) -> None:
         self.flush()
         if isinstance(element, formats.Primitive) and element.name != "string":
-            self.write_numbers(element, value, count, sequence=sequence)
+            self.write_numbers(element, value, count, dimensions)
             return
         items, item = self.fresh("v"), self.fresh("v")
         self.emit(f"{items} = {value}")
@@ -203,12 +215,12 @@ class _Writer(_Generator):
         self.indent -= 1
 
     def write_numbers(
-        self, element: formats.Primitive, value: str, count: str, *, sequence: bool
+        self, element: formats.Primitive, value: str, count: str, dimensions: tuple[int, ...] | None
     ) -> None:
         dtype = _DTYPE[element.name]
         local, kind = self.fresh("a"), self.constant("dtype", dtype)
-        self.emit(f"{local} = array({value}, {kind}, {count})")
-        if self.offset is not None and not sequence:
+        self.emit(f"{local} = array({value}, {kind}, {count}, {dimensions})")
+        if self.offset is not None and dimensions is not None:
             gap = -self.offset % dtype.itemsize
             if gap:
                 self.emit(f"put(pad[{gap}])")
@@ -250,6 +262,7 @@ class _Reader(_Generator):
             "numbers": np.frombuffer,
             "count_of": struct.Struct("<I").unpack_from,
             "string": _string,
+            "flags": _flags,
             "refuse": _refuse,
         }
         self.emit(f"if payload[:4] != {ENCAPSULATION!r}:")
@@ -275,6 +288,10 @@ class _Reader(_Generator):
         else:
             self.emit(f"{targets}, = {name}.unpack_from(payload, {(start or 0) + 4})")
         self.run = []
+        for local, largest in self.unchecked:
+            self.emit(f"if not 0 <= {local} <= {largest}:")
+            self.emit(f"    refuse(f'enum value {{{local}}} is not 0 to {largest}')")
+        self.unchecked = []
 
     def read(self, node: formats.Format) -> str:
         """Generate the reading of one value; returns the expression that holds it afterwards."""
@@ -298,9 +315,7 @@ class _Reader(_Generator):
     def read_enum(self, node: formats.Enum) -> str:
         local = self.fresh("v")
         self.run.append(("i", local))
-        self.flush()
-        self.emit(f"if not 0 <= {local} <= {node.largest}:")
-        self.emit(f"    refuse(f'enum value {{{local}}} is not 0 to {node.largest}')")
+        self.unchecked.append((local, node.largest))
         return local
 
     def read_struct(self, node: formats.Struct) -> str:
@@ -353,7 +368,8 @@ class _Reader(_Generator):
         self, element: formats.Primitive, local: str, count: str, dimensions: tuple[int, ...] | None
     ) -> None:
         dtype = _DTYPE[element.name]
-        kind = self.constant("dtype", dtype)
+        boolean = element.name == "boolean"
+        kind = self.constant("dtype", _DTYPE["ubyte"] if boolean else dtype)
         if dimensions is not None and self.offset is not None:
             self.offset += -self.offset % dtype.itemsize
             self.emit(f"{local} = numbers(payload, {kind}, {count}, {self.offset + 4})")
@@ -365,6 +381,8 @@ class _Reader(_Generator):
             self.emit(f"{local} = numbers(payload, {kind}, {count}, at + 4) if {count} else")
             self.lines[-1] += f" {self.constant('empty', _empty(dtype))}"
             self.emit(f"at += {count} * {dtype.itemsize}")
+        if boolean:
+            self.emit(f"{local} = flags({local})")
         if dimensions is not None and len(dimensions) > 1:
             self.emit(f"{local} = {local}.reshape({dimensions})")
 
@@ -391,29 +409,58 @@ def _empty(dtype: np.dtype[Any]) -> npt.NDArray[Any]:
     return nothing
 
 
-def _array(value: Any, dtype: np.dtype[Any], count: int) -> npt.NDArray[Any]:
+def _array(
+    value: Any, dtype: np.dtype[Any], count: int, dimensions: tuple[int, ...] | None
+) -> npt.NDArray[Any]:
+    """`value` as a flat array; of several dimensions only in the shape that is wanted, if any."""
+    if type(value) is np.ndarray and value.dtype is dtype and value.shape == (count,):
+        return np.ascontiguousarray(value)  # nearly always
     if isinstance(value, (bytes, bytearray, memoryview)):
         array = np.frombuffer(value, dtype)
     else:
         array = np.ascontiguousarray(value)
         if array.dtype != dtype:
-            if not np.can_cast(array.dtype, dtype, "same_kind") and array.size:
-                array = _exact(array, dtype)
-            array = array.astype(dtype)
+            array = _cast(array, dtype)
+        if array.ndim > 1 and dimensions not in (None, array.shape):
+            text = f"an array of shape {array.shape} instead of {dimensions}"
+            raise ValueError(text)
     if array.size != count:
         text = f"{array.size} elements instead of {count}"
         raise ValueError(text)
     return array.reshape(-1)
 
 
-def _exact(array: npt.NDArray[Any], dtype: np.dtype[Any]) -> npt.NDArray[Any]:
-    """`array` in another kind of number, if that loses nothing."""
-    with np.errstate(invalid="ignore"):
+def _cast(array: npt.NDArray[Any], dtype: np.dtype[Any]) -> npt.NDArray[Any]:
+    """`array` as another kind of number; floats may lose digits, nothing else may be lost."""
+    if array.size == 0 or np.can_cast(array.dtype, dtype, "safe"):
+        return array.astype(dtype)
+    if array.dtype.kind not in "biufO":
+        text = f"{array.dtype} elements are no {dtype}"
+        raise TypeError(text)
+    with np.errstate(invalid="ignore", over="ignore"):
         cast = array.astype(dtype)
-    if not np.array_equal(cast, array):
+    if array.dtype.kind == dtype.kind == "f":
+        fits = bool((np.isfinite(cast) | ~np.isfinite(array)).all())
+    else:
+        fits = np.array_equal(cast, array)
+    if not fits:
         text = f"{array.dtype} elements do not fit {dtype}"
         raise ValueError(text)
     return cast
+
+
+def _flag(value: Any) -> Any:
+    if not isinstance(value, (bool, np.bool_)) and value not in (0, 1):
+        text = f"{value!r} is neither true nor false"
+        raise ValueError(text)
+    return value
+
+
+def _flags(octets: npt.NDArray[np.uint8]) -> npt.NDArray[np.bool_]:
+    """The booleans in these bytes; any other byte than 0 and 1 would be a broken boolean."""
+    if octets.size and octets.max() > 1:
+        _refuse("a boolean that is neither 0 nor 1")
+    return octets.view(np.bool_)
 
 
 def _text(value: str) -> bytes:
@@ -434,6 +481,9 @@ def _string(payload: Buffer, start: int, count: int) -> str:
 
 
 def _check_length(value: Sequence[Any], count: int) -> None:
+    if isinstance(value, (str, bytes)):
+        text = f"{type(value).__name__} instead of a sequence of {count} values"
+        raise TypeError(text)
     if len(value) != count:
         text = f"{len(value)} values instead of {count}"
         raise ValueError(text)

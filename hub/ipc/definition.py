@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import enum
 import math
+import operator
 import typing
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -22,6 +23,7 @@ from hub.ipc.codegen import Buffer
 T = TypeVar("T")
 
 MAX_NAME_LENGTH = 64
+_FAULTS = (TypeError, ValueError, IndexError, KeyError, AttributeError)
 
 
 class Keep(enum.Enum):
@@ -93,9 +95,15 @@ class MessageDefinition(Generic[T]):
         """The value whose members are `values`, structs as sequences.
 
         Raises:
-            CodecError: An enum member has no such value.
+            CodecError: An enum member has no such value, or the type refuses a value.
         """
-        return typing.cast("T", self._record.build(values))
+        try:
+            return typing.cast("T", self._record.build(values))
+        except CodecError:
+            raise
+        except _FAULTS as error:
+            text = f"these are no values of {self.name}: {error}"
+            raise CodecError(text) from error
 
     def encode(self, value: T) -> list[Buffer]:
         """The payload of `value`, in pieces that the frame joins once.
@@ -103,7 +111,14 @@ class MessageDefinition(Generic[T]):
         Raises:
             CodecError: The values do not fit the format.
         """
-        return self._codec.encode(self._record.values(value))
+        try:
+            values = self._record.values(value)
+        except CodecError:
+            raise
+        except _FAULTS as error:
+            text = f"this is no value of {self.name}: {error}"
+            raise CodecError(text) from error
+        return self._codec.encode(values)
 
     def decode(self, payload: Buffer) -> T:
         """The value in `payload`; arrays are read-only views of it.
@@ -126,18 +141,27 @@ def check_name(name: str) -> None:
         raise MessageFormatError(name, 0, reason)
 
 
+_Converter = Callable[[Any], Any]
+
+
 @dataclass(frozen=True, slots=True)
 class _Record:
-    """How one dataclass and the values of one struct turn into each other."""
+    """How one dataclass and the values of one struct turn into each other.
 
-    kind: type[Any]
-    names: tuple[str, ...]
-    to_value: tuple[Callable[[Any], Any] | None, ...]
-    to_field: tuple[Callable[[Any], Any] | None, ...]
+    Attributes:
+        values: A dataclass's fields as the members of the struct.
+        build: The dataclass of the members of the struct.
+        fields: The names, for people.
+    """
+
+    values: Callable[[Any], Sequence[Any]]
+    build: Callable[[Sequence[Any]], Any]
     fields: str
 
     @classmethod
-    def of(cls, kind: type[Any], tree: formats.Struct, where: str) -> _Record:
+    def of(cls, kind: Any, tree: formats.Struct, where: str) -> _Record:
+        if not (isinstance(kind, type) and dataclasses.is_dataclass(kind)):
+            raise MessageFormatError(str(tree), 0, f"{where} needs a dataclass for a struct")
         members = dataclasses.fields(kind)
         if len(members) != len(tree.members):
             reason = f"{where}: {kind.__name__} has {len(members)} fields"
@@ -149,55 +173,102 @@ class _Record:
             outward.append(out)
             inward.append(back)
             shown.append(member.name + inner)
-        names = tuple(member.name for member in members)
-        return cls(kind, names, tuple(outward), tuple(inward), ", ".join(shown))
+        names = [member.name for member in members]
+        values, build = _taker_apart(kind, names, outward), _builder(kind, names, inward)
+        return cls(values, build, ", ".join(shown))
 
-    def values(self, record: Any) -> list[Any]:
+
+def _taker_apart(
+    kind: type[Any], names: Sequence[str], converters: Sequence[_Converter | None]
+) -> Callable[[Any], Sequence[Any]]:
+    """The function that turns a dataclass into the members of a struct, converted where needed."""
+    convert = [(place, each) for place, each in enumerate(converters) if each is not None]
+    # An attrgetter of one name returns the bare value, of none there is none.
+    get = operator.attrgetter(*names) if len(names) > 1 else None
+
+    def values(record: Any) -> Sequence[Any]:
         try:
-            raw = [getattr(record, name) for name in self.names]
+            raw = get(record) if get else [getattr(record, name) for name in names]
         except AttributeError as error:
-            text = f"{type(record).__name__} is not a {self.kind.__name__}: {error}"
+            text = f"{type(record).__name__} is not a {kind.__name__}: {error}"
             raise CodecError(text) from error
-        return [
-            value if convert is None else convert(value)
-            for convert, value in zip(self.to_value, raw, strict=True)
-        ]
+        if not convert:
+            return typing.cast("Sequence[Any]", raw)
+        converted = list(raw)
+        for place, each in convert:
+            converted[place] = each(converted[place])
+        return converted
 
-    def build(self, values: Sequence[Any]) -> Any:
-        return self.kind(
-            **{
-                name: value if convert is None else convert(value)
-                for name, convert, value in zip(self.names, self.to_field, values, strict=True)
-            }
-        )
+    return values
+
+
+def _builder(
+    kind: type[Any], names: Sequence[str], converters: Sequence[_Converter | None]
+) -> Callable[[Sequence[Any]], Any]:
+    """The function that turns the members of a struct into a dataclass, converted where needed.
+
+    Generated, because that is the fastest. A frozen class pays dearly for each field it sets, so
+    the value is made as an open twin of its class, with the same slots, and then becomes frozen.
+    """
+    variables = [f"value{place}" for place in range(len(names))]
+    known: dict[str, Any] = {"kind": kind}
+    arguments = []
+    for variable, name, convert in zip(variables, names, converters, strict=True):
+        known[f"convert_{variable}"] = convert
+        given = variable if convert is None else f"convert_{variable}({variable})"
+        arguments.append((name, given))
+    lines = ["def build(values):", f"    [{', '.join(variables)}] = values"]
+    twin = _open_twin(kind, names)
+    if twin is None:
+        keywords = ", ".join(f"{name}={given}" for name, given in arguments)
+        lines.append(f"    return kind({keywords})")
+    else:
+        known |= {"new": object.__new__, "twin": twin}
+        lines.append("    made = new(twin)")
+        lines += [f"    made.{name} = {given}" for name, given in arguments]
+        lines += ["    made.__class__ = kind", "    return made"]
+    exec(compile("\n".join(lines), "<definition>", "exec"), known)
+    build: Callable[[Sequence[Any]], Any] = known["build"]
+    return build
+
+
+def _open_twin(kind: type[Any], names: Sequence[str]) -> type[Any] | None:
+    """A class whose objects can become `kind`, or None if `kind` does more than hold fields."""
+    plain = kind.__bases__ == (object,) and tuple(getattr(kind, "__slots__", ())) == tuple(names)
+    if not plain or not names or hasattr(kind, "__post_init__"):
+        return None
+    return type(kind.__name__, (), {"__slots__": tuple(names)})
 
 
 def _converters(
     hint: Any, node: formats.Format, where: str
-) -> tuple[Callable[[Any], Any] | None, Callable[[Any], Any] | None, str]:
+) -> tuple[_Converter | None, _Converter | None, str]:
     """How a field turns into a member's value and back, and its shown inner names."""
     if isinstance(node, formats.Struct):
         record = _Record.of(hint, node, where)
         return record.values, record.build, "{" + record.fields + "}"
     element = getattr(node, "element", None)
     if isinstance(element, formats.Struct):
-        record = _Record.of(typing.get_args(hint)[0], element, where)
+        record = _Record.of(next(iter(typing.get_args(hint)), hint), element, where)
         return (
             lambda items: [record.values(item) for item in items],
             lambda items: tuple(record.build(item) for item in items),
             "[]{" + record.fields + "}",
         )
     if isinstance(hint, type) and issubclass(hint, enum.IntEnum):
-        return int, _enum_reader(hint, where), ""
+        return None, _enum_reader(hint, where), ""
     return None, None, ""
 
 
 def _enum_reader(kind: type[enum.IntEnum], where: str) -> Callable[[Any], enum.IntEnum]:
+    # A dict finds a member several times faster than a call of the enum.
+    members = {member.value: member for member in kind}
+
     def read(value: int) -> enum.IntEnum:
         try:
-            return kind(value)
-        except ValueError as error:
-            text = f"{where}: {value} is none of {[member.value for member in kind]}"
+            return members[value]
+        except KeyError as error:
+            text = f"{where}: {value} is none of {list(members)}"
             raise CodecError(text) from error
 
     return read

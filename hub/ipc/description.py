@@ -9,9 +9,14 @@ from typing import Any
 
 from hub.errors import MessageFormatError
 from hub.ipc import control
-from hub.ipc.definition import Keep, MessageDefinition, Plane
+from hub.ipc.definition import Keep, MessageDefinition, Plane, check_name
+from hub.ipc.format import MAX_DEPTH
 
-_TOKEN = re.compile(r"\s*([A-Za-z_]\w*|\[\]|[{},])", re.ASCII)
+MAX_FIELDS = 16_384
+"""Longest text that the fields of a message may have [characters]."""
+
+_TOKEN = re.compile(r" *([A-Za-z]\w*|\[\]|[{},])", re.ASCII)
+_TEXT = re.compile(f"(?:{_TOKEN.pattern})*", re.ASCII)
 
 
 def from_listing(entry: control.Define) -> MessageDefinition[Any]:
@@ -20,8 +25,12 @@ def from_listing(entry: control.Define) -> MessageDefinition[Any]:
     Raises:
         MessageFormatError: The entry does not describe a message.
     """
+    if len(entry.fields) > MAX_FIELDS or not _TEXT.fullmatch(entry.fields):
+        reason = f"the fields of {entry.name[:80]} are too long or hold what is no name"
+        raise MessageFormatError(entry.fields, 0, reason)
+    check_name(entry.name)
     tokens = _TOKEN.findall(entry.fields)
-    kind = _record(tokens, entry.name)
+    kind = _record(tokens, entry.name, 1)
     if tokens:
         raise MessageFormatError(entry.fields, 0, f"the fields of {entry.name} do not end")
     try:
@@ -52,8 +61,10 @@ def to_listing(definition: MessageDefinition[Any]) -> control.Define:
     )
 
 
-def _record(tokens: list[str], name: str) -> type[Any]:
+def _record(tokens: list[str], name: str, depth: int) -> type[Any]:
     """The dataclass of the fields that `tokens` start with; consumed up to the closing brace."""
+    if depth > MAX_DEPTH:
+        raise MessageFormatError(name[:80], 0, f"its fields are nested deeper than {MAX_DEPTH}")
     members: list[tuple[str, Any]] = []
     while tokens and tokens[0] != "}":
         field = tokens.pop(0)
@@ -63,10 +74,11 @@ def _record(tokens: list[str], name: str) -> type[Any]:
             tokens.pop(0)
         if tokens and tokens[0] == "{":
             tokens.pop(0)
-            inner = _record(tokens, f"{name}_{field}")
+            inner = _record(tokens, f"{name}_{field}", depth + 1)
             kind = types.GenericAlias(tuple, (inner, ...)) if array else inner
-            if tokens:
-                tokens.pop(0)
+            if not tokens:
+                raise MessageFormatError(name, 0, "its fields do not end")
+            tokens.pop(0)
         members.append((field, kind))
         if tokens and tokens[0] == ",":
             tokens.pop(0)

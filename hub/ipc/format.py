@@ -22,6 +22,7 @@ from hub.errors import MessageFormatError
 MAX_TEXT = 4096
 MAX_DEPTH = 16
 MAX_ELEMENTS = 1 << 24
+MAX_DIMENSIONS = 8
 
 INTEGERS = ("byte", "ubyte", "char", "short", "ushort", "int", "uint", "long", "ulong")
 PRIMITIVES = (*INTEGERS, "float", "double", "boolean", "string")
@@ -210,7 +211,7 @@ class _Parser:
         self.expect(":")
         dimensions = [self.number(1, MAX_ELEMENTS)]
         while self.token == ",":
-            self.advance()
+            self.next_dimension(len(dimensions))
             dimensions.append(self.number(1, MAX_ELEMENTS))
         if math.prod(dimensions) * elements_of(element) > MAX_ELEMENTS:
             self.fail(f"more than {MAX_ELEMENTS} elements")
@@ -225,10 +226,15 @@ class _Parser:
         self.expect(":")
         sizes = [self.size_member(before)]
         while self.token == ",":
-            self.advance()
+            self.next_dimension(len(sizes))
             sizes.append(self.size_member(before))
         self.expect(">")
         return VariableArray(element, tuple(sizes))
+
+    def next_dimension(self, count: int) -> None:
+        if count == MAX_DIMENSIONS:
+            self.fail(f"an array has at most {MAX_DIMENSIONS} dimensions")
+        self.advance()
 
     def size_member(self, before: list[Format]) -> int:
         start = self.start

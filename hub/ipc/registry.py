@@ -13,6 +13,7 @@ from typing import Any
 
 from hub.errors import HubError
 from hub.ipc import control, frames
+from hub.ipc.codec import compiled
 from hub.ipc.codegen import Buffer
 from hub.ipc.complaints import Complaints
 from hub.ipc.description import from_listing
@@ -22,7 +23,9 @@ _logger = logging.getLogger(__name__)
 MAX_PEERS = 512
 MAX_DEFINITIONS = 4096
 MAX_QUERIES = 4096
-MAX_HANDLED = 256
+MAX_HANDLED = 64
+MAX_LISTED = 1 << 20
+"""All definitions' texts together [characters]; the list of them must fit into one frame."""
 MAX_QUERY_S = 60.0
 SILENCE_S = 2.0
 """A peer that has not been heard for this long is gone [s]."""
@@ -91,7 +94,9 @@ class Registry:
         self._names: dict[str, bytes] = {}
         self._definitions: dict[str, _Definition] = {}
         self._pending: dict[int, _Pending] = {}
-        self._publishers = 0
+        # Not from 1: a module that does not know yet that central was started again still sends
+        # under its old number, which must not be another's new one.
+        self._publishers = secrets.randbits(31)
         self._queries = 0
         self._actions: dict[type, Callable[[_Peer, Any, Buffer | None], list[Outgoing]]] = {
             control.Define: self._define,
@@ -162,7 +167,7 @@ class Registry:
             if refusal:
                 self._complaints.count("refused connection", refusal.text)
                 return [Outgoing(identity=identity, message=refusal)]
-            self._publishers += 1
+            self._publishers = self._publishers % 0xFFFF_FFFF + 1
             known = _Peer(
                 identity=identity,
                 descriptor=descriptor,
@@ -204,33 +209,61 @@ class Registry:
         return [Outgoing(identity=peer.identity, message=control.Defined(name=message.name))]
 
     def _definition_refusal(self, peer: _Peer, message: control.Define) -> control.Refused | None:
-        try:
-            fingerprint = from_listing(message).fingerprint
-        except HubError as error:
-            return control.Refused(
-                subject=message.name, error=type(error).__name__, text=str(error)
-            )
         known = self._definitions.get(message.name)
-        if known is None and len(self._definitions) >= MAX_DEFINITIONS:
-            text = f"{MAX_DEFINITIONS} messages are defined, no more are taken"
-            return control.Refused(subject=message.name, error="RedefinedMessageError", text=text)
-        if known is not None and known.fingerprint != fingerprint:
-            text = (
-                f"{message.name} is defined as {known.entry.format} by {known.entry.definer}; "
-                f"{peer.name} wants {message.format}"
-            )
-            return control.Refused(subject=message.name, error="RedefinedMessageError", text=text)
-        if known is None:
-            entry = replace(message, definer=peer.name, messages=0, bytes=0)
-            self._definitions[message.name] = _Definition(entry=entry, fingerprint=fingerprint)
+        if known is not None:
+            return self._redefinition_refusal(peer, known, message)
+        error, text = "RedefinedMessageError", ""
+        listed = sum(len(d.entry.format) + len(d.entry.fields) for d in self._definitions.values())
+        if len(self._definitions) >= MAX_DEFINITIONS or listed > MAX_LISTED:
+            text = f"{len(self._definitions)} messages are defined, no more are taken"
+        else:
+            try:
+                fingerprint = from_listing(message).fingerprint
+            except HubError as problem:
+                error, text = type(problem).__name__, str(problem)
+        if text:
+            return control.Refused(subject=message.name, error=error, text=text)
+        entry = replace(message, definer=peer.name, messages=0, bytes=0)
+        self._definitions[message.name] = _Definition(entry=entry, fingerprint=fingerprint)
         return None
+
+    def _redefinition_refusal(
+        self, peer: _Peer, known: _Definition, message: control.Define
+    ) -> control.Refused | None:
+        """Why a message that is defined cannot be defined like this; None if it is the same."""
+        entry = known.entry
+        text = ""
+        if message.format != entry.format:  # the same format may be spelt with other blanks
+            try:
+                same = compiled(message.format).fingerprint == known.fingerprint
+            except HubError as problem:
+                text = str(problem)
+            else:
+                if not same:
+                    text = (
+                        f"{message.name} is defined as {entry.format} by {entry.definer}; "
+                        f"{peer.name} wants {message.format}"
+                    )
+        if not text and message.plane != entry.plane:
+            # They would never meet: each plane has sockets of its own.
+            text = (
+                f"{message.name} travels on plane {entry.plane} as {entry.definer} defined it; "
+                f"{peer.name} wants plane {message.plane}"
+            )
+        if not text:
+            return None
+        return control.Refused(subject=message.name, error="RedefinedMessageError", text=text)
 
     def _handle(
         self, peer: _Peer, message: control.Handle, attached: Buffer | None
     ) -> list[Outgoing]:
         del attached
-        if len(peer.handles) < MAX_HANDLED:
+        if message.name in self._definitions and len(peer.handles) < MAX_HANDLED:
             peer.handles.add(message.name)
+        else:
+            reason = "it is not defined" if len(peer.handles) < MAX_HANDLED else "one too many"
+            detail = f"{peer.name} wants to answer {message.name[:80]!r}: {reason}"
+            self._complaints.count("refused handler", detail)
         return []
 
     def _query(
@@ -238,9 +271,9 @@ class Registry:
     ) -> list[Outgoing]:
         handler = next((p for p in self._peers.values() if message.name in p.handles), None)
         if attached is None or handler is None or len(self._pending) >= MAX_QUERIES:
-            text = f"no connected module answers queries of {message.name}"
+            text = f"no connected module answers queries of {message.name[:80]}"
             if handler is not None:
-                text = f"the query of {message.name} was malformed or one too many"
+                text = f"the query of {message.name[:80]} was malformed or one too many"
             return [self._failure(peer.identity, message.number, "NoHandlerError", text)]
         self._queries = self._queries % 0xFFFF_FFFF + 1
         wait = message.timeout_s if 0.0 < message.timeout_s < MAX_QUERY_S else MAX_QUERY_S

@@ -45,6 +45,8 @@ def parse_endpoint(text: str) -> TcpEndpoint | IpcEndpoint:
         if len(rest.encode()) > _MAX_IPC_PATH:
             reason = f"its path is longer than {_MAX_IPC_PATH} bytes"
             raise EndpointError(_refusal(text, reason))
+        if "*" in rest:
+            raise EndpointError(_refusal(text, "write the path of a socket file"))
         return IpcEndpoint(rest)
     host, colon, port = rest.rpartition(":")
     if not separator or scheme != "tcp" or not colon or not (port.isdigit() and port.isascii()):
@@ -52,6 +54,18 @@ def parse_endpoint(text: str) -> TcpEndpoint | IpcEndpoint:
     if len(port) > 5 or int(port) > 65531:
         raise EndpointError(_refusal(text, "its port is above 65531"))
     return TcpEndpoint(_loopback(text, host.strip("[]")), int(port))
+
+
+def connectable(text: str) -> str:
+    """The endpoint that a person wrote, as the address a client connects to.
+
+    Raises:
+        EndpointError: It is malformed, not on this machine, or names no port.
+    """
+    endpoint = parse_endpoint(text)
+    if isinstance(endpoint, TcpEndpoint) and endpoint.port == 0:
+        raise EndpointError(_refusal(text, "port 0 is only for a hub that starts"))
+    return str(endpoint)
 
 
 def _loopback(text: str, host: str) -> str:

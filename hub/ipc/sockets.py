@@ -29,7 +29,7 @@ def make(context: zmq.Context[zmq.Socket[bytes]], kind: int, queue: int) -> zmq.
     made.connect_timeout = 1000
     made.handshake_ivl = 3000
     made.tcp_keepalive = 1
-    if kind == zmq.PUB:
+    if kind in (zmq.PUB, zmq.DEALER):
         # Nothing may be kept for a central that is not there: it would be old when it comes.
         made.immediate = True
     return made

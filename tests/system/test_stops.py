@@ -31,13 +31,25 @@ def test_console_gone_robot_stops(
     console.process.send_signal(number)
     _expect_stop(observer)
     if number is signal.SIGSTOP:
-        # Awake again, it must not drive off with keys that were held or typed in its sleep.
-        console.type("wwwwwwwwww")
+        # Awake again, it must not drive off with the key that was held before.
         observer.history.clear()
         console.process.send_signal(signal.SIGCONT)
         console.pump(1.0)
         observer.wait(lambda: len(observer.history) > 40, 5.0)
         assert all(truth.commanded_linear == 0.0 for _, truth in observer.history)
+
+
+def test_keys_typed_while_the_console_was_stopped_do_not_drive(
+    console: ConsoleProcess, observer: Observer
+) -> None:
+    console.process.send_signal(signal.SIGSTOP)
+    observer.history.clear()
+    console.type("wwwwwwwwww")
+    observer.wait(lambda: len(observer.history) > 30, 5.0)
+    console.process.send_signal(signal.SIGCONT)
+    console.pump(0.5)
+    observer.wait(lambda: len(observer.history) > 60, 5.0)
+    assert all(truth.commanded_linear == 0.0 for _, truth in observer.history)
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
