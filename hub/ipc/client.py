@@ -133,8 +133,9 @@ class Client:
         for definition in definitions:
             known = self._definitions.get(definition.name)
             if known is not None and known.fingerprint != definition.fingerprint:
-                text = f"{self.name} uses {definition.name} as {known.format}"
-                raise RedefinedMessageError(f"{text} and as {definition.format}; keep to one")
+                both = f"{known.format} and as {definition.format}"
+                text = f"{self.name} uses {definition.name} as {both}; keep to one"
+                raise RedefinedMessageError(text)
             if known is None:
                 self._definitions[definition.name] = definition
                 self._prefixes[definition.name] = frames.prefix(definition.name)

@@ -1,0 +1,102 @@
+"""The queries that a client waits for: each ends exactly once, with an answer or with an error."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import hub.errors
+from hub.errors import CodecError, FrameError, HandlerFailedError, QueryError, QueryTimeoutError
+from hub.ipc import control, frames
+from hub.ipc.broadcast import Reception
+
+
+@dataclass(slots=True, kw_only=True)
+class Question:
+    """A query under way.
+
+    Attributes:
+        name: Message name of the query.
+        read: Turns the answer's frame into what `answered` gets.
+        timeout: How long the answer may take [s].
+        deadline: When it has taken so long [s].
+        answered: Called with the answer.
+        failed: Called with the error.
+        unsent: Whether it could not even be sent.
+    """
+
+    name: str
+    read: Callable[[frames.Frame], Any]
+    timeout: float
+    deadline: float
+    answered: Callable[[Any, Reception], None]
+    failed: Callable[[QueryError], None]
+    unsent: bool = False
+
+
+class Questions:
+    """All queries under way of one client, by number."""
+
+    def __init__(self) -> None:
+        self._waiting: dict[int, Question] = {}
+        self._last = 0
+
+    def add(self, question: Question) -> int:
+        """Wait for this one too; its number."""
+        self._last = self._last % 0xFFFF_FFFF + 1
+        self._waiting[self._last] = question
+        return self._last
+
+    def due(self, otherwise: float) -> float:
+        """When the first one ends by time [s]; `otherwise` if there is none."""
+        return min((question.deadline for question in self._waiting.values()), default=otherwise)
+
+    def not_sent(self, number: int) -> None:
+        """It is not kept for later: who asked is told at the next `expire`."""
+        question = self._waiting[number]
+        question.unsent, question.deadline = True, -math.inf
+
+    def expire(self, now: float, endpoint: str) -> None:
+        """End those whose time has run out at `now` [s]."""
+        for number in [n for n, question in self._waiting.items() if question.deadline < now]:
+            question = self._waiting.pop(number)
+            if question.unsent:
+                text = f"the query {question.name} was not sent: no hub answers at {endpoint}"
+                question.failed(QueryError(text))
+            else:
+                text = f"no answer to the query {question.name} in {question.timeout:g} s"
+                question.failed(QueryTimeoutError(text))
+
+    def end_all(self, why: str) -> None:
+        """Central does not know, or not any more, what we asked it."""
+        for number in list(self._waiting):
+            question = self._waiting.pop(number)
+            text = f"the query {question.name} ended without an answer: {why}"
+            question.failed(QueryError(text))
+
+    def conclude(
+        self,
+        message: control.Response | control.Failure,
+        attached: bytes | None,
+        received: Callable[[frames.Frame], Reception],
+    ) -> bool:
+        """What central says of a query; False if nobody waits for it any more."""
+        question = self._waiting.pop(message.number, None)
+        if question is None:
+            return False
+        if isinstance(message, control.Failure) or attached is None:
+            text = message.text if isinstance(message, control.Failure) else "an empty answer"
+            kind = getattr(hub.errors, getattr(message, "error", ""), HandlerFailedError)
+            valid = isinstance(kind, type) and issubclass(kind, QueryError)
+            question.failed(kind(text) if valid else HandlerFailedError(text))
+            return True
+        try:
+            frame = frames.unpack(attached)
+            value = question.read(frame)
+        except (FrameError, CodecError) as error:
+            question.failed(HandlerFailedError(str(error)))
+            return True
+        question.answered(value, received(frame))
+        return True

@@ -1,0 +1,110 @@
+"""The bytes of every message of the vocabulary, against files that other programs may rely on."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hub.gcm.catalog import BY_NAME, MESSAGES
+from hub.ipc import format as formats
+from hub.ipc.codegen import _DTYPE
+from hub.ipc.definition import MessageDefinition
+
+_GOLDEN = Path(__file__).parents[2] / "golden" / "wire"
+
+
+def value_of(definition: MessageDefinition[Any]) -> Any:
+    """A value with another number in each member: 1, 2, 3 and so on; enums and sizes small."""
+    return definition.build(_members(definition.tree, itertools.count(1)))
+
+
+def _members(node: formats.Format, numbers: Iterator[int]) -> list[Any]:
+    assert isinstance(node, formats.Struct)
+    sizes = {
+        number - 1
+        for member in node.members
+        if isinstance(member, formats.VariableArray)
+        for number in member.size_members
+    }
+    return [
+        3 if place in sizes else _value(member, numbers)
+        for place, member in enumerate(node.members)
+    ]
+
+
+def _value(node: formats.Format, numbers: Iterator[int]) -> Any:
+    if isinstance(node, formats.Struct):
+        return _members(node, numbers)
+    if isinstance(node, formats.Enum):
+        return node.largest
+    if isinstance(node, formats.VariableArray):
+        return _elements(node.element, 3 ** len(node.size_members), numbers)
+    if isinstance(node, formats.FixedArray):
+        return _elements(node.element, node.count, numbers)
+    if isinstance(node, formats.Pointer):
+        return _value(node.target, numbers)
+    if node.name == "string":
+        return f"text {next(numbers)}"
+    if node.name in ("float", "double"):
+        return next(numbers) + 0.25
+    return next(numbers) if node.name != "boolean" else True
+
+
+def _elements(element: formats.Format, count: int, numbers: Iterator[int]) -> Any:
+    items = [_value(element, numbers) for _ in range(count)]
+    if isinstance(element, formats.Primitive) and element.name != "string":
+        return np.array(items, _DTYPE[element.name])
+    return items
+
+
+def _hex_lines(payload: bytes) -> str:
+    """32 bytes a line."""
+    return "".join(f"{payload[at : at + 32].hex(' ', -4)}\n" for at in range(0, len(payload), 32))
+
+
+@pytest.mark.parametrize("definition", MESSAGES, ids=lambda definition: definition.name)
+def test_message_has_the_bytes_of_its_golden_file(definition: MessageDefinition[Any]) -> None:
+    payload = b"".join(definition.encode(value_of(definition)))
+    wire = f"{definition.format}\n{_hex_lines(payload)}"
+    assert (_GOLDEN / f"{definition.name}.txt").read_text() == wire
+    back = definition.decode(payload)
+    assert b"".join(definition.encode(back)) == payload
+
+
+def test_every_golden_file_belongs_to_a_message() -> None:
+    assert {path.stem for path in _GOLDEN.glob("*.txt")} == set(BY_NAME)
+
+
+@pytest.mark.parametrize(
+    ("name", "wire"),
+    [
+        ("GCM_Stop", "00010000 07000000 74657874 203100"),
+        (
+            "GCM_Image_Request",
+            "00010000 01000000 01000000 02000000 03000000",
+        ),
+        (
+            "GCM_ModuleInfo",
+            "00010000 07000000 74657874 203100 00 02000000"
+            "07000000 74657874 203300 00 07000000 74657874 203400 00 05000000",
+        ),
+        (
+            "GCM_Velocity_Command",
+            "00010000 000000000000f43f 0000000000000240 0000000000000a40"
+            "0000000000001140 0000000000001540 0000000000001940",
+        ),
+    ],
+)
+def test_golden_file_agrees_with_bytes_computed_by_hand(name: str, wire: str) -> None:
+    golden = (_GOLDEN / f"{name}.txt").read_text().partition("\n")[2]
+    assert bytes.fromhex(golden) == bytes.fromhex(wire)
+
+
+def test_message_names_are_unique_and_definitions_say_what_they_keep() -> None:
+    assert len(BY_NAME) == len(MESSAGES)
+    assert all(d.lifespan_s > 0 and d.rate_hz >= 0 for d in MESSAGES)

@@ -1,0 +1,146 @@
+"""Real centrals and clients, each client with the thread that serves it; all closed at the end."""
+
+from __future__ import annotations
+
+import concurrent.futures
+import socket
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, TypeVar
+
+import pytest
+
+from hub.ipc.broadcast import Reception
+from hub.ipc.central import Central
+from hub.ipc.client import Client
+from hub.ipc.definition import MessageDefinition
+from tests.hub.ipc.vocabulary import Number
+from tests.waiting import until
+
+T = TypeVar("T")
+
+
+class Peer:
+    """A client, served by a thread of its own; faults of its handlers are collected."""
+
+    def __init__(self, name: str, endpoint: str) -> None:
+        self.client = Client(name, endpoint)
+        self.faults: list[Exception] = []
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._serve, name=f"peer-{name}", daemon=True)
+        self._thread.start()
+
+    def _serve(self) -> None:
+        while not self._stop.is_set():
+            try:
+                self.client.listen(0.5)
+            except Exception as error:  # noqa: BLE001 - whatever a handler raises
+                self.faults.append(error)
+        self.client.close()
+
+    def call(self, work: Callable[[], T], timeout: float = 10.0) -> T:
+        """What `work` returns or raises in the client's own thread."""
+        result: concurrent.futures.Future[T] = concurrent.futures.Future()
+
+        def run() -> None:
+            try:
+                result.set_result(work())
+            except Exception as error:  # noqa: BLE001 - told to who called
+                result.set_exception(error)
+
+        self.client.post(run)
+        return result.result(timeout)
+
+    def connect(self) -> Peer:
+        self.call(lambda: self.client.wait_connected(5.0))
+        return self
+
+    def collect(self, definition: MessageDefinition[Any]) -> list[tuple[Any, Reception]]:
+        """Subscribe; what comes is appended to the list."""
+        received: list[tuple[Any, Reception]] = []
+        self.call(
+            lambda: self.client.subscribe(
+                definition, lambda value, how: received.append((value, how))
+            )
+        )
+        return received
+
+    def publish(self, definition: MessageDefinition[T], value: T, age: float = 0.0) -> None:
+        def send() -> None:
+            measured = self.client._clock() - age
+            self.client.publish(definition, value, measured=measured)
+
+        self.call(send)
+
+    def publish_until(
+        self, definition: MessageDefinition[Number], received: list[tuple[Any, Reception]]
+    ) -> None:
+        """Publish -1 until it is received: from then on the way is open."""
+        until(
+            lambda: any(value.value == -1 for value, _ in received),
+            10.0,
+            lambda: f"no {definition.name} came",
+            meanwhile=lambda: self._send_one(definition),
+        )
+
+    def _send_one(self, definition: MessageDefinition[Number]) -> None:
+        self.publish(definition, Number(value=-1))
+        threading.Event().wait(0.005)
+
+    def close(self) -> None:
+        self._stop.set()
+        self.client.post(lambda: None)
+        self._thread.join(10.0)
+
+
+@pytest.fixture(params=["tcp", "ipc"])
+def wanted_endpoint(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+    """Where central shall listen."""
+    return "tcp://127.0.0.1:0" if request.param == "tcp" else f"ipc://{tmp_path}/central"
+
+
+@pytest.fixture
+def central(wanted_endpoint: str) -> Iterator[Central]:
+    """A running central."""
+    running = Central([wanted_endpoint])
+    yield running
+    running.close()
+
+
+@pytest.fixture
+def peers() -> Iterator[Callable[[str, str], Peer]]:
+    """Makes peers: name, endpoint."""
+    made: list[Peer] = []
+
+    def make(name: str, endpoint: str) -> Peer:
+        made.append(Peer(name, endpoint))
+        return made[-1]
+
+    yield make
+    for peer in made:
+        peer.close()
+
+
+@pytest.fixture
+def connect(central: Central, peers: Callable[[str, str], Peer]) -> Callable[[str], Peer]:
+    """Makes peers that are connected to `central`: name."""
+    return lambda name: peers(name, central.endpoints[0]).connect()
+
+
+def free_port() -> int:
+    """The first of five neighbouring TCP ports that nobody uses."""
+    for port in range(20_000 + threading.get_native_id() % 10_000, 60_000, 5):
+        held: list[socket.socket] = []
+        try:
+            for offset in range(5):
+                held.append(socket.socket())
+                held[-1].bind(("127.0.0.1", port + offset))
+        except OSError:
+            continue
+        finally:
+            for one in held:
+                one.close()
+        return port
+    text = "no five free ports"
+    raise AssertionError(text)

@@ -1,0 +1,370 @@
+"""Connections: names, outages, restarts, and that nothing is left when all is closed."""
+
+from __future__ import annotations
+
+import logging
+import os
+import socket
+import threading
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from hub.errors import CentralUnreachableError, EndpointError, NameTakenError, QueryError
+from hub.ipc import security
+from hub.ipc.central import Central
+from hub.ipc.client import Client
+from tests.hub.ipc import vocabulary as v
+from tests.hub.ipc.conftest import Peer, free_port
+from tests.hub.ipc.vocabulary import Number
+from tests.waiting import until
+
+Make = Callable[[str, str], Peer]
+
+
+@pytest.fixture(params=["tcp", "ipc"])
+def lasting_endpoint(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+    """An endpoint that is the same after a restart."""
+    if request.param == "tcp":
+        return f"tcp://127.0.0.1:{free_port()}"
+    return f"ipc://{tmp_path}/central"
+
+
+def _values(received: list) -> list[int]:
+    return [value.value for value, _ in received if value.value >= 0]
+
+
+def test_second_client_of_a_name_is_refused_and_connects_when_the_first_leaves(
+    central: Central, peers: Make
+) -> None:
+    first = peers("same", central.endpoints[0]).connect()
+    second = peers("same", central.endpoints[0])
+    with pytest.raises(NameTakenError, match=f"pid {os.getpid()}"):
+        second.connect()
+    assert first.client.connected
+    first.close()
+    until(lambda: second.client.connected, 5.0)
+    assert second.client.refusal is None
+
+
+def test_nobody_at_the_endpoint_is_told_with_what_to_do(peers: Make) -> None:
+    lonely = peers("lonely", "tcp://127.0.0.1:9")
+    with pytest.raises(CentralUnreachableError, match="is rune-hub running there"):
+        lonely.call(lambda: lonely.client.wait_connected(0.05))
+    with pytest.raises(CentralUnreachableError):
+        lonely.call(lambda: lonely.client.listing(0.05))
+    lonely.call(lambda: lonely.client.define(v.LOG))
+    with pytest.raises(CentralUnreachableError):
+        lonely.call(lambda: lonely.client.wait_defined(0.05))
+
+
+def test_client_that_starts_before_central_connects_when_it_comes(
+    lasting_endpoint: str, peers: Make
+) -> None:
+    early = peers("early", lasting_endpoint)
+    with pytest.raises(CentralUnreachableError):
+        early.call(lambda: early.client.wait_connected(0.1))
+    central = Central([lasting_endpoint])
+    try:
+        until(lambda: central.connected() == ("early",), 5.0)
+        early.connect()
+    finally:
+        early.close()
+        central.close()
+
+
+def test_everything_works_again_after_central_was_started_again(
+    lasting_endpoint: str, peers: Make
+) -> None:
+    """And nothing that was said while it was away arrives later."""
+    central = Central([lasting_endpoint])
+    one, other = (peers(name, lasting_endpoint).connect() for name in ("one", "other"))
+    received, commands = other.collect(v.LOG), other.collect(v.EVENT)
+    one.call(lambda: one.client.respond(v.ASK, v.ANSWER, lambda ask: ask))
+    one.publish_until(v.LOG, received)
+    one.publish_until(v.EVENT, commands)
+    epoch = one.client._epoch
+    central.close()
+    until(lambda: not one.client.connected and not other.client.connected, 5.0)
+    for number in range(20):
+        one.publish(v.EVENT, Number(value=number))
+    outcomes: list[QueryError] = []
+    other.call(
+        lambda: other.client.query_notify(
+            v.ASK, Number(value=1), v.ANSWER, timeout=30.0, answered=print, failed=outcomes.append
+        )
+    )
+    until(lambda: outcomes, 5.0)
+    assert "was not sent" in str(outcomes[0])
+
+    central = Central([lasting_endpoint])
+    try:
+        until(lambda: one.client.connected and other.client.connected, 5.0)
+        assert one.client._epoch != epoch
+        del received[:], commands[:]
+        one.publish_until(v.LOG, received)
+        one.publish_until(v.EVENT, commands)
+        one.publish(v.EVENT, Number(value=100))
+        until(lambda: 100 in _values(commands), 5.0)
+        assert _values(commands) == [100]
+        answer = other.call(
+            lambda: other.client.query_response(v.ASK, Number(value=7), v.ANSWER, timeout=5.0)
+        )
+        assert answer == Number(value=7)
+        listing = one.call(lambda: one.client.listing(5.0))
+        assert {entry.name for entry in listing.definitions} >= {"T_Log", "T_Event", "T_Ask"}
+        assert one.faults == other.faults == []
+    finally:
+        one.close()
+        other.close()
+        central.close()
+
+
+def test_query_under_way_ends_when_central_is_started_again(
+    lasting_endpoint: str, peers: Make
+) -> None:
+    central = Central([lasting_endpoint])
+    one, other = (peers(name, lasting_endpoint).connect() for name in ("one", "other"))
+    asked, free = threading.Event(), threading.Event()
+
+    def answer(ask: Number) -> Number:
+        asked.set()
+        free.wait(10.0)
+        return ask
+
+    one.call(lambda: one.client.respond(v.ASK, v.ANSWER, answer))
+    one.call(lambda: one.client.listing(5.0))
+    failures: list[QueryError] = []
+    other.call(
+        lambda: other.client.query_notify(
+            v.ASK, Number(value=1), v.ANSWER, timeout=60.0, answered=print, failed=failures.append
+        )
+    )
+    assert asked.wait(5.0)
+    central.close()
+    central = Central([lasting_endpoint])
+    try:
+        until(lambda: failures, 10.0)
+        assert "ended without an answer" in str(failures[0])
+        free.set()
+        until(lambda: one.client.connected and other.client.connected, 5.0)
+    finally:
+        free.set()
+        one.close()
+        other.close()
+        central.close()
+
+
+def test_client_that_was_silent_too_long_is_forgotten_and_comes_back(
+    central: Central, peers: Make
+) -> None:
+    one, other = (peers(name, central.endpoints[0]).connect() for name in ("one", "other"))
+    received = one.collect(v.LOG)
+    other.publish_until(v.LOG, received)
+    free = threading.Event()
+    one.client.post(lambda: free.wait(10.0))
+    until(lambda: central.connected() == ("other",), 10.0)
+    free.set()
+    until(lambda: set(central.connected()) == {"one", "other"}, 5.0)
+    del received[:]
+    other.publish_until(v.LOG, received)
+
+
+def test_close_is_told_to_central_at_once(central: Central, peers: Make) -> None:
+    one = peers("one", central.endpoints[0]).connect()
+    one.close()
+    until(lambda: central.connected() == (), 1.0)
+
+
+def test_close_leaves_no_threads_files_or_ports(lasting_endpoint: str, tmp_path: Path) -> None:
+    def once() -> None:
+        central = Central([lasting_endpoint])
+        client = Client("one", lasting_endpoint)
+        client.subscribe(v.LOG, lambda value, how: None)
+        client.wait_connected(5.0)
+        client.wait_defined(5.0)
+        client.close()
+        central.close()
+
+    once()  # what libraries load at first use
+    threads = {thread.ident for thread in threading.enumerate()}
+    descriptors = len(os.listdir("/proc/self/fd"))  # noqa: PTH208 - counts, does not read
+    for _ in range(3):
+        once()
+    assert {thread.ident for thread in threading.enumerate()} == threads
+    assert len(os.listdir("/proc/self/fd")) == descriptors  # noqa: PTH208
+    assert [path for path in tmp_path.iterdir() if "central" in path.name] == []
+
+
+def test_closing_twice_and_posting_afterwards_is_harmless(central: Central) -> None:
+    client = Client("one", central.endpoints[0])
+    client.wait_connected(5.0)
+    client.close()
+    client.close()
+    client.post(lambda: None)
+    central.close()
+    central.close()
+
+
+def test_post_to_a_closed_client_writes_into_no_other_file(
+    central: Central, tmp_path: Path
+) -> None:
+    client = Client("one", central.endpoints[0])
+    client.close()
+    path = tmp_path / "file"
+    files = [path.open("wb", buffering=0) for _ in range(20)]
+    for _ in range(50):
+        client.post(lambda: None)
+    for file in files:
+        file.close()
+    assert path.read_bytes() == b""
+
+
+def test_busy_port_is_told_with_its_number() -> None:
+    port = free_port()
+    central = Central([f"tcp://127.0.0.1:{port}"])
+    try:
+        with pytest.raises(EndpointError, match=rf"tcp://127.0.0.1:{port}: another program uses"):
+            Central([f"tcp://127.0.0.1:{port}"])
+    finally:
+        central.close()
+
+
+def test_busy_neighbour_port_frees_those_already_taken() -> None:
+    port = free_port()
+    with socket.socket() as neighbour:
+        neighbour.bind(("127.0.0.1", port + 3))
+        neighbour.listen()
+        with pytest.raises(EndpointError, match=str(port + 3)):
+            Central([f"tcp://127.0.0.1:{port}"])
+    Central([f"tcp://127.0.0.1:{port}"]).close()
+
+
+def test_socket_file_of_a_live_central_is_not_taken_over(tmp_path: Path, peers: Make) -> None:
+    endpoint = f"ipc://{tmp_path}/central"
+    central = Central([endpoint])
+    try:
+        with pytest.raises(EndpointError, match="another program uses it"):
+            Central([endpoint])
+        peers("one", endpoint).connect()
+    finally:
+        central.close()
+
+
+def test_socket_file_left_behind_is_used_again(tmp_path: Path) -> None:
+    path = tmp_path / "central"
+    with socket.socket(socket.AF_UNIX) as left:
+        left.bind(str(path))
+    assert path.is_socket()
+    Central([f"ipc://{path}"]).close()
+
+
+def test_file_of_another_kind_is_never_deleted(tmp_path: Path) -> None:
+    path = tmp_path / "letter.txt"
+    path.write_text("dear")
+    with pytest.raises(EndpointError, match="a file is there"):
+        Central([f"ipc://{path}"])
+    assert path.read_text() == "dear"
+
+
+def test_folder_that_is_not_there_is_told(tmp_path: Path) -> None:
+    with pytest.raises(EndpointError, match="No such file"):
+        Central([f"ipc://{tmp_path}/nowhere/central"])
+
+
+def test_central_listens_at_tcp_and_ipc_together(tmp_path: Path, peers: Make) -> None:
+    central = Central(["tcp://127.0.0.1:0", f"ipc://{tmp_path}/central"])
+    try:
+        one, other = (
+            peers(name, endpoint).connect()
+            for name, endpoint in zip(("one", "other"), central.endpoints, strict=True)
+        )
+        received = other.collect(v.LOG)
+        one.publish_until(v.LOG, received)
+        one.close()
+        other.close()
+    finally:
+        central.close()
+    assert not (tmp_path / "central").exists()
+
+
+def test_two_endpoints_of_one_kind_are_refused() -> None:
+    with pytest.raises(EndpointError, match="only one of each"):
+        Central(["tcp://127.0.0.1:0", "tcp://127.0.0.1:0"])
+
+
+def test_ipv6_loopback_works_where_the_machine_has_it(peers: Make) -> None:
+    try:
+        with socket.socket(socket.AF_INET6) as probe:
+            probe.bind(("::1", 0))
+    except OSError:
+        pytest.skip("no IPv6 here")
+    central = Central(["tcp://[::1]:0"])
+    try:
+        peers("one", central.endpoints[0]).connect().close()
+    finally:
+        central.close()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "tcp://0.0.0.0:1381",
+        "tcp://*:1381",
+        "tcp://192.168.1.5:1381",
+        "tcp://example.org:1381",
+        "tcp://[::]:1381",
+        "tcp://:1381",
+        "tcp://127.0.0.1",
+        "tcp://127.0.0.1:",
+        "tcp://127.0.0.1:x",
+        "tcp://127.0.0.1:-1",
+        "tcp://127.0.0.1:١",
+        "tcp://127.0.0.1:65532",
+        "tcp://127.0.0.1:99999999999",
+        "udp://127.0.0.1:1381",
+        "127.0.0.1:1381",
+        "ipc://",
+        "ipc://*",
+        "ipc:///" + "x" * 200,
+        "inproc://x",
+        "",
+    ],
+)
+def test_endpoint_that_is_malformed_or_elsewhere_is_refused_by_both_sides(text: str) -> None:
+    with pytest.raises(EndpointError, match="cannot be used"):
+        Central([text])
+    with pytest.raises(EndpointError, match="cannot be used"):
+        Client("one", text)
+
+
+def test_client_needs_a_port() -> None:
+    with pytest.raises(EndpointError, match="port 0"):
+        Client("one", "tcp://127.0.0.1:0")
+
+
+@pytest.mark.parametrize(
+    ("text", "address"),
+    [
+        ("tcp://localhost:5", "tcp://127.0.0.1:5"),
+        ("tcp://127.0.0.2:65531", "tcp://127.0.0.2:65531"),
+        ("tcp://[::1]:5", "tcp://[::1]:5"),
+        ("tcp://127.0.0.1:0", "tcp://127.0.0.1:*"),
+        ("ipc:///a/b", "ipc:///a/b"),
+    ],
+)
+def test_endpoint_on_this_machine_is_taken(text: str, address: str) -> None:
+    assert str(security.parse_endpoint(text)) == address
+
+
+def test_fault_of_central_itself_is_counted_and_does_not_end_it(
+    central: Central, peers: Make, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    one = peers("one", central.endpoints[0]).connect()
+    monkeypatch.setattr(central._registry, "expire", lambda: 1 // 0)
+    until(lambda: central.complaints.counts["internal fault"] > 3, 5.0)
+    monkeypatch.undo()
+    one.call(lambda: one.client.listing(5.0))
+    lines = [record for record in caplog.records if record.levelno >= logging.WARNING]
+    assert len([record for record in lines if record.name == "hub.ipc.central"]) == 2

@@ -1,0 +1,136 @@
+"""Random formats and values for property tests."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from hypothesis import strategies as st
+
+from hub.ipc import format as formats
+from hub.ipc.codegen import _DTYPE
+
+_RANGE = {
+    "byte": (-(2**7), 2**7 - 1),
+    "ubyte": (0, 2**8 - 1),
+    "char": (0, 2**8 - 1),
+    "short": (-(2**15), 2**15 - 1),
+    "ushort": (0, 2**16 - 1),
+    "int": (-(2**31), 2**31 - 1),
+    "uint": (0, 2**32 - 1),
+    "long": (-(2**63), 2**63 - 1),
+    "ulong": (0, 2**64 - 1),
+}
+_TEXT = st.text(st.characters(codec="utf-8", exclude_characters="\0"), max_size=9)
+_NAMES = st.lists(
+    st.sampled_from(["idle", "running", "enum", "int", "stopped", "A_1"]),
+    min_size=1,
+    max_size=4,
+    unique=True,
+)
+
+
+def formats_of(depth: int = 3) -> st.SearchStrategy[formats.Format]:
+    """Formats that may stand anywhere."""
+    leaves: st.SearchStrategy[formats.Format] = st.one_of(
+        st.sampled_from(formats.PRIMITIVES).map(formats.Primitive),
+        st.integers(0, 5).map(formats.Enum),
+        _NAMES.map(lambda names: formats.Enum(len(names) - 1, tuple(names))),
+    )
+    if depth == 0:
+        return leaves
+    inner = formats_of(depth - 1)
+    solid = inner.filter(lambda node: formats.elements_of(node) > 0)
+    dimensions = st.lists(st.integers(1, 3), min_size=1, max_size=3).map(tuple)
+    return st.one_of(
+        leaves,
+        structs(depth),
+        st.builds(formats.FixedArray, solid, dimensions),
+        inner.map(formats.Pointer),
+    )
+
+
+@st.composite
+def structs(draw: st.DrawFn, depth: int = 3) -> formats.Struct:
+    """Structs, with variable arrays behind their size members."""
+    inner = formats_of(depth - 1)
+    solid = inner.filter(lambda node: formats.elements_of(node) > 0)
+    members: list[formats.Format] = []
+    for _ in range(draw(st.integers(0, 5))):
+        sizes = [
+            number
+            for number, node in enumerate(members, 1)
+            if isinstance(node, formats.Primitive) and node.name in formats.INTEGERS
+        ]
+        if sizes and draw(st.booleans()):
+            chosen = draw(st.lists(st.sampled_from(sizes), min_size=1, max_size=2))
+            members.append(formats.VariableArray(draw(solid), tuple(chosen)))
+        else:
+            members.append(draw(inner))
+    return formats.Struct(tuple(members))
+
+
+@st.composite
+def values_of(draw: st.DrawFn, node: formats.Format) -> Any:
+    """A value that fits a format, as its decoder would give it back."""
+    if isinstance(node, formats.Primitive):
+        return draw(_primitive(node.name))
+    if isinstance(node, formats.Enum):
+        return draw(st.integers(0, node.largest))
+    if isinstance(node, formats.Pointer):
+        return draw(st.none() | values_of(node.target))
+    if isinstance(node, formats.FixedArray):
+        array = _array(draw, node.element, node.count)
+        return array.reshape(node.dimensions) if isinstance(array, np.ndarray) else array
+    assert isinstance(node, formats.Struct)
+    sizes = {
+        number - 1
+        for member in node.members
+        if isinstance(member, formats.VariableArray)
+        for number in member.size_members
+    }
+    values: list[Any] = []
+    for index, member in enumerate(node.members):
+        if isinstance(member, formats.VariableArray):
+            count = math.prod(values[number - 1] for number in member.size_members)
+            values.append(_array(draw, member.element, count))
+        elif index in sizes:
+            values.append(draw(st.integers(0, 3)))
+        else:
+            values.append(draw(values_of(member)))
+    return tuple(values)
+
+
+def _primitive(name: str) -> st.SearchStrategy[Any]:
+    if name == "string":
+        return _TEXT
+    if name == "boolean":
+        return st.booleans()
+    if name in ("float", "double"):
+        return st.floats(width=32 if name == "float" else 64)
+    return st.integers(*_RANGE[name])
+
+
+def _array(draw: st.DrawFn, element: formats.Format, count: int) -> Any:
+    if isinstance(element, formats.Primitive) and element.name != "string":
+        items = draw(st.lists(_primitive(element.name), min_size=count, max_size=count))
+        return np.array(items, _DTYPE[element.name])
+    return [draw(values_of(element)) for _ in range(count)]
+
+
+def same(one: Any, other: Any) -> bool:
+    """Equality that looks into arrays and takes NaN for equal to itself."""
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        return (
+            isinstance(one, np.ndarray)
+            and isinstance(other, np.ndarray)
+            and one.shape == other.shape
+            and one.dtype == other.dtype
+            and one.tobytes() == other.tobytes()
+        )
+    if isinstance(one, (list, tuple)):
+        return type(one) is type(other) and len(one) == len(other) and all(map(same, one, other))
+    if isinstance(one, float):
+        return one == other or (math.isnan(one) and math.isnan(other))
+    return bool(one == other)
