@@ -3,6 +3,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
 READY := .venv/ready
 ONLY ?= *
+TEST := $(BIN)/pytest --numprocesses 3
 
 .PHONY: demo test check fix bench soak setup lock clean
 
@@ -10,14 +11,14 @@ demo: $(READY)  ## open the console on a simulated robot
 	@$(BIN)/rune demo
 
 test: $(READY)  ## run the tests
-	$(BIN)/pytest
+	$(TEST)
 
 check: $(READY)  ## everything CI asks for; changes no file
 	$(BIN)/ruff format --check
 	$(BIN)/ruff check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/pytest
+	$(TEST)
 
 fix: $(READY)  ## format, and mend what the linter can
 	$(BIN)/ruff format
