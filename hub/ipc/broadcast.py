@@ -106,9 +106,9 @@ class Broadcasts:
         for index, plane in enumerate(sockets.PLANES):
             queue = sockets.QUEUE[plane]
             self._sending[plane] = sockets.make(self._context, zmq.PUB, queue)
-            self._sending[plane].connect(addresses[2 * index])
+            sockets.connect(self._sending[plane], addresses[2 * index])
             self._receiving[plane] = sockets.make(self._context, zmq.SUB, queue)
-            self._receiving[plane].connect(addresses[2 * index + 1])
+            sockets.connect(self._receiving[plane], addresses[2 * index + 1])
             self._poller.register(self._receiving[plane], zmq.POLLIN)
         for subscription in self._subscriptions.values():
             subscription.last.clear()

@@ -263,7 +263,7 @@ def _bind(socket: _Socket, endpoint: security.TcpEndpoint | security.IpcEndpoint
     if isinstance(endpoint, security.IpcEndpoint):
         _refuse_taken(endpoint)
     try:
-        socket.bind(str(endpoint))
+        sockets.bind(socket, str(endpoint))
     except zmq.ZMQError as error:
         reason = f"{error}; choose another endpoint"
         if error.errno == errno.EADDRINUSE:

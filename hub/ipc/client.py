@@ -99,7 +99,7 @@ class Client:
             self._context, self._poller, self._ages, self.complaints, clock
         )
         self._control = sockets.make(self._context, zmq.DEALER, 1000)
-        self._control.connect(self.endpoint)
+        sockets.connect(self._control, self.endpoint)
         self._poller.register(self._control, zmq.POLLIN)
 
     @property
@@ -235,7 +235,11 @@ class Client:
             QueryError: No handler, it died or failed, or the time ran out.
         """
         self.define(response)
-        answer: R = decode(response, self.query_frame(request, value, timeout=timeout))
+        frame = self.query_frame(request, value, timeout=timeout)
+        try:
+            answer: R = decode(response, frame)
+        except CodecError as error:
+            raise HandlerFailedError(str(error)) from error
         return answer
 
     def query_frame(
@@ -386,7 +390,7 @@ class Client:
         self._poller.unregister(self._control)
         self._control.close()
         self._control = sockets.make(self._context, zmq.DEALER, 1000)
-        self._control.connect(self.endpoint)
+        sockets.connect(self._control, self.endpoint)
         self._poller.register(self._control, zmq.POLLIN)
         self._questions.end_all(f"the hub at {self.endpoint} does not answer")
 

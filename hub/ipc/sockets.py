@@ -33,3 +33,15 @@ def make(context: zmq.Context[zmq.Socket[bytes]], kind: int, queue: int) -> zmq.
         # Nothing may be kept for a central that is not there: it would be old when it comes.
         made.immediate = True
     return made
+
+
+def bind(socket: zmq.Socket[bytes], address: str) -> None:
+    """Bind; IPv6 is switched on for the addresses that need it."""
+    socket.ipv6 = "[" in address
+    socket.bind(address)
+
+
+def connect(socket: zmq.Socket[bytes], address: str) -> None:
+    """Connect; IPv6 is switched on for the addresses that need it."""
+    socket.ipv6 = "[" in address
+    socket.connect(address)

@@ -181,7 +181,7 @@ def test_close_leaves_no_threads_files_or_ports(lasting_endpoint: str, tmp_path:
     def once() -> None:
         central = Central([lasting_endpoint])
         client = Client("one", lasting_endpoint)
-        client.subscribe(v.LOG, lambda value, how: None)
+        client.subscribe(v.LOG, print)
         client.wait_connected(5.0)
         client.wait_defined(5.0)
         client.close()

@@ -225,6 +225,6 @@ def test_query_to_nobody_ends_at_once_before_the_connection_stands(
 ) -> None:
     lonely = peers("lonely", "tcp://127.0.0.1:9")
     start = time.monotonic()
-    with pytest.raises(QueryError, match="was not sent: no hub answers at tcp://127.0.0.1:9"):
+    with pytest.raises(QueryError, match="was not sent: no hub answers at tcp"):
         _ask(lonely, timeout=30.0)
     assert time.monotonic() - start < 10.0
