@@ -127,6 +127,7 @@ class _Writer(_Generator):
     def body(self) -> None:
         self.names |= {
             "array": _array,
+            "ndarray": np.ndarray,
             "text": _text,
             "flag": _flag,
             "index": operator.index,
@@ -219,7 +220,11 @@ class _Writer(_Generator):
     ) -> None:
         dtype = _DTYPE[element.name]
         local, kind = self.fresh("a"), self.constant("dtype", dtype)
-        self.emit(f"{local} = array({value}, {kind}, {count}, {dimensions})")
+        self.emit(f"{local} = {value}")
+        # What nearly always comes needs no call.
+        self.emit(f"if {local}.__class__ is not ndarray or {local}.dtype is not {kind} or \\")
+        self.emit(f"        {local}.shape != ({count},) or not {local}.flags.c_contiguous:")
+        self.emit(f"    {local} = array({local}, {kind}, {count}, {dimensions})")
         if self.offset is not None and dimensions is not None:
             gap = -self.offset % dtype.itemsize
             if gap:
@@ -413,8 +418,6 @@ def _array(
     value: Any, dtype: np.dtype[Any], count: int, dimensions: tuple[int, ...] | None
 ) -> npt.NDArray[Any]:
     """`value` as a flat array; of several dimensions only in the shape that is wanted, if any."""
-    if type(value) is np.ndarray and value.dtype is dtype and value.shape == (count,):
-        return np.ascontiguousarray(value)  # nearly always
     if isinstance(value, (bytes, bytearray, memoryview)):
         array = np.frombuffer(value, dtype)
     else:

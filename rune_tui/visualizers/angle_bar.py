@@ -1,15 +1,21 @@
-"""The bar that pan and tilt share: centred on the angle, as long as the field of view."""
+"""What pan and tilt share: a bar centred on the angle, as long as the field of view."""
 
 from __future__ import annotations
 
 import enum
 import math
-from typing import Final
+from abc import ABC, abstractmethod
+from collections.abc import Hashable
+from typing import ClassVar, Final, Self
 
+from hub.gcm.vision import CameraState
+from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas, Colour
 from rune_tui.raster.shapes import drawing
 from rune_tui.visualizers.palette import PANEL
-from rune_tui.visualizers.staleness import mark_age, weather
+from rune_tui.visualizers.staleness import age_look, mark_age, weather
 
 _BAR: Final[Colour] = (80, 160, 220, 255)
 _CENTRE_ON_BAR: Final[Colour] = (255, 255, 255, 255)
@@ -20,6 +26,44 @@ class Direction(enum.Enum):
 
     ACROSS = "across"
     UPWARD = "upward"
+
+
+class AngleBar(ABC):
+    """Draws one angle of the camera; empty until there is one."""
+
+    whole_cells: ClassVar[bool] = False
+    direction: ClassVar[Direction]
+
+    @classmethod
+    def from_spec(cls, spec: VisualizerSpec) -> Self:  # noqa: ARG003 it has no options
+        """The visualizer that a layout asks for."""
+        return cls()
+
+    @staticmethod
+    @abstractmethod
+    def reading(camera: CameraState) -> tuple[float, float, float]:
+        """Angle, field of view in its direction, and largest angle [rad]."""
+
+    def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
+        """Draw the newest angle."""
+        if robot.camera is None:
+            canvas.fill(PANEL)
+            return
+        angle, field_of_view, limit = self.reading(robot.camera.value)
+        draw_angle_bar(
+            canvas,
+            self.direction,
+            angle=angle,
+            field_of_view=field_of_view,
+            limit=limit,
+            age=robot.camera.age(state.now),
+        )
+
+    def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
+        """Changes with the angle, the field of view and the look of their age."""
+        if robot.camera is None:
+            return None
+        return self.reading(robot.camera.value), age_look(robot.camera, state.now)
 
 
 def draw_angle_bar(
