@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 from hub.errors import CentralUnreachableError, HubError, QueryError
 from hub.ipc.security import DEFAULT_ENDPOINT
+from hub.logs import start_logging
 
 
 class ExitCode(enum.IntEnum):
@@ -25,11 +26,7 @@ class ExitCode(enum.IntEnum):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run `rune-hub`; returns the exit code."""
     options = _parser().parse_args(arguments)
-    logging.basicConfig(
-        level=logging.INFO if options.command == "run" else logging.WARNING,
-        format="%(asctime)s hub %(levelname)s %(message)s",
-        stream=sys.stderr,
-    )
+    start_logging("hub", logging.INFO if options.command == "run" else logging.WARNING)
     try:
         return _run_command(options)
     except KeyboardInterrupt:
@@ -42,6 +39,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(error, (CentralUnreachableError, QueryError)):
             return ExitCode.NO_HUB
         return ExitCode.USAGE
+    except OSError as error:
+        sys.stderr.write(f"rune-hub: the output cannot be written: {error.strerror}\n")
+        return ExitCode.FAULT
 
 
 def _run_command(options: argparse.Namespace) -> int:
@@ -60,7 +60,13 @@ def _run_command(options: argparse.Namespace) -> int:
                 client, options.name, seconds=options.seconds, as_json=options.json
             )
         if options.command == "send":
-            return commands.send(client, options.name, options.fields, rate_hz=options.rate)
+            return commands.send(
+                client,
+                options.name,
+                options.fields,
+                rate_hz=options.rate,
+                zero_first=options.zero_first,
+            )
         return commands.query(
             client, options.name, options.fields, timeout=options.timeout, as_json=options.json
         )
@@ -87,6 +93,20 @@ def _port(text: str) -> int:
     if not 0 <= port <= 65531:
         raise ValueError
     return port
+
+
+def _positive(text: str) -> float:
+    number = float(text)
+    if not 0.0 < number <= 1e6:
+        raise ValueError
+    return number
+
+
+def _whole(text: str) -> int:
+    number = int(text)
+    if number < 1:
+        raise ValueError
+    return number
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -116,13 +136,16 @@ def _parser() -> argparse.ArgumentParser:
 
     listing = commands.add_parser("list", parents=[look], help="modules and messages of a hub")
     echo = commands.add_parser("echo", parents=[name], help="show messages as they come")
-    echo.add_argument("-n", "--count", type=int, default=0, help="end after so many")
+    echo.add_argument("-n", "--count", type=_whole, default=0, help="end after so many")
     rate = commands.add_parser("rate", parents=[name], help="show how often a message comes")
-    rate.add_argument("--seconds", type=float, default=0.0, help="end after so long")
+    rate.add_argument("--seconds", type=_positive, default=0.0, help="end after so long")
     send = commands.add_parser("send", parents=[fields], help="publish a message")
-    send.add_argument("-r", "--rate", type=float, default=0.0, help="repeat so often a second")
+    send.add_argument("-r", "--rate", type=_positive, default=0.0, help="repeat so often a second")
+    send.add_argument(
+        "--zero-first", action="store_true", help="send it once with all fields zero before"
+    )
     query = commands.add_parser("query", parents=[fields], help="ask, and show the answer")
-    query.add_argument("--timeout", type=float, default=2.0, help="wait so long [s]")
+    query.add_argument("--timeout", type=_positive, default=2.0, help="wait so long [s]")
     for command in (listing, echo, rate, query):
         command.add_argument("--json", action="store_true", help="JSON, one line a message")
     return parser

@@ -19,6 +19,7 @@ from hub.errors import CentralUnreachableError, HubError
 from hub.gcm.capability import Capability
 from hub.gcm.supervision import MODULE_INFO, ModuleInfo
 from hub.ipc.client import Client
+from hub.logs import start_logging
 from hub.robots.description import RobotDescription, read_description
 
 _logger = logging.getLogger(__name__)
@@ -73,11 +74,7 @@ def run_module(
         "--stop-with-stdin", action="store_true", help="stop when standard input ends"
     )
     options = parser.parse_args(arguments)
-    logging.basicConfig(
-        level=logging.INFO,
-        format=f"%(asctime)s {name} %(levelname)s %(message)s",
-        stream=sys.stderr,
-    )
+    start_logging(name, logging.INFO)
     try:
         robot, _ = read_description(options.robot)
         client = Client(name, options.hub)

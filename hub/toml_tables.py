@@ -145,11 +145,17 @@ def load(path: Path, error: Callable[[str, list[str]], Exception]) -> dict[str, 
         Exception: Made by `error`: it cannot be read, is too large, or is not TOML.
     """
     try:
-        with path.open("rb") as file:
-            raw = file.read(MAX_FILE_BYTES + 1)
+        # Asked before it is opened: a pipe would keep us waiting for somebody to write.
+        regular = path.is_file() or not path.exists()
+        raw = b""
+        if regular:
+            with path.open("rb") as file:
+                raw = file.read(MAX_FILE_BYTES + 1)
     except (OSError, ValueError) as fault:
         reason = getattr(fault, "strerror", None) or str(fault)
         raise error(str(path), [f"cannot be read: {reason}"]) from fault
+    if not regular:
+        raise error(str(path), ["cannot be read: it is no regular file"])
     if len(raw) > MAX_FILE_BYTES:
         raise error(str(path), [f"is larger than {MAX_FILE_BYTES} bytes"])
     try:

@@ -23,6 +23,8 @@ from hub.toml_tables import nearest
 _ANSWER_S = 2.0
 _JOIN_S = 0.3
 """Time in which a new publisher learns who subscribes; before that it sends to nobody [s]."""
+_BETWEEN_S = 0.05
+"""Time between two messages of which a receiver is to see both, not the newest alone [s]."""
 
 
 def connect(endpoint: str, command: str) -> Client:
@@ -102,13 +104,18 @@ def rate(client: Client, name: str, *, seconds: float, as_json: bool) -> int:
     return 0
 
 
-def send(client: Client, name: str, assignments: Sequence[str], *, rate_hz: float) -> int:
-    """Publish one message, or at `rate_hz` until Ctrl-C."""
+def send(
+    client: Client, name: str, assignments: Sequence[str], *, rate_hz: float, zero_first: bool
+) -> int:
+    """Publish one message, or at `rate_hz` until Ctrl-C; if wanted, one of zeros before."""
     definition = find(client, name)
     value = values.value_from_text(definition, assignments)
     client.define(definition)
     client.wait_defined(_ANSWER_S)
     _serve_for(client, _JOIN_S)
+    if zero_first:
+        client.publish(definition, values.value_from_text(definition, []))
+        _serve_for(client, _BETWEEN_S)
     client.publish(definition, value)
     if rate_hz > 0:
         client.every(1.0 / rate_hz, lambda: client.publish(definition, value))

@@ -14,7 +14,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from hub.errors import ModuleStartError
+from hub.errors import EndpointError, ModuleStartError
 from hub.ipc.central import Central
 from hub.robomon.policy import RestartPolicy
 from hub.robomon.process import ModuleProcess
@@ -23,6 +23,11 @@ from hub.robomon.table import ModuleSpec, RobotTable, hub_arguments
 _logger = logging.getLogger(__name__)
 
 _PERIOD_S = 0.02
+_IN_ORDER_S = 0.25
+"""Time in which modules are told to stop one after the other [s]."""
+_FOLDER = "rune-hub-{pid}-"
+_LONGEST_FOLDER = 60
+"""Socket files have paths of about 100 bytes at most."""
 
 
 @dataclass(slots=True)
@@ -58,7 +63,7 @@ class Daemon:
             signal.signal(number, lambda *_: self._stop.set())
         if stop_with_stdin:
             threading.Thread(target=self._wait_for_end_of_stdin, daemon=True).start()
-        folder = Path(tempfile.mkdtemp(prefix="rune-", dir=os.environ.get("XDG_RUNTIME_DIR")))
+        folder = _socket_folder()
         try:
             local = f"ipc://{folder}/central"
             central = Central([f"tcp://127.0.0.1:{self._table.robot.port}", local])
@@ -90,6 +95,7 @@ class Daemon:
     def _look_after(self, module: _Supervised, arguments: list[str], now: float) -> None:
         """See whether a module ended, and start it when its time has come."""
         if module.process is not None and (code := module.process.exit_code()) is not None:
+            module.process.end()
             module.process = None
             module.start_at = module.policy.ended(now)
             how = f"was ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
@@ -106,10 +112,19 @@ class Daemon:
                 module.start_at = module.policy.ended(now)
 
     def _end_modules(self) -> None:
-        """Last started, first ended: the driver is the last that can stop the wheels."""
-        for module in reversed(self._modules):
-            if module.process is not None:
-                module.process.end()
+        """Last started, first told: the driver is the last that can stop the wheels.
+
+        Each gets a moment to end before the next is told, but one that hangs delays the others no
+        longer than that: the robot must not drive on while somebody waits.
+        """
+        started = time.monotonic()
+        running = [m.process for m in reversed(self._modules) if m.process is not None]
+        for process in running:
+            process.ask_to_stop()
+            process.wait(started + _IN_ORDER_S - time.monotonic())
+        for process in running:
+            process.wait(started + process.spec.stop_timeout_s - time.monotonic())
+            process.end()
 
     def _wait_for_end_of_stdin(self) -> None:
         while os.read(sys.stdin.fileno(), 4096):
@@ -126,5 +141,25 @@ class Daemon:
             said = f"{name}: hub at {endpoint}, starting {len(self._modules)} modules"
         else:
             said = f"{name}: ready; Ctrl-C ends it"
-        sys.stdout.write(said + "\n")
-        sys.stdout.flush()
+        try:
+            sys.stdout.write(said + "\n")
+            sys.stdout.flush()
+        except (OSError, ValueError, AttributeError) as error:
+            # Whoever started us does not listen; the robot is served all the same.
+            _logger.warning("cannot say %r on standard output: %s", event, error)
+
+
+def _socket_folder() -> Path:
+    """A new folder for socket files; those of daemons that were killed are removed."""
+    candidates = (os.environ.get("XDG_RUNTIME_DIR", ""), tempfile.gettempdir())
+    usable = [c for c in candidates if c and len(c) <= _LONGEST_FOLDER and Path(c).is_dir()]
+    parent = Path(usable[0] if usable else "/tmp")
+    for old in parent.glob(_FOLDER.format(pid="*") + "*"):
+        pid = old.name.split("-")[2]
+        if pid.isdigit() and not Path(f"/proc/{pid}").exists() and Path("/proc/self").exists():
+            shutil.rmtree(old, ignore_errors=True)
+    try:
+        return Path(tempfile.mkdtemp(prefix=_FOLDER.format(pid=os.getpid()), dir=parent))
+    except OSError as error:
+        text = f"no folder for sockets can be made in {parent}: {error.strerror}"
+        raise EndpointError(text) from error

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
+import signal
 import subprocess
 from collections.abc import Sequence
 
@@ -31,8 +34,9 @@ class ModuleProcess:
                 # ends the modules in order.
                 process_group=0,
             )
-        except OSError as error:
-            text = f"module {spec.name} cannot be started: {spec.command[0]}: {error.strerror}"
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or error
+            text = f"module {spec.name} cannot be started: {spec.command[0]!r}: {reason}"
             raise ModuleStartError(text) from error
 
     @property
@@ -42,22 +46,25 @@ class ModuleProcess:
 
     def exit_code(self) -> int | None:
         """How it ended (negative: by that signal); None while it runs."""
-        code = self._process.poll()
-        if code is not None:
-            self._close_pipe()
-        return code
+        return self._process.poll()
 
-    def end(self) -> None:
-        """Ask it to stop, and kill it if it does not in time; returns when it is gone."""
+    def ask_to_stop(self) -> None:
+        """Ask it to stop; returns at once."""
         if self._process.poll() is None:
             self._process.terminate()
-            try:
-                self._process.wait(self.spec.stop_timeout_s)
-            except subprocess.TimeoutExpired:
-                self._process.kill()
-                self._process.wait()
-        self._close_pipe()
 
-    def _close_pipe(self) -> None:
+    def wait(self, seconds: float) -> bool:
+        """Whether it ends within `seconds`."""
+        try:
+            self._process.wait(max(0.0, seconds))
+        except subprocess.TimeoutExpired:
+            return False
+        return True
+
+    def end(self) -> None:
+        """Kill what still lives of it and of what it has started; returns when it is gone."""
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.wait()
         if self._process.stdin is not None:
             self._process.stdin.close()

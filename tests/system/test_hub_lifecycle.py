@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import contextlib
+import json
 import os
 import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import psutil
 import pytest
 
 from hub.gcm import navigation, vision
-from tests.system.harness import HubProcess, Observer, family, gone
+from tests.system.harness import ROBOT_FILE, HubProcess, Observer, family, gone
 from tests.waiting import until
 
 
@@ -43,10 +46,15 @@ def test_ends_in_order_on_a_signal(hub: HubProcess, number: signal.Signals) -> N
     assert "Traceback" not in log
 
 
-def test_socket_files_are_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    runtime = tmp_path / "run"
-    runtime.mkdir()
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(runtime))
+@pytest.fixture
+def runtime(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A folder for socket files with a short name, as systems give one."""
+    with tempfile.TemporaryDirectory(dir="/tmp") as folder:
+        monkeypatch.setenv("XDG_RUNTIME_DIR", folder)
+        yield Path(folder)
+
+
+def test_socket_files_are_removed(tmp_path: Path, runtime: Path) -> None:
     hub = HubProcess(tmp_path)
     assert list(runtime.rglob("central*"))
     hub.close()
@@ -143,3 +151,96 @@ def test_state_comes_at_its_nominal_rate(start_hub: Callable[..., HubProcess]) -
     gaps = [later[0] - earlier[0] for earlier, later in zip(seen, list(seen)[1:], strict=False)]
     # A loose bound: this machine may be busy. `rune-hub rate` shows the real figure.
     assert sorted(gaps)[len(gaps) // 2] < 3.0 / navigation.ROBOT_STATE.rate_hz
+
+
+def test_a_module_that_hangs_does_not_keep_the_robot_driving(
+    hub: HubProcess, observer: Observer
+) -> None:
+    driver = Observer(hub.endpoint, navigation.ROBOT_STATE)
+    twist = navigation.Twist.planar(0.4, 0.0)
+    states = driver.seen[navigation.ROBOT_STATE.name]
+
+    def send(value: navigation.Twist) -> None:
+        driver.client.publish(navigation.VELOCITY_COMMAND, value)
+        driver.client.listen(0.02)
+
+    def drive() -> None:
+        send(twist)
+
+    until(
+        lambda: states[-1][1].motion is navigation.MotionState.STANDING,
+        10.0,
+        meanwhile=lambda: send(navigation.Twist()),
+    )
+
+    until(lambda: observer.truth.linear > 0.3, 10.0, meanwhile=drive)
+    os.kill(hub.pids["vision"], signal.SIGSTOP)
+    hub.process.send_signal(signal.SIGINT)
+    signalled = time.monotonic()
+    until(
+        lambda: observer.history[-1][1].commanded_linear == 0.0 or hub.process.poll() is not None,
+        5.0,
+        meanwhile=lambda: (drive(), observer.client.listen(0.0)),
+    )
+    assert time.monotonic() - signalled < 1.5  # 2 s is what the module that hangs may take
+    hub.process.wait(15.0)
+    driver.close()
+
+
+def test_what_a_module_has_started_ends_with_it(tmp_path: Path) -> None:
+    robot = tmp_path / "robot.toml"
+    pids = tmp_path / "pids"
+    script = f"sleep 300 & echo $! > {pids}; exec sleep 300"
+    robot.write_text(
+        'name = "x"\nkind = "simulated-magellan"\n[hub]\nport = 0\n[modules.parent]\n'
+        f'command = ["/bin/sh", "-c", "{script}"]\n'
+    )
+    daemon = subprocess.Popen(
+        [sys.executable, "-m", "hub", "run", str(robot)],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    until(lambda: pids.exists() and pids.read_text().strip(), 10.0)
+    grandchild = psutil.Process(int(pids.read_text()))
+    daemon.send_signal(signal.SIGINT)
+    daemon.wait(10.0)
+    until(lambda: gone([grandchild]), 5.0, "it lives on")
+
+
+def test_a_log_that_nobody_reads_does_not_stop_the_hub(tmp_path: Path) -> None:
+    robot = tmp_path / "robot.toml"
+    robot.write_text(ROBOT_FILE.format(arena="empty", port=0))
+    unread, log = os.pipe()
+    os.set_blocking(log, False)
+    with contextlib.suppress(BlockingIOError):
+        while True:
+            os.write(log, bytes(4096))
+    os.set_blocking(log, True)
+    daemon = subprocess.Popen(
+        [sys.executable, "-m", "hub", "run", str(robot), "--json"],
+        stdout=subprocess.PIPE,
+        stderr=log,
+        text=True,
+    )
+    assert daemon.stdout is not None
+    endpoint = json.loads(daemon.stdout.readline())["hub"]
+    watch = Observer(endpoint)
+    for _ in range(30):
+        Observer(endpoint).close()  # each is worth two lines in the log
+    assert watch.truth.time > 0.0
+    watch.close()
+    daemon.send_signal(signal.SIGINT)
+    assert daemon.wait(10.0) == 0
+    daemon.stdout.close()
+    os.close(unread)
+    os.close(log)
+
+
+def test_socket_folders_of_killed_daemons_are_swept(tmp_path: Path, runtime: Path) -> None:
+    first = HubProcess(tmp_path)
+    first.process.kill()
+    first.close()
+    (left,) = runtime.iterdir()
+    second = HubProcess(tmp_path)
+    assert left not in list(runtime.iterdir())
+    second.close()

@@ -38,8 +38,9 @@ def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
             client.publish(navigation.GROUND_TRUTH, truth, measured=now)
 
     def command(twist: navigation.Twist, reception: Reception) -> None:
-        watchdog.fed(clock() - reception.age)
-        base.set_velocity(twist.linear.x, twist.angular.z)
+        now = clock()
+        if watchdog.allows(now - reception.age, now, neutral=twist.neutral):
+            base.set_velocity(twist.linear.x, twist.angular.z)
 
     def step() -> None:
         nonlocal last, steps

@@ -7,15 +7,22 @@ SILENCE_S = 0.3
 
 
 class CommandWatchdog:
-    """Knows whether drive commands still come; expired until the first one."""
+    """Knows whether a drive command may be followed.
+
+    After a silence, and at the start, the wheels stand until a neutral command has come.
+    """
 
     def __init__(self, silence_s: float = SILENCE_S) -> None:
         self._silence_s = silence_s
         self._deadline = float("-inf")
 
-    def fed(self, now: float) -> None:
-        """A fresh command was given at `now` [s]."""
-        self._deadline = now + self._silence_s
+    def allows(self, measured: float, now: float, *, neutral: bool) -> bool:
+        """Whether a command that was given at `measured` may be followed at `now` [s]."""
+        late = measured + self._silence_s <= now
+        if late or (self.expired(now) and not neutral):
+            return False
+        self._deadline = measured + self._silence_s
+        return True
 
     def expired(self, now: float) -> bool:
         """Whether there has been no fresh command for too long at `now` [s]."""

@@ -45,14 +45,16 @@ class Navigation:
 
     def _command(self, twist: navigation.Twist, reception: Reception) -> None:
         now = self._clock()
-        self._governor.command(twist.linear.x, twist.angular.z, now - reception.age, now)
+        self._governor.command(
+            reception.publisher, twist.linear.x, twist.angular.z, now - reception.age, now
+        )
         self._drive_if_changed()
 
     def _stop(self, message: navigation.Stop, reception: Reception) -> None:
         del reception
-        _logger.warning("stopped: %s", message.reason or "no reason given")
         self._governor.stop()
         self._drive()
+        _logger.warning("stopped: %s", message.reason or "no reason given")
 
     def _report(self, state: navigation.DriveState, reception: Reception) -> None:
         self._newest = (state, reception.measured)

@@ -1,7 +1,9 @@
 """Which velocity the wheels get, given the commands that came and the time; pure.
 
-The robot follows fresh commands only. When they stop coming while it moves, or somebody stops it,
-it stands until a neutral command has come: nobody drives off with a stick that was left deflected.
+The robot follows fresh commands of one sender at a time. Whoever wants to drive has to have sent a
+neutral command first, and again after every stop, every silence of its own, and every pause of the
+driver or of this process: nobody drives off with a stick that was left deflected. Neutral commands
+of those who do not drive change nothing.
 """
 
 from __future__ import annotations
@@ -12,17 +14,23 @@ from hub.gcm.navigation import MotionState
 
 SILENCE_S = 0.3
 """Time without a fresh command after which the robot is stopped [s]."""
-DRIVER_SILENCE_S = 1.0
+ARMED_S = 1.0
+"""Time without any command after which a sender has to send neutral again [s]."""
+DRIVER_SILENCE_S = 0.5
 """Time without a report after which the driver counts as gone [s]."""
-
-_NEUTRAL_FIRST = (MotionState.WAITING, MotionState.SILENCE, MotionState.STOPPED)
+STALL_S = 0.3
+"""A longer pause between two looks means that this process itself was away [s]."""
+DEAF_S = 0.1
+"""How long after such a pause commands are taken for old ones [s]."""
+_MAX_SENDERS = 256
 
 
 class SpeedGovernor:
     """Decides on the velocity; every method gets the present monotonic time [s].
 
     Attributes:
-        refused: Commands that were not followed: not finite, or not from neutral.
+        refused: Commands that were not followed: not finite, old, not from neutral, or from
+            somebody else while one drives.
     """
 
     def __init__(
@@ -38,53 +46,82 @@ class SpeedGovernor:
         self._silence_s = silence_s
         self._state = MotionState.WAITING
         self._velocity = (0.0, 0.0)
+        self._armed: dict[int, float] = {}
+        self._sender: int | None = None
         self._fresh_until = now
         self._driver_until = now
+        self._looked = now
+        self._deaf_until = now
         self.refused = 0
 
-    def command(self, linear: float, angular: float, measured: float, now: float) -> None:
-        """The operator wants a velocity [m/s, rad/s], given at `measured`."""
-        if not (math.isfinite(linear) and math.isfinite(angular)):
+    def command(
+        self, sender: int, linear: float, angular: float, measured: float, now: float
+    ) -> None:
+        """Somebody wants a velocity [m/s, rad/s], given at `measured`."""
+        self._look(now)
+        usable = math.isfinite(linear) and math.isfinite(angular)
+        if not usable or now < self._deaf_until or measured + self._silence_s <= now:
             self.refused += 1
-            return
-        if measured + self._silence_s <= now:
+        elif linear == 0.0 and angular == 0.0:
+            self._neutral(sender, now)
+        elif self._may_drive(sender, now):
+            self._armed[sender] = now
+            self._sender = sender
+            self._state = MotionState.MOVING
+            self._fresh_until = measured + self._silence_s
+            self._velocity = (
+                max(-self._linear_limit, min(self._linear_limit, linear)),
+                max(-self._angular_limit, min(self._angular_limit, angular)),
+            )
+        else:
             self.refused += 1
-            return
-        neutral = linear == 0.0 and angular == 0.0
-        self._expire(now)
-        if self._state in _NEUTRAL_FIRST and not neutral:
-            self.refused += 1
-            return
-        self._state = MotionState.STANDING if neutral else MotionState.MOVING
-        self._velocity = (
-            max(-self._linear_limit, min(self._linear_limit, linear)),
-            max(-self._angular_limit, min(self._angular_limit, angular)),
-        )
-        self._fresh_until = measured + self._silence_s
 
     def stop(self) -> None:
-        """Somebody wants the robot to stop."""
-        self._state = MotionState.STOPPED
-        self._velocity = (0.0, 0.0)
+        """Somebody wants the robot to stop: it stands until neutral comes."""
+        self._halt(MotionState.STOPPED)
+        self._armed.clear()
 
     def driver_reported(self, now: float) -> None:
         """The driver lives."""
+        self._look(now)
         self._driver_until = now + DRIVER_SILENCE_S
 
     def velocity(self, now: float) -> tuple[float, float]:
         """What the wheels get now [m/s, rad/s]."""
-        self._expire(now)
+        self._look(now)
         return self._velocity
 
     def state(self, now: float) -> MotionState:
         """What is done with commands now."""
-        self._expire(now)
+        self._look(now)
         return MotionState.NO_DRIVER if now >= self._driver_until else self._state
 
-    def _expire(self, now: float) -> None:
-        if now >= self._driver_until and self._state is MotionState.MOVING:
-            # A driver that comes back must not find the robot told to move.
+    def _neutral(self, sender: int, now: float) -> None:
+        if len(self._armed) >= _MAX_SENDERS:
+            self._armed.clear()
+        self._armed[sender] = now
+        if self._sender in (sender, None):
+            self._halt(MotionState.STANDING)
+
+    def _may_drive(self, sender: int, now: float) -> bool:
+        armed = now - self._armed.get(sender, -math.inf) < ARMED_S
+        return armed and self._sender in (sender, None) and now < self._driver_until
+
+    def _halt(self, state: MotionState) -> None:
+        self._state = state
+        self._velocity = (0.0, 0.0)
+        self._sender = None
+
+    def _look(self, now: float) -> None:
+        """See what the time that has gone by has changed."""
+        away = now - self._looked > STALL_S
+        self._looked = now
+        if away:
+            self._deaf_until = now + DEAF_S
+        if self._sender is None:
+            return
+        if away or now >= self._driver_until:
             self.stop()
-        if now >= self._fresh_until and self._state is MotionState.MOVING:
-            self._state = MotionState.SILENCE
-            self._velocity = (0.0, 0.0)
+        elif now >= self._fresh_until:
+            del self._armed[self._sender]
+            self._halt(MotionState.SILENCE)

@@ -8,103 +8,205 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.gcm.navigation import MotionState
-from hub.modules.navigation.speed_governor import DRIVER_SILENCE_S, SILENCE_S, SpeedGovernor
+from hub.modules.navigation.speed_governor import (
+    ARMED_S,
+    DEAF_S,
+    DRIVER_SILENCE_S,
+    SILENCE_S,
+    STALL_S,
+    SpeedGovernor,
+)
+
+STEP = 0.01
+A, B = 1, 2
 
 
-def governor() -> SpeedGovernor:
-    made = SpeedGovernor(0.5, 1.0, 0.0)
-    made.driver_reported(0.0)
-    return made
+class Scene:
+    """A governor whose process looks every 10 ms, as navigation does, and whose driver reports."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+        self.driver_lives = True
+        self.governor = SpeedGovernor(0.5, 1.0, 0.0)
+        self.governor.driver_reported(0.0)
+
+    def wait(self, seconds: float) -> None:
+        """Let time pass."""
+        for _ in range(round(seconds / STEP)):
+            self.now += STEP
+            if self.driver_lives:
+                self.governor.driver_reported(self.now)
+            self.governor.velocity(self.now)
+
+    def command(self, sender: int, linear: float, angular: float = 0.0, age: float = 0.0) -> None:
+        """A command arrives."""
+        self.governor.command(sender, linear, angular, self.now - age, self.now)
+
+    def hold(self, sender: int, linear: float, seconds: float) -> None:
+        """Commands keep coming."""
+        for _ in range(round(seconds / 0.05)):
+            self.command(sender, linear)
+            self.wait(0.05)
+
+    @property
+    def velocity(self) -> tuple[float, float]:
+        return self.governor.velocity(self.now)
+
+    @property
+    def state(self) -> MotionState:
+        return self.governor.state(self.now)
 
 
-def driving(at: float = 0.0) -> SpeedGovernor:
-    made = governor()
-    made.command(0.0, 0.0, at, at)
-    made.command(0.4, -0.5, at, at)
-    return made
+def driving(sender: int = A) -> Scene:
+    scene = Scene()
+    scene.command(sender, 0.0)
+    scene.command(sender, 0.4, -0.5)
+    return scene
 
 
 def test_does_not_move_before_a_neutral_command_came() -> None:
-    made = governor()
-    made.command(0.5, 0.0, 0.0, 0.0)
-    assert made.velocity(0.0) == (0.0, 0.0)
-    assert made.state(0.0) is MotionState.WAITING
-    assert made.refused == 1
+    scene = Scene()
+    scene.command(A, 0.5)
+    assert scene.velocity == (0.0, 0.0)
+    assert scene.state is MotionState.WAITING
+    assert scene.governor.refused == 1
 
 
 def test_follows_fresh_commands() -> None:
-    made = driving()
-    assert made.velocity(0.1) == (0.4, -0.5)
-    assert made.state(0.1) is MotionState.MOVING
+    scene = driving()
+    scene.wait(0.1)
+    assert scene.velocity == (0.4, -0.5)
+    assert scene.state is MotionState.MOVING
 
 
 def test_stops_when_commands_stop_coming() -> None:
-    made = driving()
-    assert made.velocity(SILENCE_S - 0.001) == (0.4, -0.5)
-    assert made.velocity(SILENCE_S) == (0.0, 0.0)
-    assert made.state(SILENCE_S) is MotionState.SILENCE
+    scene = driving()
+    scene.wait(SILENCE_S - 0.02)
+    assert scene.velocity == (0.4, -0.5)
+    scene.wait(0.04)
+    assert scene.velocity == (0.0, 0.0)
+    assert scene.state is MotionState.SILENCE
 
 
 def test_drives_again_after_silence_only_from_neutral() -> None:
-    made = driving()
-    made.command(0.4, 0.0, 0.5, 0.5)
-    assert made.velocity(0.5) == (0.0, 0.0)
-    made.command(0.0, 0.0, 0.6, 0.6)
-    made.command(0.4, 0.0, 0.7, 0.7)
-    assert made.velocity(0.7) == (0.4, 0.0)
+    scene = driving()
+    scene.wait(0.5)
+    scene.command(A, 0.4)
+    assert scene.velocity == (0.0, 0.0)
+    scene.command(A, 0.0)
+    scene.command(A, 0.4)
+    assert scene.velocity == (0.4, 0.0)
 
 
 def test_drives_again_after_a_stop_only_from_neutral() -> None:
-    made = driving()
-    made.stop()
-    made.command(0.4, 0.0, 0.1, 0.1)
-    assert made.velocity(0.1) == (0.0, 0.0)
-    assert made.state(0.1) is MotionState.STOPPED
+    scene = driving()
+    scene.governor.stop()
+    scene.command(A, 0.4)
+    assert scene.velocity == (0.0, 0.0)
+    assert scene.state is MotionState.STOPPED
+
+
+def test_neutral_of_another_does_not_undo_a_stop() -> None:
+    scene = driving(A)
+    scene.governor.stop()
+    scene.command(B, 0.0)
+    scene.hold(A, 0.4, 1.0)
+    assert scene.velocity == (0.0, 0.0)
+
+
+def test_neutral_of_another_does_not_brake_who_drives() -> None:
+    scene = driving(A)
+    scene.command(B, 0.0)
+    assert scene.velocity == (0.4, -0.5)
+
+
+def test_nobody_takes_over_from_who_drives() -> None:
+    scene = driving(A)
+    scene.command(B, 0.0)
+    scene.command(B, -0.4)
+    assert scene.velocity == (0.4, -0.5)
+    scene.command(A, 0.0)
+    scene.command(B, -0.4)
+    assert scene.velocity == (-0.4, 0.0)
+
+
+def test_a_neutral_command_is_one_s_own() -> None:
+    scene = Scene()
+    scene.command(A, 0.0)
+    scene.command(B, 0.3)
+    assert scene.velocity == (0.0, 0.0)
+
+
+def test_an_old_neutral_command_does_not_count() -> None:
+    scene = Scene()
+    scene.command(A, 0.0)
+    scene.wait(ARMED_S + 0.05)
+    scene.command(A, 0.3)
+    assert scene.velocity == (0.0, 0.0)
 
 
 def test_standing_still_is_no_silence() -> None:
-    made = governor()
-    made.command(0.0, 0.0, 0.0, 0.0)
-    assert made.state(0.9) is MotionState.STANDING
+    scene = Scene()
+    scene.command(A, 0.0)
+    scene.wait(0.9)
+    assert scene.state is MotionState.STANDING
 
 
 def test_refuses_a_command_that_was_queued_somewhere() -> None:
-    made = driving()
-    made.command(0.2, 0.0, 0.0, 0.35)
-    assert made.velocity(0.35) == (0.0, 0.0)
+    scene = driving()
+    scene.wait(0.1)
+    scene.command(A, 0.2, age=SILENCE_S)
+    assert scene.velocity == (0.4, -0.5)
 
 
 def test_an_old_command_holds_only_for_the_rest_of_its_time() -> None:
-    made = driving()
-    made.command(0.2, 0.0, 0.05, 0.25)
-    assert made.velocity(0.3) == (0.2, 0.0)
-    assert made.velocity(0.05 + SILENCE_S) == (0.0, 0.0)
+    scene = driving()
+    scene.wait(0.25)
+    scene.command(A, 0.2, age=0.2)
+    assert scene.velocity == (0.2, 0.0)
+    scene.wait(0.12)
+    assert scene.velocity == (0.0, 0.0)
 
 
 def test_refuses_what_is_no_number() -> None:
-    made = driving()
+    scene = driving()
     for value in (math.nan, math.inf, -math.inf):
-        made.command(value, 0.0, 0.1, 0.1)
-        made.command(0.0, value, 0.1, 0.1)
-    assert made.velocity(0.1) == (0.4, -0.5)
-    assert made.refused == 6
+        scene.command(A, value, 0.0)
+        scene.command(A, 0.0, value)
+    assert scene.velocity == (0.4, -0.5)
+    assert scene.governor.refused == 6
 
 
 def test_a_driver_that_comes_back_does_not_find_the_robot_moving() -> None:
-    made = driving()
-    for step in range(1, 30):
-        made.command(0.4, 0.0, step * 0.1, step * 0.1)
-    now = DRIVER_SILENCE_S + 2.0
-    assert made.state(now) is MotionState.NO_DRIVER
-    made.driver_reported(now)
-    made.command(0.4, 0.0, now, now)
-    assert made.velocity(now) == (0.0, 0.0)
+    scene = driving()
+    scene.driver_lives = False
+    scene.hold(A, 0.4, DRIVER_SILENCE_S + 0.2)
+    assert scene.state is MotionState.NO_DRIVER
+    scene.driver_lives = True
+    scene.hold(A, 0.4, 0.5)
+    assert scene.velocity == (0.0, 0.0)
+    assert scene.state is MotionState.STOPPED
+
+
+def test_what_was_queued_while_navigation_itself_was_away_is_not_followed() -> None:
+    scene = Scene()
+    scene.command(A, 0.0)
+    scene.now += STALL_S + 0.5
+    scene.governor.driver_reported(scene.now)
+    scene.command(B, 0.0)
+    scene.command(B, 0.4)
+    assert scene.velocity == (0.0, 0.0)
+    scene.wait(DEAF_S + 0.02)
+    scene.command(B, 0.0)
+    scene.command(B, 0.4)
+    assert scene.velocity == (0.4, 0.0)
 
 
 EVENTS = st.lists(
     st.tuples(
-        st.sampled_from(["command", "stop", "driver"]),
-        st.floats(0.0, 0.5),
+        st.sampled_from(["command", "stop", "driver dies", "driver lives", "away"]),
+        st.integers(0, 50),
+        st.sampled_from([A, B]),
         st.sampled_from([0.0, 0.1, -0.3, 0.5, 9.0, -9.0]),
         st.floats(0.0, 0.6),
     ),
@@ -114,24 +216,25 @@ EVENTS = st.lists(
 
 @given(EVENTS)
 def test_never_moves_without_a_fresh_command_and_never_too_fast(
-    events: list[tuple[str, float, float, float]],
+    events: list[tuple[str, int, int, float, float]],
 ) -> None:
-    made = governor()
-    now, newest = 0.0, -1.0
-    for kind, pause, value, delay in events:
-        # Between two events the robot must stop by itself, at whatever moment it is looked at.
-        linear, angular = made.velocity(now + pause)
-        if now + pause - newest >= SILENCE_S:
-            assert (linear, angular) == (0.0, 0.0)
-        now += pause
+    scene = Scene()
+    newest = -1.0
+    for kind, steps, sender, value, age in events:
+        for _ in range(steps):
+            scene.wait(STEP)
+            if scene.now - newest > SILENCE_S + 1e-9:
+                assert scene.velocity == (0.0, 0.0)
         if kind == "command":
-            made.command(value, value, now - delay, now)
-            newest = max(newest, now - delay) if delay < SILENCE_S else newest
+            scene.command(sender, value, value, age)
+            newest = max(newest, scene.now - age)
         elif kind == "stop":
-            made.stop()
-            assert made.velocity(now) == (0.0, 0.0)
+            scene.governor.stop()
+            assert scene.velocity == (0.0, 0.0)
+        elif kind == "away":
+            scene.now += age
         else:
-            made.driver_reported(now)
-        linear, angular = made.velocity(now)
+            scene.driver_lives = kind == "driver lives"
+        linear, angular = scene.velocity
         assert abs(linear) <= 0.5
         assert abs(angular) <= 1.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 from pathlib import Path
 
 import pytest
@@ -80,8 +81,14 @@ def test_not_toml_and_no_file(tmp_path: Path) -> None:
     assert "is not TOML" in problems_of(tmp_path, "name = ")[0]
     with pytest.raises(RobotFileError, match="did you mean 'magellan'"):
         load_robot_table("magelan")
-    with pytest.raises(RobotFileError, match="cannot be read"):
+    with pytest.raises(RobotFileError, match="no regular file"):
         load_robot_table(str(tmp_path))
+
+
+def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "robot.toml")
+    with pytest.raises(RobotFileError, match="no regular file"):
+        load_robot_table(str(tmp_path / "robot.toml"))
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=150)

@@ -1,0 +1,64 @@
+"""Logging that never waits: a terminal that is held or a pipe nobody reads must not stop a robot.
+
+Records go into a bounded queue and a thread writes them to standard error. When the queue is full,
+records are dropped and counted, and the next line that gets through says how many.
+"""
+
+from __future__ import annotations
+
+import atexit
+import logging
+import queue
+import sys
+import threading
+import time
+
+_ROOM = 1000
+_LAST_WORDS_S = 0.5
+"""How long the end of the process waits for the last lines to be written [s]."""
+
+
+class UnhurriedHandler(logging.Handler):
+    """Hands records to a thread of its own."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._queue: queue.Queue[str] = queue.Queue(_ROOM)
+        self._dropped = 0
+        threading.Thread(target=self._write, name="log", daemon=True).start()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Put the record's line into the queue, or count it as dropped."""
+        line = self.format(record) + "\n"
+        if self._dropped:
+            line = f"({self._dropped} lines dropped)\n{line}"
+        try:
+            self._queue.put_nowait(line)
+        except queue.Full:
+            self._dropped += 1
+        else:
+            self._dropped = 0
+
+    def last_words(self) -> None:
+        """Give the thread a moment to write what is queued."""
+        end = time.monotonic() + _LAST_WORDS_S
+        while self._queue.unfinished_tasks and time.monotonic() < end:
+            time.sleep(0.005)
+
+    def _write(self) -> None:
+        while True:
+            line = self._queue.get()
+            try:
+                sys.stderr.write(line)
+                sys.stderr.flush()
+            except (OSError, ValueError, AttributeError):
+                pass  # standard error is closed or full: there is nobody to tell
+            self._queue.task_done()
+
+
+def start_logging(name: str, level: int) -> None:
+    """Log to standard error under this name, from now to the end of the process."""
+    handler = UnhurriedHandler()
+    handler.setFormatter(logging.Formatter(f"%(asctime)s {name} %(levelname)s %(message)s"))
+    logging.basicConfig(level=level, handlers=[handler])
+    atexit.register(handler.last_words)
