@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import os
 import signal
+import threading
 import time
 from collections.abc import Iterable, Mapping
 
@@ -22,13 +24,15 @@ from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, QuitEffect
-from rune_tui.ui.terminal import output_is_pending
+from rune_tui.ui.terminal import output_is_pending, terminal_driver
 from rune_tui.ui.view_pane import ViewPane
 from rune_tui.view import View
 
 _FRAME_S = 1.0 / 30.0
 _TICK_S = 0.05
 _EMERGENCY_KEY = "ctrl+c"
+_LEAVE_S = 3.0
+"""How long the end may take before the process is ended as it is [s]."""
 
 
 class Console(App[None], inherit_bindings=False):
@@ -44,7 +48,7 @@ class Console(App[None], inherit_bindings=False):
             layout: What is shown, and what keys do.
             links: A connection for each robot of the layout, not yet started.
         """
-        super().__init__()
+        super().__init__(driver_class=terminal_driver())
         self.title = f"Rune {layout.path}"
         self._layout_spec = layout
         self._links = links
@@ -52,6 +56,7 @@ class Console(App[None], inherit_bindings=False):
         self._dispatch = Dispatch(layout)
         self._keyboard = KeyboardHold()
         self._stalls = StallGuard()
+        self._leaving = False
         self._pane = ViewPane()
 
     def compose(self) -> ComposeResult:
@@ -62,7 +67,7 @@ class Console(App[None], inherit_bindings=False):
         """Run; the robots are told to stand and the links are closed however it ends.
 
         Returns:
-            The exit code.
+            The exit code: 0 if somebody ended it, 1 if it ended by a fault.
         """
         for link in self._links.values():
             link.start()
@@ -72,7 +77,7 @@ class Console(App[None], inherit_bindings=False):
             self._let_go()
             for link in self._links.values():
                 link.close()
-        return self.return_code or 0
+        return 0 if self._leaving and not self.return_code else 1
 
     def on_mount(self) -> None:
         """Start the clocks, and end in order when the system asks."""
@@ -81,7 +86,7 @@ class Console(App[None], inherit_bindings=False):
             # Where signals cannot be handled (Windows, tests in a thread), they end the process
             # as they always do, and the robot stops by itself.
             with contextlib.suppress(AttributeError, NotImplementedError, ValueError, RuntimeError):
-                loop.add_signal_handler(getattr(signal, name), self.exit)
+                loop.add_signal_handler(getattr(signal, name), self._leave)
         self.set_interval(_FRAME_S, self._draw)
         self.set_interval(_TICK_S, self._tick)
 
@@ -100,9 +105,13 @@ class Console(App[None], inherit_bindings=False):
         now = self._look_up()
         key = name_of_key(event.key, event.character)
         if key == _EMERGENCY_KEY:
-            self.exit()  # whatever the layout says, there is a way out
+            self._leave()  # whatever the layout says, there is a way out
         if not self._stalls.deaf(now):
             self._handle(self._keyboard.press(key, now))
+
+    async def action_quit(self) -> None:
+        """The terminal has gone."""
+        self._leave()
 
     def on_paste(self) -> None:
         """Pasted text is no driving: let go of all."""
@@ -135,6 +144,21 @@ class Console(App[None], inherit_bindings=False):
             if robot.picture is not None:
                 self._links[name].shown(robot.picture.number)
 
+    def _leave(self) -> None:
+        """End, in order if the terminal lets us.
+
+        Textual waits until the terminal has taken everything, which one that has stopped reading
+        never does.
+        """
+        if self._leaving:
+            return
+        self._leaving = True
+        self._let_go()
+        last_resort = threading.Timer(_LEAVE_S, os._exit, (1,))
+        last_resort.daemon = True
+        last_resort.start()
+        self.exit()
+
     def _handle(self, control_events: Iterable[ControlEvent]) -> None:
         for event in control_events:
             self._execute(self._dispatch.handle(event, self._state()))
@@ -146,7 +170,7 @@ class Console(App[None], inherit_bindings=False):
     def _execute(self, effects: Iterable[Effect]) -> None:
         for effect in effects:
             if isinstance(effect, QuitEffect):
-                self.exit()
+                self._leave()
             else:
                 self._links[effect.robot].send(effect.definition, effect.value)
 

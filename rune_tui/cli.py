@@ -57,6 +57,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (ConsoleError, HubError) as error:
         sys.stderr.write(f"rune: {error}\n")
         return ExitCode.USAGE
+    except OSError as error:
+        sys.stderr.write(f"rune: the output cannot be written: {error.strerror}\n")
+        return ExitCode.FAULT
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -154,7 +157,7 @@ def _endpoint(hub: str) -> str:
 
 
 def _need_terminal() -> None:
-    if not (sys.stdin.isatty() and sys.stderr.isatty()):
+    if not all(stream and stream.isatty() for stream in (sys.stdin, sys.stderr)):
         text = "this needs a terminal; without one, `rune shot` draws a picture into a file"
         raise _UsageError(text)
 

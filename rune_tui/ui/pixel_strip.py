@@ -2,8 +2,7 @@
 
 Textual styles and encodes every cell of a row by itself, which takes 200 ms a frame of video. A
 `PixelStrip` brings its bytes along; segments are only made when something asks for them, such as a
-screenshot or a pane that covers part of the row. This file and `terminal.py` are where private API
-of Textual is touched.
+screenshot or a pane that covers part of the row.
 """
 
 from __future__ import annotations

@@ -1,10 +1,15 @@
-"""How far the terminal is behind with what it was sent."""
+"""The terminal itself: which driver reads it, and how far behind it is with what it was sent.
+
+Private API of Textual is touched here, in `sturdy_driver.py` and in `pixel_strip.py` only.
+"""
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 from textual.app import App
+from textual.driver import Driver
 
 
 def output_is_pending(app: App[Any]) -> bool:
@@ -16,3 +21,12 @@ def output_is_pending(app: App[Any]) -> bool:
     """
     writer = getattr(app._driver, "_writer_thread", None)  # noqa: SLF001 - no public way to ask
     return writer is not None and writer._queue.qsize() > 0  # noqa: SLF001 - as above
+
+
+def terminal_driver() -> type[Driver] | None:
+    """The driver to use; None for Textual's own, where ours does not work (Windows)."""
+    if sys.platform == "win32":
+        return None
+    from rune_tui.ui.sturdy_driver import SturdyDriver
+
+    return SturdyDriver

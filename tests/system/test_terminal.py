@@ -1,0 +1,74 @@
+"""Terminals that send rubbish, stop reading or go away."""
+
+from __future__ import annotations
+
+import os
+import random
+import time
+from collections.abc import Callable
+
+import pytest
+
+from tests.system.harness import ConsoleProcess, HubProcess
+from tests.waiting import until
+
+RUBBISH = [
+    b"\xff\x80\xe9",
+    b"\x1b[:u",
+    b"\x1b[1114112u",
+    b"\x1b[999999999999u",
+    b"\x1b[119;1:3u",
+    b"\x1b[<0;1",
+    b"\x1b[200~" + b"w" * 5000 + b"\x1b[201~",
+]
+
+
+def test_no_input_ends_the_console(console: ConsoleProcess) -> None:
+    chance = random.Random(3)
+    for rubbish in [*RUBBISH, chance.randbytes(300).translate(None, b"\x03qQ")]:
+        os.write(console.terminal, rubbish)
+        console.pump(0.2)
+        assert console.process.poll() is None, rubbish
+    os.write(console.terminal, b"\x1b[201~")
+    console.pump(1.0)
+    console.hold("w", 1.0)
+    console.wait(lambda: "MOVING" in console.text, 5.0)
+
+
+@pytest.mark.parametrize("how", ["q", "SIGTERM"])
+def test_a_terminal_that_has_stopped_reading_does_not_keep_the_console(
+    console: ConsoleProcess, how: str
+) -> None:
+    console.hold("a", 0.3)
+    until(lambda: _is_stuck(console), 10.0, meanwhile=lambda: console.type("a"))
+    if how == "q":
+        console.type("q")
+    else:
+        console.process.terminate()
+    # Nobody reads what it writes; it has to end all the same.
+    until(lambda: console.process.poll() is not None, 10.0, "it does not end")
+
+
+def _is_stuck(console: ConsoleProcess) -> bool:
+    """Whether the console waits for the terminal to take more: its output has not moved on."""
+    import array
+    import fcntl
+    import termios
+
+    waiting = array.array("i", [0])
+    fcntl.ioctl(console.terminal, termios.FIONREAD, waiting)
+    time.sleep(0.1)
+    later = array.array("i", [0])
+    fcntl.ioctl(console.terminal, termios.FIONREAD, later)
+    return waiting[0] > 2000 and waiting[0] == later[0]
+
+
+def test_a_terminal_that_has_gone_ends_the_console(
+    hub: HubProcess, start_console: Callable[..., ConsoleProcess]
+) -> None:
+    console = start_console(hub.endpoint)
+    console.wait_for_picture()
+    other = os.open(os.devnull, os.O_RDWR)
+    os.dup2(other, console.terminal)  # the last end of the terminal is closed
+    os.close(other)
+    until(lambda: console.process.poll() is not None, 10.0, "it lives on")
