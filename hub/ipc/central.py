@@ -84,9 +84,10 @@ class Central:
         """End the threads and free the endpoints."""
         if self._stopping.is_set():
             return
-        self._stopping.set()
         for steering in self._steering:
-            steering.send(b"TERMINATE")
+            steering.send(b"TERMINATE", zmq.NOBLOCK)
+        # Only now: a thread that had ended already could not be told any more.
+        self._stopping.set()
         for thread in self._threads:
             thread.join()
         for steering in self._steering:
@@ -101,6 +102,7 @@ class Central:
         self._monitors = {self._monitor(self._router): "control"}
         self._tap = sockets.make(self._context, zmq.SUB, 10_000)
         self._tap.subscribe(b"")
+        self._told = self._steered("control")
         self._proxies: list[Callable[[], None]] = []
         ends = [self._router]
         for plane in sockets.PLANES:
@@ -134,10 +136,7 @@ class Central:
         copies = sockets.make(self._context, zmq.PUB, 10_000)
         copies.bind(f"inproc://copies-{name}")
         self._tap.connect(f"inproc://copies-{name}")
-        told, telling = self._context.socket(zmq.PAIR), self._context.socket(zmq.PAIR)
-        told.bind(f"inproc://steering-{name}")
-        telling.connect(f"inproc://steering-{name}")
-        self._steering.append(telling)
+        told = self._steered(name)
 
         def forward() -> None:
             zmq.proxy_steerable(inward, outward, copies, told)
@@ -147,10 +146,18 @@ class Central:
         forward.__name__ = f"central-{name}"
         return forward
 
+    def _steered(self, name: str) -> _Socket:
+        """A socket that hears when its thread shall end."""
+        told, telling = self._context.socket(zmq.PAIR), self._context.socket(zmq.PAIR)
+        told.bind(f"inproc://steering-{name}")
+        telling.connect(f"inproc://steering-{name}")
+        self._steering.append(telling)
+        return told
+
     def _serve(self) -> None:
         """The thread of control messages, of what the monitors see, and of the watched copies."""
         poller = zmq.Poller()
-        for socket in (self._router, self._tap, *self._monitors):
+        for socket in (self._told, self._router, self._tap, *self._monitors):
             poller.register(socket, zmq.POLLIN)
         while not self._stopping.is_set():
             ready = dict(poller.poll(_POLL_MS))
@@ -164,6 +171,7 @@ class Central:
                     _logger.exception("the first internal fault")
         for monitor in self._monitors:
             monitor.close(0)
+        self._told.close(0)
         self._router.close(0)
         self._tap.close(0)
 

@@ -77,6 +77,7 @@ class Client:
         self._clock = clock
         self._context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
         self._epoch = 0
+        self._joined = (0, 0)
         self._publisher = 0
         self._heard = -1e9
         self._next_ping = 0.0
@@ -429,8 +430,10 @@ class Client:
     def _welcome(self, message: control.Welcome) -> None:
         self.refusal = None
         self._publisher = message.publisher
-        if message.epoch != self._epoch:
-            self._epoch = message.epoch
+        self._epoch = message.epoch
+        if self._joined != (message.epoch, message.publisher):
+            # Central knew us no more: what lies in the old connections is from before that.
+            self._joined = (message.epoch, message.publisher)
             self._confirmed.clear()
             self._refused.clear()
             self._broadcasts.connect([self._address(message, place) for place in range(4)])

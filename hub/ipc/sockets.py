@@ -21,9 +21,13 @@ def make(context: zmq.Context[zmq.Socket[bytes]], kind: int, queue: int) -> zmq.
     made.linger = 0
     made.sndhwm = made.rcvhwm = queue
     made.maxmsgsize = MAX_FRAME
-    made.heartbeat_ivl = 500
-    made.heartbeat_timeout = 1500
-    made.heartbeat_ttl = 2000
+    if kind not in (zmq.SUB, zmq.DEALER):
+        # libzmq 4.3.5 aborts the process when a socket with heartbeats is read again after its
+        # queue was full for longer than the timeout. So only sockets that are always read, or only
+        # written to, have them; a client sees by its own pings that central has gone.
+        made.heartbeat_ivl = 500
+        made.heartbeat_timeout = 1500
+        made.heartbeat_ttl = 2000
     made.reconnect_ivl = 50
     made.reconnect_ivl_max = 250
     made.connect_timeout = 1000

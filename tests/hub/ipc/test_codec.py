@@ -329,7 +329,6 @@ def test_size_members_of_numpy_integers_do_not_wrap_around() -> None:
         bytearray(b"abcdef"),
         memoryview(b"abcdef"),
     ],
-    ids=str,
 )
 def test_any_view_of_the_numbers_encodes_the_same_elements(view: Any) -> None:
     wanted = bytes(np.array(view).reshape(-1).astype(np.uint8))

@@ -86,6 +86,9 @@ def test_everything_works_again_after_central_was_started_again(
     one.publish_until(v.EVENT, commands)
     epoch = one.client._epoch
     central.close()
+    # Both while it is not known yet that central is away, and when it is.
+    for number in range(20):
+        one.publish(v.EVENT, Number(value=number))
     until(lambda: not one.client.connected and not other.client.connected, 5.0)
     for number in range(20):
         one.publish(v.EVENT, Number(value=number))
@@ -119,6 +122,27 @@ def test_everything_works_again_after_central_was_started_again(
         one.close()
         other.close()
         central.close()
+
+
+def test_command_of_a_short_outage_never_arrives(lasting_endpoint: str, peers: Make) -> None:
+    """Not even when central is back before anybody has noticed that it was away."""
+    central = Central([lasting_endpoint])
+    one, other = (peers(name, lasting_endpoint).connect() for name in ("one", "other"))
+    commands = other.collect(v.EVENT)
+    one.publish_until(v.EVENT, commands)
+    for _ in range(3):
+        commands.clear()
+        central.close()
+        for number in range(20):
+            one.publish(v.EVENT, Number(value=number))
+        central = Central([lasting_endpoint])
+        epoch = central._registry.epoch
+        until(lambda epoch=epoch: one.client._epoch == other.client._epoch == epoch, 5.0)
+        one.publish_until(v.EVENT, commands)
+        assert _values(commands) == []
+    one.close()
+    other.close()
+    central.close()
 
 
 def test_query_under_way_ends_when_central_is_started_again(

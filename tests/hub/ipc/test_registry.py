@@ -343,11 +343,12 @@ def test_handlers_beyond_the_limit_and_of_undefined_messages_are_counted(bench: 
 
 def test_list_of_everything_fits_into_one_frame_at_the_limits(bench: Bench) -> None:
     """Also with names and texts as long as they may be."""
-    text = "{" + "int," * 1000 + "int}"
+    text = "{" + "int," * 100 + "int}"
+    fields = ", ".join(f"{'x' * 150}{place}" for place in range(101))
     bench.connect("a")
     refused = None
     for number in range(1000):
-        refused = bench.define("a", f"M{number:063}", text)
+        refused = bench.define("a", f"M{number:063}", text, fields=fields)
         if isinstance(refused, Refused):
             break
     assert isinstance(refused, Refused)

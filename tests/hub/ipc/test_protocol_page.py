@@ -1,0 +1,69 @@
+"""The page that describes the protocol agrees with the code."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from hub.gcm.catalog import MESSAGES
+from hub.ipc import client, control, description, frames, registry, security, sockets
+from hub.ipc import format as formats
+
+_PAGE = (Path(__file__).parents[3] / "docs" / "protocol.md").read_text()
+
+
+def _rows(title: str) -> list[list[str]]:
+    """The cells of the first table under a heading, without its two head lines."""
+    section = _PAGE.partition(f"\n## {title}\n")[2].partition("\n## ")[0]
+    lines = [line for line in section.splitlines() if line.startswith("|")]
+    return [[cell.strip(" `") for cell in line.strip("|").split("|")] for line in lines[2:]]
+
+
+def test_control_kinds_and_formats_are_those_of_the_code() -> None:
+    rows = [(int(kind), name, text) for kind, name, _, text in _rows("Control messages")]
+    assert rows == [(n, kind.name, kind.format) for n, kind in enumerate(control.KINDS, 1)]
+
+
+def test_messages_of_the_vocabulary_are_those_of_the_catalog() -> None:
+    rows = [tuple(row) for row in _rows("Messages of the vocabulary")]
+    assert rows == [(d.name, d.plane.value, d.keep.value) for d in MESSAGES]
+
+
+def test_header_fields_are_those_of_the_code() -> None:
+    fields = [row for row in _rows("A message frame") if row[0].startswith("h")]
+    sizes = [int(size) for _, size, _, _ in fields[:-1]]
+    assert sum(sizes) == frames._HEADER.size == 36
+    offsets = [0 if offset == "h" else int(offset.removeprefix("h + ")) for offset, *_ in fields]
+    assert offsets == [sum(sizes[:place]) for place in range(len(fields))]
+
+
+def test_every_primitive_is_in_the_table_of_formats() -> None:
+    named = set(re.findall(r"`(\w+)`", _PAGE.partition("## Formats")[2].partition("### ")[0]))
+    assert set(formats.PRIMITIVES) <= named
+
+
+@pytest.mark.parametrize(
+    "phrase",
+    [
+        f"Version {frames.VERSION}.",
+        f"The default of p is {security.DEFAULT_PORT}",
+        f"{frames.MAX_FRAME:,} bytes",
+        f"{formats.MAX_TEXT:,} characters, {formats.MAX_DEPTH} levels, {formats.MAX_ELEMENTS:,}",
+        f"{formats.MAX_DIMENSIONS} dimensions or size members",
+        f"up to {description.MAX_FIELDS:,}",
+        f"PING every {client.PING_S:g} s",
+        f"not heard central for {client.LOST_S:g} s",
+        f"every {client.RETRY_S:g} s while there is no connection",
+        f"silent for {registry.SILENCE_S:g} s",
+        f"| connected clients | {registry.MAX_PEERS} |",
+        f"| definitions | {registry.MAX_DEFINITIONS:,}, with {registry.MAX_LISTED:,} characters",
+        f"| queries under way | {registry.MAX_QUERIES:,} |",
+        f"| queries that one client answers | {registry.MAX_HANDLED} |",
+        f"| time central remembers a query | {registry.MAX_QUERY_S:g} s |",
+        "holds {} messages (state) or {} (command)".format(*sockets.QUEUE.values()),
+    ],
+)
+def test_number_on_the_page_is_that_of_the_code(phrase: str) -> None:
+    assert phrase in " ".join(_PAGE.split())
