@@ -182,6 +182,22 @@ class ConsoleProcess:
             self.type(keys)
             self.pump(every)
 
+    def hold_until(self, keys: str, condition: Any, timeout: float = 30.0) -> None:
+        """Keep a key down until the robot does what it should.
+
+        Where it does not, let go for a moment and press again, as a person does: on a machine that
+        is busy, commands can fall silent for long enough that the robot wants neutral first.
+        """
+        end = time.monotonic() + timeout
+        while True:
+            let_go = time.monotonic() + 2.5
+            while time.monotonic() < let_go:
+                self.hold(keys, 0.1)
+                if condition():
+                    return
+            assert time.monotonic() < end, f"holding {keys!r} does nothing\n{self.text}"
+            self.pump(1.0)
+
     @property
     def text(self) -> str:
         """What is written on the screen."""

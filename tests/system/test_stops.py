@@ -14,8 +14,7 @@ STILL = 1e-3
 
 
 def _drive(console: ConsoleProcess, observer: Observer) -> None:
-    console.hold("w", 1.0)
-    assert observer.truth.linear > 0.2
+    console.hold_until("w", lambda: observer.truth.linear > 0.2)
 
 
 def _expect_stop(observer: Observer) -> None:

@@ -31,8 +31,7 @@ def test_no_input_ends_the_console(console: ConsoleProcess) -> None:
         assert console.process.poll() is None, rubbish
     os.write(console.terminal, b"\x1b[201~")
     console.pump(1.0)
-    console.hold("w", 1.0)
-    console.wait(lambda: "MOVING" in console.text, 5.0)
+    console.hold_until("w", lambda: "MOVING" in console.text)
 
 
 @pytest.mark.parametrize("how", ["q", "SIGTERM"])

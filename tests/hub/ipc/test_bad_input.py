@@ -27,6 +27,13 @@ _GREETING = b"\xff" + bytes(8) + b"\x7f" + b"\3\1" + b"NULL".ljust(20, b"\0") + 
 _PLACES = {"control": 0, "state in": 1, "state out": 2, "command in": 3, "command out": 4}
 
 
+_TURNED_AWAY = (
+    zmq.EVENT_DISCONNECTED
+    | zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL
+    | zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL
+)
+
+
 class Traffic:
     """A good pair; `check` sends more and sees that nothing at all was lost."""
 
@@ -106,13 +113,13 @@ def plain(central: Central) -> Iterator[Plain]:
     def make(kind: int, place: str) -> zmq.Socket[bytes]:
         made.append(context.socket(kind))
         made[-1].rcvhwm = 10
+        # From before it connects, or what comes of that could be missed.
+        made[-1].get_monitor_socket(_TURNED_AWAY)
         made[-1].connect(f"tcp://127.0.0.1:{_port(central, place)}")
         return made[-1]
 
     yield make
-    for socket_ in made:
-        socket_.close(0)
-    context.term()
+    context.destroy(linger=0)
 
 
 def _port(central: Central, place: str) -> int:
@@ -348,13 +355,8 @@ def test_socket_of_the_wrong_kind_is_turned_away(
     place: str,
     kind: int,
 ) -> None:
-    turned_away = zmq.EVENT_DISCONNECTED | zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL
-    turned_away |= zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL
-    socket_ = plain(kind, place)
-    monitor = socket_.get_monitor_socket(turned_away)
+    monitor = plain(kind, place).get_monitor_socket()
     until(lambda: monitor.poll(0), 10.0)
-    socket_.disable_monitor()
-    monitor.close(0)
     traffic.check()
 
 
