@@ -10,7 +10,6 @@ import argparse
 import logging
 import os
 import signal
-import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,6 +23,7 @@ from hub.robots.description import RobotDescription, read_description
 
 _logger = logging.getLogger(__name__)
 
+_STDIN = 0
 _CONNECT_S = 10.0
 _LISTEN_S = 0.5
 
@@ -82,7 +82,7 @@ def run_module(
         _logger.error("%s", error)
         return 2
     try:
-        file = sys.stdin.fileno() if options.stop_with_stdin else None
+        file = _STDIN if options.stop_with_stdin else None
         return _serve(client, capabilities, file, lambda: build(client, robot))
     except CentralUnreachableError as error:
         _logger.error("%s", error)

@@ -68,6 +68,10 @@ class Central:
         except EndpointError:
             self._context.destroy(linger=0)
             raise
+        except zmq.ZMQError as error:  # such as: too many open files
+            self._context.destroy(linger=0)
+            text = f"central cannot make its sockets: {error}"
+            raise EndpointError(text) from error
         self._registry = Registry(
             clock=clock, complaints=self.complaints, ports=self._ports, paths=self._paths
         )

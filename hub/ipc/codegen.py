@@ -421,7 +421,9 @@ def _array(
     if isinstance(value, (bytes, bytearray, memoryview)):
         array = np.frombuffer(value, dtype)
     else:
-        array = np.ascontiguousarray(value)
+        # Of a list with numbers on both sides of 2**63 numpy would make floats.
+        whole = dtype.kind in "iu" and dtype.itemsize == 8 and not isinstance(value, np.ndarray)
+        array = np.ascontiguousarray(value, object if whole else None)
         if array.dtype != dtype:
             array = _cast(array, dtype)
         if array.ndim > 1 and dimensions not in (None, array.shape):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import logging
 import os
@@ -22,6 +23,7 @@ from hub.robomon.table import ModuleSpec, RobotTable, hub_arguments
 
 _logger = logging.getLogger(__name__)
 
+_STDIN = 0
 _PERIOD_S = 0.02
 _IN_ORDER_S = 0.25
 """Time in which modules are told to stop one after the other [s]."""
@@ -127,8 +129,9 @@ class Daemon:
             process.end()
 
     def _wait_for_end_of_stdin(self) -> None:
-        while os.read(sys.stdin.fileno(), 4096):
-            pass
+        with contextlib.suppress(OSError):  # it may be closed from the start
+            while os.read(_STDIN, 4096):
+                pass
         self._stop.set()
 
     def _say(self, event: str, endpoint: str) -> None:

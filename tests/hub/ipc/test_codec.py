@@ -80,6 +80,7 @@ _BY_HAND: list[tuple[str, Any, str]] = [
         (1, [(2, np.array([3], "<i4"), 4), (5, np.array([6], "<i4"), 7)]),
         "01 02 0000 03000000 04 05 0000 06000000 07",
     ),
+    ("{[ulong:2]}", ([1, 2**63 + 1],), "0100000000000000 0100000000000080"),
     ("int", 5, "05000000"),
     ("[short:2]", np.array([1, 2], "<i2"), "01000200"),
 ]  # fmt: skip
@@ -256,6 +257,10 @@ _MISFITS: list[tuple[str, Any, str]] = [
     ("{[int:1]}", ([2**40],), "do not fit int32"),
     ("{[byte:1]}", (np.array([200]),), "do not fit int8"),
     ("{[int:1]}", ([1.5],), "do not fit int32"),
+    ("{[long:1]}", ([1.5],), "do not fit int64"),
+    ("{[long:1]}", (["5"],), "do not fit int64"),
+    ("{[long:1]}", ([2**63],), "int"),
+    ("{[ulong:2]}", ([-1, 0],), "uint64|out of bounds|too large|convert"),
     ("{[int:1]}", ([np.nan],), "do not fit int32"),
     ("{[int:1]}", (["1"],), "are no int32"),
     ("{[float:1]}", ([1e300],), "do not fit float32"),
