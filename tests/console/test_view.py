@@ -303,7 +303,7 @@ def test_the_picture_size_is_the_largest_shown_of_each_robot() -> None:
     assert screen.picture_sizes()["magellan"] == (40, 30)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.text(), st.text(), st.lists(st.text(), max_size=3), st.integers(1, 60))
 def test_no_text_from_outside_puts_a_control_byte_on_the_terminal(
     name: str, detail: str, held: list[str], columns: int

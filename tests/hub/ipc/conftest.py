@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import pytest
-from hypothesis import settings
 
 from hub.ipc.broadcast import Reception
 from hub.ipc.central import Central
@@ -20,10 +19,6 @@ from tests.hub.ipc.vocabulary import Number
 from tests.waiting import until
 
 T = TypeVar("T")
-
-# A busy machine is no failure.
-settings.register_profile("patient", deadline=None)
-settings.load_profile("patient")
 
 
 class Peer:

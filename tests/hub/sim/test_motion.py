@@ -35,7 +35,7 @@ def clearance(arena: Arena, robot: SimulatedMagellan) -> float:
     return float(arena.footprints.distances(truth.x, truth.y).min()) - BODY_RADIUS
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(commands=st.lists(VELOCITIES, min_size=1, max_size=8), seed=st.integers(0, 2**32))
 def test_no_commands_bring_the_body_into_anything(
     commands: list[tuple[float, float, float]], seed: int
@@ -179,7 +179,7 @@ def test_the_body_slides_along_a_wall_that_it_meets_at_an_angle() -> None:
     assert second.y == pytest.approx(first.y, abs=1e-5)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(seed=st.integers(0, 2**32))
 def test_odometry_drifts_but_not_without_bound(seed: int) -> None:
     robot = SimulatedMagellan(EMPTY, seed=seed)
