@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import enum
 import importlib.metadata
 import logging
+import os
 import sys
 from collections.abc import Sequence
+from typing import TYPE_CHECKING, NoReturn
 
 from hub.errors import CentralUnreachableError, HubError, QueryError
 from hub.ipc.security import DEFAULT_ENDPOINT
 from hub.logs import start_logging
+
+if TYPE_CHECKING:
+    from hub.ipc.client import Client
 
 
 class ExitCode(enum.IntEnum):
@@ -30,7 +36,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return _run_command(options)
     except KeyboardInterrupt:
-        return ExitCode.OK
+        _leave()
     except BrokenPipeError:
         sys.stderr.close()  # whoever read our output has seen enough
         return ExitCode.OK
@@ -44,6 +50,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return ExitCode.FAULT
 
 
+def _leave() -> NoReturn:
+    """End at once: Ctrl-C can strike where sockets are half made, and closing them would wait."""
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError, ValueError, AttributeError):
+            stream.flush()
+    os._exit(ExitCode.OK)
+
+
 def _run_command(options: argparse.Namespace) -> int:
     if options.command == "run":
         return _run_daemon(options)
@@ -51,27 +65,34 @@ def _run_command(options: argparse.Namespace) -> int:
 
     client = commands.connect(options.hub, options.command)
     try:
-        if options.command == "list":
-            return commands.list_all(client, as_json=options.json)
-        if options.command == "echo":
-            return commands.echo(client, options.name, count=options.count, as_json=options.json)
-        if options.command == "rate":
-            return commands.rate(
-                client, options.name, seconds=options.seconds, as_json=options.json
-            )
-        if options.command == "send":
-            return commands.send(
-                client,
-                options.name,
-                options.fields,
-                rate_hz=options.rate,
-                zero_first=options.zero_first,
-            )
-        return commands.query(
-            client, options.name, options.fields, timeout=options.timeout, as_json=options.json
-        )
+        return _look(client, options)
+    except KeyboardInterrupt:
+        _leave()
     finally:
         client.close()
+
+
+def _look(client: Client, options: argparse.Namespace) -> int:
+    """Carry out a command that looks into a running hub."""
+    from hub.inspection import commands
+
+    if options.command == "list":
+        return commands.list_all(client, as_json=options.json)
+    if options.command == "echo":
+        return commands.echo(client, options.name, count=options.count, as_json=options.json)
+    if options.command == "rate":
+        return commands.rate(client, options.name, seconds=options.seconds, as_json=options.json)
+    if options.command == "send":
+        return commands.send(
+            client,
+            options.name,
+            options.fields,
+            rate_hz=options.rate,
+            zero_first=options.zero_first,
+        )
+    return commands.query(
+        client, options.name, options.fields, timeout=options.timeout, as_json=options.json
+    )
 
 
 def _run_daemon(options: argparse.Namespace) -> int:

@@ -28,23 +28,12 @@ _CONNECT_S = 10.0
 _LISTEN_S = 0.5
 
 
-class _StoppedError(Exception):
-    """The module was told to stop before it was ready."""
-
-
 @dataclass(slots=True)
 class _Health:
     """What the announcement says of the loop."""
 
     errors: int = 0
-    starting: bool = True
     stopping: bool = False
-
-    def stop(self) -> None:
-        """End the loop, or the start if that still goes on."""
-        self.stopping = True
-        if self.starting:
-            raise _StoppedError
 
 
 def run_module(
@@ -104,14 +93,9 @@ def _serve(
     _stop_on_signals(client, health)
     if daemon_pipe is not None:
         _stop_with_daemon(client, health, daemon_pipe)
-    try:
-        finish = build()
-        client.wait_connected(_CONNECT_S)
-        client.wait_defined(_CONNECT_S)
-        health.starting = False
-    except _StoppedError:
-        _logger.info("stopped before it was ready")
-        return 0
+    finish = build()
+    client.wait_connected(_CONNECT_S, give_up=lambda: health.stopping)
+    client.wait_defined(_CONNECT_S, give_up=lambda: health.stopping)
 
     def announce() -> None:
         info = ModuleInfo(
@@ -124,7 +108,8 @@ def _serve(
         client.publish(MODULE_INFO, info)
 
     client.every(1.0 / MODULE_INFO.rate_hz, announce)
-    _logger.info("ready")
+    if not health.stopping:
+        _logger.info("ready")
     while not health.stopping:
         try:
             client.listen(_LISTEN_S)
@@ -140,8 +125,8 @@ def _serve(
 def _stop_on_signals(client: Client, health: _Health) -> None:
     def stop(number: int, frame: object) -> None:
         del number, frame
+        health.stopping = True
         client.post(lambda: None)
-        health.stop()
 
     signal.signal(signal.SIGTERM, stop)
     signal.signal(signal.SIGINT, stop)
@@ -154,6 +139,6 @@ def _stop_with_daemon(client: Client, health: _Health, file: int) -> None:
         if not os.read(file, 4096):
             client.unwatch(file)
             _logger.warning("the daemon is gone; stopping")
-            health.stop()
+            health.stopping = True
 
     client.watch(file, read)

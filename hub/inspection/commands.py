@@ -10,7 +10,7 @@ import time
 from collections.abc import Sequence
 from typing import Any
 
-from hub.errors import UndefinedMessageError
+from hub.errors import HubError, UndefinedMessageError
 from hub.gcm.catalog import BY_NAME
 from hub.inspection import values
 from hub.ipc import control
@@ -36,7 +36,7 @@ def connect(endpoint: str, command: str) -> Client:
     client = Client(f"rune-hub-{command}-{os.getpid()}", endpoint)
     try:
         client.wait_connected(_ANSWER_S)
-    except BaseException:
+    except HubError:
         client.close()
         raise
     return client

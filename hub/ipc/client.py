@@ -108,15 +108,17 @@ class Client:
         """Whether central knows us and has answered lately."""
         return self._publisher > 0 and self._clock() - self._heard < LOST_S
 
-    def wait_connected(self, timeout: float) -> None:
-        """Serve until central has welcomed us.
+    def wait_connected(
+        self, timeout: float, *, give_up: Callable[[], bool] = lambda: False
+    ) -> None:
+        """Serve until central has welcomed us, or `give_up` says that nobody wants it any more.
 
         Raises:
             CentralUnreachableError: It did not within `timeout` [s].
             NameTakenError: Another live module has our name.
         """
         deadline = self._clock() + timeout
-        while not self.connected:
+        while not self.connected and not give_up():
             if self.refusal is not None:
                 raise self.refusal
             left = deadline - self._clock()
@@ -143,15 +145,15 @@ class Client:
                 if self._publisher:
                     self._tell(description.to_listing(definition))
 
-    def wait_defined(self, timeout: float) -> None:
-        """Serve until central has confirmed all our definitions.
+    def wait_defined(self, timeout: float, *, give_up: Callable[[], bool] = lambda: False) -> None:
+        """Serve until central has confirmed all our definitions, or `give_up` says to stop waiting.
 
         Raises:
             RedefinedMessageError: One is defined with another format.
             CentralUnreachableError: Central did not answer within `timeout` [s].
         """
         deadline = self._clock() + timeout
-        while not self._confirmed.issuperset(self._definitions):
+        while not (self._confirmed.issuperset(self._definitions) or give_up()):
             for error in self._refused.values():
                 raise error
             if self._clock() > deadline:
