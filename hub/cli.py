@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, NoReturn
 
 from hub.errors import CentralUnreachableError, HubError, QueryError
-from hub.ipc.security import DEFAULT_ENDPOINT
+from hub.ipc.security import DEFAULT_ENDPOINT, DEFAULT_PORT
 from hub.logs import start_logging
 
 if TYPE_CHECKING:
@@ -110,24 +110,35 @@ def _run_daemon(options: argparse.Namespace) -> int:
 
 
 def _port(text: str) -> int:
-    port = int(text)
-    if not 0 <= port <= 65531:
-        raise ValueError
-    return port
+    if not (text.isdigit() and int(text) <= 65531):
+        reason = f"{text!r} is no port from 0 to 65531"
+        raise argparse.ArgumentTypeError(reason)
+    return int(text)
+
+
+def _endpoint(text: str) -> str:
+    """HOST, HOST:PORT or a whole endpoint as an endpoint."""
+    if "://" in text:
+        return text
+    return f"tcp://{text}" if ":" in text else f"tcp://{text}:{DEFAULT_PORT}"
 
 
 def _positive(text: str) -> float:
-    number = float(text)
+    try:
+        number = float(text)
+    except ValueError:
+        number = 0.0
     if not 0.0 < number <= 1e6:
-        raise ValueError
+        reason = f"{text!r} is no number above 0"
+        raise argparse.ArgumentTypeError(reason)
     return number
 
 
 def _whole(text: str) -> int:
-    number = int(text)
-    if number < 1:
-        raise ValueError
-    return number
+    if not (text.isdigit() and int(text) > 0):
+        reason = f"{text!r} is no whole number above 0"
+        raise argparse.ArgumentTypeError(reason)
+    return int(text)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -147,7 +158,12 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--stop-with-stdin", action="store_true", help="stop when standard input ends")
 
     look = argparse.ArgumentParser(add_help=False)
-    look.add_argument("--hub", default=DEFAULT_ENDPOINT, help="where the hub is (%(default)s)")
+    look.add_argument(
+        "--hub",
+        type=_endpoint,
+        default=DEFAULT_ENDPOINT,
+        help="HOST, HOST:PORT or an endpoint on this machine (%(default)s)",
+    )
     name = argparse.ArgumentParser(add_help=False, parents=[look])
     name.add_argument("name", help="message name; `rune-hub list` shows all")
     fields = argparse.ArgumentParser(add_help=False, parents=[name])

@@ -183,16 +183,20 @@ def _log_to_file() -> Path:
 
 def _size(text: str) -> tuple[int, int]:
     columns, _, rows = text.partition("x")
-    size = int(columns), int(rows)
-    if not (1 <= size[0] <= 1000 and 1 <= size[1] <= 1000):
-        raise ValueError
-    return size
+    if columns.isdigit() and rows.isdigit() and all(0 < int(n) <= 1000 for n in (columns, rows)):
+        return int(columns), int(rows)
+    reason = f"{text!r} is no size such as 120x40, each number 1 to 1000"
+    raise argparse.ArgumentTypeError(reason)
 
 
 def _seconds(text: str) -> float:
-    seconds = float(text)
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = -1.0
     if not 0.0 <= seconds <= 3600.0:
-        raise ValueError
+        reason = f"{text!r} is no time from 0 to 3600 s"
+        raise argparse.ArgumentTypeError(reason)
     return seconds
 
 

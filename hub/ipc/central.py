@@ -196,7 +196,8 @@ class Central:
             event = zmq.utils.monitor.parse_monitor_message(raw)
             if event["event"] in _HANDSHAKE_FAILURES:
                 self.complaints.count(
-                    f"bad handshake on {where}", "a peer does not speak this protocol"
+                    f"bad handshake on {where}",
+                    "a peer left in the middle of it, or does not speak this protocol",
                 )
             elif event["event"] == zmq.EVENT_DISCONNECTED and where == "control":
                 self._send(self._registry.disconnected(int(event["value"])))
