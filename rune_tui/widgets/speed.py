@@ -49,11 +49,6 @@ class SetSpeed:
             angular=spec.option("angular", rules["angular"].default),
         )
 
-    @property
-    def active(self) -> bool:
-        """Whether a key is held."""
-        return bool(self._held)
-
     def forget(self) -> None:
         """Forget held keys without a word; their repeats no longer drive, only a new press does."""
         self._held.clear()

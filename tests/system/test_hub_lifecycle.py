@@ -90,19 +90,24 @@ def test_a_killed_module_is_started_again_and_works(
     assert answers[-1].width_px == 16
 
 
-def test_a_module_that_always_crashes_is_given_up(tmp_path: Path) -> None:
-    robot = tmp_path / "robot.toml"
-    misbehaving = Path(__file__).parents[1] / "misbehaving" / "crash_on_start.py"
+def _daemon_of(folder: Path, module: str, misbehaving: str, option: str) -> subprocess.Popen[str]:
+    """A daemon with one module, which misbehaves; its log is on the pipe `stderr`."""
+    robot = folder / "robot.toml"
+    program = Path(__file__).parents[1] / "misbehaving" / misbehaving
     robot.write_text(
-        'name = "x"\nkind = "simulated-magellan"\n[hub]\nport = 0\n[modules.bad]\n'
-        f'command = ["{sys.executable}", "{misbehaving}"]\nrestart_limit = 2\n'
+        f'name = "x"\nkind = "simulated-magellan"\n[hub]\nport = 0\n[modules.{module}]\n'
+        f'command = ["{sys.executable}", "{program}"]\n{option}\n'
     )
-    daemon = subprocess.Popen(
+    return subprocess.Popen(
         [sys.executable, "-m", "hub", "run", str(robot)],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,
     )
+
+
+def test_a_module_that_always_crashes_is_given_up(tmp_path: Path) -> None:
+    daemon = _daemon_of(tmp_path, "bad", "crash_on_start.py", "restart_limit = 2")
     assert daemon.stderr is not None
     lines: list[str] = []
     for line in daemon.stderr:
@@ -117,18 +122,7 @@ def test_a_module_that_always_crashes_is_given_up(tmp_path: Path) -> None:
 
 
 def test_a_module_that_ignores_sigterm_is_killed(tmp_path: Path) -> None:
-    robot = tmp_path / "robot.toml"
-    misbehaving = Path(__file__).parents[1] / "misbehaving" / "ignores_sigterm.py"
-    robot.write_text(
-        'name = "x"\nkind = "simulated-magellan"\n[hub]\nport = 0\n[modules.stubborn]\n'
-        f'command = ["{sys.executable}", "{misbehaving}"]\nstop_timeout_s = 0.5\n'
-    )
-    daemon = subprocess.Popen(
-        [sys.executable, "-m", "hub", "run", str(robot)],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+    daemon = _daemon_of(tmp_path, "stubborn", "ignores_sigterm.py", "stop_timeout_s = 0.5")
     assert daemon.stderr is not None
     for line in daemon.stderr:
         if "stubborn is ready" in line:

@@ -104,9 +104,9 @@ def test_the_release_of_a_key_that_does_not_drive_sends_nothing():
 def test_after_a_release_of_all_a_held_key_drives_only_when_pressed_anew():
     widget = speed()
     widget.handle(down("w"), W, at(0.0))
-    assert widget.active
+    assert not widget.velocity().neutral
     assert widget.release(at(0.1)) == velocity(0.0, 0.0)
-    assert not widget.active
+    assert widget.velocity().neutral
     assert widget.handle(again("w"), W, at(0.2)) == ()
     assert widget.handle(up("w"), W, at(0.3)) == ()
     assert widget.handle(down("w"), W, at(0.4)) == velocity(0.5, 0.0)
