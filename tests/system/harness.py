@@ -62,8 +62,12 @@ class HubProcess:
                 stdout=subprocess.PIPE,
                 stderr=log,
             )
-        self.endpoint = self._said("listening")["hub"]
-        self.pids: dict[str, int] = self._said("ready")["pids"]
+        try:
+            self.endpoint = self._said("listening")["hub"]
+            self.pids: dict[str, int] = self._said("ready")["pids"]
+        except BaseException:
+            self.close()
+            raise
 
     def _said(self, event: str) -> dict[str, Any]:
         pipe = self.process.stdout

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from tests.ports import free_port
 from tests.system.harness import ConsoleProcess, HubProcess, Observer
 
 
@@ -20,13 +21,13 @@ def test_console_without_a_hub_says_so_and_goes_on(
 def test_console_comes_back_when_the_hub_does(
     tmp_path: Path, start_console: Callable[..., ConsoleProcess]
 ) -> None:
-    first = HubProcess(tmp_path)
+    port = free_port()
+    first = HubProcess(tmp_path, port=port)
     console = start_console(first.endpoint)
     console.wait_for_picture()
     first.close()
     console.wait(lambda: "LINK LOST" in console.text, 10.0)
     console.wait(lambda: "STALE" in console.text or "no link" in console.text, 10.0)
-    port = int(first.endpoint.rpartition(":")[2])
     second = HubProcess(tmp_path, port=port)
     try:
         console.wait(lambda: "linked" in console.text, 15.0)

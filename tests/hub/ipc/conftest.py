@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import concurrent.futures
-import socket
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -126,21 +125,3 @@ def peers() -> Iterator[Callable[[str, str], Peer]]:
 def connect(central: Central, peers: Callable[[str, str], Peer]) -> Callable[[str], Peer]:
     """Makes peers that are connected to `central`: name."""
     return lambda name: peers(name, central.endpoints[0]).connect()
-
-
-def free_port() -> int:
-    """The first of five neighbouring TCP ports that nobody uses."""
-    for port in range(20_000 + threading.get_native_id() % 10_000, 60_000, 5):
-        held: list[socket.socket] = []
-        try:
-            for offset in range(5):
-                held.append(socket.socket())
-                held[-1].bind(("127.0.0.1", port + offset))
-        except OSError:
-            continue
-        finally:
-            for one in held:
-                one.close()
-        return port
-    text = "no five free ports"
-    raise AssertionError(text)

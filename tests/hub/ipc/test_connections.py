@@ -16,8 +16,9 @@ from hub.ipc import security
 from hub.ipc.central import Central
 from hub.ipc.client import Client
 from tests.hub.ipc import vocabulary as v
-from tests.hub.ipc.conftest import Peer, free_port
+from tests.hub.ipc.conftest import Peer
 from tests.hub.ipc.vocabulary import Number
+from tests.ports import free_port
 from tests.waiting import until
 
 Make = Callable[[str, str], Peer]
