@@ -25,7 +25,7 @@ import struct
 from typing import Any
 
 from hub.errors import CodecError
-from hub.ipc import codegen
+from hub.ipc import codegen, codegen_read, codegen_write
 from hub.ipc import format as formats
 from hub.ipc.codegen import Buffer
 
@@ -48,15 +48,19 @@ class Codec:
         text: The format in its canonical spelling.
         fingerprint: 64-bit identity of the format: equal formats have equal fingerprints.
         fixed_length: Whether every payload has the same length.
+        flat_letters: If the format is flat (nothing but numbers and structs of numbers, no array,
+            boolean, enum or string), the letters for one little-endian `struct` of the whole body
+            behind the encapsulation, "x" for padding; else None.
     """
 
     def __init__(self, tree: formats.Format) -> None:
         self.text = str(tree)
         self.fixed_length = formats.is_fixed_length(tree)
+        self.flat_letters = codegen.flat_letters(tree)
         digest = hashlib.blake2b(self.text.encode(), digest_size=8).digest()
         self.fingerprint = int.from_bytes(digest, "little")
-        self._encode = codegen.writer(tree)
-        self._decode = codegen.reader(tree)
+        self._encode = codegen_write.writer(tree)
+        self._decode = codegen_read.reader(tree)
 
     def encode(self, value: Any) -> list[Buffer]:
         """The payload of `value` in pieces; joined, they are the payload.

@@ -12,7 +12,7 @@ import pytest
 
 from hub.gcm.catalog import BY_NAME, MESSAGES
 from hub.ipc import format as formats
-from hub.ipc.codegen import _DTYPE
+from hub.ipc.codegen import DTYPES
 from hub.ipc.definition import MessageDefinition
 
 _GOLDEN = Path(__file__).parents[2] / "golden" / "wire"
@@ -58,7 +58,7 @@ def _value(node: formats.Format, numbers: Iterator[int]) -> Any:
 def _elements(element: formats.Format, count: int, numbers: Iterator[int]) -> Any:
     items = [_value(element, numbers) for _ in range(count)]
     if isinstance(element, formats.Primitive) and element.name != "string":
-        return np.array(items, _DTYPE[element.name])
+        return np.array(items, DTYPES[element.name])
     return items
 
 

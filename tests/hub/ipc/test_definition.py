@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import enum
+import struct
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +15,7 @@ from hypothesis import strategies as st
 
 from hub.errors import CodecError, MessageFormatError
 from hub.gcm.catalog import MESSAGES
-from hub.ipc import control
+from hub.ipc import codec, control
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.description import from_listing, to_listing
 
@@ -254,3 +255,77 @@ def test_arrays_of_a_decoded_value_are_numpy_views() -> None:
     back = definition.decode(_payload(definition, Scan(ranges=[1, 2, 3])))
     assert back.ranges.dtype == np.float32
     assert back.ranges.tolist() == [1, 2, 3]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Turn:
+    mode: Mode
+    rate: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Journey:
+    number: int
+    start: Point
+    turn: Turn
+    rest: Nothing
+
+
+JOURNEY = _define(Journey, "{ubyte,{int,long},{short,double},{}}")
+_JOURNEY = Journey(
+    number=1, start=Point(x=2, y=3), turn=Turn(mode=Mode.ON, rate=0.5), rest=Nothing()
+)
+
+
+@pytest.mark.parametrize(
+    ("definition", "value", "numbers"),
+    [
+        (JOURNEY, _JOURNEY, (1, 2, 3, 2, 0.5)),
+        (_define(Even, "{int}"), Even(number=4), (4,)),
+        (_define(Nothing, "{}"), Nothing(), ()),
+        (_define(Open, "{int,int}"), Open(x=1, y=2), (1, 2)),
+    ],
+    ids=lambda item: type(item).__name__,
+)
+def test_flat_message_is_one_struct_of_its_numbers(
+    definition: MessageDefinition[Any], value: Any, numbers: tuple[Any, ...]
+) -> None:
+    assert definition.flat_values(value) == numbers
+    assert definition.flat_letters is not None
+    body = struct.pack("<" + definition.flat_letters, *numbers)
+    assert _payload(definition, value) == b"\0\1\0\0" + body
+    back = definition.build_flat(struct.unpack("<" + definition.flat_letters, body))
+    assert back == value
+    assert type(back) is type(value)
+
+
+def test_flat_message_is_frozen_and_knows_its_enums_like_any_other() -> None:
+    back = JOURNEY.build_flat((1, 2, 3, 2, 0.5))
+    assert type(back.turn.mode) is Mode
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        back.start.x = 3
+
+
+@pytest.mark.parametrize("numbers", [(), (1, 2, 3, 2), (1, 2, 3, 2, 0.5, 6), (1, 2, 3, 1, 0.5)])
+def test_wrong_numbers_of_a_flat_message_are_refused(numbers: tuple[Any, ...]) -> None:
+    with pytest.raises(CodecError):
+        JOURNEY.build_flat(numbers)
+
+
+def test_number_that_the_type_of_a_flat_message_refuses_is_a_codec_error() -> None:
+    with pytest.raises(CodecError, match="odd"):
+        _define(Even, "{int}").build_flat((3,))
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["{string}", "{boolean}", "{{enum:2}}", "{[int:1]}", "{*int}", "{[{int}:1]}"],
+)
+def test_message_with_more_than_numbers_is_not_flat(text: str) -> None:
+    assert codec.compiled(text).flat_letters is None
+    if "[{" not in text:
+        definition = _define(One, text)
+        with pytest.raises(CodecError, match="not of a flat format"):
+            _ = definition.flat_values
+        with pytest.raises(CodecError, match="not of a flat format"):
+            _ = definition.build_flat

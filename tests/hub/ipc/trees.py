@@ -9,7 +9,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from hub.ipc import format as formats
-from hub.ipc.codegen import _DTYPE
+from hub.ipc.codegen import DTYPES
 
 _RANGE = {
     "byte": (-(2**7), 2**7 - 1),
@@ -115,7 +115,7 @@ def _primitive(name: str) -> st.SearchStrategy[Any]:
 def _array(draw: st.DrawFn, element: formats.Format, count: int) -> Any:
     if isinstance(element, formats.Primitive) and element.name != "string":
         items = draw(st.lists(_primitive(element.name), min_size=count, max_size=count))
-        return np.array(items, _DTYPE[element.name])
+        return np.array(items, DTYPES[element.name])
     return [draw(values_of(element)) for _ in range(count)]
 
 

@@ -1,0 +1,220 @@
+"""Generating the function that turns a value of one format into the pieces of its payload."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.ipc import format as formats
+from hub.ipc.codegen import DTYPES, ENCAPSULATION, LETTERS, Buffer, Generator
+
+
+def writer(tree: formats.Format) -> Callable[[Any], list[Buffer]]:
+    """The function that turns a value of the format into the pieces of its payload."""
+    return _Writer(tree).function()
+
+
+class _Writer(Generator):
+    """Generates the function value -> pieces."""
+
+    arguments = "value"
+
+    def body(self) -> None:
+        self.names |= {
+            "array": _array,
+            "ndarray": np.ndarray,
+            "text": _text,
+            "flag": _flag,
+            "index": operator.index,
+            "check": _check_length,
+        }
+        self.emit(f"parts = [{ENCAPSULATION!r}]")
+        self.emit("put = parts.append")
+        self.write(self.root, "value")
+        self.flush()
+        self.emit("return parts")
+
+    def flush(self) -> None:
+        if not self.run:
+            return
+        values = ", ".join(value for _, value in self.run)
+        dynamic = self.offset is None
+        name = self.run_struct()
+        if dynamic:
+            self.emit(f"s = {name}[at & 7]")
+            self.emit(f"put(s.pack({values}))")
+            self.emit("at += s.size")
+        else:
+            self.emit(f"put({name}.pack({values}))")
+        self.run = []
+
+    def write(self, node: formats.Format, value: str) -> None:
+        if isinstance(node, formats.Primitive):
+            if node.name == "string":
+                self.write_string(value)
+            else:
+                given = f"flag({value})" if node.name == "boolean" else value
+                self.run.append((LETTERS[node.name], given))
+        elif isinstance(node, formats.Enum):
+            self.emit(f"if not 0 <= {value} <= {node.largest}:")
+            self.emit(f"    raise ValueError(f'enum value {{{value}}} is not 0 to {node.largest}')")
+            self.run.append(("i", value))
+        elif isinstance(node, formats.Struct):
+            self.write_struct(node, value)
+        elif isinstance(node, formats.FixedArray):
+            self.write_elements(node.element, value, str(node.count), node.dimensions)
+        elif isinstance(node, formats.Pointer):
+            self.write_pointer(node, value)
+        else:
+            raise AssertionError(node)
+
+    def write_struct(self, node: formats.Struct, value: str) -> None:
+        own = self.fresh("v")
+        self.emit(f"{own} = {value}")
+        length = len(node.members)
+        self.emit(f"if {own}.__class__ is not tuple or len({own}) != {length}:")
+        self.emit(f"    check({own}, {length})")
+        for index, member in enumerate(node.members):
+            if isinstance(member, formats.VariableArray):
+                members = (f"index({own}[{number - 1}])" for number in member.size_members)
+                count = self.fresh("n")
+                self.emit(f"{count} = {' * '.join(members)}")
+                self.run.append(("I", count))
+                self.write_elements(member.element, f"{own}[{index}]", count, None)
+            else:
+                self.write(member, f"{own}[{index}]")
+
+    def write_string(self, value: str) -> None:
+        local = self.fresh("t")
+        self.emit(f"{local} = text({value})")
+        self.run.append(("I", f"len({local})"))
+        self.flush()
+        self.go_dynamic()
+        self.emit(f"put({local})")
+        self.emit(f"at += len({local})")
+
+    def write_elements(
+        self, element: formats.Format, value: str, count: str, dimensions: tuple[int, ...] | None
+    ) -> None:
+        self.flush()
+        if isinstance(element, formats.Primitive) and element.name != "string":
+            self.write_numbers(element, value, count, dimensions)
+            return
+        items, item = self.fresh("v"), self.fresh("v")
+        self.emit(f"{items} = {value}")
+        self.emit(f"check({items}, {count})")
+        self.go_dynamic()
+        self.emit(f"for {item} in {items}:")
+        self.indent += 1
+        self.write(element, item)
+        self.flush()
+        self.indent -= 1
+
+    def write_numbers(
+        self, element: formats.Primitive, value: str, count: str, dimensions: tuple[int, ...] | None
+    ) -> None:
+        dtype = DTYPES[element.name]
+        local, kind = self.fresh("a"), self.constant("dtype", dtype)
+        self.emit(f"{local} = {value}")
+        # What nearly always comes needs no call.
+        self.emit(f"if {local}.__class__ is not ndarray or {local}.dtype is not {kind} or \\")
+        self.emit(f"        {local}.shape != ({count},) or not {local}.flags.c_contiguous:")
+        self.emit(f"    {local} = array({local}, {kind}, {count}, {dimensions})")
+        if self.offset is not None and dimensions is not None:
+            gap = -self.offset % dtype.itemsize
+            if gap:
+                self.emit(f"put(pad[{gap}])")
+            self.emit(f"put({local})")
+            self.offset += gap + int(count) * dtype.itemsize
+            return
+        self.go_dynamic()
+        self.emit(f"if {local}.size:")
+        self.indent += 1
+        if dtype.itemsize > 1:
+            self.emit(f"gap = -at % {dtype.itemsize}")
+            self.emit("put(pad[gap])")
+            self.emit(f"at += gap + {local}.nbytes")
+        else:
+            self.emit(f"at += {local}.nbytes")
+        self.emit(f"put({local}.data)")
+        self.indent -= 1
+
+    def write_pointer(self, node: formats.Pointer, value: str) -> None:
+        local = self.fresh("v")
+        self.emit(f"{local} = {value}")
+        self.run.append(("I", f"{local} is not None"))
+        self.flush()
+        self.go_dynamic()
+        self.emit(f"if {local} is not None:")
+        self.indent += 1
+        self.write(node.target, local)
+        self.flush()
+        self.indent -= 1
+
+
+def _array(
+    value: Any, dtype: np.dtype[Any], count: int, dimensions: tuple[int, ...] | None
+) -> npt.NDArray[Any]:
+    """`value` as a flat array; of several dimensions only in the shape that is wanted, if any."""
+    if isinstance(value, (bytes, bytearray, memoryview)):
+        array = np.frombuffer(value, dtype)
+    else:
+        # Of a list with numbers on both sides of 2**63 numpy would make floats.
+        whole = dtype.kind in "iu" and dtype.itemsize == 8 and not isinstance(value, np.ndarray)
+        array = np.ascontiguousarray(value, object if whole else None)
+        if array.dtype != dtype:
+            array = _cast(array, dtype)
+        if array.ndim > 1 and dimensions not in (None, array.shape):
+            text = f"an array of shape {array.shape} instead of {dimensions}"
+            raise ValueError(text)
+    if array.size != count:
+        text = f"{array.size} elements instead of {count}"
+        raise ValueError(text)
+    return array.reshape(-1)
+
+
+def _cast(array: npt.NDArray[Any], dtype: np.dtype[Any]) -> npt.NDArray[Any]:
+    """`array` as another kind of number; floats may lose digits, nothing else may be lost."""
+    if array.size == 0 or np.can_cast(array.dtype, dtype, "safe"):
+        return array.astype(dtype)
+    if array.dtype.kind not in "biufO":
+        text = f"{array.dtype} elements are no {dtype}"
+        raise TypeError(text)
+    with np.errstate(invalid="ignore", over="ignore"):
+        cast = array.astype(dtype)
+    if array.dtype.kind == dtype.kind == "f":
+        fits = bool((np.isfinite(cast) | ~np.isfinite(array)).all())
+    else:
+        fits = np.array_equal(cast, array)
+    if not fits:
+        text = f"{array.dtype} elements do not fit {dtype}"
+        raise ValueError(text)
+    return cast
+
+
+def _flag(value: Any) -> Any:
+    if not isinstance(value, (bool, np.bool_)) and value not in (0, 1):
+        text = f"{value!r} is neither true nor false"
+        raise ValueError(text)
+    return value
+
+
+def _text(value: str) -> bytes:
+    encoded = value.encode() + b"\0"
+    if encoded.find(b"\0") != len(encoded) - 1:
+        text = "a string cannot hold the character NUL"
+        raise ValueError(text)
+    return encoded
+
+
+def _check_length(value: Sequence[Any], count: int) -> None:
+    if isinstance(value, (str, bytes)):
+        text = f"{type(value).__name__} instead of a sequence of {count} values"
+        raise TypeError(text)
+    if len(value) != count:
+        text = f"{len(value)} values instead of {count}"
+        raise ValueError(text)
