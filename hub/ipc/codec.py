@@ -3,7 +3,7 @@
 For each format a pair of functions is generated once, as Python source: neighbouring numbers
 become one `struct` call, numeric arrays are views. A payload is the 4-byte encapsulation header
 00 01 00 00 and the members, each primitive aligned to its own size, counted from behind that
-header.
+header. Payloads in big-endian order (00 00 00 00) are read too; their arrays are copies.
 
 | format | value | on the wire |
 | --- | --- | --- |
@@ -15,6 +15,8 @@ header.
 | variable array of numbers | flat numpy array, or bytes | uint32 count, the elements |
 | array of anything else | sequence, flat; decoded as list | as above |
 | pointer | None or a value | uint32 0, or uint32 1 and the value |
+| struct with a self pointer | struct; the next node or None | uint32 count, the nodes without it |
+| pointer to such a struct | None or the first node | the same; count 0 for None |
 """
 
 from __future__ import annotations
@@ -35,7 +37,8 @@ _FAULTS = (
     ValueError,
     IndexError,
     KeyError,
-    OverflowError,
+    ArithmeticError,
+    RecursionError,
     AttributeError,
     MemoryError,
 )

@@ -6,15 +6,19 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Literal
 
 import numpy as np
 
 from hub.ipc import format as formats
 
 Buffer = bytes | bytearray | memoryview
-ENCAPSULATION = b"\x00\x01\x00\x00"
+Order = Literal["<", ">"]
+"""Little-endian or big-endian, as `struct` spells it."""
+
+ENCAPSULATION: Mapping[Order, bytes] = {"<": b"\x00\x01\x00\x00", ">": b"\x00\x00\x00\x00"}
+"""What a payload starts with in each order of bytes."""
 
 LETTERS = {
     "byte": "b",
@@ -40,21 +44,22 @@ class Generator:
 
     `self.offset` is the position behind the encapsulation header while it is the same for all
     values; from the first part of variable length on it is None and the generated code keeps it in
-    the local variable `at`. `self.run` are numbers that wait for one struct call, `self.unchecked`
-    the enums among them.
+    the local variable `at`. `self.run` are numbers that wait for one struct call, and
+    `self.afterwards` the lines that follow it.
     """
 
     arguments = ""
 
-    def __init__(self, tree: formats.Format) -> None:
+    def __init__(self, tree: formats.Format, order: Order = "<") -> None:
         self.lines: list[str] = []
         self.names: dict[str, Any] = {"pad": [bytes(n) for n in range(8)]}
         self.indent = 1
         self.offset: int | None = 0
         self.run: list[tuple[str, str]] = []
         self.counter = 0
-        self.unchecked: list[tuple[str, int]] = []
+        self.afterwards: list[str] = []
         self.root = tree
+        self.order = order
 
     def function(self) -> Callable[[Any], Any]:
         """The finished function."""
@@ -93,10 +98,11 @@ class Generator:
         """A constant with the struct of the pending run: one, or one per position modulo 8."""
         letters = [letter for letter, _ in self.run]
         if self.offset is not None:
-            compact = _aligned(letters, self.offset)
+            compact = struct.Struct(self.order + _padded(letters, self.offset))
             self.offset += compact.size
             return self.constant("run", compact)
-        return self.constant("run", [_aligned(letters, start) for start in range(8)])
+        each = [struct.Struct(self.order + _padded(letters, start)) for start in range(8)]
+        return self.constant("run", each)
 
 
 def flat_letters(tree: formats.Format) -> str | None:
@@ -119,12 +125,8 @@ def _number_letters(node: formats.Format) -> list[str] | None:
     return letters
 
 
-def _aligned(letters: Sequence[str], start: int) -> struct.Struct:
-    """The struct of these numbers when the first byte free for it has position `start`."""
-    return struct.Struct("<" + _padded(letters, start))
-
-
 def _padded(letters: Sequence[str], start: int) -> str:
+    """The letters of these numbers when the first byte free for them has position `start`."""
     text, at = "", start
     for letter in letters:
         size = struct.calcsize("<" + letter)

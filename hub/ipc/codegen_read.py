@@ -2,23 +2,33 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 import numpy.typing as npt
 
 from hub.ipc import format as formats
-from hub.ipc.codegen import DTYPES, ENCAPSULATION, LETTERS, Buffer, Generator
+from hub.ipc.codegen import DTYPES, ENCAPSULATION, LETTERS, Buffer, Generator, Order
 
 _TRAILING = 3
 """Bytes that some CDR writers add at the end to fill a word."""
 
 
 def reader(tree: formats.Format) -> Callable[[Buffer], Any]:
-    """The function that turns a payload of the format into its value."""
-    return _Reader(tree).function()
+    """The function that turns a payload of the format into its value.
+
+    It reads little-endian payloads; what starts otherwise goes to one that reads the other order,
+    which is only generated when it is needed.
+    """
+    big_reader = functools.cache(lambda: _Reader(tree, _refuse_encapsulation, ">").function())
+
+    def other_order(payload: Buffer) -> Any:
+        return big_reader()(payload)
+
+    return _Reader(tree, other_order).function()
 
 
 class _Reader(Generator):
@@ -26,15 +36,24 @@ class _Reader(Generator):
 
     arguments = "payload"
 
+    def __init__(
+        self, tree: formats.Format, otherwise: Callable[[Buffer], Any], order: Order = "<"
+    ) -> None:
+        super().__init__(tree, order)
+        self.otherwise = otherwise
+
     def body(self) -> None:
         self.names |= {
+            "otherwise": self.otherwise,
+            "native": _native,
+            "linked": _linked,
             "numbers": np.frombuffer,
             "string": _string,
             "flags": _flags,
             "refuse": _refuse,
         }
-        self.emit(f"if payload[:4] != {ENCAPSULATION!r}:")
-        self.emit("    refuse('the encapsulation is not little-endian CDR')")
+        self.emit(f"if payload[:4] != {ENCAPSULATION[self.order]!r}:")
+        self.emit("    return otherwise(payload)")
         result = self.read(self.root)
         self.flush()
         end = "at" if self.offset is None else str(self.offset)
@@ -56,10 +75,9 @@ class _Reader(Generator):
         else:
             self.emit(f"{targets}, = {name}.unpack_from(payload, {(start or 0) + 4})")
         self.run = []
-        for local, largest in self.unchecked:
-            self.emit(f"if not 0 <= {local} <= {largest}:")
-            self.emit(f"    refuse(f'enum value {{{local}}} is not 0 to {largest}')")
-        self.unchecked = []
+        for line in self.afterwards:
+            self.emit(line)
+        self.afterwards = []
 
     def read(self, node: formats.Format) -> str:
         """Generate the reading of one value; returns the expression that holds it afterwards."""
@@ -77,30 +95,66 @@ class _Reader(Generator):
 
     def read_number(self, name: str) -> str:
         local = self.fresh("v")
-        self.run.append((LETTERS[name], local))
+        if name == "boolean":
+            # As a number first: a struct takes any byte but 0 for true.
+            self.run.append(("B", local))
+            self.afterwards.append(f"{local} = bool({local}) if {local} < 2 else")
+            self.afterwards[-1] += f" refuse(f'a boolean of {{{local}}} is neither 0 nor 1')"
+        else:
+            self.run.append((LETTERS[name], local))
         return local
 
     def read_enum(self, node: formats.Enum) -> str:
         local = self.fresh("v")
         self.run.append(("i", local))
-        self.unchecked.append((local, node.largest))
+        self.afterwards.append(f"if not 0 <= {local} <= {node.largest}:")
+        self.afterwards.append(f"    refuse(f'enum value {{{local}}} is not 0 to {node.largest}')")
         return local
 
     def read_struct(self, node: formats.Struct) -> str:
+        if node.next_place is not None:
+            return self.read_list(node, fewest=1)
+        return self.read_members(node)
+
+    def read_members(self, node: formats.Struct) -> str:
+        """Generate the reading of the members but the self pointer; returns them as a tuple."""
         members: list[str] = []
         for member in node.members:
             if isinstance(member, formats.VariableArray):
                 members.append(self.read_sequence(member, members))
+            elif isinstance(member, formats.SelfPointer):
+                members.append("")
             else:
                 members.append(self.read(member))
-        return "(" + "".join(f"{member}, " for member in members) + ")"
+        return "(" + "".join(f"{member}, " for member in members if member) + ")"
+
+    def read_list(self, node: formats.Struct, fewest: int) -> str:
+        count = self.read_number("uint")
+        self.flush()
+        self.emit(f"if not {fewest} <= {count} <= {formats.MAX_NODES} or {count} > len(payload):")
+        self.emit(f"    refuse(f'a list of {{{count}}} nodes')")
+        self.go_dynamic()
+        nodes = self.fresh("v")
+        self.emit(f"{nodes} = []")
+        self.emit(f"for _ in range({count}):")
+        self.indent += 1
+        item = self.read_members(node)
+        self.flush()
+        self.emit(f"{nodes}.append({item})")
+        self.indent -= 1
+        self.emit(f"{nodes} = linked({nodes}, {node.next_place})")
+        return nodes
 
     def read_sequence(self, node: formats.VariableArray, members: list[str]) -> str:
         count = self.read_number("uint")
         self.flush()
-        sizes = " * ".join(members[number - 1] for number in node.size_members)
-        self.emit(f"if {count} != {sizes}:")
-        self.emit(f"    refuse(f'{{{count}}} elements where the size members say {{{sizes}}}')")
+        sizes = [members[number - 1] for number in node.size_members]
+        product = " * ".join(sizes)
+        self.emit(f"if {count} != {product}:")
+        self.emit(f"    refuse(f'{{{count}}} elements where the size members say {{{product}}}')")
+        if len(sizes) > 1:
+            self.emit(f"if min({', '.join(sizes)}) < 0:")
+            self.emit("    refuse('a negative size')")
         self.emit(f"if {count} > len(payload):")
         self.emit(f"    refuse(f'{{{count}}} elements cannot be in it')")
         return self.read_elements(node.element, count, None)
@@ -137,7 +191,8 @@ class _Reader(Generator):
     ) -> None:
         dtype = DTYPES[element.name]
         boolean = element.name == "boolean"
-        kind = self.constant("dtype", DTYPES["ubyte"] if boolean else dtype)
+        wire = DTYPES["ubyte"] if boolean else dtype.newbyteorder(self.order)
+        kind = self.constant("dtype", wire)
         if dimensions is not None and self.offset is not None:
             self.offset += -self.offset % dtype.itemsize
             self.emit(f"{local} = numbers(payload, {kind}, {count}, {self.offset + 4})")
@@ -149,12 +204,16 @@ class _Reader(Generator):
             self.emit(f"{local} = numbers(payload, {kind}, {count}, at + 4) if {count} else")
             self.lines[-1] += f" {self.constant('empty', _empty(dtype))}"
             self.emit(f"at += {count} * {dtype.itemsize}")
+        if self.order == ">" and dtype.itemsize > 1:
+            self.emit(f"{local} = native({local})")
         if boolean:
             self.emit(f"{local} = flags({local})")
         if dimensions is not None and len(dimensions) > 1:
             self.emit(f"{local} = {local}.reshape({dimensions})")
 
     def read_pointer(self, node: formats.Pointer) -> str:
+        if isinstance(node.target, formats.Struct) and node.target.next_place is not None:
+            return self.read_list(node.target, fewest=0)
         count = self.read_number("uint")
         self.flush()
         self.go_dynamic()
@@ -177,6 +236,21 @@ def _empty(dtype: np.dtype[Any]) -> npt.NDArray[Any]:
     return nothing
 
 
+def _native(swapped: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Numbers of the other order as all arrays are: in this order, and not to be changed."""
+    array = swapped.astype(swapped.dtype.newbyteorder("<"))
+    array.flags.writeable = False
+    return array
+
+
+def _linked(nodes: list[tuple[Any, ...]], next_place: int) -> tuple[Any, ...] | None:
+    """The first of these nodes, each with the next one as another member."""
+    first: tuple[Any, ...] | None = None
+    for node in reversed(nodes):
+        first = (*node[:next_place], first, *node[next_place:])
+    return first
+
+
 def _flags(octets: npt.NDArray[np.uint8]) -> npt.NDArray[np.bool_]:
     """The booleans in these bytes; any other byte than 0 and 1 would be a broken boolean."""
     if octets.size and octets.max() > 1:
@@ -193,5 +267,9 @@ def _string(payload: Buffer, start: int, count: int) -> str:
     return raw[:-1].decode()
 
 
-def _refuse(reason: str) -> None:
+def _refuse(reason: str) -> NoReturn:
     raise ValueError(reason)
+
+
+def _refuse_encapsulation(payload: Buffer) -> NoReturn:
+    _refuse(f"the encapsulation {bytes(payload[:4]).hex(' ')} is not that of plain CDR")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import operator
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -31,8 +32,10 @@ class _Writer(Generator):
             "flag": _flag,
             "index": operator.index,
             "check": _check_length,
+            "count_of": _count_of,
+            "nodes_of": _nodes_of,
         }
-        self.emit(f"parts = [{ENCAPSULATION!r}]")
+        self.emit(f"parts = [{ENCAPSULATION[self.order]!r}]")
         self.emit("put = parts.append")
         self.write(self.root, "value")
         self.flush()
@@ -73,20 +76,42 @@ class _Writer(Generator):
             raise AssertionError(node)
 
     def write_struct(self, node: formats.Struct, value: str) -> None:
+        if node.next_place is not None:
+            self.write_list(node, value, fewest=1)
+            return
         own = self.fresh("v")
         self.emit(f"{own} = {value}")
         length = len(node.members)
         self.emit(f"if {own}.__class__ is not tuple or len({own}) != {length}:")
         self.emit(f"    check({own}, {length})")
+        self.write_members(node, own)
+
+    def write_members(self, node: formats.Struct, own: str) -> None:
         for index, member in enumerate(node.members):
             if isinstance(member, formats.VariableArray):
-                members = (f"index({own}[{number - 1}])" for number in member.size_members)
                 count = self.fresh("n")
-                self.emit(f"{count} = {' * '.join(members)}")
+                sizes = [f"{own}[{number - 1}]" for number in member.size_members]
+                if len(sizes) == 1:
+                    self.emit(f"{count} = index({sizes[0]})")
+                else:
+                    self.emit(f"{count} = count_of({', '.join(sizes)})")
                 self.run.append(("I", count))
                 self.write_elements(member.element, f"{own}[{index}]", count, None)
-            else:
+            elif not isinstance(member, formats.SelfPointer):
                 self.write(member, f"{own}[{index}]")
+
+    def write_list(self, node: formats.Struct, value: str, fewest: int) -> None:
+        nodes, item = self.fresh("v"), self.fresh("v")
+        length = len(node.members)
+        self.emit(f"{nodes} = nodes_of({value}, {node.next_place}, {length}, {fewest})")
+        self.run.append(("I", f"len({nodes})"))
+        self.flush()
+        self.go_dynamic()
+        self.emit(f"for {item} in {nodes}:")
+        self.indent += 1
+        self.write_members(node, item)
+        self.flush()
+        self.indent -= 1
 
     def write_string(self, value: str) -> None:
         local = self.fresh("t")
@@ -144,6 +169,9 @@ class _Writer(Generator):
         self.indent -= 1
 
     def write_pointer(self, node: formats.Pointer, value: str) -> None:
+        if isinstance(node.target, formats.Struct) and node.target.next_place is not None:
+            self.write_list(node.target, value, fewest=0)
+            return
         local = self.fresh("v")
         self.emit(f"{local} = {value}")
         self.run.append(("I", f"{local} is not None"))
@@ -209,6 +237,31 @@ def _text(value: str) -> bytes:
         text = "a string cannot hold the character NUL"
         raise ValueError(text)
     return encoded
+
+
+def _count_of(*sizes: Any) -> int:
+    """How many elements an array of these sizes has."""
+    lengths = [operator.index(size) for size in sizes]
+    if min(lengths) < 0:
+        text = f"sizes of {lengths} elements"
+        raise ValueError(text)
+    return math.prod(lengths)
+
+
+def _nodes_of(value: Any, next_place: int, length: int, fewest: int) -> list[Any]:
+    """The nodes of a linked list, first to last; `length` values each."""
+    nodes: list[Any] = []
+    while value is not None:
+        if len(nodes) == formats.MAX_NODES:
+            text = f"a list longer than {formats.MAX_NODES} nodes, or one that runs in a circle"
+            raise ValueError(text)
+        _check_length(value, length)
+        nodes.append(value)
+        value = value[next_place]
+    if len(nodes) < fewest:
+        text = "None instead of the first node of a list"
+        raise ValueError(text)
+    return nodes
 
 
 def _check_length(value: Sequence[Any], count: int) -> None:

@@ -1,12 +1,15 @@
 """The format-string grammar of CMU IPC: text to a Format tree and back.
 
-format   := primitive | struct | enum | array | pointer
-struct   := '{' [member {',' member}] '}'        member := format | sequence
+format   := primitive | NAME | LENGTH | struct | enum | array | pointer
+struct   := '{' [member {',' member}] '}'        member := format | sequence | '*!'
 enum     := '{' 'enum' ':' LARGEST '}' | '{' 'enum' NAME {',' NAME} '}'
-array    := '[' format ':' N {',' N} ']'
+array    := '[' format ':' N {',' N} ']' | '[' N ':' format ']'
 sequence := '<' format ':' I {',' I} '>'         I: 1-based number of an integer member before it;
                                                  its length is the product of those members
 pointer  := '*' format                           null or a value
+
+'*!' makes its struct the node of a linked list: it is the next node, or null at the end.
+NAME stands for a format that is defined elsewhere, LENGTH for so many bytes, [ubyte:LENGTH].
 """
 
 from __future__ import annotations
@@ -14,7 +17,9 @@ from __future__ import annotations
 import difflib
 import math
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import NoReturn
 
 from hub.errors import MessageFormatError
@@ -23,12 +28,16 @@ MAX_TEXT = 4096
 MAX_DEPTH = 16
 MAX_ELEMENTS = 1 << 24
 MAX_DIMENSIONS = 8
+MAX_NODES = 10_000
+"""Nodes of one linked list in a message."""
 
 INTEGERS = ("byte", "ubyte", "char", "short", "ushort", "int", "uint", "long", "ulong")
 PRIMITIVES = (*INTEGERS, "float", "double", "boolean", "string")
 
-_TOKEN = re.compile(r"[ \t\n\r\f]*(?:([{}\[\]<>,:*])|([A-Za-z_]\w*)|(\d+))", re.ASCII)
+_TOKEN = re.compile(r"[ \t\n\r\f]*(?:(\*!|[{}\[\]<>,:*])|([A-Za-z_]\w*)|(\d+))", re.ASCII)
 _BLANK = re.compile(r"[ \t\n\r\f]*")
+_TOO_LONG = f"spelt out, it is longer than {MAX_TEXT} characters"
+_NO_NAMES: Mapping[str, str] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +66,11 @@ class Struct:
     """Members one after the other."""
 
     members: tuple[Format, ...]
+
+    @property
+    def next_place(self) -> int | None:
+        """Index of the self pointer, if the struct is the node of a linked list."""
+        return self.members.index(SelfPointer()) if SelfPointer() in self.members else None
 
     def __str__(self) -> str:
         return "{" + ",".join(map(str, self.members)) + "}"
@@ -99,29 +113,68 @@ class Pointer:
         return f"*{self.target}"
 
 
-Format = Primitive | Enum | Struct | FixedArray | VariableArray | Pointer
+@dataclass(frozen=True, slots=True)
+class SelfPointer:
+    """Null, or the next node: another value of the struct that it is a member of."""
+
+    def __str__(self) -> str:
+        return "*!"
 
 
-def parse(text: str) -> Format:
+Format = Primitive | Enum | Struct | FixedArray | VariableArray | Pointer | SelfPointer
+
+
+def parse(text: str, named: Mapping[str, str] = _NO_NAMES) -> Format:
     """The tree of a format string.
+
+    Args:
+        text: The format string.
+        named: What the names in it stand for, as format strings, which may use names too.
 
     Raises:
         MessageFormatError: With the position and the reason.
     """
-    if len(text) > MAX_TEXT:
-        raise MessageFormatError(text, MAX_TEXT, f"longer than {MAX_TEXT} characters")
-    parser = _Parser(text)
-    tree = parser.format(1)
-    if parser.token:
-        parser.fail("nothing may follow a complete format")
+    parser = _Parser(text, _Names(named))
+    tree = parser.whole(1)
+    if len(str(tree)) > MAX_TEXT:
+        parser.fail(_TOO_LONG)
     return tree
+
+
+def equal(one: str, other: str, named: Mapping[str, str] = _NO_NAMES) -> bool:
+    """Whether two format strings mean the same on the wire and in its reading.
+
+    Names count for what they stand for, enums for their largest value and the names of their
+    values; blanks and the way an array is written make no difference.
+
+    Raises:
+        MessageFormatError: One of them is no format.
+    """
+    return parse(one, named) == parse(other, named)
+
+
+@dataclass(slots=True)
+class _Names:
+    """What names stand for, and what has come of them so far.
+
+    Attributes:
+        within: Names whose formats are being parsed, outermost first.
+        parsed: Formats parsed in all; a few names in each other could stand for billions.
+    """
+
+    meaning: Mapping[str, str]
+    within: list[str] = field(default_factory=list)
+    parsed: int = 0
 
 
 class _Parser:
     """Recursive descent over the tokens of one text."""
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, names: _Names) -> None:
+        if len(text) > MAX_TEXT:
+            raise MessageFormatError(text, MAX_TEXT, f"longer than {MAX_TEXT} characters")
         self.text = text
+        self.names = names
         self.end = 0
         self.start = 0
         self.token = ""
@@ -144,6 +197,8 @@ class _Parser:
         return passed
 
     def fail(self, reason: str) -> NoReturn:
+        if self.names.within:
+            reason += f" (in the named format {self.names.within[-1]!r})"
         raise MessageFormatError(self.text, self.start, reason)
 
     def expect(self, wanted: str) -> None:
@@ -151,7 +206,16 @@ class _Parser:
             self.fail(f"expected {wanted!r}, found {self.token or 'the end'!r}")
         self.advance()
 
+    def whole(self, depth: int) -> Format:
+        tree = self.format(depth)
+        if self.token:
+            self.fail("nothing may follow a complete format")
+        return tree
+
     def format(self, depth: int) -> Format:
+        self.names.parsed += 1
+        if self.names.parsed > MAX_TEXT:
+            self.fail(_TOO_LONG)
         if depth > MAX_DEPTH:
             self.fail(f"nested deeper than {MAX_DEPTH}")
         if self.token == "{":
@@ -161,15 +225,34 @@ class _Parser:
         if self.token == "*":
             self.advance()
             return Pointer(self.format(depth + 1))
-        if self.token == "<":
-            self.fail("a variable array stands directly inside a struct")
-        if self.token not in PRIMITIVES:
-            near = difflib.get_close_matches(self.token, PRIMITIVES, 1)
-            hint = f"; did you mean {near[0]!r}?" if near else ""
-            self.fail(f"expected a type, found {self.token[:20] or 'the end'!r}{hint}")
-        return Primitive(self.advance())
+        if self.token.isdigit():
+            return FixedArray(Primitive("ubyte"), (self.number(1, MAX_ELEMENTS),))
+        if self.token in PRIMITIVES:
+            return Primitive(self.advance())
+        return self.named_format(depth)
+
+    def named_format(self, depth: int) -> Format:
+        name, names = self.token, self.names
+        if name in names.within:
+            self.fail(f"{name!r} contains itself: {' > '.join([*names.within, name])}")
+        if name not in names.meaning:
+            self.fail_without_type()
+        self.advance()
+        names.within.append(name)
+        tree = _Parser(names.meaning[name], names).whole(depth)
+        names.within.pop()
+        return tree
+
+    def fail_without_type(self) -> NoReturn:
+        if self.token in ("<", "*!"):
+            what = "variable array" if self.token == "<" else "self pointer"
+            self.fail(f"a {what} stands directly inside a struct")
+        near = difflib.get_close_matches(self.token, [*PRIMITIVES, *self.names.meaning], 1)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        self.fail(f"expected a type, found {self.token[:20] or 'the end'!r}{hint}")
 
     def braces(self, depth: int) -> Format:
+        start = self.start
         self.expect("{")
         if self.token == "enum":
             self.advance()
@@ -178,12 +261,22 @@ class _Parser:
         while self.token != "}":
             if members:
                 self.expect(",")
-            if self.token == "<":
-                members.append(self.variable_array(depth, members))
-            else:
-                members.append(self.format(depth + 1))
+            members.append(self.member(depth, members))
+        struct = Struct(tuple(members))
+        if struct.next_place is not None:
+            self.refuse_empty(struct, start)
         self.advance()
-        return Struct(tuple(members))
+        return struct
+
+    def member(self, depth: int, before: list[Format]) -> Format:
+        if self.token == "<":
+            return self.variable_array(depth, before)
+        if self.token != "*!":
+            return self.format(depth + 1)
+        if SelfPointer() in before:
+            self.fail("a struct with two self pointers would be no list")
+        self.advance()
+        return SelfPointer()
 
     def enum(self) -> Enum:
         if self.token == ":":
@@ -205,14 +298,19 @@ class _Parser:
 
     def fixed_array(self, depth: int) -> Format:
         self.expect("[")
+        dimensions: list[int] = []
+        if self.token.isdigit():
+            dimensions.append(self.number(1, MAX_ELEMENTS))
+            self.expect(":")
         start = self.start
         element = self.format(depth + 1)
         self.refuse_empty(element, start)
-        self.expect(":")
-        dimensions = [self.number(1, MAX_ELEMENTS)]
-        while self.token == ",":
-            self.next_dimension(len(dimensions))
+        if not dimensions:
+            self.expect(":")
             dimensions.append(self.number(1, MAX_ELEMENTS))
+            while self.token == ",":
+                self.next_dimension(len(dimensions))
+                dimensions.append(self.number(1, MAX_ELEMENTS))
         if math.prod(dimensions) * elements_of(element) > MAX_ELEMENTS:
             self.fail(f"more than {MAX_ELEMENTS} elements")
         self.expect("]")
@@ -247,7 +345,7 @@ class _Parser:
     def refuse_empty(self, element: Format, start: int) -> None:
         if elements_of(element) == 0:
             self.start = start
-            self.fail("an array of empty structs has no meaning")
+            self.fail("an array or a list of empty structs has no meaning")
 
     def number(self, smallest: int, largest: int) -> int:
         if not self.token.isdigit() or len(self.token) > 10:
@@ -267,7 +365,7 @@ def elements_of(node: Format) -> int:
         return sum(elements_of(member) for member in node.members)
     if isinstance(node, FixedArray):
         return node.count * elements_of(node.element)
-    return 1
+    return 0 if isinstance(node, SelfPointer) else 1
 
 
 def is_fixed_length(node: Format) -> bool:

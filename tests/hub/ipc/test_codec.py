@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tracemalloc
+from decimal import Decimal
 from typing import Any
 
 import numpy as np
@@ -81,6 +82,32 @@ _BY_HAND: list[tuple[str, Any, str]] = [
         "01 02 0000 03000000 04 05 0000 06000000 07",
     ),
     ("{[ulong:2]}", ([1, 2**63 + 1],), "0100000000000000 0100000000000080"),
+    # A linked list is a sequence of its nodes; a pointer to one adds nothing but the empty list.
+    ("{byte,*!}", (1, (2, (3, None))), "03000000 01 02 03"),
+    ("{*!,byte}", (None, 7), "01000000 07"),
+    ("{byte,*!,short}", (1, (2, None, 3), 4), "02000000 01 00 0400 02 00 0300"),
+    ("{byte,*{byte,*!},byte}", (1, None, 2), "01 000000 00000000 02"),
+    ("{byte,*{byte,*!},byte}", (1, (5, (6, None)), 2), "01 000000 02000000 05 06 02"),
+    (
+        "{byte,{string,*!},int}",
+        (1, ("a", ("", None)), 2),
+        "01 000000 02000000 02000000 6100 0000 01000000 00 000000 02000000",
+    ),
+    (
+        "{byte,[{byte,*!}:2]}",
+        (1, [(2, None), (3, (4, None))]),
+        "01 000000 01000000 02 000000 02000000 03 04",
+    ),
+    (
+        "{ubyte,<ubyte:1>,*!}",
+        (2, b"ab", (0, b"", None)),
+        "02000000 02 000000 02000000 6162 00 00 00000000",
+    ),
+    ("{byte,{byte,*!},*!}", (1, (2, None), (3, (4, (5, None)), None)),
+     "02000000 01 000000 01000000 02 03 0000 02000000 04 05"),
+    ("**{byte,*!}", (2, None), "01000000 01000000 02"),
+    ("{byte,4}", (1, b"abcd"), "01 61626364"),
+    ("{[3:short]}", ([1, 2, 3],), "0100 0200 0300"),
     ("int", 5, "05000000"),
     ("[short:2]", np.array([1, 2], "<i2"), "01000200"),
 ]  # fmt: skip
@@ -207,6 +234,8 @@ _BOMBS = [
     ("[string:16777216]", "00000000"),
     ("[{byte,byte}:8388608]", "00"),
     ("[double:16777216]", "00"),
+    ("{int,*!}", "10270000"),
+    ("{[byte:1000000],*!}", "10270000"),
     ("{uint,<{uint,<{uint,<byte:1>}:1>}:1>}", "10000000 10000000 ffffff00 ffffff00"),
 ]
 
@@ -252,6 +281,15 @@ _MISFITS: list[tuple[str, Any, str]] = [
     ("{int,<{int}:1>}", (1, []), "0 values instead of 1"),
     ("{int,<byte:1>}", (-1, []), "out of range"),
     ("{int,<byte:1>}", (1.0, [1]), "integer"),
+    ("{int,int,<byte:1,2>}", (-1, -1, [0]), "sizes of"),
+    ("{int,int,<byte:1,2>}", (-1, 0, []), "sizes of"),
+    ("{int,int,<byte:1,2>}", (1, 1.0, [0]), "integer"),
+    ("{int,*!}", None, "None instead of the first node"),
+    ("{int,*!}", (1,), "1 values instead of 2"),
+    ("{int,*!}", (1, (2, 3)), "int"),
+    ("{int,*!}", (1, (2, None, None)), "3 values instead of 2"),
+    ("{int,*{int,*!}}", (1, ("x", None)), "integer"),
+    ("{{enum:2}}", (Decimal("sNaN"),), "InvalidOperation"),
     ("{[ubyte:2]}", ([1, 256],), "do not fit uint8"),
     ("{[ubyte:2]}", ([-1, 0],), "do not fit uint8"),
     ("{[int:1]}", ([2**40],), "do not fit int32"),
@@ -297,6 +335,15 @@ _WRONG_BYTES = [
     ("{{enum:2}}", "03000000", "enum value 3"),
     ("{{enum:2}}", "ffffffff", "enum value -1"),
     ("{*byte}", "02000000 0101", "a pointer to 2"),
+    ("{boolean}", "02", "a boolean of 2 is neither 0 nor 1"),
+    ("{string,boolean,int}", "01000000 00 ff 0000 01000000", "a boolean of 255"),
+    ("{byte,byte,<byte:1,2>}", "ff ff 0000 01000000 05", "a negative size"),
+    ("{byte,byte,<byte:1,2>}", "ff 00 0000 00000000", "a negative size"),
+    ("{byte,<byte:1>}", "ff 000000 ffffffff 05", "size members say -1"),
+    ("{byte,*!}", "00000000", "a list of 0 nodes"),
+    ("*{byte,*!}", "11270000", "a list of 10001 nodes"),
+    ("{byte,*!}", "00010000 05", "a list of 256 nodes"),
+    ("{int,*!}", "02000000 01000000", "buffer"),
 ]
 
 
@@ -306,7 +353,44 @@ def test_wrong_bytes_are_refused_with_the_reason(format_text: str, wire: str, re
         codec.compiled(format_text).decode(bytes.fromhex(_HEAD + wire.replace(" ", "")))
 
 
-@pytest.mark.parametrize("head", ["00000000", "00010001", "01010000", "00030000", "0001", ""])
+_BIG_ENDIAN: list[tuple[str, str, Any]] = [
+    ("{short,int,long}", "0001 0000 00000002 0000000000000003", (1, 2, 3)),
+    ("{ushort,uint,ulong}", "8000 0000 80000000 8000000000000000", (2**15, 2**31, 2**63)),
+    ("{byte,float,double}", "ff 000000 3fc00000 3ff8000000000000", (-1, 1.5, 1.5)),
+    ("{string,byte,boolean}", "00000003 616200 05 01", ("ab", 5, True)),
+    ("{{enum a,b,c}}", "00000002", (2,)),
+    ("{byte,[short:2,2]}", "01 00 0001 0002 0003 0004",
+     (1, np.array([[1, 2], [3, 4]], np.int16))),
+    ("{[ubyte:2],[boolean:2]}", "0102 0001", (np.array([1, 2], np.uint8), np.array([False, True]))),
+    ("{uint,<double:1>}", "00000001 00000001 3ff0000000000000", (1, np.array([1.0]))),
+    ("{uint,<double:1>}", "00000000 00000000", (0, np.array([], np.float64))),
+    ("{uint,<{string,*int}:1>}", "00000001 00000001 00000001 00 000000 00000001 00000007",
+     (1, [("", 7)])),
+    ("*{short,*!}", "00000002 0001 0002", (1, (2, None))),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("format_text", "wire", "value"), _BIG_ENDIAN, ids=lambda v: str(v)[:30])
+def test_big_endian_payload_is_read_into_the_same_values(
+    format_text: str, wire: str, value: Any
+) -> None:
+    coder = codec.compiled(format_text)
+    payload = bytes.fromhex("00000000" + wire.replace(" ", ""))
+    back = coder.decode(payload)
+    assert same(back, value)
+    assert b"".join(coder.encode(back))[:4] == b"\0\1\0\0"
+    with pytest.raises(CodecError):
+        coder.decode(payload[:-1])
+
+
+def test_array_read_from_a_big_endian_payload_cannot_be_changed_either() -> None:
+    back = codec.compiled("{[short:2]}").decode(bytes.fromhex("0000000000010002"))
+    assert back[0].dtype.isnative
+    with pytest.raises(ValueError, match="read-only"):
+        back[0][0] = 1
+
+
+@pytest.mark.parametrize("head", ["00010001", "01010000", "00030000", "0001", ""])
 def test_other_encapsulations_are_refused(head: str) -> None:
     with pytest.raises(CodecError):
         codec.compiled("{int}").decode(bytes.fromhex(head) + b"\1\0\0\0")
@@ -340,6 +424,23 @@ def test_any_view_of_the_numbers_encodes_the_same_elements(view: Any) -> None:
     assert _payload("{uint,<ubyte:1>}", (6, view))[12:] == wanted
     assert _payload("{string,<ubyte:3>}".replace("<ubyte:3>", "[ubyte:6]"),
                     ("", np.array(view).reshape(-1)))[9:] == wanted  # fmt: skip
+
+
+def test_list_has_a_limit_and_may_not_run_in_a_circle() -> None:
+    coder = codec.compiled("*{int,*!}")
+    first: Any = None
+    for number in range(formats.MAX_NODES):
+        first = (number, first)
+    payload = b"".join(coder.encode(first))
+    assert len(payload) == 8 + 4 * formats.MAX_NODES
+    back = coder.decode(payload)
+    assert b"".join(coder.encode(back)) == payload
+    with pytest.raises(CodecError, match="longer than 10000 nodes"):
+        coder.encode((0, first))
+    circle: list[Any] = [1, None]
+    circle[1] = circle
+    with pytest.raises(CodecError, match="in a circle"):
+        coder.encode(circle)
 
 
 def test_transposed_picture_is_written_in_reading_order() -> None:

@@ -278,20 +278,20 @@ _JOURNEY = Journey(
 
 
 @pytest.mark.parametrize(
-    ("definition", "value", "numbers"),
+    ("definition", "value", "letters", "numbers"),
     [
-        (JOURNEY, _JOURNEY, (1, 2, 3, 2, 0.5)),
-        (_define(Even, "{int}"), Even(number=4), (4,)),
-        (_define(Nothing, "{}"), Nothing(), ()),
-        (_define(Open, "{int,int}"), Open(x=1, y=2), (1, 2)),
+        (JOURNEY, _JOURNEY, "Bxxxiqhxxxxxxd", (1, 2, 3, 2, 0.5)),
+        (_define(Even, "{int}"), Even(number=4), "i", (4,)),
+        (_define(Nothing, "{}"), Nothing(), "", ()),
+        (_define(Open, "{byte,ushort}"), Open(x=1, y=2), "bxH", (1, 2)),
     ],
     ids=lambda item: type(item).__name__,
 )
 def test_flat_message_is_one_struct_of_its_numbers(
-    definition: MessageDefinition[Any], value: Any, numbers: tuple[Any, ...]
+    definition: MessageDefinition[Any], value: Any, letters: str, numbers: tuple[Any, ...]
 ) -> None:
     assert definition.flat_values(value) == numbers
-    assert definition.flat_letters is not None
+    assert definition.flat_letters == letters
     body = struct.pack("<" + definition.flat_letters, *numbers)
     assert _payload(definition, value) == b"\0\1\0\0" + body
     back = definition.build_flat(struct.unpack("<" + definition.flat_letters, body))

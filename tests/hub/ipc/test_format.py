@@ -6,9 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hub.errors import MessageFormatError
+from hub.errors import MessageFormatError, RedefinedMessageError
 from hub.ipc import codec
 from hub.ipc import format as formats
+from hub.ipc.named_formats import NamedFormats
 from tests.hub.ipc.trees import formats_of
 
 _GOOD = {
@@ -27,6 +28,15 @@ _GOOD = {
     "{enum : 2147483647}": "{enum:2147483647}",
     "{enum off , on}": "{enum off,on}",
     "{enum enum}": "{enum enum}",
+    "{int,*!}": "{int,*!}",
+    "{ *! , *{int, *!} }": "{*!,*{int,*!}}",
+    "{byte,{{string,*!},int},*!}": "{byte,{{string,*!},int},*!}",
+    "8": "[ubyte:8]",
+    "{int,16}": "{int,[ubyte:16]}",
+    "[3:int]": "[int:3]",
+    "[2:[3 : {char}]]": "[[{char}:3]:2]",
+    "[8:3]": "[[ubyte:3]:8]",
+    "[[8:3]:2]": "[[[ubyte:3]:8]:2]",
     "{boolean,long,ulong,short,ushort,byte,ubyte,char,float}": None,
 }
 
@@ -67,12 +77,27 @@ _BAD = [
     ("{enum a,a}", 8, "twice"),
     ("{enum a,1}", 8, "expected a name"),
     ("{enum a b}", 8, "expected '}'"),
-    ("{int,*!}", 6, "unexpected character '!'"),
+    ("{int,!*}", 5, "unexpected character '!'"),
+    ("*!", 0, "a self pointer stands directly inside a struct"),
+    ("{int,**!}", 6, "a self pointer stands directly inside a struct"),
+    ("{int,[*!:2]}", 6, "a self pointer stands directly inside a struct"),
+    ("{int,<*!:1>}", 6, "a self pointer stands directly inside a struct"),
+    ("{*!,int,*!}", 8, "two self pointers"),
+    ("{int,{*!}}", 5, "a list of empty structs"),
+    ("{*!,{}}", 0, "a list of empty structs"),
+    ("{*!,<int:1>}", 9, "member 1 is no integer"),
     ("{int;int}", 4, "unexpected character ';'"),
     ("int\0", 3, "unexpected character"),
     ("ünt", 0, "unexpected character"),
     ("[int:١]", 5, "unexpected character"),
-    ("8", 0, "expected a type"),
+    ("0", 0, "not between 1"),
+    ("16777217", 0, "not between 1"),
+    ("8 int", 2, "nothing may follow"),
+    ("[8]", 2, "expected ':'"),
+    ("[8:int:3]", 6, "expected ']'"),
+    ("[8:{}]", 3, "empty structs"),
+    ("[0:int]", 1, "not between 1"),
+    ("{" + "1000000," * 400 + "int}", 3205, "spelt out, it is longer than 4096 characters"),
 ]
 
 
@@ -100,6 +125,8 @@ def test_malformed_format_is_refused_with_position_and_reason(
         ("[byte:16777216]", "[byte:16777217]"),
         ("[[byte:4096]:4096]", "[[byte:4096]:4097]"),
         ("[{int,int}:8388608]", "[{int,int}:8388609]"),
+        ("16777216", "16777217"),
+        ("[4096:4096]", "[4097:4096]"),
         ("[byte:1,1,1,1,1,1,1,1]", "[byte:1,1,1,1,1,1,1,1,1]"),
         ("{int,<int:1,1,1,1,1,1,1,1>}", "{int,<int:1,1,1,1,1,1,1,1,1>}"),
     ],
@@ -115,7 +142,7 @@ def test_format_as_wide_as_the_limit_allows_compiles() -> None:
     codec.compiled("{string" + ",int" * 1000 + "}")
 
 
-@given(st.text(max_size=60) | st.text("{}[]<>,:*! 123intenumdoublestring", max_size=60))
+@given(st.text(max_size=60) | st.text("{}[]<>,:*!! 123intenumdoublestring", max_size=60))
 def test_any_text_parses_or_is_refused_within_itself(text: str) -> None:
     tree, position = None, 0
     try:
@@ -149,7 +176,110 @@ def test_fingerprints_are_equal_exactly_when_the_trees_are(
         ("{int,string}", False),
         ("{int,<byte:1>}", False),
         ("[{*int}:2]", False),
+        ("{int,*!}", False),
     ],
 )
-def test_fixed_length_means_no_string_pointer_or_variable_array(text: str, *, fixed: bool) -> None:
+def test_fixed_length_means_no_string_pointer_list_or_variable_array(
+    text: str, *, fixed: bool
+) -> None:
     assert formats.is_fixed_length(formats.parse(text)) is fixed
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "equal"),
+    [
+        ("{int, [double:3]}", "{int,[3:double]}", True),
+        ("{4}", "{[ubyte:4]}", True),
+        ("{{enum a,b}}", "{{enum a , b}}", True),
+        ("{{enum a,b}}", "{{enum b,a}}", False),
+        ("{{enum a,b}}", "{{enum:1}}", False),
+        ("{{enum:1}}", "{{enum:2}}", False),
+        ("{pose,int}", "{{double,double},int}", True),
+        ("{pose,int}", "{{double,angle},int}", True),
+        ("{pose,int}", "{{double,float},int}", False),
+        ("{char}", "{ubyte}", False),
+        ("{int,*!}", "*{int,*!}", False),
+    ],
+)
+def test_formats_are_equal_when_they_are_built_alike(one: str, other: str, *, equal: bool) -> None:
+    named = {"pose": "{angle,double}", "angle": "double"}
+    assert formats.equal(one, other, named) is equal
+    assert formats.equal(other, one, named) is equal
+
+
+@given(formats_of(), formats_of())
+def test_trees_and_texts_agree_on_what_is_equal(one: formats.Format, other: formats.Format) -> None:
+    assert formats.equal(str(one), str(one))
+    assert formats.equal(str(one), str(other)) == (one == other)
+
+
+@pytest.mark.parametrize(
+    ("text", "named", "position", "reason"),
+    [
+        ("{int,pos}", {"pose": "int"}, 5, "did you mean 'pose'?"),
+        ("{a}", {"a": "{int,b}"}, 5, "expected a type, found 'b' (in the named format 'a')"),
+        ("{a}", {"a": "{int,doubel}"}, 5, "did you mean 'double'? (in the named format 'a')"),
+        ("{a}", {"a": "int int"}, 4, "nothing may follow a complete format (in the named"),
+        ("a", {"a": "{int,*a}"}, 6, "'a' contains itself: a > a"),
+        ("{int,a}", {"a": "{b}", "b": "[c:3]", "c": "{int,a}"}, 5, "itself: a > b > c > a"),
+        ("{a}", {"a": "*!"}, 0, "a self pointer stands directly inside a struct"),
+        ("{int,a}", {"a": "<int:1>"}, 0, "a variable array stands directly inside a struct"),
+        ("{a,<int:1>}", {"a": "float"}, 8, "member 1 is no integer"),
+        ("[a:3]", {"a": "{}"}, 1, "empty structs"),
+    ],
+)
+def test_mistake_in_a_named_format_is_refused_with_position_and_reason(
+    text: str, named: dict[str, str], position: int, reason: str
+) -> None:
+    with pytest.raises(MessageFormatError) as caught:
+        formats.parse(text, named)
+    assert caught.value.position == position
+    assert reason in str(caught.value)
+
+
+def test_few_names_that_stand_for_billions_of_members_are_refused_at_once() -> None:
+    named = {f"n{level}": "{" + ",".join([f"n{level + 1}"] * 9) + "}" for level in range(14)}
+    with pytest.raises(MessageFormatError, match="longer than 4096"):
+        formats.parse("n0", named | {"n14": "int"})
+    deep = {f"n{level}": f"[n{level + 1}:1]" for level in range(20)}
+    with pytest.raises(MessageFormatError, match="nested deeper than 16"):
+        formats.parse("n0", deep | {"n20": "int"})
+
+
+def test_named_integer_can_be_a_size_member() -> None:
+    tree = formats.parse("{count,<point:1>}", {"count": "uint", "point": "{float,float}"})
+    assert str(tree) == "{uint,<{float,float}:1>}"
+
+
+def test_named_formats_are_spelt_out_and_stay_what_they_are() -> None:
+    named = NamedFormats()
+    named.define_format("pose", "{double, double}")
+    named.define_format("path", "{uint,<pose:1>}")
+    named.define_format("pose", "{double,double}")
+    assert dict(named) == {"pose": "{double,double}", "path": "{uint,<{double,double}:1>}"}
+    assert named.expand("{string,path}") == "{string,{uint,<{double,double}:1>}}"
+    with pytest.raises(RedefinedMessageError, match="'pose' is already defined as"):
+        named.define_format("pose", "{float,float}")
+    assert named["pose"] == "{double,double}"
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "reason"),
+    [
+        ("int", "double", "no word of the grammar"),
+        ("enum", "double", "no word of the grammar"),
+        ("", "double", "1 to 64 letters"),
+        ("a b", "double", "1 to 64 letters"),
+        ("1a", "double", "1 to 64 letters"),
+        ("ä", "double", "1 to 64 letters"),
+        ("x" * 65, "double", "1 to 64 letters"),
+        ("a", "{int,", "position 5"),
+        ("a", "{int,later}", "found 'later'"),
+        ("a", "{int,*a}", "'a' contains itself"),
+    ],
+)
+def test_name_that_cannot_stand_for_a_format_is_refused(name: str, text: str, reason: str) -> None:
+    named = NamedFormats()
+    with pytest.raises(MessageFormatError, match=reason):
+        named.define_format(name, text)
+    assert not named

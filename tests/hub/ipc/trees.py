@@ -23,6 +23,7 @@ _RANGE = {
     "ulong": (0, 2**64 - 1),
 }
 _TEXT = st.text(st.characters(codec="utf-8", exclude_characters="\0"), max_size=9)
+_RARELY = st.integers(0, 9).map(lambda number: number == 9)
 _NAMES = st.lists(
     st.sampled_from(["idle", "running", "enum", "int", "stopped", "A_1"]),
     min_size=1,
@@ -58,6 +59,9 @@ def structs(draw: st.DrawFn, depth: int = 3) -> formats.Struct:
     solid = inner.filter(lambda node: formats.elements_of(node) > 0)
     members: list[formats.Format] = []
     for _ in range(draw(st.integers(0, 5))):
+        if draw(_RARELY) and formats.SelfPointer() not in members:
+            members.append(formats.SelfPointer())
+            continue
         sizes = [
             number
             for number, node in enumerate(members, 1)
@@ -68,6 +72,8 @@ def structs(draw: st.DrawFn, depth: int = 3) -> formats.Struct:
             members.append(formats.VariableArray(draw(solid), tuple(chosen)))
         else:
             members.append(draw(inner))
+    if not any(map(formats.elements_of, members)):
+        members = [member for member in members if member != formats.SelfPointer()]
     return formats.Struct(tuple(members))
 
 
@@ -84,6 +90,18 @@ def values_of(draw: st.DrawFn, node: formats.Format) -> Any:
         array = _array(draw, node.element, node.count)
         return array.reshape(node.dimensions) if isinstance(array, np.ndarray) else array
     assert isinstance(node, formats.Struct)
+    place = node.next_place
+    if place is None:
+        return draw(_members_of(node))
+    first: Any = None
+    for body in draw(st.lists(_members_of(node), min_size=1, max_size=3)):
+        first = (*body[:place], first, *body[place + 1 :])
+    return first
+
+
+@st.composite
+def _members_of(draw: st.DrawFn, node: formats.Struct) -> tuple[Any, ...]:
+    """The members of a struct; a self pointer is None."""
     sizes = {
         number - 1
         for member in node.members
@@ -92,7 +110,9 @@ def values_of(draw: st.DrawFn, node: formats.Format) -> Any:
     }
     values: list[Any] = []
     for index, member in enumerate(node.members):
-        if isinstance(member, formats.VariableArray):
+        if isinstance(member, formats.SelfPointer):
+            values.append(None)
+        elif isinstance(member, formats.VariableArray):
             count = math.prod(values[number - 1] for number in member.size_members)
             values.append(_array(draw, member.element, count))
         elif index in sizes:
