@@ -10,7 +10,7 @@ import enum
 import functools
 import math
 import typing
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
@@ -87,7 +87,10 @@ class MessageDefinition(Generic[T]):
 
     @property
     def fields(self) -> str:
-        """Field names in the format's nesting, for people: "x, y, stamp{sec, nanosec}"."""
+        """Field names in the format's nesting, for people: "x, stamp{sec, nanosec}".
+
+        "[]" stands before the inner names of an array, "*" before those of a pointer.
+        """
         return self._record.fields
 
     @property
@@ -128,8 +131,11 @@ class MessageDefinition(Generic[T]):
         """
         return typing.cast("T", self._record.build(values))
 
-    def encode(self, value: T) -> list[Buffer]:
+    def encode(self, value: T | Mapping[str, Any]) -> list[Buffer]:
         """The payload of `value`, in pieces that the frame joins once.
+
+        Args:
+            value: The dataclass, or a mapping with the names of all its fields; so inside it.
 
         Raises:
             CodecError: The values do not fit the format.

@@ -15,7 +15,7 @@ from hub.ipc.format import MAX_DEPTH
 MAX_FIELDS = 16_384
 """Longest text that the fields of a message may have [characters]."""
 
-_TOKEN = re.compile(r" *([A-Za-z]\w*|\[\]|[{},])", re.ASCII)
+_TOKEN = re.compile(r" *([A-Za-z]\w*|\[\]|[*{},])", re.ASCII)
 _TEXT = re.compile(f"(?:{_TOKEN.pattern})*", re.ASCII)
 
 
@@ -68,17 +68,18 @@ def _record(tokens: list[str], name: str, depth: int) -> type[Any]:
     members: list[tuple[str, Any]] = []
     while tokens and tokens[0] != "}":
         field = tokens.pop(0)
+        around = []
+        while tokens and tokens[0] in ("[]", "*"):
+            around.append(tokens.pop(0))
         kind: Any = Any
-        array = bool(tokens) and tokens[0] == "[]"
-        if array:
-            tokens.pop(0)
         if tokens and tokens[0] == "{":
             tokens.pop(0)
-            inner = _record(tokens, f"{name}_{field}", depth + 1)
-            kind = types.GenericAlias(tuple, (inner, ...)) if array else inner
+            kind = _record(tokens, f"{name}_{field}", depth + 1)
             if not tokens:
                 raise MessageFormatError(name, 0, "its fields do not end")
             tokens.pop(0)
+            for sign in reversed(around):
+                kind = types.GenericAlias(tuple, (kind, ...)) if sign == "[]" else kind | None
         members.append((field, kind))
         if tokens and tokens[0] == ",":
             tokens.pop(0)

@@ -1,15 +1,18 @@
 """How a dataclass and the plain values that a codec knows turn into each other.
 
-The functions that do it are generated once for each message, because that is the fastest.
+A mapping with the names of the fields is as good as the dataclass, at any depth. The functions that
+build dataclasses are generated once for each message, because that is the fastest.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import difflib
 import enum
 import operator
+import types
 import typing
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,14 +31,16 @@ class Member:
 
     Attributes:
         name: The field.
-        struct: The record of a member that is a struct itself.
+        record: The record of the struct that the member is, or is made of.
+        inline: Whether it is that struct itself, no array of it, pointer to it or list.
         outward: What turns the field's value into the member's, if anything has to.
         inward: The way back.
-        shown: Its inner names, for people.
+        shown: Its inner names, for people: "[]" for each array, "*" for each pointer around them.
     """
 
     name: str
-    struct: Record | None = None
+    record: Record | None = None
+    inline: bool = False
     outward: _Converter | None = None
     inward: _Converter | None = None
     shown: str = ""
@@ -48,14 +53,15 @@ class Record:
     Attributes:
         kind: The dataclass.
         members: Its fields, in order.
-        values: A dataclass's fields as the members of the struct.
-        build: The dataclass of the members of the struct.
+        values: From the dataclass, or a mapping, to the members of the struct; of the first node of
+            a linked list, nested like its dataclasses.
+        build: The way back.
     """
 
     kind: type[Any]
     members: tuple[Member, ...]
-    values: Callable[[Any], Sequence[Any]]
-    build: Callable[[Sequence[Any]], Any]
+    values: _Converter
+    build: _Converter
 
     @classmethod
     def of(cls, kind: Any, tree: formats.Struct, where: str) -> Record:
@@ -70,13 +76,17 @@ class Record:
         if len(fields) != len(tree.members):
             reason = f"{where}: {kind.__name__} has {len(fields)} fields"
             raise MessageFormatError(str(tree), 0, f"{reason}, the format {len(tree.members)}")
-        hints = typing.get_type_hints(kind)
+        hints = _hints(kind, tree, where)
         members = tuple(
             _member(field.name, hints[field.name], node, f"{where}.{field.name}")
             for field, node in zip(fields, tree.members, strict=True)
         )
-        build = _Builder(flat=False).function(kind, members)
-        return cls(kind=kind, members=members, values=_taker_apart(kind, members), build=build)
+        values: _Converter = _taker_apart(kind, members, where)
+        build: _Converter = _Builder(flat=False).function(kind, members)
+        if tree.next_place is not None:
+            values = _list_taker_apart(values, tree.next_place)
+            build = _list_builder(build, tree.next_place)
+        return cls(kind=kind, members=members, values=values, build=build)
 
     @property
     def fields(self) -> str:
@@ -99,25 +109,38 @@ class Record:
 
 def _paths(members: Sequence[Member]) -> Iterator[str]:
     for member in members:
-        if member.struct is None:
+        if member.record is None:
             yield member.name
         else:
-            yield from (f"{member.name}.{path}" for path in _paths(member.struct.members))
+            yield from (f"{member.name}.{path}" for path in _paths(member.record.members))
 
 
-def _taker_apart(kind: type[Any], members: Sequence[Member]) -> Callable[[Any], Sequence[Any]]:
-    """The function that turns a dataclass into the members of a struct, converted where needed."""
+def _hints(kind: type[Any], tree: formats.Struct, where: str) -> dict[str, Any]:
+    try:
+        return typing.get_type_hints(kind)
+    except (NameError, TypeError) as error:
+        reason = f"{where}: the types of {kind.__name__}'s fields cannot be found: {error}"
+        raise MessageFormatError(str(tree), 0, reason) from error
+
+
+def _taker_apart(
+    kind: type[Any], members: Sequence[Member], where: str
+) -> Callable[[Any], Sequence[Any]]:
+    """The function that turns a dataclass or a mapping into the members of a struct."""
     names = [member.name for member in members]
     convert = [(place, member.outward) for place, member in enumerate(members) if member.outward]
     # An attrgetter of one name returns the bare value, of none there is none.
     get = operator.attrgetter(*names) if len(names) > 1 else None
 
     def values(record: Any) -> Sequence[Any]:
-        try:
-            raw = get(record) if get else [getattr(record, name) for name in names]
-        except AttributeError as error:
-            text = f"{type(record).__name__} is not a {kind.__name__}: {error}"
-            raise CodecError(text) from error
+        if record.__class__ is not kind and isinstance(record, Mapping):
+            raw: Any = _from_mapping(record, names, where)
+        else:
+            try:
+                raw = get(record) if get else [getattr(record, name) for name in names]
+            except AttributeError as error:
+                text = f"{where}: {type(record).__name__} is not a {kind.__name__}: {error}"
+                raise CodecError(text) from error
         if not convert:
             return typing.cast("Sequence[Any]", raw)
         converted = list(raw)
@@ -126,6 +149,60 @@ def _taker_apart(kind: type[Any], members: Sequence[Member]) -> Callable[[Any], 
         return converted
 
     return values
+
+
+def _from_mapping(record: Mapping[Any, Any], names: Sequence[str], where: str) -> list[Any]:
+    for key in record:
+        if key not in names:
+            missing = [name for name in names if name not in record]
+            near = difflib.get_close_matches(str(key), missing or names, 1)
+            hint = f"; did you mean {near[0]!r}?" if near else f"; it has {', '.join(names)}"
+            text = f"{where} has no field {str(key)[:40]!r}{hint}"
+            raise CodecError(text)
+    missing = [name for name in names if name not in record]
+    if missing:
+        text = f"{where} needs a value for {', '.join(missing)}"
+        raise CodecError(text)
+    return [record[name] for name in names]
+
+
+def _list_taker_apart(
+    members_of: Callable[[Any], Sequence[Any]], next_place: int
+) -> Callable[[Any], Sequence[Any] | None]:
+    """The function that turns the first node of a list into nested members, without recursion."""
+
+    def values(node: Any) -> Sequence[Any] | None:
+        nodes: list[Sequence[Any]] = []
+        while node is not None:
+            if len(nodes) == formats.MAX_NODES:
+                text = f"a list longer than {formats.MAX_NODES} nodes, or one that runs in a circle"
+                raise CodecError(text)
+            nodes.append(members_of(node))
+            node = nodes[-1][next_place]
+        first: Sequence[Any] | None = None
+        for members in reversed(nodes):
+            first = (*members[:next_place], first, *members[next_place + 1 :])
+        return first
+
+    return values
+
+
+def _list_builder(
+    build_node: Callable[[Sequence[Any]], Any], next_place: int
+) -> Callable[[Sequence[Any] | None], Any]:
+    """The function that turns nested members into the first node of a list."""
+
+    def build(members: Sequence[Any] | None) -> Any:
+        nodes: list[Sequence[Any]] = []
+        while members is not None:
+            nodes.append(members)
+            members = members[next_place]
+        first: Any = None
+        for node in reversed(nodes):
+            first = build_node((*node[:next_place], first, *node[next_place + 1 :]))
+        return first
+
+    return build
 
 
 class _Builder:
@@ -166,8 +243,8 @@ class _Builder:
         """
         patterns, arguments = [], []
         for member in members:
-            if member.struct is not None:
-                pattern, given = self.struct(member.struct.kind, member.struct.members)
+            if member.record is not None and member.inline:
+                pattern, given = self.struct(member.record.kind, member.record.members)
             else:
                 pattern = given = self.variable()
                 if member.inward is not None:
@@ -205,20 +282,53 @@ def _open_twin(kind: type[Any], names: Sequence[str]) -> type[Any] | None:
 def _member(name: str, hint: Any, node: formats.Format, where: str) -> Member:
     if isinstance(node, formats.Struct):
         record = Record.of(hint, node, where)
-        shown = "{" + record.fields + "}"
-        return Member(name=name, struct=record, outward=record.values, shown=shown)
-    element = getattr(node, "element", None)
-    if isinstance(element, formats.Struct):
-        record = Record.of(next(iter(typing.get_args(hint)), hint), element, where)
         return Member(
             name=name,
-            outward=lambda items: [record.values(item) for item in items],
-            inward=lambda items: tuple(record.build(item) for item in items),
-            shown="[]{" + record.fields + "}",
+            record=record,
+            inline=node.next_place is None,
+            outward=record.values,
+            inward=record.build,
+            shown="{" + record.fields + "}",
         )
+    if isinstance(node, formats.Pointer):
+        inner = _member(name, _without_none(hint), node.target, where)
+        return _around(inner, "*", _through_pointer)
+    if isinstance(node, (formats.FixedArray, formats.VariableArray)):
+        inner = _member(name, next(iter(typing.get_args(hint)), hint), node.element, where)
+        if isinstance(node.element, formats.Primitive):
+            return Member(name=name)
+        return _around(inner, "[]", _through_array)
     if isinstance(hint, type) and issubclass(hint, enum.IntEnum):
         return Member(name=name, inward=_enum_reader(hint, where))
     return Member(name=name)
+
+
+def _without_none(hint: Any) -> Any:
+    """The type that `hint` allows beside None, if it is one."""
+    kinds = [kind for kind in typing.get_args(hint) if kind is not types.NoneType]
+    optional = typing.get_origin(hint) in (typing.Union, types.UnionType)
+    return kinds[0] if optional and len(kinds) == 1 else hint
+
+
+def _around(
+    inner: Member, sign: str, through: Callable[[_Converter, type[Any]], _Converter]
+) -> Member:
+    """The member that is an array of what `inner` is, or a pointer to it."""
+    return dataclasses.replace(
+        inner,
+        inline=False,
+        outward=inner.outward and through(inner.outward, list),
+        inward=inner.inward and through(inner.inward, tuple),
+        shown=inner.shown and sign + inner.shown,
+    )
+
+
+def _through_pointer(convert: _Converter, _: type[Any]) -> _Converter:
+    return lambda value: None if value is None else convert(value)
+
+
+def _through_array(convert: _Converter, kind: type[Any]) -> _Converter:
+    return lambda items: kind(map(convert, items))
 
 
 def _enum_reader(kind: type[enum.IntEnum], where: str) -> Callable[[Any], enum.IntEnum]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import enum
 import struct
+import types
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,6 +17,7 @@ from hypothesis import strategies as st
 from hub.errors import CodecError, MessageFormatError
 from hub.gcm.catalog import MESSAGES
 from hub.ipc import codec, control
+from hub.ipc import format as formats
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.description import from_listing, to_listing
 
@@ -59,6 +61,30 @@ class Even:
             raise ValueError(text)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Waypoint:
+    place: Point
+    next: Waypoint | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tour:
+    route: Waypoint | None
+    home: Point | None
+    grid: tuple[Point, ...]
+    stops: tuple[Point | None, ...]
+    count: int
+    walks: tuple[Waypoint, ...]
+    modes: tuple[Mode, ...]
+    hint: int | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Odd:
+    items: int
+    get: Point
+
+
 @dataclass(kw_only=True)
 class Open:
     x: int
@@ -69,6 +95,30 @@ PATH = MessageDefinition(name="Path", format="{{enum:2},{int,int},uint,<{int,int
 _VALUE = Path(
     mode=Mode.ON, start=Point(x=1, y=2), count=2, points=(Point(x=3, y=4), Point(x=5, y=6))
 )
+
+
+TOUR = MessageDefinition(
+    name="Tour",
+    format="{*{{int,int},*!},*{int,int},[{int,int}:1,2],[*{int,int}:2],uint,<{{int,int},*!}:5>,"
+    "<{enum:2}:5>,*int}",
+    type=Tour,
+)
+ROUTE = MessageDefinition(name="Route", format="{{int,int},*!}", type=Waypoint)
+_ROUTE = Waypoint(place=Point(x=1, y=2), next=Waypoint(place=Point(x=3, y=4), next=None))
+_TOUR = Tour(
+    route=_ROUTE,
+    home=Point(x=5, y=6),
+    grid=(Point(x=7, y=8), Point(x=9, y=10)),
+    stops=(None, Point(x=11, y=12)),
+    count=2,
+    walks=(_ROUTE, Waypoint(place=Point(x=13, y=14), next=None)),
+    modes=(Mode.ON, Mode.OFF),
+    hint=3,
+)
+_NO_TOUR = dataclasses.replace(
+    _TOUR, route=None, home=None, stops=(None, None), count=0, walks=(), modes=(), hint=None
+)
+ODD = MessageDefinition(name="Odd", format="{int,{int,int}}", type=Odd)
 
 
 def _define(kind: type[Any], text: str) -> MessageDefinition[Any]:
@@ -87,6 +137,10 @@ def _payload(definition: MessageDefinition[Any], value: Any) -> bytes:
         (_define(Nothing, "{}"), Nothing()),
         (_define(Even, "{int}"), Even(number=2)),
         (_define(Open, "{int,int}"), Open(x=1, y=2)),
+        (ROUTE, _ROUTE),
+        (TOUR, _TOUR),
+        (TOUR, _NO_TOUR),
+        (ODD, Odd(items=1, get=Point(x=2, y=3))),
     ],
     ids=lambda item: type(item).__name__,
 )
@@ -108,6 +162,10 @@ def test_decoded_value_is_frozen_and_hashable_like_any_other() -> None:
 
 def test_field_names_are_shown_in_the_nesting_of_the_format() -> None:
     assert PATH.fields == "mode, start{x, y}, count, points[]{x, y}"
+    assert TOUR.fields == (
+        "route*{place{x, y}, next}, home*{x, y}, grid[]{x, y}, stops[]*{x, y}, count, "
+        "walks[]{place{x, y}, next}, modes, hint"
+    )
 
 
 @pytest.mark.parametrize(
@@ -120,6 +178,8 @@ def test_field_names_are_shown_in_the_nesting_of_the_format() -> None:
         (Point, "{uint,<{int}:1>}", "needs a dataclass"),
         (int, "{int}", "needs a dataclass"),
         (Point, "{int,", "position 5"),
+        (Point, "{int,*{int}}", "needs a dataclass"),
+        (Waypoint, "{{int,int},*!,int}", "2 fields"),
     ],
 )
 def test_type_that_does_not_fit_its_format_is_refused(
@@ -175,7 +235,7 @@ def test_wrong_number_of_members_is_refused(values: tuple[int, ...]) -> None:
         _define(Point, "{int,int}").build(values)
 
 
-@pytest.mark.parametrize("definition", [*MESSAGES, PATH], ids=lambda d: d.name)
+@pytest.mark.parametrize("definition", [*MESSAGES, PATH, TOUR, ROUTE], ids=lambda d: d.name)
 def test_listing_tells_enough_to_decode_without_the_dataclass(
     definition: MessageDefinition[Any],
 ) -> None:
@@ -223,6 +283,8 @@ def _listing(fields: str, text: str = "{int,int}", **changes: Any) -> control.De
         _listing("x, y", "{int,{int}}"),
         _listing("x, y", "{uint,<{int}:1>}"),
         _listing("x, y{z", "{int,{int}}"),
+        _listing("x, y*{z", "{int,*{int}}"),
+        _listing("*x, y", "{int,int}"),
         _listing("x, y", "{int"),
         _listing("x, y", name="no name"),
         _listing("x, y", name="M" * 100_000),
@@ -329,3 +391,80 @@ def test_message_with_more_than_numbers_is_not_flat(text: str) -> None:
             _ = definition.flat_values
         with pytest.raises(CodecError, match="not of a flat format"):
             _ = definition.build_flat
+
+
+def _plain(value: Any) -> Any:
+    """The value with a mapping for every dataclass in it."""
+    if dataclasses.is_dataclass(value):
+        return {each.name: _plain(getattr(value, each.name)) for each in dataclasses.fields(value)}
+    return [_plain(item) for item in value] if isinstance(value, tuple) else value
+
+
+@pytest.mark.parametrize(
+    ("definition", "value"),
+    [(PATH, _VALUE), (TOUR, _TOUR), (TOUR, _NO_TOUR), (ROUTE, _ROUTE), (JOURNEY, _JOURNEY)],
+    ids=lambda item: type(item).__name__,
+)
+def test_mapping_with_the_names_of_the_fields_is_as_good_as_the_dataclass(
+    definition: MessageDefinition[Any], value: Any
+) -> None:
+    assert _payload(definition, _plain(value)) == _payload(definition, value)
+    read_only = types.MappingProxyType(dict(reversed(_plain(value).items())))
+    assert _payload(definition, read_only) == _payload(definition, value)
+
+
+def test_fields_named_like_the_methods_of_a_mapping_are_no_trap() -> None:
+    assert _payload(ODD, {"items": 1, "get": {"x": 2, "y": 3}}).hex() == (
+        "00010000010000000200000003000000"
+    )
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"zzz": None}, "Tour has no field 'zzz'; it has route, home"),
+        ({"hme": None, "home": ...}, r"Tour has no field 'hme'; did you mean 'home'\?"),
+        ({"home": ...}, "Tour needs a value for home$"),
+        ({"home": ..., "hint": ...}, "Tour needs a value for home, hint$"),
+        ({"home": {"x": 1, "z": 2}}, r"Tour.home has no field 'z'; .*y"),
+        ({"home": {"x": 1}}, "Tour.home needs a value for y"),
+        ({"route": {"place": {"x": 1}, "next": None}}, "Tour.route.place needs a value for y"),
+        ({5: 6}, "Tour has no field '5'"),
+        ({"home": [1, 2]}, "Tour.home: list is not a Point"),
+        ({"count": None}, "integer"),
+    ],
+)
+def test_mapping_with_other_names_is_refused_with_the_nearest(
+    changes: dict[Any, Any], reason: str
+) -> None:
+    members = {name: value for name, value in (_plain(_TOUR) | changes).items() if value != ...}
+    with pytest.raises(CodecError, match=reason):
+        TOUR.encode(members)
+
+
+def test_long_list_comes_back_and_a_longer_one_or_a_circle_is_refused() -> None:
+    first = None
+    for number in range(formats.MAX_NODES):
+        first = Waypoint(place=Point(x=number, y=0), next=first)
+    assert first is not None
+    back: Waypoint | None = ROUTE.decode(_payload(ROUTE, first))
+    places = []
+    while back is not None:
+        places.append(back.place.x)
+        back = back.next
+    assert places == list(reversed(range(formats.MAX_NODES)))
+    with pytest.raises(CodecError, match="longer than 10000 nodes"):
+        ROUTE.encode(Waypoint(place=Point(x=0, y=0), next=first))
+    circle: dict[str, Any] = {"place": {"x": 1, "y": 2}}
+    circle["next"] = circle
+    with pytest.raises(CodecError, match="in a circle"):
+        ROUTE.encode(circle)
+
+
+def test_type_whose_hints_cannot_be_found_is_refused() -> None:
+    @dataclass(frozen=True, slots=True, kw_only=True)
+    class Local:
+        text: Unknown  # noqa: F821
+
+    with pytest.raises(MessageFormatError, match="the types of Local's fields cannot be found"):
+        _define(Local, "{string}")
