@@ -86,6 +86,11 @@ class MessageDefinition(Generic[T]):
         return self._codec.fixed_length
 
     @property
+    def record(self) -> Record:
+        """How the dataclass and the members of the format belong together."""
+        return self._record
+
+    @property
     def fields(self) -> str:
         """Field names in the format's nesting, for people: "x, stamp{sec, nanosec}".
 

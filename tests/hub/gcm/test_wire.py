@@ -48,6 +48,8 @@ def _value(node: formats.Format, numbers: Iterator[int]) -> Any:
         return _elements(node.element, node.count, numbers)
     if isinstance(node, formats.Pointer):
         return _value(node.target, numbers)
+    if isinstance(node, formats.SelfPointer):
+        return None
     if node.name == "string":
         return f"text {next(numbers)}"
     if node.name in ("float", "double"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tracemalloc
 from decimal import Decimal
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from hub.ipc import format as formats
 from tests.hub.ipc.trees import same, structs, values_of
 
 _HEAD = "00010000"
+_GOLDEN = Path(__file__).parents[2] / "golden" / "wire" / "byte_orders"
 
 _BY_HAND: list[tuple[str, Any, str]] = [
     ("{}", (), ""),
@@ -381,6 +383,17 @@ def test_big_endian_payload_is_read_into_the_same_values(
     assert b"".join(coder.encode(back))[:4] == b"\0\1\0\0"
     with pytest.raises(CodecError):
         coder.decode(payload[:-1])
+
+
+@pytest.mark.parametrize("path", sorted(_GOLDEN.glob("*.txt")), ids=lambda path: path.stem)
+def test_both_byte_orders_of_a_golden_file_hold_the_same_values(path: Path) -> None:
+    """The files were made by another library's ROS 2 writer."""
+    format_text, little, big = path.read_text().split("\n\n")
+    coder = codec.compiled(format_text)
+    value = coder.decode(bytes.fromhex(big))
+    assert same(value, coder.decode(bytes.fromhex(little)))
+    assert b"".join(coder.encode(value)) == bytes.fromhex(little)
+    assert bytes.fromhex(big) != bytes.fromhex(little)
 
 
 def test_array_read_from_a_big_endian_payload_cannot_be_changed_either() -> None:

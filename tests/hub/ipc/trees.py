@@ -32,8 +32,8 @@ _NAMES = st.lists(
 )
 
 
-def formats_of(depth: int = 3) -> st.SearchStrategy[formats.Format]:
-    """Formats that may stand anywhere."""
+def formats_of(depth: int = 3, fewest: int = 0) -> st.SearchStrategy[formats.Format]:
+    """Formats that may stand anywhere; `fewest`: members of each struct."""
     leaves: st.SearchStrategy[formats.Format] = st.one_of(
         st.sampled_from(formats.PRIMITIVES).map(formats.Primitive),
         st.integers(0, 5).map(formats.Enum),
@@ -41,25 +41,25 @@ def formats_of(depth: int = 3) -> st.SearchStrategy[formats.Format]:
     )
     if depth == 0:
         return leaves
-    inner = formats_of(depth - 1)
+    inner = formats_of(depth - 1, fewest)
     solid = inner.filter(lambda node: formats.elements_of(node) > 0)
     dimensions = st.lists(st.integers(1, 3), min_size=1, max_size=3).map(tuple)
     return st.one_of(
         leaves,
-        structs(depth),
+        structs(depth, fewest),
         st.builds(formats.FixedArray, solid, dimensions),
         inner.map(formats.Pointer),
     )
 
 
 @st.composite
-def structs(draw: st.DrawFn, depth: int = 3) -> formats.Struct:
+def structs(draw: st.DrawFn, depth: int = 3, fewest: int = 0) -> formats.Struct:
     """Structs, with variable arrays behind their size members."""
-    inner = formats_of(depth - 1)
+    inner = formats_of(depth - 1, fewest)
     solid = inner.filter(lambda node: formats.elements_of(node) > 0)
     members: list[formats.Format] = []
-    for _ in range(draw(st.integers(0, 5))):
-        if draw(_RARELY) and formats.SelfPointer() not in members:
+    for _ in range(draw(st.integers(fewest, 5))):
+        if draw(_RARELY) and members and formats.SelfPointer() not in members:
             members.append(formats.SelfPointer())
             continue
         sizes = [
