@@ -76,6 +76,8 @@ def _look(client: Client, options: argparse.Namespace) -> int:
     """Carry out a command that looks into a running hub."""
     from hub.inspection import commands
 
+    if options.command in ("status", "log", "close", "log-level"):
+        return _look_at_central(client, options)
     if options.command == "list":
         return commands.list_all(client, as_json=options.json)
     if options.command == "echo":
@@ -95,6 +97,19 @@ def _look(client: Client, options: argparse.Namespace) -> int:
     )
 
 
+def _look_at_central(client: Client, options: argparse.Namespace) -> int:
+    """Carry out a command that is about central itself."""
+    from hub.inspection import status
+
+    if options.command == "status":
+        return status.status(client, seconds=options.seconds, as_json=options.json)
+    if options.command == "log":
+        return status.log(client, options.names, with_data=options.data, count=options.count)
+    if options.command == "close":
+        return status.close(client, options.module)
+    return status.log_level(client, options.level)
+
+
 def _run_daemon(options: argparse.Namespace) -> int:
     import dataclasses
 
@@ -110,8 +125,8 @@ def _run_daemon(options: argparse.Namespace) -> int:
 
 
 def _port(text: str) -> int:
-    if not (text.isdigit() and int(text) <= 65531):
-        reason = f"{text!r} is no port from 0 to 65531"
+    if not (text.isdigit() and int(text) <= 65529):
+        reason = f"{text!r} is no port from 0 to 65529"
         raise argparse.ArgumentTypeError(reason)
     return int(text)
 
@@ -183,6 +198,22 @@ def _parser() -> argparse.ArgumentParser:
     )
     query = commands.add_parser("query", parents=[fields], help="ask, and show the answer")
     query.add_argument("--timeout", type=_positive, default=2.0, help="wait so long [s]")
-    for command in (listing, echo, rate, query):
+    state = commands.add_parser(
+        "status", parents=[look], help="modules, rates, bytes, what was missed, how old it is"
+    )
+    state.add_argument("--seconds", type=_positive, default=1.0, help="to take rates from [s]")
+    log = commands.add_parser(
+        "log", parents=[look], help="one line for each message, and from whom"
+    )
+    log.add_argument("names", nargs="+", metavar="NAME", help="message name")
+    log.add_argument("--data", action="store_true", help="with its fields")
+    log.add_argument("-n", "--count", type=_whole, default=0, help="end after so many")
+    close = commands.add_parser(
+        "close", parents=[look], help="disconnect a module; under the daemon it is started again"
+    )
+    close.add_argument("module", help="its name; `rune-hub list` shows all")
+    level = commands.add_parser("log-level", parents=[look], help="how much central logs")
+    level.add_argument("level", choices=("debug", "info", "warning", "error"))
+    for command in (listing, echo, rate, query, state):
         command.add_argument("--json", action="store_true", help="JSON, one line a message")
     return parser

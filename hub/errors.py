@@ -6,6 +6,7 @@
     ├── FrameError (ValueError)                bytes from the wire that are no frame of ours
     ├── UndefinedMessageError (LookupError)    a message nobody has defined at this central
     ├── RedefinedMessageError (ValueError)     the same name defined with another format
+    ├── UnknownModuleError (LookupError)       no module of this name is connected
     ├── CentralUnreachableError (ConnectionError)  nobody answers at the endpoint
     ├── NameTakenError (ConnectionError)       another live module has this name
     ├── EndpointError (OSError)                a port that is busy, an address that is not allowed
@@ -13,6 +14,7 @@
     │   ├── NoHandlerError                     nobody answers queries of this name
     │   ├── HandlerDiedError                   the module that was asked is gone
     │   ├── HandlerFailedError                 the module that was asked could not answer
+    │   ├── NoValueError                       nobody has published a value to ask for
     │   └── QueryTimeoutError (TimeoutError)   the answer did not come in time
     ├── ArenaError (ValueError)                an arena file with mistakes, all of them listed
     ├── RobotFileError (ValueError)            a robot file with mistakes, all of them listed
@@ -59,6 +61,10 @@ class RedefinedMessageError(HubError, ValueError):
     """A message that is already defined with another format."""
 
 
+class UnknownModuleError(HubError, LookupError):
+    """No module of this name is connected."""
+
+
 class CentralUnreachableError(HubError, ConnectionError):
     """No central answers at the endpoint."""
 
@@ -85,6 +91,10 @@ class HandlerDiedError(QueryError):
 
 class HandlerFailedError(QueryError):
     """The module that was asked reported that it cannot answer."""
+
+
+class NoValueError(QueryError):
+    """Nobody has published a value that could be given."""
 
 
 class QueryTimeoutError(QueryError, TimeoutError):

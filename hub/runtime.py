@@ -110,7 +110,7 @@ def _serve(
     client.every(1.0 / MODULE_INFO.rate_hz, announce)
     if not health.stopping:
         _logger.info("ready")
-    while not health.stopping:
+    while not health.stopping and not client.closed_by:
         try:
             client.listen(_LISTEN_S)
         except Exception:  # one bad message must not end the module
@@ -137,8 +137,8 @@ def _stop_with_daemon(client: Client, health: _Health, file: int) -> None:
 
     def read() -> None:
         if not os.read(file, 4096):
-            client.unwatch(file)
+            client.loop.unwatch(file)
             _logger.warning("the daemon is gone; stopping")
             health.stopping = True
 
-    client.watch(file, read)
+    client.loop.watch(file, read)

@@ -14,15 +14,13 @@ from hub.errors import HubError, UndefinedMessageError
 from hub.gcm.catalog import BY_NAME
 from hub.inspection import values
 from hub.ipc import control
-from hub.ipc.broadcast import Reception, decode
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.description import from_listing
+from hub.ipc.reception import Reception, decode
 from hub.toml_tables import nearest
 
 _ANSWER_S = 2.0
-_JOIN_S = 0.3
-"""Time in which a new publisher learns who subscribes; before that it sends to nobody [s]."""
 _BETWEEN_S = 0.05
 """Time between two messages of which a receiver is to see both, not the newest alone [s]."""
 
@@ -44,7 +42,7 @@ def connect(endpoint: str, command: str) -> Client:
 
 def list_all(client: Client, *, as_json: bool) -> int:
     """Show modules, messages, and what central has dropped."""
-    listing = client.listing(_ANSWER_S)
+    listing = client.directory.listing(_ANSWER_S)
     peers = [peer for peer in listing.peers if peer.name != client.name]
     if as_json:
         _put(json.dumps(values.plain(listing) | {"peers": [values.plain(peer) for peer in peers]}))
@@ -112,11 +110,12 @@ def send(
     value = values.value_from_text(definition, assignments)
     client.define(definition)
     client.wait_defined(_ANSWER_S)
-    _serve_for(client, _JOIN_S)
     if zero_first:
         client.publish(definition, values.value_from_text(definition, []))
+        client.wait_published(_ANSWER_S)
         _serve_for(client, _BETWEEN_S)
     client.publish(definition, value)
+    client.wait_published(_ANSWER_S)
     if rate_hz > 0:
         client.every(1.0 / rate_hz, lambda: client.publish(definition, value))
         while True:
@@ -145,7 +144,7 @@ def find(client: Client, name: str) -> MessageDefinition[Any]:
     if name in BY_NAME:
         return BY_NAME[name]
     listed: dict[str, control.Define] = {
-        entry.name: entry for entry in client.listing(_ANSWER_S).definitions
+        entry.name: entry for entry in client.directory.listing(_ANSWER_S).definitions
     }
     if name not in listed:
         text = f"no message {name!r} is defined at {client.endpoint}{nearest(name, listed)}"

@@ -19,14 +19,19 @@ import zmq
 import zmq.utils.monitor
 
 from hub.errors import CodecError, EndpointError, FrameError
-from hub.ipc import control, frames, security, sockets
+from hub.ipc import control, frames, memory, security, sockets
 from hub.ipc.complaints import Complaints
-from hub.ipc.registry import Outgoing, Registry
+from hub.ipc.peers import Outgoing
+from hub.ipc.registry import Registry
 
 _logger = logging.getLogger(__name__)
 
-_POLL_MS = 100
+_POLL_MS = 50
 _BATCH = 256
+_LOOK_S = 0.05
+_LOOKED_AT = 500
+_COPIES = 2000
+"""Broadcasts that wait to be looked at, at most."""
 _HANDSHAKE_FAILURES = (
     zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL,
     zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL,
@@ -51,14 +56,17 @@ class Central:
         """Bind and start.
 
         Args:
-            endpoints: tcp:// and ipc:// addresses for clients. A TCP port p takes p to p + 4;
+            endpoints: tcp:// and ipc:// addresses for clients. A TCP port p takes p to p + 6;
                 port 0 takes free ones.
             clock: Monotonic time [s].
 
         Raises:
             EndpointError: An address is malformed, not allowed, or busy.
         """
+        memory.keep_heap()
         self.complaints = Complaints(_logger, clock)
+        self._clock = clock
+        self._next_look = 0.0
         self._context: zmq.Context[_Socket] = zmq.Context()
         self._stopping = threading.Event()
         self._threads: list[threading.Thread] = []
@@ -104,14 +112,14 @@ class Central:
         self._router = sockets.make(self._context, zmq.ROUTER, 1000)
         self._router.router_mandatory = True
         self._monitors = {self._monitor(self._router): "control"}
-        self._tap = sockets.make(self._context, zmq.SUB, 10_000)
+        self._tap = sockets.make(self._context, zmq.SUB, _COPIES)
         self._tap.subscribe(b"")
         self._told = self._steered("control")
         self._proxies: list[Callable[[], None]] = []
         ends = [self._router]
         for plane in sockets.PLANES:
-            inward = sockets.make(self._context, zmq.XSUB, sockets.QUEUE[plane])
-            outward = sockets.make(self._context, zmq.XPUB, sockets.QUEUE[plane])
+            inward = sockets.make_plane(self._context, zmq.XSUB, plane)
+            outward = sockets.make_plane(self._context, zmq.XPUB, plane)
             ends += [inward, outward]
             self._monitors[self._monitor(inward)] = f"{plane.value} in"
             self._monitors[self._monitor(outward)] = f"{plane.value} out"
@@ -137,7 +145,7 @@ class Central:
 
     def _proxy(self, name: str, inward: _Socket, outward: _Socket) -> Callable[[], None]:
         """The function that forwards one plane until it is told to terminate."""
-        copies = sockets.make(self._context, zmq.PUB, 10_000)
+        copies = sockets.make(self._context, zmq.PUB, _COPIES)
         copies.bind(f"inproc://copies-{name}")
         self._tap.connect(f"inproc://copies-{name}")
         told = self._steered(name)
@@ -161,7 +169,7 @@ class Central:
     def _serve(self) -> None:
         """The thread of control messages, of what the monitors see, and of the watched copies."""
         poller = zmq.Poller()
-        for socket in (self._told, self._router, self._tap, *self._monitors):
+        for socket in (self._told, self._router, *self._monitors):
             poller.register(socket, zmq.POLLIN)
         while not self._stopping.is_set():
             ready = dict(poller.poll(_POLL_MS))
@@ -185,9 +193,11 @@ class Central:
                 self._watch(monitor, where)
         if self._router in ready:
             self._answer()
-        if self._tap in ready:
+        now = self._clock()
+        if now >= self._next_look:
+            self._next_look = now + _LOOK_S
             self._look()
-        self._send(self._registry.expire())
+            self._send(self._registry.expire())
 
     def _watch(self, monitor: _Socket, where: str) -> None:
         """See who came, who went, and who sent something that is not ZeroMQ."""
@@ -217,12 +227,18 @@ class Central:
             except (FrameError, CodecError) as error:
                 self.complaints.count("malformed control frame", str(error))
                 continue
+            if isinstance(message, control.List):
+                self._look()  # so that what was received is also counted
             attached = body[1].buffer if len(body) == 2 else None
             self._send(self._registry.handle(identity, _descriptor(parts[1]), message, attached))
 
     def _look(self) -> None:
-        """Count the broadcasts, and what is wrong with them."""
-        for _ in range(_BATCH):
+        """Count the broadcasts, and what is wrong with them.
+
+        Not one by one as they pass: then each would wake this thread and take the processor from
+        who waits for the message. Nor all of them under a flood; sequence numbers tell the rest.
+        """
+        for _ in range(_LOOKED_AT):
             try:
                 raw = self._tap.recv(zmq.NOBLOCK)
             except zmq.Again:

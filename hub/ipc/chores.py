@@ -1,47 +1,71 @@
-"""What a client does beside messages: timers, and work that other threads post to it."""
+"""What a loop does beside messages: timers, and work that other threads post to it."""
 
 from __future__ import annotations
 
 import collections
 import contextlib
 import logging
+import math
 import os
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
 
 _logger = logging.getLogger(__name__)
 
 
-@dataclass(slots=True)
-class _Timer:
-    due: float
-    period: float
-    work: Callable[[], None]
+class Timer:
+    """Work that is due at a time, or again and again.
+
+    Attributes:
+        due: When next [s].
+    """
+
+    __slots__ = ("_work", "due", "left", "period")
+
+    def __init__(self, due: float, period: float, count: float, work: Callable[[], None]) -> None:
+        self.due = due
+        self.period = period
+        self.left = count
+        self._work = work
+
+    def cancel(self) -> None:
+        """Never again."""
+        self.left = 0
+
+    def run(self, now: float) -> None:
+        """Do the work that is due at `now` [s], and set when it is due again."""
+        self.left -= 1
+        self.due += self.period
+        if self.due <= now:
+            self.due = now + self.period  # late calls are skipped, not made up for
+        self._work()
 
 
 class Timers:
-    """Work that is due again and again."""
+    """All timers of one loop."""
 
     def __init__(self) -> None:
-        self._timers: list[_Timer] = []
+        self._timers: list[Timer] = []
 
-    def add(self, now: float, period: float, work: Callable[[], None]) -> None:
-        """Call `work` every `period` [s] from `now` [s] on, the first time after one period."""
-        self._timers.append(_Timer(now + period, period, work))
+    def add(
+        self, now: float, period: float, work: Callable[[], None], *, count: float = math.inf
+    ) -> Timer:
+        """Call `work` every `period` [s] from `now` [s] on, `count` times, not at once."""
+        timer = Timer(now + period, period, count, work)
+        self._timers.append(timer)
+        return timer
 
     def due(self, otherwise: float) -> float:
         """When the next is due [s]; `otherwise` if there is none."""
-        return min((timer.due for timer in self._timers), default=otherwise)
+        return min((timer.due for timer in self._timers if timer.left > 0), default=otherwise)
 
     def run(self, now: float) -> None:
-        """Call what is due at `now` [s]; late calls are skipped, not made up for."""
+        """Call what is due at `now` [s]."""
         for timer in self._timers:
-            if timer.due <= now:
-                timer.due += timer.period
-                if timer.due <= now:
-                    timer.due = now + timer.period
-                timer.work()
+            if timer.left > 0 and timer.due <= now:
+                timer.run(now)
+        if any(timer.left <= 0 for timer in self._timers):
+            self._timers = [timer for timer in self._timers if timer.left > 0]
 
 
 class Posted:
@@ -68,7 +92,7 @@ class Posted:
         with self._lock:
             if self._wake < 0:
                 # The number of the closed file may be another file's by now.
-                _logger.debug("posted to a closed client")
+                _logger.debug("posted to a closed loop")
                 return
             # A full pipe wakes just as well.
             with contextlib.suppress(BlockingIOError):
@@ -88,6 +112,7 @@ class Posted:
     def close(self) -> None:
         """Free the pipe."""
         with self._lock:
-            os.close(self.file)
-            os.close(self._wake)
-            self._wake = -1
+            if self._wake >= 0:
+                os.close(self.file)
+                os.close(self._wake)
+                self._wake = -1

@@ -1,50 +1,55 @@
-"""A module's connection to central: define, publish, subscribe, query, respond, timers.
+"""A module's connection to central: define, publish, subscribe, query, respond, timers, presence.
 
 One thread owns a client and calls everything but `post`, which any thread may call. The connection
-mends itself: when central comes back, the client says hello, defines and handles again.
+mends itself: when central comes back, the client defines, subscribes and handles again.
 """
 
 from __future__ import annotations
 
 import collections
 import logging
-import math
-import os
 import time
 from collections.abc import Callable
 from typing import Any, TypeVar
 
 import zmq
 
-import hub.errors
 from hub.errors import (
     CentralUnreachableError,
     CodecError,
-    FrameError,
     HandlerFailedError,
     HubError,
     QueryError,
     RedefinedMessageError,
 )
-from hub.ipc import control, description, frames, security, sockets
-from hub.ipc.age import AgeEstimator
-from hub.ipc.broadcast import Broadcasts, Reception, decode, reception
-from hub.ipc.chores import Posted, Timers
+from hub.ipc import control, description, frames, memory, security, sockets
+from hub.ipc.answering import Answers, Reply
+from hub.ipc.chores import Timer
+from hub.ipc.codegen import Buffer
 from hub.ipc.complaints import Complaints
+from hub.ipc.connection import Connection
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.directory import Directory
+from hub.ipc.hub_time import this_machine
+from hub.ipc.loop import Loop
+from hub.ipc.outlet import Outlet
+from hub.ipc.publishing import Outlets
 from hub.ipc.questions import Question, Questions
+from hub.ipc.reception import Reception, decode
+from hub.ipc.subscribing import Inlets
 
 _logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
 R = TypeVar("R")
 
-PING_S = 0.5
-LOST_S = 1.5
-"""Central has not answered for this long: the connection counts as lost [s]."""
-RETRY_S = 0.02
-"""How soon a hello is tried again while there is no connection at all [s]."""
-_BATCH = 256
+_CHECK_S = 1.0
+_LAST_S = 2.0
+_REPORT_ENTRIES = 1000
+
+
+def _never() -> bool:
+    return False
 
 
 class Client:
@@ -54,7 +59,8 @@ class Client:
         name: The name.
         endpoint: Where central is.
         complaints: What was dropped, by reason.
-        refusal: Why central refused to connect us, if it did.
+        loop: The loop that serves it.
+        directory: What central knows of everybody.
     """
 
     def __init__(
@@ -63,69 +69,115 @@ class Client:
         endpoint: str = security.DEFAULT_ENDPOINT,
         *,
         clock: Callable[[], float] = time.monotonic,
+        loop: Loop | None = None,
     ) -> None:
         """Start connecting; this never waits.
+
+        Args:
+            name: Unique at central.
+            endpoint: Where central is.
+            clock: Monotonic time [s]; that of `loop` if one is given.
+            loop: The loop of a program with several clients; default a loop of its own.
 
         Raises:
             EndpointError: The endpoint is malformed or not on this machine.
         """
+        memory.keep_heap()
         self.name = name
         self.endpoint = security.connectable(endpoint)
         self._tcp_host = self.endpoint.rpartition(":")[0]
+        self.loop = loop or Loop(clock=clock)
+        self._own_loop = loop is None
+        self._clock = clock = self.loop.clock
         self.complaints = Complaints(_logger, clock)
-        self.refusal: HubError | None = None
-        self._clock = clock
-        self._context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
-        self._epoch = 0
-        self._joined = (0, 0)
-        self._publisher = 0
-        self._heard = -1e9
-        self._next_ping = 0.0
+        self._context: sockets.Context = zmq.Context()
         self._definitions: dict[str, MessageDefinition[Any]] = {}
-        self._refused: dict[str, HubError] = {}
         self._confirmed: set[str] = set()
-        self._responders: dict[str, Callable[[frames.Frame], list[Any]]] = {}
-        self._questions = Questions()
-        self._listings: list[control.Listing] = []
-        self._published: collections.Counter[str] = collections.Counter()
+        self._refused: dict[str, HubError] = {}
         self._attached: collections.Counter[str] = collections.Counter()
-        self._prefixes: dict[str, bytes] = {}
-        self._ages = AgeEstimator()
-        self._timers = Timers()
-        self._posted = Posted()
-        self._poller = zmq.Poller()
-        self._poller.register(self._posted.file, zmq.POLLIN)
-        self._files: dict[int, Callable[[], None]] = {}
-        self._broadcasts = Broadcasts(
-            self._context, self._poller, self._ages, self.complaints, clock
+        self._ready_outlets: dict[MessageDefinition[Any], Outlet] = {}
+        self._next_check = 0.0
+        self._connection = Connection(
+            name,
+            self.endpoint,
+            owner=self,
+            context=self._context,
+            loop=self.loop,
+            complaints=self.complaints,
         )
-        self._control = sockets.make(self._context, zmq.DEALER, 1000)
-        sockets.connect(self._control, self.endpoint)
-        self._poller.register(self._control, zmq.POLLIN)
+        shared = (self._context, self.loop, self._connection, self.complaints)
+        self._outlets = Outlets(*shared)
+        self._inlets = Inlets(*shared)
+        self._questions = Questions(self._connection, clock)
+        silence = f"the hub at {self.endpoint} does not answer"
+        self.directory = Directory(self._connection, self._wait, silence)
+        self._answers = Answers(name, self._connection, self._pack, self._outlets.last, clock)
+        self.loop.join(self)
 
     @property
     def connected(self) -> bool:
         """Whether central knows us and has answered lately."""
-        return self._publisher > 0 and self._clock() - self._heard < LOST_S
+        return self._connection.alive
 
-    def wait_connected(
-        self, timeout: float, *, give_up: Callable[[], bool] = lambda: False
-    ) -> None:
+    @property
+    def refusal(self) -> HubError | None:
+        """Why central refused to connect us, if it did."""
+        return self._connection.refusal
+
+    @property
+    def closed_by(self) -> str:
+        """Who had central disconnect us for good; empty if nobody."""
+        return self._connection.closed
+
+    @property
+    def uncertainty(self) -> float:
+        """How wrong the ages of messages may be [s]; 0 on the hub's own machine."""
+        return self._connection.hub_time.uncertainty
+
+    def wait_connected(self, timeout: float, *, give_up: Callable[[], bool] = _never) -> None:
         """Serve until central has welcomed us, or `give_up` says that nobody wants it any more.
 
         Raises:
             CentralUnreachableError: It did not within `timeout` [s].
             NameTakenError: Another live module has our name.
         """
-        deadline = self._clock() + timeout
-        while not self.connected and not give_up():
-            if self.refusal is not None:
-                raise self.refusal
-            left = deadline - self._clock()
-            if left <= 0:
-                text = f"no hub answers at {self.endpoint}; is rune-hub running there?"
-                raise CentralUnreachableError(text)
-            self.listen(min(left, 0.1))
+        why = f"no hub answers at {self.endpoint}; is rune-hub running there?"
+        self._wait(lambda: self.connected or give_up(), timeout, why, self._raise_refusal)
+
+    def wait_defined(self, timeout: float, *, give_up: Callable[[], bool] = _never) -> None:
+        """Serve until central has confirmed all our definitions, or `give_up` says to stop waiting.
+
+        Raises:
+            RedefinedMessageError: One is defined with another format.
+            CentralUnreachableError: Central did not answer within `timeout` [s].
+        """
+        self._wait(
+            lambda: self._confirmed.issuperset(self._definitions) or give_up(),
+            timeout,
+            f"the hub at {self.endpoint} does not confirm definitions",
+            self._raise_refused,
+        )
+
+    def wait_subscribed(self, timeout: float, *, give_up: Callable[[], bool] = _never) -> None:
+        """Serve until all our subscriptions stand: nothing published from then on can be missed.
+
+        Raises:
+            CentralUnreachableError: Central did not say so within `timeout` [s].
+        """
+        self._wait(
+            lambda: (self._connection.publisher and self._inlets.standing) or give_up(),
+            timeout,
+            f"the hub at {self.endpoint} does not confirm subscriptions",
+        )
+
+    def wait_published(self, timeout: float) -> None:
+        """Serve until everything that was published has left, so that we may close.
+
+        Raises:
+            CentralUnreachableError: Central did not say within `timeout` [s] who has subscribed.
+        """
+        why = f"the hub at {self.endpoint} does not say who has subscribed"
+        self._wait(lambda: self.connected and not self._outlets.holding, timeout, why)
 
     def define(self, *definitions: MessageDefinition[Any]) -> None:
         """Make messages known at central; whoever publishes, subscribes or answers defines.
@@ -141,25 +193,8 @@ class Client:
                 raise RedefinedMessageError(text)
             if known is None:
                 self._definitions[definition.name] = definition
-                self._prefixes[definition.name] = frames.prefix(definition.name)
-                if self._publisher:
-                    self._tell(description.to_listing(definition))
-
-    def wait_defined(self, timeout: float, *, give_up: Callable[[], bool] = lambda: False) -> None:
-        """Serve until central has confirmed all our definitions, or `give_up` says to stop waiting.
-
-        Raises:
-            RedefinedMessageError: One is defined with another format.
-            CentralUnreachableError: Central did not answer within `timeout` [s].
-        """
-        deadline = self._clock() + timeout
-        while not (self._confirmed.issuperset(self._definitions) or give_up()):
-            for error in self._refused.values():
-                raise error
-            if self._clock() > deadline:
-                text = f"the hub at {self.endpoint} does not confirm definitions"
-                raise CentralUnreachableError(text)
-            self.listen(0.05)
+                if self._connection.publisher:
+                    self._connection.tell(description.to_listing(definition))
 
     def publish(
         self, definition: MessageDefinition[T], value: T, *, measured: float | None = None
@@ -174,17 +209,69 @@ class Client:
         Raises:
             CodecError: The value does not fit the format.
         """
-        self.define(definition)
-        frame = self._pack(definition, value, measured, self._published)
-        if self._publisher:
-            self._broadcasts.send(definition, frame)
+        outlet = self._ready_outlets.get(definition)
+        if outlet is None:
+            outlet = self._outlet(definition)
+        outlet.publish(value, measured)
+
+    def publish_payload(
+        self, definition: MessageDefinition[Any], payload: Buffer, *, measured: float | None = None
+    ) -> None:
+        """Broadcast a payload that is encoded already; who receives it checks it."""
+        self._outlet(definition).publish_payload([payload], measured)
 
     def subscribe(
-        self, definition: MessageDefinition[T], handler: Callable[[T, Reception], None]
+        self,
+        definition: MessageDefinition[T],
+        handler: Callable[[T, Reception], None],
+        *,
+        queue: int | None = None,
+        priority: int | None = None,
+        last: bool = False,
     ) -> None:
-        """Call `handler` for every message of it; several handlers are called in turn."""
+        """Call `handler` for every message of it; several handlers are called in turn.
+
+        Args:
+            definition: Which message.
+            handler: Gets the value and how it came.
+            queue: How many of each publisher wait at most while handlers are busy; beyond it the
+                oldest are left out. Default what the definition says: the newest, or all.
+            priority: Messages of higher priority are handed on first; default 0.
+            last: Also ask for the last value that was published before.
+        """
         self.define(definition)
-        self._broadcasts.subscribe(definition, handler)
+        self._inlets.subscribe(definition, handler, queue=queue, priority=priority)
+        if last:
+            self._questions.ask_last(definition.name, _LAST_S, self._inlets.accept)
+
+    def subscribe_payload(
+        self, definition: MessageDefinition[Any], handler: Callable[[memoryview, Reception], None]
+    ) -> None:
+        """As `subscribe`, but `handler` gets the payload as it came: to record or forward it."""
+        self.define(definition)
+        self._inlets.subscribe(definition, handler, raw=True)
+
+    def unsubscribe(
+        self,
+        definition: MessageDefinition[T],
+        handler: Callable[[T, Reception], None] | None = None,
+    ) -> None:
+        """Call `handler` no longer, or none of the handlers; no error if it was not called."""
+        self._inlets.unsubscribe(definition.name, handler)
+
+    def last_value(self, definition: MessageDefinition[T], *, timeout: float) -> T:
+        """The last value that a connected module published, also if nobody subscribed.
+
+        Raises:
+            QueryError: Nobody publishes it, nothing was published yet, or the time ran out.
+        """
+        self.define(definition)
+        frame = self._questions.ask_and_wait(definition.name, None, timeout, self.listen)
+        try:
+            value: T = decode(definition, frame)
+        except CodecError as error:
+            raise HandlerFailedError(str(error)) from error
+        return value
 
     def respond(
         self,
@@ -193,14 +280,21 @@ class Client:
         handler: Callable[[T], R],
     ) -> None:
         """Answer queries of `request`; a HubError from the handler is told to who asked."""
+        self.respond_later(request, response, lambda value, reply: reply.answer(handler(value)))
+
+    def respond_later(
+        self,
+        request: MessageDefinition[T],
+        response: MessageDefinition[R],
+        handler: Callable[[T, Reply[R]], None],
+    ) -> None:
+        """Answer queries of `request` by a `Reply` that may be kept and answered at any time."""
         self.define(request, response)
+        self._answers.add(request, response, handler)
 
-        def answer(frame: frames.Frame) -> list[Any]:
-            return [response, handler(decode(request, frame))]
-
-        self._responders[request.name] = answer
-        if self._publisher:
-            self._tell(control.Handle(name=request.name))
+    def stop_responding(self, request: MessageDefinition[Any]) -> None:
+        """Answer queries of `request` no longer; who asks already gets an error."""
+        self._answers.remove(request.name)
 
     def query_notify(
         self,
@@ -212,7 +306,7 @@ class Client:
         answered: Callable[[R, Reception], None],
         failed: Callable[[QueryError], None],
     ) -> None:
-        """Ask; exactly one of `answered` and `failed` is called later, from `listen`."""
+        """Ask; exactly one of `answered` and `failed` is called later, by the loop."""
         self.define(request, response)
         question = Question(
             name=request.name,
@@ -222,7 +316,7 @@ class Client:
             answered=answered,
             failed=failed,
         )
-        self._ask(request, value, question)
+        self._questions.ask(question, self._pack(request, value, self._clock()))
 
     def query_response(
         self,
@@ -250,240 +344,157 @@ class Client:
     ) -> frames.Frame:
         """As `query_response`, for whoever does not know what message the answer will be."""
         self.define(request)
-        answers: list[frames.Frame] = []
-        failures: list[QueryError] = []
-        question = Question(
-            name=request.name,
-            read=lambda frame: frame,
-            timeout=timeout,
-            deadline=self._clock() + timeout,
-            answered=lambda frame, _: answers.append(frame),
-            failed=failures.append,
-        )
-        self._ask(request, value, question)
-        while not answers and not failures:
-            self.listen(0.1)
-        if failures:
-            raise failures[0]
-        return answers[0]
+        frame = self._pack(request, value, self._clock())
+        return self._questions.ask_and_wait(request.name, frame, timeout, self.listen)
 
-    def listing(self, timeout: float) -> control.Listing:
-        """All that central knows.
-
-        Raises:
-            CentralUnreachableError: It did not answer within `timeout` [s].
-        """
-        self._listings.clear()
-        self._tell(control.List())
-        deadline = self._clock() + timeout
-        while not self._listings:
-            if self._clock() > deadline:
-                text = f"the hub at {self.endpoint} does not answer"
-                raise CentralUnreachableError(text)
-            self.listen(0.1)
-        return self._listings[-1]
-
-    def every(self, period: float, work: Callable[[], None]) -> None:
-        """Call `work` every `period` [s] from `listen`; late calls are skipped, not made up for."""
-        self._timers.add(self._clock(), period, work)
-
-    def watch(self, file: int, work: Callable[[], None]) -> None:
-        """Call `work` from `listen` whenever the file descriptor is readable."""
-        self._files[file] = work
-        self._poller.register(file, zmq.POLLIN)
-
-    def unwatch(self, file: int) -> None:
-        """Stop watching a file descriptor."""
-        del self._files[file]
-        self._poller.unregister(file)
+    def every(self, period: float, work: Callable[[], None]) -> Timer:
+        """Call `work` every `period` [s]; see `Loop` for all timers and files."""
+        return self.loop.every(period, work)
 
     def post(self, work: Callable[[], None]) -> None:
-        """Have `work` called from `listen`; the one method that any thread may call."""
-        self._posted.add(work)
+        """Have `work` called by the loop; the one method that any thread may call."""
+        self.loop.post(work)
 
     def listen(self, timeout: float) -> None:
         """Wait for up to `timeout` [s] and serve what has come: messages, timers, posted work."""
-        ready = dict(self._poller.poll(math.ceil(self._wait(timeout) * 1e3)))
-        if self._posted.file in ready:
-            self._posted.drain()
-        self._posted.run()
-        for file in list(self._files):
-            if file in ready and file in self._files:
-                self._files[file]()
-        self._broadcasts.receive(ready)
-        if self._control in ready:
-            self._receive_control()
-        self._timers.run(self._clock())
-        self._keep_alive()
+        self.loop.listen(timeout)
 
     def close(self) -> None:
         """Say goodbye and free everything; nothing is sent afterwards."""
         if self._context.closed:
             return
-        if self._publisher:
-            self._tell(control.Bye())
-            self._control.linger = 200
-        self._broadcasts.close(linger_ms=100)
-        self._control.close()
+        self.loop.leave(self)
+        self._outlets.close()
+        self._inlets.disconnect()
+        self._connection.close()
         self._context.term()
-        self._posted.close()
+        if self._own_loop:
+            self.loop.close()
 
-    def _wait(self, timeout: float) -> float:
-        """How long nothing needs to be done, up to `timeout` [s]."""
-        if self._posted or self._broadcasts.waiting:
-            return 0.0
-        now = self._clock()
-        end = now + timeout
-        wake = min(end, self._next_ping, self._timers.due(end), self._questions.due(end))
-        return max(0.0, wake - now)
+    @property
+    def pending(self) -> bool:
+        """Whether messages were taken and not handed on yet, or wait to be sent."""
+        return self._inlets.pending or self._outlets.pending
 
-    def _pack(
-        self,
-        definition: MessageDefinition[Any],
-        value: Any,
-        measured: float | None,
-        counter: collections.Counter[str],
-    ) -> bytes:
+    def due(self, otherwise: float) -> float:
+        """When we want to be served even if nothing comes [s]."""
+        wake = min(otherwise, self._connection.due(otherwise), self._next_check)
+        return self._questions.due(wake)
+
+    def turn(self) -> None:
+        """Do what is due."""
+        if self._outlets.pending:
+            self._outlets.flush()
+        self._inlets.turn()
+        self._connection.turn()
+        self._questions.expire(now := self._clock(), self.endpoint)
+        if now >= self._next_check:
+            self._check(now)
+
+    def welcomed(self, message: control.Welcome, *, anew: bool) -> None:
+        """Central knows us."""
+        if anew:
+            # Central knew us no more: what lies in the old connections is from before that.
+            self._confirmed.clear()
+            self._refused.clear()
+            addresses = [self._address(message, place) for place in range(len(message.ports))]
+            local = message.machine == this_machine() != 0
+            self._outlets.connect(addresses[0::2], local=local)
+            self._inlets.connect(addresses[1::2], local=local)
+        for definition in self._definitions.values():
+            self._connection.tell(description.to_listing(definition))
+        if anew:
+            self._outlets.advertise_all()
+            self._inlets.subscribe_all()
+            self._answers.announce_all()
+            self.directory.watch_again()
+
+    def lost(self, why: str) -> None:
+        """Central is gone; nothing may wait for it, because it would be old when it comes."""
+        self._confirmed.clear()
+        self._outlets.disconnect()
+        self._inlets.disconnect()
+        self._questions.end_all(why)
+
+    def told(self, message: Any, attached: bytes | None) -> None:
+        """A control message came that is not about the connection."""
+        if isinstance(message, control.Query):
+            self._answers.answer(message, attached)
+        elif isinstance(message, (control.Response, control.Failure)):
+            if not self._questions.conclude(message, attached, self._reception):
+                self.complaints.count("late answer", "nobody waits for it any more")
+        elif isinstance(message, control.Last):
+            self._answers.tell_last(message)
+        elif isinstance(message, control.Defined):
+            self._confirmed.add(message.name)
+        elif isinstance(message, control.Advertised):
+            self._outlets.advertised(message)
+        elif isinstance(message, control.Subscribed):
+            self._inlets.subscribed(message)
+        elif not self.directory.told(message) and isinstance(message, control.Refused):
+            self._refused[message.subject] = RedefinedMessageError(message.text)
+            self.complaints.count("refused by central", message.text)
+
+    def _check(self, now: float) -> None:
+        """What is to be done every second or so."""
+        self._next_check = now + _CHECK_S
+        self._outlets.check()
+        reports = self._inlets.reports()[:_REPORT_ENTRIES]
+        if reports and self._connection.publisher:
+            self._connection.tell(control.Report(count=len(reports), received=reports))
+
+    def _outlet(self, definition: MessageDefinition[Any]) -> Outlet:
+        self.define(definition)
+        outlet = self._ready_outlets[definition] = self._outlets.of(definition)
+        return outlet
+
+    def _pack(self, definition: MessageDefinition[Any], value: Any, measured: float) -> bytes:
+        """The frame of a message in a query or an answer; these are counted apart."""
         payload = definition.encode(value)
-        # Counted only now, and apart from queries: a gap means that a broadcast did not come.
-        counter[definition.name] += 1
+        self._attached[definition.name] += 1
         return frames.pack(
-            self._prefixes[definition.name],
-            publisher=self._publisher,
+            frames.prefix(definition.name),
+            publisher=self._connection.publisher,
             fingerprint=definition.fingerprint,
-            sequence=counter[definition.name],
-            stamp_ns=int((self._clock() if measured is None else measured) * 1e9),
+            sequence=self._attached[definition.name],
+            stamp_ns=int((measured + self._connection.hub_time.offset) * 1e9),
             payload=payload,
         )
 
-    def _ask(self, request: MessageDefinition[Any], value: Any, question: Question) -> None:
-        frame = self._pack(request, value, None, self._attached)
-        number = self._questions.add(question)
-        query = control.Query(number=number, name=request.name, timeout_s=question.timeout)
-        if not self._publisher or not self._tell(query, frame):
-            self._questions.not_sent(number)
-
-    def _tell(self, message: Any, attached: bytes | None = None) -> bool:
-        parts = [control.pack(message)] + ([] if attached is None else [attached])
-        try:
-            self._control.send_multipart(parts, zmq.NOBLOCK)
-        except zmq.Again:
-            if not isinstance(message, control.Hello):
-                self.complaints.count("not sent", "there is no connection to central now")
-            return False
-        return True
-
-    def _keep_alive(self) -> None:
+    def _reception(self, frame: frames.Frame) -> Reception:
         now = self._clock()
-        self._questions.expire(now, self.endpoint)
-        if now < self._next_ping:
-            return
-        self._next_ping = now + PING_S
-        if now - self._heard > LOST_S and self._publisher:
-            # Whatever is queued for a central that does not answer would arrive too late.
-            self._forget_central()
-        if self._publisher:
-            self._tell(control.Ping(epoch=self._epoch))
-        elif not self._tell(control.Hello(name=self.name, pid=os.getpid())):
-            self._next_ping = now + RETRY_S
+        measured = min(now, frame.stamp_ns * 1e-9 - self._connection.hub_time.offset)
+        return Reception(frame.publisher, frame.sequence, 0, now - measured, measured)
 
-    def _forget_central(self) -> None:
-        self._publisher = 0
-        self._confirmed.clear()
-        self._poller.unregister(self._control)
-        self._control.close()
-        self._control = sockets.make(self._context, zmq.DEALER, 1000)
-        sockets.connect(self._control, self.endpoint)
-        self._poller.register(self._control, zmq.POLLIN)
-        self._questions.end_all(f"the hub at {self.endpoint} does not answer")
+    def _wait(
+        self,
+        done: Callable[[], object],
+        timeout: float,
+        why: str,
+        look: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Serve until it is `done`.
 
-    def _receive_control(self) -> None:
-        for _ in range(_BATCH):
-            try:
-                parts = self._control.recv_multipart(zmq.NOBLOCK)
-            except zmq.Again:
-                return
-            try:
-                message = control.unpack(parts[0])
-            except (FrameError, CodecError) as error:
-                self.complaints.count("malformed control frame", str(error))
-                continue
-            self._handle(message, parts[1] if len(parts) > 1 else None)
+        Raises:
+            CentralUnreachableError: It was not within `timeout` [s].
+        """
+        deadline = self._clock() + timeout
+        while not done():
+            look()
+            left = deadline - self._clock()
+            if left <= 0:
+                raise CentralUnreachableError(why)
+            self.listen(min(left, 0.1))
 
-    def _handle(self, message: Any, attached: bytes | None) -> None:
-        self._heard = self._clock()
-        if isinstance(message, control.Welcome):
-            self._welcome(message)
-        elif isinstance(message, control.Stranger):
-            self._publisher = 0
-            self._next_ping = 0.0
-            self._questions.end_all(f"the hub at {self.endpoint} was started again")
-        elif isinstance(message, control.Refused):
-            self._refuse(message)
-        elif isinstance(message, control.Defined):
-            self._confirmed.add(message.name)
-        elif isinstance(message, control.Query):
-            self._answer(message, attached)
-        elif isinstance(message, (control.Response, control.Failure)):
-            self._conclude(message, attached)
-        elif isinstance(message, control.Listing):
-            self._listings.append(message)
+    def _raise_refusal(self) -> None:
+        if self.refusal is not None:
+            raise self.refusal
 
-    def _welcome(self, message: control.Welcome) -> None:
-        self.refusal = None
-        self._publisher = message.publisher
-        self._epoch = message.epoch
-        if self._joined != (message.epoch, message.publisher):
-            # Central knew us no more: what lies in the old connections is from before that.
-            self._joined = (message.epoch, message.publisher)
-            self._confirmed.clear()
-            self._refused.clear()
-            self._broadcasts.connect([self._address(message, place) for place in range(4)])
-        for definition in self._definitions.values():
-            self._tell(description.to_listing(definition))
-        for name in self._responders:
-            self._tell(control.Handle(name=name))
+    def _raise_refused(self) -> None:
+        for error in self._refused.values():
+            raise error
 
     def _address(self, message: control.Welcome, place: int) -> str:
         if self.endpoint.startswith("ipc://"):
             return f"ipc://{message.paths[place]}"
         return f"{self._tcp_host}:{message.ports[place]}"
-
-    def _refuse(self, message: control.Refused) -> None:
-        if message.error in ("NameTakenError", "CentralUnreachableError"):
-            self.refusal = getattr(hub.errors, message.error)(message.text)
-        else:
-            self._refused[message.subject] = RedefinedMessageError(message.text)
-        self.complaints.count("refused by central", message.text)
-
-    def _answer(self, message: control.Query, attached: bytes | None) -> None:
-        responder = self._responders.get(message.name)
-        asked = self._clock()  # what the answer says was measured from now on, not when it is sent
-        try:
-            if responder is None or attached is None:
-                text = f"{self.name} does not answer {message.name}"
-                raise HandlerFailedError(text)
-            definition, value = responder(frames.unpack(attached))
-            answer = self._pack(definition, value, asked, self._attached)
-        except HubError as error:
-            self._tell(_failure(message.number, str(error)))
-            return
-        except Exception as error:
-            self._tell(_failure(message.number, f"{self.name} failed at {message.name}: {error!r}"))
-            raise
-        self._tell(control.Response(number=message.number), answer)
-
-    def _conclude(
-        self, message: control.Response | control.Failure, attached: bytes | None
-    ) -> None:
-        def received(frame: frames.Frame) -> Reception:
-            return reception(frame, self._ages, self._clock())
-
-        if not self._questions.conclude(message, attached, received):
-            self.complaints.count("late answer", "nobody waits for it any more")
-
-
-def _failure(number: int, text: str) -> control.Failure:
-    """That a query ended without an answer, in a text that can be sent whatever is in it."""
-    sayable = text.replace("\0", "?").encode(errors="replace").decode()
-    return control.Failure(number=number, error="HandlerFailedError", text=sayable)

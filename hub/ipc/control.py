@@ -6,6 +6,8 @@ payload in the kind's format. QUERY and RESPONSE are followed by a second frame 
 
 from __future__ import annotations
 
+import enum
+import math
 import struct
 from dataclasses import dataclass
 from typing import Any, TypeVar
@@ -23,10 +25,19 @@ _MAGIC = b"RUNE"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Hello:
-    """Client: I want to connect under this name."""
+    """Client: I want to connect under this name.
+
+    Attributes:
+        name: The name.
+        pid: Process id.
+        machine: Number of the machine, to tell whether central's clock is ours; 0: do not ask.
+        sent: Time of sending on the client's clock [s].
+    """
 
     name: str
     pid: int
+    machine: int = 0
+    sent: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,12 +47,18 @@ class Welcome:
     Attributes:
         publisher: Number of this connection, for frame headers.
         epoch: Tells one run of central from the next.
-        ports: TCP ports of state in, state out, command in, command out; 0 where there is none.
+        machine: Number of central's machine.
+        sent: From the HELLO.
+        hub_time: Time of answering on the hub's clock [s].
+        ports: TCP ports of each plane in turn, in and out; 0 where there is none.
         paths: ipc:// paths of the same; empty where there is none.
     """
 
     publisher: int
     epoch: int
+    machine: int
+    sent: float
+    hub_time: float
     ports: tuple[int, ...]
     paths: tuple[str, ...]
 
@@ -63,7 +80,24 @@ class Refused:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Define:
-    """Client: this is a message; also an entry of central's list, with what it has counted."""
+    """Client: this is a message; also an entry of central's list, with what is known of it.
+
+    Attributes:
+        name: Message name.
+        format: Format string.
+        fields: Field names in the format's nesting.
+        keep: "newest" or "all".
+        plane: "state", "command" or "picture".
+        rate_hz: Nominal rate [Hz].
+        lifespan_s: Age beyond which a receiver drops it [s].
+        definer: Who defined it; only in a listing, as all that follows.
+        messages: Broadcasts of it.
+        bytes: Bytes of them.
+        lost: Broadcasts that subscribers missed, by their sequence numbers.
+        expired: Broadcasts that subscribers dropped because they were too old.
+        oldest_s: Largest age at a subscriber in the last seconds [s].
+        silent_s: Time since the last broadcast [s]; infinite if there was none.
+    """
 
     name: str
     format: str
@@ -75,6 +109,10 @@ class Define:
     definer: str = ""
     messages: int = 0
     bytes: int = 0
+    lost: int = 0
+    expired: int = 0
+    oldest_s: float = 0.0
+    silent_s: float = math.inf
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,15 +123,74 @@ class Defined:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Handle:
-    """Client: I answer queries of this name."""
+class Advertise:
+    """Client: I am going to publish this message."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Advertised:
+    """Central: noted; whether anybody subscribes to it now."""
+
+    name: str
+    subscribed: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Subscribe:
+    """Client: I have subscribed to this message; tell me when no publisher can miss me any more.
+
+    Attributes:
+        name: Message name.
+        token: Tells this subscription from all others; empty: do not tell me.
+    """
+
+    name: str
+    token: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Unsubscribe:
+    """Client: I do not want it any more."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ready:
+    """Client: the subscription of this token has reached me; what I publish goes there."""
+
+    token: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Subscribed:
+    """Central: the subscription of this token has reached everybody who publishes the message."""
+
+    token: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Handle:
+    """Client: I answer queries of this name, or no longer."""
+
+    name: str
+    on: bool = True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Query:
     """A query, numbered by the client on its way to central and by central from there."""
+
+    number: int
+    name: str
+    timeout_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Last:
+    """A query for the last value that was published, numbered as queries are."""
 
     number: int
     name: str
@@ -121,13 +218,16 @@ class Ping:
     """Client: I live, and central was of this epoch when I last heard (0: never)."""
 
     epoch: int
+    sent: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pong:
-    """Central: so do I."""
+    """Central: so do I; `sent` is from the PING, `hub_time` mine at answering [s]."""
 
     epoch: int
+    sent: float
+    hub_time: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -147,14 +247,22 @@ class Peer:
     Attributes:
         name: Its unique name.
         pid: Its process id.
+        publisher: Number of it in frame headers.
+        role: What it may do: observe, operate or module.
         silent_s: Time since it was heard [s].
         handles: Names of the queries it answers, separated by spaces.
+        publishes: Names of the messages it publishes.
+        subscribes: Names of the messages it subscribes to.
     """
 
     name: str
     pid: int
+    publisher: int
+    role: str
     silent_s: float
     handles: str
+    publishes: str
+    subscribes: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -169,6 +277,8 @@ class Count:
 class Listing:
     """Central: all I know."""
 
+    uptime_s: float
+    level: str
     definition_count: int
     definitions: tuple[Define, ...]
     peer_count: int
@@ -182,8 +292,89 @@ class Bye:
     """Client: I leave."""
 
 
-_DEFINE = "{string,string,string,string,string,double,double,string,ulong,ulong}"
-_PEER = "{string,int,double,string}"
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Watch:
+    """Client: tell me who comes and goes from now on."""
+
+
+class Change(enum.IntEnum):
+    """What a PRESENCE tells."""
+
+    CONNECTED = 0
+    DISCONNECTED = 1
+    DEFINED = 2
+    PUBLISHERS = 3
+    SUBSCRIBERS = 4
+    HANDLERS = 5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Presence:
+    """Central: something changed.
+
+    Attributes:
+        change: What.
+        module: Whose doing it was.
+        pid: Its process id.
+        message: The message it is about; empty for a connection.
+        count: How many publishers, subscribers or handlers the message has now.
+    """
+
+    change: Change
+    module: str
+    pid: int
+    message: str = ""
+    count: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Received:
+    """What a subscriber has had of one message since it last told.
+
+    Attributes:
+        name: Message name.
+        received: Messages handed on.
+        lost: Messages that did not come, by the sequence numbers.
+        expired: Messages that came too old.
+        oldest_s: Largest age [s].
+    """
+
+    name: str
+    received: int
+    lost: int
+    expired: int
+    oldest_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Report:
+    """Client: this is what came to me."""
+
+    count: int
+    received: tuple[Received, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Close:
+    """Client: disconnect the module of this name; central, to both: it is, and by whom."""
+
+    name: str
+    by: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LogLevel:
+    """Client: log from this level on: debug, info, warning or error."""
+
+    level: str
+
+
+_DEFINE = (
+    "{string,string,string,string,string,double,double,"
+    "string,ulong,ulong,ulong,ulong,double,double}"
+)
+_PEER = "{string,int,uint,string,double,string,string,string}"
+_CHANGE = "{enum " + ",".join(change.name for change in Change) + "}"
 
 
 def _kind(name: str, format_text: str, kind: type[T]) -> MessageDefinition[T]:
@@ -191,21 +382,37 @@ def _kind(name: str, format_text: str, kind: type[T]) -> MessageDefinition[T]:
 
 
 KINDS: tuple[MessageDefinition[Any], ...] = (
-    _kind("HELLO", "{string,int}", Hello),
-    _kind("WELCOME", "{uint,ulong,[int:4],[string:4]}", Welcome),
+    _kind("HELLO", "{string,int,ulong,double}", Hello),
+    _kind("WELCOME", "{uint,ulong,ulong,double,double,[int:6],[string:6]}", Welcome),
     _kind("REFUSED", "{string,string,string}", Refused),
     _kind("DEFINE", _DEFINE, Define),
     _kind("DEFINED", "{string}", Defined),
-    _kind("HANDLE", "{string}", Handle),
+    _kind("HANDLE", "{string,boolean}", Handle),
     _kind("QUERY", "{uint,string,double}", Query),
     _kind("RESPONSE", "{uint}", Response),
     _kind("FAILURE", "{uint,string,string}", Failure),
-    _kind("PING", "{ulong}", Ping),
-    _kind("PONG", "{ulong}", Pong),
+    _kind("PING", "{ulong,double}", Ping),
+    _kind("PONG", "{ulong,double,double}", Pong),
     _kind("STRANGER", "{}", Stranger),
     _kind("LIST", "{}", List),
-    _kind("LISTING", f"{{uint,<{_DEFINE}:1>,uint,<{_PEER}:3>,uint,<{{string,ulong}}:5>}}", Listing),
+    _kind(
+        "LISTING",
+        f"{{double,string,uint,<{_DEFINE}:3>,uint,<{_PEER}:5>,uint,<{{string,ulong}}:7>}}",
+        Listing,
+    ),
     _kind("BYE", "{}", Bye),
+    _kind("ADVERTISE", "{string}", Advertise),
+    _kind("ADVERTISED", "{string,boolean}", Advertised),
+    _kind("SUBSCRIBE", "{string,string}", Subscribe),
+    _kind("UNSUBSCRIBE", "{string}", Unsubscribe),
+    _kind("READY", "{string}", Ready),
+    _kind("SUBSCRIBED", "{string}", Subscribed),
+    _kind("LAST", "{uint,string,double}", Last),
+    _kind("WATCH", "{}", Watch),
+    _kind("PRESENCE", f"{{{_CHANGE},string,int,string,uint}}", Presence),
+    _kind("REPORT", "{uint,<{string,ulong,ulong,ulong,double}:1>}", Report),
+    _kind("CLOSE", "{string,string}", Close),
+    _kind("LOG_LEVEL", "{string}", LogLevel),
 )
 """The kinds; a kind's number on the wire is its place here, counted from 1."""
 

@@ -37,6 +37,7 @@ class Plane(enum.Enum):
 
     STATE = "state"
     COMMAND = "command"
+    PICTURE = "picture"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

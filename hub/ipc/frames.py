@@ -1,43 +1,60 @@
 """The wire layout of a message and the protocol's version; only this file knows them.
 
-A message is one ZeroMQ frame: its name, NUL bytes up to a multiple of 8 (at least one), a header of
-36 bytes, the payload. The name comes first so that ZeroMQ can filter on it; with the payload's own
-4-byte encapsulation, its members start at a multiple of 8.
+A message is one ZeroMQ frame: its topic, NUL bytes up to a multiple of 8 (at least one), a header
+of 36 bytes, the payload. The topic comes first so that ZeroMQ can filter on it; with the payload's
+own 4-byte encapsulation, its members start at a multiple of 8.
+
+Small messages of one name that are published in a burst share a frame: its payload is their number
+(4 bytes) and for each its stamp, its payload's length (8 and 4 bytes), the payload, and NUL bytes
+up to a multiple of 8. Their sequence numbers follow the one in the header.
+
+The topic is the message's name. A large payload may lie in a ring of shared memory instead; then
+the topic is `@` and the name, and what is sent is a descriptor of the place.
 """
 
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, NamedTuple
 
 from hub.errors import FrameError
-from hub.ipc.codegen import Buffer
+from hub.ipc.codegen import ENCAPSULATION, Buffer
 from hub.ipc.definition import MAX_NAME_LENGTH
 
-VERSION = 1
+VERSION = 2
 """Protocol version; peers with another one are refused."""
 
 MAX_FRAME = 4 << 20
 """Largest frame any socket takes [bytes]; ZeroMQ drops the connection of who sends more."""
 
+INLINE, IN_RING, NO_RING, BATCH = 0, 1, 2, 3
+"""What a frame holds: a payload; the descriptor of a place in a ring; nothing, for want of a ring;
+several messages that were published at once."""
+
 _HEADER = struct.Struct("<HHIQQqI")
+_ITEM = struct.Struct("<qI")
+_COUNT = struct.Struct("<I")
+HEADER_SIZE = _HEADER.size
+_LITTLE_ENDIAN = ENCAPSULATION["<"]
+MAX_TOPIC = MAX_NAME_LENGTH + 1
 
 
-@dataclass(frozen=True, slots=True)
-class Frame:
+class Frame(NamedTuple):
     """A message as it travels.
 
     Attributes:
         name: Message name.
+        kind: INLINE, IN_RING, NO_RING or BATCH.
         publisher: Number that central gave the sender's connection.
         fingerprint: Identity of the format the payload was made with.
         sequence: Counts the messages of this name from this publisher, from 1.
-        stamp_ns: When the content was measured, on the sender's monotonic clock [ns].
+        stamp_ns: When the content was measured, on the hub's clock [ns].
         payload: CDR bytes with their encapsulation header; a view of the frame.
     """
 
     name: str
+    kind: int
     publisher: int
     fingerprint: int
     sequence: int
@@ -45,15 +62,15 @@ class Frame:
     payload: memoryview
 
 
-def topic(name: str) -> bytes:
+def topic(name: str, *, in_ring: bool = False) -> bytes:
     """The filter that selects exactly the messages of this name."""
-    return name.encode("ascii") + b"\0"
+    return (b"@" if in_ring else b"") + name.encode("ascii") + b"\0"
 
 
-def prefix(name: str) -> bytes:
+def prefix(name: str, *, in_ring: bool = False) -> bytes:
     """What stands before the header."""
-    raw = name.encode("ascii")
-    return raw + bytes(8 - len(raw) % 8)
+    raw = topic(name, in_ring=in_ring)
+    return raw + bytes(-len(raw) % 8)
 
 
 def pack(
@@ -64,12 +81,125 @@ def pack(
     sequence: int,
     stamp_ns: int,
     payload: Iterable[Buffer],
+    kind: int = INLINE,
 ) -> bytes:
     """One frame; `payload` is joined here, the only copy it sees."""
     parts = list(payload)
-    length = sum(memoryview(part).nbytes for part in parts)
-    header = _HEADER.pack(VERSION, 0, publisher, fingerprint, sequence, stamp_ns, length)
+    length = sum(part.nbytes if hasattr(part, "nbytes") else len(part) for part in parts)
+    header = _HEADER.pack(VERSION, kind, publisher, fingerprint, sequence, stamp_ns, length)
     return b"".join((prefix, header, *parts))
+
+
+class FlatFrames:
+    """Frames of a flat format, each packed and unpacked by one call of `struct`.
+
+    Attributes:
+        pack: (publisher, sequence, stamp_ns, values) -> a whole frame.
+        pack_item: (stamp_ns, values) -> one message of a batch.
+    """
+
+    def __init__(self, prefix: bytes, fingerprint: int, letters: str) -> None:
+        """Prepare.
+
+        Args:
+            prefix: What stands before the header.
+            fingerprint: Identity of the format.
+            letters: `struct` letters of the whole body, with its padding.
+        """
+        length = len(_LITTLE_ENDIAN) + struct.calcsize("<" + letters)
+        whole = struct.Struct(f"<{len(prefix)}sHHIQQqI4s{letters}").pack
+        padding = -(_ITEM.size + length) % 8
+        item = struct.Struct(f"<qI4s{letters}{padding}x")
+        self._body = struct.Struct("<4s" + letters)
+        self._item = item
+        self._length = length
+
+        def pack(publisher: int, sequence: int, stamp_ns: int, values: tuple[Any, ...]) -> bytes:
+            return whole(
+                prefix,
+                VERSION,
+                INLINE,
+                publisher,
+                fingerprint,
+                sequence,
+                stamp_ns,
+                length,
+                _LITTLE_ENDIAN,
+                *values,
+            )
+
+        def pack_item(stamp_ns: int, values: tuple[Any, ...]) -> bytes:
+            return item.pack(stamp_ns, length, _LITTLE_ENDIAN, *values)
+
+        self.pack = pack
+        self.pack_item = pack_item
+
+    def values(self, payload: memoryview) -> tuple[Any, ...] | None:
+        """The numbers in a payload; None if it is not laid out as we do it."""
+        if len(payload) != self._length or bytes(payload[:4]) != _LITTLE_ENDIAN:
+            return None
+        return self._body.unpack(payload)[1:]
+
+    def items(self, payload: memoryview) -> list[tuple[int, tuple[Any, ...]]] | None:
+        """Stamp and numbers of each message of a batch; None if one is not laid out as ours."""
+        if (len(payload) - 4) % self._item.size:
+            return None
+        items = list(self._item.iter_unpack(payload[4:]))
+        if _COUNT.unpack_from(payload)[0] != len(items):
+            return None
+        for item in items:
+            if item[1] != self._length or item[2] != _LITTLE_ENDIAN:
+                return None
+        return [(item[0], item[3:]) for item in items]
+
+
+def pack_item(stamp_ns: int, payload: Iterable[Buffer]) -> bytes:
+    """One message of a batch."""
+    whole = b"".join(payload)
+    return b"".join(
+        (_ITEM.pack(stamp_ns, len(whole)), whole, bytes(-(_ITEM.size + len(whole)) % 8))
+    )
+
+
+def batch(items: Sequence[bytes]) -> tuple[bytes, ...]:
+    """The payload of a batch, in pieces."""
+    return (_COUNT.pack(len(items)), *items)
+
+
+def item_payload(item: bytes) -> tuple[int, memoryview]:
+    """Stamp and payload of one message of a batch that we made ourselves."""
+    stamp_ns, length = _ITEM.unpack_from(item)
+    return stamp_ns, memoryview(item)[_ITEM.size : _ITEM.size + length]
+
+
+def items(payload: memoryview) -> list[tuple[int, memoryview]]:
+    """Stamp and payload of each message of a batch.
+
+    Raises:
+        FrameError: It is no batch.
+    """
+    found = []
+    at = _COUNT.size
+    while len(payload) - at >= _ITEM.size:
+        stamp_ns, length = _ITEM.unpack_from(payload, at)
+        start, at = at + _ITEM.size, at + _ITEM.size + length
+        if at > len(payload):
+            break
+        found.append((stamp_ns, payload[start:at]))
+        at += -(_ITEM.size + length) % 8
+    if at != len(payload) or len(payload) < 4 or count(payload) != len(found):
+        text = f"{len(payload)} bytes are no batch of messages"
+        raise FrameError(text)
+    return found
+
+
+def count(payload: memoryview) -> int:
+    """How many messages a batch says it holds."""
+    return int(_COUNT.unpack_from(payload)[0]) if len(payload) >= _COUNT.size else 0
+
+
+read_header: Callable[[Buffer, int], tuple[int, int, int, int, int, int, int]] = _HEADER.unpack_from
+"""(frame, start) -> version, kind, publisher, fingerprint, sequence, stamp_ns, payload's length."""
 
 
 def unpack(raw: Buffer) -> Frame:
@@ -79,26 +209,27 @@ def unpack(raw: Buffer) -> Frame:
         FrameError: The bytes are no frame of this protocol version.
     """
     view = memoryview(raw)
-    name_length = bytes(view[: MAX_NAME_LENGTH + 1]).find(b"\0")
-    if name_length < 1:
+    length_of_topic = bytes(view[: MAX_TOPIC + 1]).find(b"\0")
+    if length_of_topic < 1:
         text = f"a frame of {len(view)} bytes does not start with a message name"
         raise FrameError(text)
-    start = name_length + 8 - name_length % 8
-    if len(view) < start + _HEADER.size or any(view[name_length:start]):
+    start = length_of_topic + 8 - length_of_topic % 8
+    if len(view) < start + HEADER_SIZE or any(view[length_of_topic:start]):
         text = f"a frame of {len(view)} bytes has no whole header"
         raise FrameError(text)
-    name = bytes(view[:name_length]).decode("ascii", "replace")
-    if not name.isidentifier():
+    name = bytes(view[:length_of_topic]).decode("ascii", "replace").removeprefix("@")
+    if not name.isidentifier() or len(name) > MAX_NAME_LENGTH:
         text = f"a frame starts with {name[:20]!r}, which is no message name"
         raise FrameError(text)
-    version, _, publisher, fingerprint, sequence, stamp_ns, length = _HEADER.unpack_from(
-        view, start
-    )
+    version, kind, publisher, fingerprint, sequence, stamp_ns, length = read_header(view, start)
     if version != VERSION:
         text = f"a frame of {name} has protocol version {version}, this is {VERSION}"
         raise FrameError(text)
-    payload = view[start + _HEADER.size :]
+    if kind > BATCH or (kind in (IN_RING, NO_RING)) != (view[0] == ord("@")):
+        text = f"a frame of {name} is of kind {kind}, which its topic does not carry"
+        raise FrameError(text)
+    payload = view[start + HEADER_SIZE :]
     if len(payload) != length:
         text = f"a frame of {name} has {len(payload)} bytes of payload instead of {length}"
         raise FrameError(text)
-    return Frame(name, publisher, fingerprint, sequence, stamp_ns, payload)
+    return Frame(name, kind, publisher, fingerprint, sequence, stamp_ns, payload)

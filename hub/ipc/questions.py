@@ -10,7 +10,8 @@ from typing import Any
 import hub.errors
 from hub.errors import CodecError, FrameError, HandlerFailedError, QueryError, QueryTimeoutError
 from hub.ipc import control, frames
-from hub.ipc.broadcast import Reception
+from hub.ipc.connection import Connection
+from hub.ipc.reception import Reception
 
 
 @dataclass(slots=True, kw_only=True)
@@ -39,24 +40,64 @@ class Question:
 class Questions:
     """All queries under way of one client, by number."""
 
-    def __init__(self) -> None:
+    def __init__(self, connection: Connection, clock: Callable[[], float]) -> None:
+        self._connection = connection
+        self._clock = clock
         self._waiting: dict[int, Question] = {}
         self._last = 0
 
-    def add(self, question: Question) -> int:
-        """Wait for this one too; its number."""
+    def ask(self, question: Question, frame: bytes | None) -> None:
+        """Ask with a message's frame, or without one for the last value of the message.
+
+        It is not kept for a central that is away: who asks is told so at the next `expire`.
+        """
         self._last = self._last % 0xFFFF_FFFF + 1
         self._waiting[self._last] = question
-        return self._last
+        kind = control.Last if frame is None else control.Query
+        query = kind(number=self._last, name=question.name, timeout_s=question.timeout)
+        if not self._connection.publisher or not self._connection.tell(query, frame):
+            question.unsent, question.deadline = True, -math.inf
+
+    def ask_and_wait(
+        self, name: str, frame: bytes | None, timeout: float, listen: Callable[[float], None]
+    ) -> frames.Frame:
+        """Ask, and `listen` until the answer is there.
+
+        Raises:
+            QueryError: No handler, it died or failed, or the time ran out.
+        """
+        answers: list[frames.Frame] = []
+        failures: list[QueryError] = []
+        question = Question(
+            name=name,
+            read=lambda answer: answer,
+            timeout=timeout,
+            deadline=self._clock() + timeout,
+            answered=lambda answer, _: answers.append(answer),
+            failed=failures.append,
+        )
+        self.ask(question, frame)
+        while not answers and not failures:
+            listen(0.1)
+        if failures:
+            raise failures[0]
+        return answers[0]
+
+    def ask_last(self, name: str, timeout: float, answered: Callable[[frames.Frame], None]) -> None:
+        """Ask for the last value of a message; if there is none, what comes next will do."""
+        question = Question(
+            name=name,
+            read=lambda answer: answer,
+            timeout=timeout,
+            deadline=self._clock() + timeout,
+            answered=lambda answer, _: answered(answer),
+            failed=lambda _: None,
+        )
+        self.ask(question, None)
 
     def due(self, otherwise: float) -> float:
         """When the first one ends by time [s]; `otherwise` if there is none."""
         return min((question.deadline for question in self._waiting.values()), default=otherwise)
-
-    def not_sent(self, number: int) -> None:
-        """It is not kept for later: who asked is told at the next `expire`."""
-        question = self._waiting[number]
-        question.unsent, question.deadline = True, -math.inf
 
     def expire(self, now: float, endpoint: str) -> None:
         """End those whose time has run out at `now` [s]."""

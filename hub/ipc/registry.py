@@ -1,4 +1,4 @@
-"""What central knows and decides: peers, definitions, handlers, queries under way. No sockets.
+"""What central knows and decides: peers, definitions, who does what with them. No sockets.
 
 Each call says what happened and returns the control messages to send.
 """
@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import logging
 import secrets
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -16,62 +16,44 @@ from hub.ipc import control, frames
 from hub.ipc.codec import compiled
 from hub.ipc.codegen import Buffer
 from hub.ipc.complaints import Complaints
+from hub.ipc.confirmations import Confirmations
+from hub.ipc.control import Change
 from hub.ipc.description import from_listing
+from hub.ipc.hub_time import this_machine
+from hub.ipc.peers import Crowd, Outgoing, Peer
+from hub.ipc.routes import Routes
+from hub.ipc.traffic import Traffic
 
 _logger = logging.getLogger(__name__)
 
 MAX_PEERS = 512
 MAX_DEFINITIONS = 4096
-MAX_QUERIES = 4096
-MAX_HANDLED = 64
+MAX_NAMES = 4096
+"""Messages one peer may publish, subscribe to or answer."""
+MAX_TOKEN = 160
 MAX_LISTED = 1 << 20
 """All definitions' texts together [characters]; the list of them must fit into one frame."""
-MAX_QUERY_S = 60.0
-SILENCE_S = 2.0
+MAX_LISTED_NAMES = 1000
+"""What a listing says of one peer's publications and so on [characters]."""
+SILENCE_S = 1.7
 """A peer that has not been heard for this long is gone [s]."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Outgoing:
-    """A control message to send.
-
-    Attributes:
-        identity: To which connection.
-        message: The control message.
-        attached: A message frame that goes with it.
-    """
-
-    identity: bytes
-    message: Any
-    attached: Buffer | None = None
-
-
-@dataclass(slots=True, kw_only=True)
-class _Peer:
-    identity: bytes
-    descriptor: int
-    name: str
-    pid: int
-    publisher: int
-    heard: float
-    handles: set[str] = field(default_factory=set)
+LEVELS = {
+    "debug": logging.DEBUG,
+    "info": logging.INFO,
+    "warning": logging.WARNING,
+    "error": logging.ERROR,
+}
+"""Log levels by their names on the wire."""
 
 
 @dataclass(slots=True, kw_only=True)
 class _Definition:
     entry: control.Define
     fingerprint: int
-    messages: int = 0
-    bytes: int = 0
+    traffic: Traffic = field(default_factory=Traffic)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Pending:
-    asker: bytes
-    number: int
-    handler: bytes
-    name: str
-    deadline: float
+_Action = Callable[[Peer, Any, Buffer | None], list[Outgoing]]
 
 
 class Registry:
@@ -87,24 +69,36 @@ class Registry:
     ) -> None:
         self.epoch = secrets.randbits(63) | 1
         self._clock = clock
+        self._begun = clock()
         self._complaints = complaints
         self._ports = tuple(ports)
         self._paths = tuple(paths)
-        self._peers: dict[bytes, _Peer] = {}
-        self._names: dict[str, bytes] = {}
+        self._peers: dict[bytes, Peer] = {}
+        self._names: dict[str, Peer] = {}
         self._definitions: dict[str, _Definition] = {}
-        self._pending: dict[int, _Pending] = {}
+        self._listed = 0
+        self._publishing, self._subscribing, self._handling = Crowd(), Crowd(), Crowd()
+        self._confirmations = Confirmations()
+        self._routes = Routes(self._candidates, complaints)
         # Not from 1: a module that does not know yet that central was started again still sends
         # under its old number, which must not be another's new one.
         self._publishers = secrets.randbits(31)
-        self._queries = 0
-        self._actions: dict[type, Callable[[_Peer, Any, Buffer | None], list[Outgoing]]] = {
+        self._actions: dict[type, _Action] = {
             control.Define: self._define,
+            control.Advertise: self._advertise,
+            control.Subscribe: self._subscribe,
+            control.Unsubscribe: self._unsubscribe,
+            control.Ready: self._ready,
             control.Handle: self._handle,
             control.Query: self._query,
-            control.Response: self._respond,
-            control.Failure: self._respond,
+            control.Last: self._query,
+            control.Response: self._answer,
+            control.Failure: self._answer,
             control.List: self._list,
+            control.Watch: self._watch,
+            control.Report: self._report,
+            control.Close: self._close,
+            control.LogLevel: self._log_level,
             control.Ping: self._ping,
             control.Bye: self._bye,
         }
@@ -138,8 +132,7 @@ class Registry:
         elif definition.fingerprint != frame.fingerprint:
             self._complaints.count("wrong format", f"{frame.name} came in another format")
         else:
-            definition.messages += 1
-            definition.bytes += size
+            definition.traffic.passed(frame, size, self._clock())
 
     def disconnected(self, descriptor: int) -> list[Outgoing]:
         """A control connection ended."""
@@ -156,33 +149,40 @@ class Registry:
         now = self._clock()
         silent = [peer for peer in self._peers.values() if now - peer.heard > SILENCE_S]
         outgoing = [message for peer in silent for message in self._drop(peer, "it is silent")]
-        for number in [n for n, pending in self._pending.items() if pending.deadline < now]:
-            del self._pending[number]  # the asker keeps its own time
+        self._routes.expire(now)
         return outgoing
 
     def _hello(self, identity: bytes, descriptor: int, message: control.Hello) -> list[Outgoing]:
         known = self._peers.get(identity)
+        outgoing = []
         if known is None:
             refusal = self._refusal(message.name)
             if refusal:
                 self._complaints.count("refused connection", refusal.text)
                 return [Outgoing(identity=identity, message=refusal)]
             self._publishers = self._publishers % 0xFFFF_FFFF + 1
-            known = _Peer(
+            known = Peer(
                 identity=identity,
                 descriptor=descriptor,
                 name=message.name,
                 pid=message.pid,
+                role="module",
                 publisher=self._publishers,
                 heard=self._clock(),
             )
-            self._peers[identity] = known
-            self._names[message.name] = identity
+            self._peers[identity] = self._names[message.name] = known
             _logger.info("%s connected (pid %d)", message.name, message.pid)
+            outgoing = self._tell(Change.CONNECTED, known)
         welcome = control.Welcome(
-            publisher=known.publisher, epoch=self.epoch, ports=self._ports, paths=self._paths
+            publisher=known.publisher,
+            epoch=self.epoch,
+            machine=this_machine(),
+            sent=message.sent,
+            hub_time=self._clock(),
+            ports=self._ports,
+            paths=self._paths,
         )
-        return [Outgoing(identity=identity, message=welcome)]
+        return [Outgoing(identity=identity, message=welcome), *outgoing]
 
     def _refusal(self, name: str) -> control.Refused | None:
         error = "CentralUnreachableError"
@@ -191,30 +191,32 @@ class Registry:
         elif len(self._peers) >= MAX_PEERS:
             text = f"{MAX_PEERS} modules are connected, no more are taken"
         elif name in self._names:
-            pid = self._peers[self._names[name]].pid
             error = "NameTakenError"
+            pid = self._names[name].pid
             text = f"a module named {name!r} is connected already (pid {pid}); end it first"
         else:
             return None
         return control.Refused(subject=name, error=error, text=text)
 
     def _define(
-        self, peer: _Peer, message: control.Define, attached: Buffer | None
+        self, peer: Peer, message: control.Define, attached: Buffer | None
     ) -> list[Outgoing]:
         del attached
+        new = message.name not in self._definitions
         refusal = self._definition_refusal(peer, message)
         if refusal:
             self._complaints.count("refused definition", refusal.text)
             return [Outgoing(identity=peer.identity, message=refusal)]
-        return [Outgoing(identity=peer.identity, message=control.Defined(name=message.name))]
+        told = self._tell(Change.DEFINED, peer, message.name) if new else []
+        defined = control.Defined(name=message.name)
+        return [Outgoing(identity=peer.identity, message=defined), *told]
 
-    def _definition_refusal(self, peer: _Peer, message: control.Define) -> control.Refused | None:
+    def _definition_refusal(self, peer: Peer, message: control.Define) -> control.Refused | None:
         known = self._definitions.get(message.name)
         if known is not None:
             return self._redefinition_refusal(peer, known, message)
         error, text = "RedefinedMessageError", ""
-        listed = sum(len(d.entry.format) + len(d.entry.fields) for d in self._definitions.values())
-        if len(self._definitions) >= MAX_DEFINITIONS or listed > MAX_LISTED:
+        if len(self._definitions) >= MAX_DEFINITIONS or self._listed > MAX_LISTED:
             text = f"{len(self._definitions)} messages are defined, no more are taken"
         else:
             try:
@@ -223,12 +225,13 @@ class Registry:
                 error, text = type(problem).__name__, str(problem)
         if text:
             return control.Refused(subject=message.name, error=error, text=text)
-        entry = replace(message, definer=peer.name, messages=0, bytes=0)
+        entry = replace(message, definer=peer.name)
+        self._listed += len(message.format) + len(message.fields)
         self._definitions[message.name] = _Definition(entry=entry, fingerprint=fingerprint)
         return None
 
     def _redefinition_refusal(
-        self, peer: _Peer, known: _Definition, message: control.Define
+        self, peer: Peer, known: _Definition, message: control.Define
     ) -> control.Refused | None:
         """Why a message that is defined cannot be defined like this; None if it is the same."""
         entry = known.entry
@@ -254,74 +257,150 @@ class Registry:
             return None
         return control.Refused(subject=message.name, error="RedefinedMessageError", text=text)
 
-    def _handle(
-        self, peer: _Peer, message: control.Handle, attached: Buffer | None
+    def _advertise(
+        self, peer: Peer, message: control.Advertise, attached: Buffer | None
     ) -> list[Outgoing]:
         del attached
-        if message.name in self._definitions and len(peer.handles) < MAX_HANDLED:
-            peer.handles.add(message.name)
-        else:
-            reason = "it is not defined" if len(peer.handles) < MAX_HANDLED else "one too many"
-            detail = f"{peer.name} wants to answer {message.name[:80]!r}: {reason}"
-            self._complaints.count("refused handler", detail)
-        return []
+        if not self._admit(peer, message.name, peer.publishes):
+            return []
+        told = self._join(self._publishing, Change.PUBLISHERS, peer, message.name)
+        answer = control.Advertised(
+            name=message.name, subscribed=self._subscribing.count(message.name) > 0
+        )
+        return [Outgoing(identity=peer.identity, message=answer), *told]
+
+    def _subscribe(
+        self, peer: Peer, message: control.Subscribe, attached: Buffer | None
+    ) -> list[Outgoing]:
+        del attached
+        if not self._admit(peer, message.name, peer.subscribes):
+            return []
+        told = self._join(self._subscribing, Change.SUBSCRIBERS, peer, message.name)
+        if 0 < len(message.token) <= MAX_TOKEN:
+            publishers = self._publishing.of(message.name)
+            told += self._confirmations.begin(peer, message.token, publishers)
+        return told
+
+    def _unsubscribe(
+        self, peer: Peer, message: control.Unsubscribe, attached: Buffer | None
+    ) -> list[Outgoing]:
+        del attached
+        return self._leave(self._subscribing, Change.SUBSCRIBERS, peer, message.name)
+
+    def _ready(self, peer: Peer, message: control.Ready, attached: Buffer | None) -> list[Outgoing]:
+        del attached
+        return (
+            self._confirmations.seen(peer, message.token) if len(message.token) <= MAX_TOKEN else []
+        )
+
+    def _handle(
+        self, peer: Peer, message: control.Handle, attached: Buffer | None
+    ) -> list[Outgoing]:
+        del attached
+        if not message.on:
+            return self._leave(self._handling, Change.HANDLERS, peer, message.name)
+        if not self._admit(peer, message.name, peer.handles):
+            return []
+        return self._join(self._handling, Change.HANDLERS, peer, message.name)
+
+    def _admit(self, peer: Peer, name: str, names: set[str]) -> bool:
+        """Whether `peer` may do something with one more message."""
+        if name in self._definitions and len(names) < MAX_NAMES:
+            return True
+        reason = "it is not defined" if len(names) < MAX_NAMES else "one too many"
+        self._complaints.count("refused name", f"{peer.name} wants {name[:80]!r}: {reason}")
+        return False
+
+    def _join(self, crowd: Crowd, change: Change, peer: Peer, name: str) -> list[Outgoing]:
+        self._own(crowd, peer).add(name)
+        return self._tell(change, peer, name, crowd.count(name)) if crowd.add(name, peer) else []
+
+    def _leave(self, crowd: Crowd, change: Change, peer: Peer, name: str) -> list[Outgoing]:
+        self._own(crowd, peer).discard(name)
+        return (
+            self._tell(change, peer, name, crowd.count(name)) if crowd.discard(name, peer) else []
+        )
+
+    def _own(self, crowd: Crowd, peer: Peer) -> set[str]:
+        """The names that `peer` itself keeps of what it does."""
+        if crowd is self._publishing:
+            return peer.publishes
+        return peer.subscribes if crowd is self._subscribing else peer.handles
+
+    def _tell(self, change: Change, peer: Peer, name: str = "", count: int = 0) -> list[Outgoing]:
+        """What those who watch are told."""
+        message = control.Presence(
+            change=change, module=peer.name, pid=peer.pid, message=name, count=count
+        )
+        return [
+            Outgoing(identity=other.identity, message=message)
+            for other in self._peers.values()
+            if other.watches
+        ]
+
+    def _candidates(self, query: control.Query | control.Last) -> Iterable[Peer]:
+        crowd = self._handling if isinstance(query, control.Query) else self._publishing
+        return crowd.of(query.name)
 
     def _query(
-        self, peer: _Peer, message: control.Query, attached: Buffer | None
+        self, peer: Peer, message: control.Query | control.Last, attached: Buffer | None
     ) -> list[Outgoing]:
-        handler = next((p for p in self._peers.values() if message.name in p.handles), None)
-        if attached is None or handler is None or len(self._pending) >= MAX_QUERIES:
-            text = f"no connected module answers queries of {message.name[:80]}"
-            if handler is not None:
-                text = f"the query of {message.name[:80]} was malformed or one too many"
-            return [self._failure(peer.identity, message.number, "NoHandlerError", text)]
-        self._queries = self._queries % 0xFFFF_FFFF + 1
-        wait = message.timeout_s if 0.0 < message.timeout_s < MAX_QUERY_S else MAX_QUERY_S
-        self._pending[self._queries] = _Pending(
-            asker=peer.identity,
-            number=message.number,
-            handler=handler.identity,
-            name=message.name,
-            deadline=self._clock() + wait,
-        )
-        forwarded = replace(message, number=self._queries)
-        return [Outgoing(identity=handler.identity, message=forwarded, attached=attached)]
+        if attached is None and isinstance(message, control.Query):
+            text = f"the query of {message.name[:80]} came without its message"
+            failure = control.Failure(number=message.number, error="NoHandlerError", text=text)
+            return [Outgoing(identity=peer.identity, message=failure)]
+        return self._routes.ask(peer, message, attached, self._clock())
 
-    def _respond(
-        self,
-        peer: _Peer,
-        message: control.Response | control.Failure,
-        attached: Buffer | None,
+    def _answer(
+        self, peer: Peer, message: control.Response | control.Failure, attached: Buffer | None
     ) -> list[Outgoing]:
-        pending = self._pending.get(message.number)
-        if pending is None or pending.handler != peer.identity:
-            self._complaints.count("late answer", f"from {peer.name}, nobody waits for it")
-            return []
-        del self._pending[message.number]
-        answer = replace(message, number=pending.number)
-        return [Outgoing(identity=pending.asker, message=answer, attached=attached)]
+        return self._routes.answer(peer, message, attached)
 
-    def _list(self, peer: _Peer, message: control.List, attached: Buffer | None) -> list[Outgoing]:
+    def _watch(self, peer: Peer, message: control.Watch, attached: Buffer | None) -> list[Outgoing]:
         del message, attached
-        now = self._clock()
-        definitions = tuple(
-            replace(known.entry, messages=known.messages, bytes=known.bytes)
-            for known in self._definitions.values()
-        )
-        peers = tuple(
-            control.Peer(
-                name=other.name,
-                pid=other.pid,
-                silent_s=now - other.heard,
-                handles=" ".join(sorted(other.handles)),
-            )
-            for other in self._peers.values()
-        )
+        peer.watches = True
+        return []
+
+    def _report(
+        self, peer: Peer, message: control.Report, attached: Buffer | None
+    ) -> list[Outgoing]:
+        del peer, attached
+        for entry in message.received:
+            if entry.name in self._definitions:
+                self._definitions[entry.name].traffic.reported(entry)
+        return []
+
+    def _close(self, peer: Peer, message: control.Close, attached: Buffer | None) -> list[Outgoing]:
+        del attached
+        other = self._names.get(message.name)
+        if other is None:
+            text = f"no module named {message.name[:80]!r} is connected"
+            refusal = control.Refused(subject=message.name, error="UnknownModuleError", text=text)
+            return [Outgoing(identity=peer.identity, message=refusal)]
+        told = control.Close(name=other.name, by=peer.name)
+        gone = [Outgoing(identity=each.identity, message=told) for each in {other: 0, peer: 0}]
+        return [*gone, *self._drop(other, f"{peer.name} closed it")]
+
+    def _log_level(
+        self, peer: Peer, message: control.LogLevel, attached: Buffer | None
+    ) -> list[Outgoing]:
+        del attached
+        if message.level in LEVELS:
+            logging.getLogger("hub").setLevel(LEVELS[message.level])
+            _logger.info("%s set the log level to %s", peer.name, message.level)
+        return []
+
+    def _list(self, peer: Peer, message: control.List, attached: Buffer | None) -> list[Outgoing]:
+        del message, attached
+        definitions = tuple(self._definition_entry(known) for known in self._definitions.values())
+        peers = tuple(self._peer_entry(other) for other in self._peers.values())
         dropped = tuple(
             control.Count(reason=reason, count=count)
             for reason, count in self._complaints.counts.items()
         )
         listing = control.Listing(
+            uptime_s=self._clock() - self._begun,
+            level=logging.getLevelName(_logger.getEffectiveLevel()).lower(),
             definition_count=len(definitions),
             definitions=definitions,
             peer_count=len(peers),
@@ -331,31 +410,59 @@ class Registry:
         )
         return [Outgoing(identity=peer.identity, message=listing)]
 
-    def _ping(self, peer: _Peer, message: control.Ping, attached: Buffer | None) -> list[Outgoing]:
-        del message, attached
-        return [Outgoing(identity=peer.identity, message=control.Pong(epoch=self.epoch))]
+    def _definition_entry(self, known: _Definition) -> control.Define:
+        traffic = known.traffic
+        return replace(
+            known.entry,
+            messages=traffic.messages,
+            bytes=traffic.bytes,
+            lost=traffic.lost,
+            expired=traffic.expired,
+            oldest_s=traffic.oldest,
+            silent_s=traffic.silent(self._clock()),
+        )
 
-    def _bye(self, peer: _Peer, message: control.Bye, attached: Buffer | None) -> list[Outgoing]:
+    def _peer_entry(self, peer: Peer) -> control.Peer:
+        return control.Peer(
+            name=peer.name,
+            pid=peer.pid,
+            publisher=peer.publisher,
+            role=peer.role,
+            silent_s=self._clock() - peer.heard,
+            handles=_listed(peer.handles),
+            publishes=_listed(peer.publishes),
+            subscribes=_listed(peer.subscribes),
+        )
+
+    def _ping(self, peer: Peer, message: control.Ping, attached: Buffer | None) -> list[Outgoing]:
+        del attached
+        pong = control.Pong(epoch=self.epoch, sent=message.sent, hub_time=self._clock())
+        return [Outgoing(identity=peer.identity, message=pong)]
+
+    def _bye(self, peer: Peer, message: control.Bye, attached: Buffer | None) -> list[Outgoing]:
         del message, attached
         return self._drop(peer, "it said goodbye")
 
-    def _drop(self, peer: _Peer, why: str) -> list[Outgoing]:
-        """Forget a peer; who waits for its answers is told at once."""
+    def _drop(self, peer: Peer, why: str) -> list[Outgoing]:
+        """Forget a peer; who waits for it is told at once."""
         _logger.info("%s is gone: %s", peer.name, why)
         self._peers.pop(peer.identity, None)
-        if self._names.get(peer.name) == peer.identity:
+        if self._names.get(peer.name) is peer:
             del self._names[peer.name]
         outgoing = []
-        for number, pending in list(self._pending.items()):
-            if pending.handler == peer.identity:
-                text = f"{peer.name} went away before it answered {pending.name}"
-                failure = self._failure(pending.asker, pending.number, "HandlerDiedError", text)
-                outgoing.append(failure)
-                del self._pending[number]
-            elif pending.asker == peer.identity:
-                del self._pending[number]
-        return outgoing
+        for crowd, change in (
+            (self._publishing, Change.PUBLISHERS),
+            (self._subscribing, Change.SUBSCRIBERS),
+            (self._handling, Change.HANDLERS),
+        ):
+            for name in sorted(self._own(crowd, peer)):
+                outgoing += self._leave(crowd, change, peer, name)
+        outgoing += self._confirmations.drop(peer)
+        outgoing += self._routes.drop(peer, self._clock())
+        return outgoing + self._tell(Change.DISCONNECTED, peer)
 
-    def _failure(self, identity: bytes, number: int, error: str, text: str) -> Outgoing:
-        failure = control.Failure(number=number, error=error, text=text)
-        return Outgoing(identity=identity, message=failure)
+
+def _listed(names: set[str]) -> str:
+    """Names for a listing, which has to fit into a frame."""
+    text = " ".join(sorted(names))
+    return text if len(text) <= MAX_LISTED_NAMES else text[:MAX_LISTED_NAMES].rpartition(" ")[0]

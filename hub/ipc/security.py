@@ -51,8 +51,8 @@ def parse_endpoint(text: str) -> TcpEndpoint | IpcEndpoint:
     host, colon, port = rest.rpartition(":")
     if not separator or scheme != "tcp" or not colon or not (port.isdigit() and port.isascii()):
         raise EndpointError(_refusal(text, "write tcp://127.0.0.1:1381 or ipc:///a/path"))
-    if len(port) > 5 or int(port) > 65531:
-        raise EndpointError(_refusal(text, "its port is above 65531"))
+    if len(port) > 5 or int(port) > 65529:
+        raise EndpointError(_refusal(text, "its port is above 65529"))
     return TcpEndpoint(_loopback(text, host.strip("[]")), int(port))
 
 

@@ -7,12 +7,22 @@ import zmq
 from hub.ipc.definition import Plane
 from hub.ipc.frames import MAX_FRAME
 
+Socket = zmq.Socket[bytes]
+Context = zmq.Context[Socket]
+
 PLANES = tuple(Plane)
-QUEUE = {Plane.STATE: 500, Plane.COMMAND: 50}
+QUEUE = {Plane.STATE: 500, Plane.COMMAND: 50, Plane.PICTURE: 2}
 """Messages a plane keeps for one slow peer; beyond it the newest are dropped and seen as gaps."""
 
+_PICTURE_BUFFER = 64 << 10
+"""Kernel buffers of the picture plane [bytes]: what lies in them is old before it is seen."""
+_SUBSCRIPTIONS = 1 << 16
+"""Subscriptions that may be under way at once; they are messages too and must not be dropped."""
+CONNECT_MS = 300
+"""How long a connection may take before it is tried again [ms]; see `Connection`."""
 
-def make(context: zmq.Context[zmq.Socket[bytes]], kind: int, queue: int) -> zmq.Socket[bytes]:
+
+def make(context: Context, kind: int, queue: int) -> Socket:
     """A socket with the bus's options.
 
     Heartbeats find a dead peer in 1.5 s; queues are bounded; closing never waits.
@@ -33,19 +43,32 @@ def make(context: zmq.Context[zmq.Socket[bytes]], kind: int, queue: int) -> zmq.
     made.connect_timeout = 1000
     made.handshake_ivl = 3000
     made.tcp_keepalive = 1
-    if kind in (zmq.PUB, zmq.DEALER):
+    if kind in (zmq.XPUB, zmq.DEALER):
         # Nothing may be kept for a central that is not there: it would be old when it comes.
         made.immediate = True
     return made
 
 
-def bind(socket: zmq.Socket[bytes], address: str) -> None:
+def make_plane(context: Context, kind: int, plane: Plane) -> Socket:
+    """A socket of one plane: XSUB and XPUB at central, at a client XPUB to send, SUB to receive."""
+    made = make(context, kind, QUEUE[plane])
+    # Subscriptions run against the messages, so the other queue of each socket holds only them.
+    if kind in (zmq.SUB, zmq.XSUB):
+        made.sndhwm = _SUBSCRIPTIONS
+    else:
+        made.rcvhwm = _SUBSCRIPTIONS
+    if plane is Plane.PICTURE:
+        made.sndbuf = made.rcvbuf = _PICTURE_BUFFER
+    return made
+
+
+def bind(socket: Socket, address: str) -> None:
     """Bind; IPv6 is switched on for the addresses that need it."""
     socket.ipv6 = "[" in address
     socket.bind(address)
 
 
-def connect(socket: zmq.Socket[bytes], address: str) -> None:
+def connect(socket: Socket, address: str) -> None:
     """Connect; IPv6 is switched on for the addresses that need it."""
     socket.ipv6 = "[" in address
     socket.connect(address)

@@ -45,7 +45,7 @@ _TOP = {
     "kind": toml.Key(toml.text(64)),
 }
 _TABLES = {
-    "hub": {"port": toml.Key(toml.whole_number(0, 65531), DEFAULT_PORT)},
+    "hub": {"port": toml.Key(toml.whole_number(0, 65529), DEFAULT_PORT)},
     "limits": {
         "linear": toml.Key(toml.number(0.01, 3.0), 0.5, "linear_limit"),
         "angular": toml.Key(toml.number(0.01, 6.0), 1.0, "angular_limit"),

@@ -15,9 +15,9 @@ from typing import Any, TypeVar
 from hub.errors import CodecError, HubError, NoHandlerError, QueryError
 from hub.gcm import navigation, rle, vision
 from hub.gcm.capability import Capability
-from hub.ipc.broadcast import Reception
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.reception import Reception
 from rune_tui.layout.spec import RobotSpec
 from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
 
@@ -136,7 +136,8 @@ class RobotLink:
         elif link.phase is LinkPhase.CONNECTING:
             phase, detail = LinkPhase.CONNECTING, str(self._client.refusal or "")
         else:
-            phase, detail = LinkPhase.LOST, str(self._client.refusal or "")
+            closed = f"closed by {self._client.closed_by}" if self._client.closed_by else ""
+            phase, detail = LinkPhase.LOST, closed or str(self._client.refusal or "")
         self._set_link(phase, detail)
 
     def _set_link(self, phase: LinkPhase, detail: str) -> None:

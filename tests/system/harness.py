@@ -22,9 +22,9 @@ import psutil
 import pyte
 
 from hub.gcm import navigation
-from hub.ipc.broadcast import Reception
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.reception import Reception
 from tests.waiting import until
 
 ROBOT_FILE = """

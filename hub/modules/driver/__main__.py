@@ -8,8 +8,8 @@ from collections.abc import Callable
 
 from hub.gcm import navigation
 from hub.gcm.capability import Capability
-from hub.ipc.broadcast import Reception
 from hub.ipc.client import Client
+from hub.ipc.reception import Reception
 from hub.modules.driver.watchdog import CommandWatchdog
 from hub.robots.description import RobotDescription
 from hub.robots.registry import KINDS

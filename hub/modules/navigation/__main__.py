@@ -8,8 +8,8 @@ import time
 
 from hub.gcm import navigation
 from hub.gcm.capability import Capability
-from hub.ipc.broadcast import Reception
 from hub.ipc.client import Client
+from hub.ipc.reception import Reception
 from hub.modules.navigation.speed_governor import SpeedGovernor
 from hub.robots.description import RobotDescription
 from hub.runtime import run_module

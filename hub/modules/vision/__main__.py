@@ -9,8 +9,8 @@ from collections.abc import Callable
 from hub.errors import HandlerFailedError
 from hub.gcm import navigation, rle, vision
 from hub.gcm.capability import Capability
-from hub.ipc.broadcast import Reception
 from hub.ipc.client import Client
+from hub.ipc.reception import Reception
 from hub.modules.vision.picture import prepare
 from hub.robots.description import RobotDescription
 from hub.robots.registry import KINDS

@@ -10,10 +10,10 @@ from typing import Any, TypeVar
 
 import pytest
 
-from hub.ipc.broadcast import Reception
 from hub.ipc.central import Central
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.reception import Reception
 from tests.hub.ipc.vocabulary import Number
 from tests.waiting import until
 

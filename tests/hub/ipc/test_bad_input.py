@@ -44,7 +44,7 @@ class Traffic:
         one.publish_until(v.EVENT, self.received[v.EVENT.name])
         self._sent = 0
         other.call(lambda: other.client.respond(v.ASK, v.ANSWER, lambda ask: ask))
-        other.call(lambda: other.client.listing(5.0))
+        other.call(lambda: other.client.directory.listing(5.0))
 
     def check(self) -> None:
         for _ in range(10):
@@ -95,7 +95,7 @@ def dropped(traffic: Traffic) -> Callable[[str], int]:
     """How often central has dropped something, by reason, as any client can see it."""
 
     def count(reason: str) -> int:
-        listing = traffic.one.call(lambda: traffic.one.client.listing(5.0))
+        listing = traffic.one.call(lambda: traffic.one.client.directory.listing(5.0))
         return {count.reason: count.count for count in listing.dropped}.get(reason, 0)
 
     return count
@@ -300,8 +300,10 @@ def test_peer_that_says_hello_and_then_nonsense(
         control.Response(number=1),
         control.Failure(number=2**32 - 1, error="HubError", text="x" * 100_000),
         control.Query(number=1, name="T_Nobody", timeout_s=float("nan")),
-        control.Welcome(publisher=1, epoch=1, ports=(1, 2, 3, 4), paths=("", "", "", "")),
-        control.Pong(epoch=1),
+        control.Welcome(
+            publisher=1, epoch=1, machine=1, sent=0.0, hub_time=0.0, ports=(1,) * 6, paths=("",) * 6
+        ),
+        control.Pong(epoch=1, sent=0.0, hub_time=0.0),
     ]
     for message in said:
         dealer.send(control.pack(message))
@@ -309,7 +311,7 @@ def test_peer_that_says_hello_and_then_nonsense(
                            b"no frame"])  # fmt: skip
     for reason, count in {
         "refused definition": 1,
-        "refused handler": 2,
+        "refused name": 2,
         "late answer": 2,
         "unexpected control message": 2,
     }.items():
@@ -333,7 +335,7 @@ def test_frames_of_another_protocol_version_are_counted(
 ) -> None:
     dealer = plain(zmq.DEALER, "control")
     hello = bytearray(control.pack(control.Hello(name="future", pid=1)))
-    hello[4] = 2
+    hello[4] += 1
     dealer.send(bytes(hello))
     until(lambda: dropped("malformed control frame") == 1, 5.0)
     traffic.check()

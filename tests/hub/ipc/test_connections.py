@@ -54,7 +54,7 @@ def test_nobody_at_the_endpoint_is_told_with_what_to_do(peers: Make) -> None:
     with pytest.raises(CentralUnreachableError, match="is rune-hub running there"):
         lonely.call(lambda: lonely.client.wait_connected(0.05))
     with pytest.raises(CentralUnreachableError):
-        lonely.call(lambda: lonely.client.listing(0.05))
+        lonely.call(lambda: lonely.client.directory.listing(0.05))
     lonely.call(lambda: lonely.client.define(v.LOG))
     with pytest.raises(CentralUnreachableError):
         lonely.call(lambda: lonely.client.wait_defined(0.05))
@@ -85,7 +85,7 @@ def test_everything_works_again_after_central_was_started_again(
     one.call(lambda: one.client.respond(v.ASK, v.ANSWER, lambda ask: ask))
     one.publish_until(v.LOG, received)
     one.publish_until(v.EVENT, commands)
-    epoch = one.client._epoch
+    epoch = one.client._connection._joined
     central.close()
     # Both while it is not known yet that central is away, and when it is.
     for number in range(20):
@@ -105,7 +105,7 @@ def test_everything_works_again_after_central_was_started_again(
     central = Central([lasting_endpoint])
     try:
         until(lambda: one.client.connected and other.client.connected, 5.0)
-        assert one.client._epoch != epoch
+        assert one.client._connection._joined != epoch
         del received[:], commands[:]
         one.publish_until(v.LOG, received)
         one.publish_until(v.EVENT, commands)
@@ -116,7 +116,7 @@ def test_everything_works_again_after_central_was_started_again(
             lambda: other.client.query_response(v.ASK, Number(value=7), v.ANSWER, timeout=5.0)
         )
         assert answer == Number(value=7)
-        listing = one.call(lambda: one.client.listing(5.0))
+        listing = one.call(lambda: one.client.directory.listing(5.0))
         assert {entry.name for entry in listing.definitions} >= {"T_Log", "T_Event", "T_Ask"}
         assert one.faults == other.faults == []
     finally:
@@ -138,7 +138,12 @@ def test_command_of_a_short_outage_never_arrives(lasting_endpoint: str, peers: M
             one.publish(v.EVENT, Number(value=number))
         central = Central([lasting_endpoint])
         epoch = central._registry.epoch
-        until(lambda epoch=epoch: one.client._epoch == other.client._epoch == epoch, 5.0)
+        until(
+            lambda epoch=epoch: (
+                one.client._connection._joined[0] == other.client._connection._joined[0] == epoch
+            ),
+            5.0,
+        )
         one.publish_until(v.EVENT, commands)
         assert _values(commands) == []
     one.close()
@@ -159,7 +164,7 @@ def test_query_under_way_ends_when_central_is_started_again(
         return ask
 
     one.call(lambda: one.client.respond(v.ASK, v.ANSWER, answer))
-    one.call(lambda: one.client.listing(5.0))
+    one.call(lambda: one.client.directory.listing(5.0))
     failures: list[QueryError] = []
     other.call(
         lambda: other.client.query_notify(
@@ -373,7 +378,7 @@ def test_client_needs_a_port() -> None:
     ("text", "address"),
     [
         ("tcp://localhost:5", "tcp://127.0.0.1:5"),
-        ("tcp://127.0.0.2:65531", "tcp://127.0.0.2:65531"),
+        ("tcp://127.0.0.2:65529", "tcp://127.0.0.2:65529"),
         ("tcp://[::1]:5", "tcp://[::1]:5"),
         ("tcp://127.0.0.1:0", "tcp://127.0.0.1:*"),
         ("ipc:///a/b", "ipc:///a/b"),
@@ -390,6 +395,6 @@ def test_fault_of_central_itself_is_counted_and_does_not_end_it(
     monkeypatch.setattr(central._registry, "expire", lambda: 1 // 0)
     until(lambda: central.complaints.counts["internal fault"] > 3, 5.0)
     monkeypatch.undo()
-    one.call(lambda: one.client.listing(5.0))
+    one.call(lambda: one.client.directory.listing(5.0))
     lines = [record for record in caplog.records if record.levelno >= logging.WARNING]
     assert len([record for record in lines if record.name == "hub.ipc.central"]) == 2

@@ -42,7 +42,9 @@ def test_frame_comes_back_as_it_was(
         payload=[payload],
     )
     back = frames.unpack(raw)
-    assert back == frames.Frame(name, publisher, fingerprint, sequence, stamp_ns, back.payload)
+    assert back == frames.Frame(
+        name, frames.INLINE, publisher, fingerprint, sequence, stamp_ns, back.payload
+    )
     assert bytes(back.payload) == payload
 
 
@@ -54,7 +56,7 @@ def test_members_start_at_a_multiple_of_eight_after_any_name(length: int) -> Non
 
 def test_frame_has_the_documented_layout() -> None:
     assert _frame("GCM_Stop", b"\0\1\0\0") == (
-        b"GCM_Stop" + bytes(8) + struct.pack("<HHIQQqI", 1, 0, 1, 2, 3, 4, 4) + b"\0\1\0\0"
+        b"GCM_Stop" + bytes(8) + struct.pack("<HHIQQqI", 2, 0, 1, 2, 3, 4, 4) + b"\0\1\0\0"
     )
 
 
@@ -72,7 +74,7 @@ def test_frame_cut_anywhere_is_refused() -> None:
         frames.unpack(raw + b"\0")
 
 
-@pytest.mark.parametrize("version", [0, 2, 256, 65535])
+@pytest.mark.parametrize("version", [0, 1, 3, 256, 65535])
 def test_frame_of_another_version_is_refused_by_its_number(version: int) -> None:
     raw = bytearray(_frame())
     raw[8:10] = struct.pack("<H", version)
@@ -120,7 +122,7 @@ def test_control_message_comes_back_and_is_refused_when_cut(
 
 @given(st.binary(max_size=80), st.integers(0, 255))
 def test_any_bytes_are_a_control_message_or_refused(raw: bytes, kind: int) -> None:
-    for each in (raw, b"RUNE\1" + bytes([kind, 0, 0]) + raw, b"RUNE\1" + bytes([kind, 0, 0])
+    for each in (raw, b"RUNE\2" + bytes([kind, 0, 0]) + raw, b"RUNE\2" + bytes([kind, 0, 0])
                  + b"\0\1\0\0" + raw):  # fmt: skip
         try:
             control.unpack(each)
@@ -132,13 +134,75 @@ def test_any_bytes_are_a_control_message_or_refused(raw: bytes, kind: int) -> No
     ("raw", "reason"),
     [
         (b"", "no whole preamble"),
-        (b"RUNE\1\1\0", "no whole preamble"),
-        (b"RUNA\1\1\0\0", "does not start with RUNE"),
-        (b"RUNE\2\1\0\0", "version 2"),
-        (b"RUNE\1\0\0\0", "unknown kind 0"),
-        (b"RUNE\1\x10\0\0", "unknown kind 16"),
+        (b"RUNE\2\1\0", "no whole preamble"),
+        (b"RUNA\2\1\0\0", "does not start with RUNE"),
+        (b"RUNE\1\1\0\0", "version 1"),
+        (b"RUNE\2\0\0\0", "unknown kind 0"),
+        (b"RUNE\2\x60\0\0", "unknown kind 96"),
     ],
 )
 def test_wrong_control_preamble_is_refused_with_the_reason(raw: bytes, reason: str) -> None:
     with pytest.raises(FrameError, match=reason):
         control.unpack(raw)
+
+
+def test_topic_of_a_descriptor_carries_descriptors_alone() -> None:
+    def made(kind: int, *, in_ring: bool) -> bytes:
+        return frames.pack(
+            frames.prefix("Message", in_ring=in_ring),
+            publisher=1,
+            fingerprint=2,
+            sequence=3,
+            stamp_ns=4,
+            payload=[b"x"],
+            kind=kind,
+        )
+
+    assert frames.unpack(made(frames.IN_RING, in_ring=True)).kind == frames.IN_RING
+    assert frames.unpack(made(frames.BATCH, in_ring=False)).kind == frames.BATCH
+    for kind, in_ring in ((frames.INLINE, True), (frames.IN_RING, False), (4, False)):
+        with pytest.raises(FrameError, match="topic does not carry"):
+            frames.unpack(made(kind, in_ring=in_ring))
+
+
+@given(st.lists(st.tuples(st.integers(-(2**63), 2**63 - 1), st.binary(max_size=40)), max_size=9))
+def test_messages_of_a_batch_come_back(messages: list[tuple[int, bytes]]) -> None:
+    packed = [frames.pack_item(stamp, [payload[:1], payload[1:]]) for stamp, payload in messages]
+    whole = memoryview(b"".join(frames.batch(packed)))
+    assert [(stamp, bytes(payload)) for stamp, payload in frames.items(whole)] == messages
+    assert frames.count(whole) == len(messages)
+    for item, (stamp, payload) in zip(packed, messages, strict=True):
+        assert len(item) % 8 == 0
+        assert frames.item_payload(item) == (stamp, payload)
+
+
+@given(st.binary(max_size=120), st.lists(st.binary(max_size=20), max_size=4), st.data())
+def test_any_bytes_are_a_batch_or_refused(
+    raw: bytes, payloads: list[bytes], data: st.DataObject
+) -> None:
+    good = b"".join(frames.batch([frames.pack_item(1, [payload]) for payload in payloads]))
+    place = data.draw(st.integers(0, len(good) - 1))
+    flipped = good[:place] + bytes([good[place] ^ 1 << place % 8]) + good[place + 1 :]
+    for each in (raw, good[:place], flipped, good + raw):
+        try:
+            frames.items(memoryview(each))
+        except FrameError:
+            continue
+
+
+def test_flat_frames_are_those_of_the_long_way_and_read_them() -> None:
+    form = compiled("{ulong,double,{short,int}}")
+    flat = frames.FlatFrames(frames.prefix("Flat"), form.fingerprint, form.flat_letters or "")
+    numbers = (7, 0.5, -3, 9)
+    payload = b"".join(form.encode((7, 0.5, (-3, 9))))
+    raw = flat.pack(1, 2, 3, numbers)
+    header = {"publisher": 1, "fingerprint": form.fingerprint, "sequence": 2, "stamp_ns": 3}
+    assert raw == frames.pack(frames.prefix("Flat"), payload=[payload], **header)
+    assert flat.pack_item(3, numbers) == frames.pack_item(3, [payload])
+    assert flat.values(memoryview(payload)) == numbers
+    assert flat.values(memoryview(payload + b"\0")) is None
+    assert flat.values(memoryview(b"\0\0" + payload[2:])) is None
+    batch = b"".join(frames.batch([flat.pack_item(3, numbers)] * 2))
+    assert flat.items(memoryview(batch)) == [(3, numbers)] * 2
+    for wrong in (batch[:-8], b"\3" + batch[1:], batch[:16] + b"\1" + batch[17:]):
+        assert flat.items(memoryview(wrong)) is None

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from hub.gcm.catalog import MESSAGES
-from hub.ipc import client, control, description, frames, registry, security, sockets
+from hub.ipc import connection, control, description, frames, registry, routes, security, sockets
 from hub.ipc import format as formats
 
 _PAGE = (Path(__file__).parents[3] / "docs" / "protocol.md").read_text()
@@ -55,16 +55,16 @@ def test_every_primitive_is_in_the_table_of_formats() -> None:
         f"{formats.MAX_NODES:,} nodes in a list",
         f"{formats.MAX_DIMENSIONS} dimensions or size members",
         f"up to {description.MAX_FIELDS:,}",
-        f"PING every {client.PING_S:g} s",
-        f"not heard central for {client.LOST_S:g} s",
-        f"every {client.RETRY_S:g} s while there is no connection",
+        f"PING every {connection.PING_S:g} s",
+        f"not heard central for {connection.LOST_S:g} s",
         f"silent for {registry.SILENCE_S:g} s",
         f"| connected clients | {registry.MAX_PEERS} |",
         f"| definitions | {registry.MAX_DEFINITIONS:,}, with {registry.MAX_LISTED:,} characters",
-        f"| queries under way | {registry.MAX_QUERIES:,} |",
-        f"| queries that one client answers | {registry.MAX_HANDLED} |",
-        f"| time central remembers a query | {registry.MAX_QUERY_S:g} s |",
-        "holds {} messages (state) or {} (command)".format(*sockets.QUEUE.values()),
+        f"| queries under way | {routes.MAX_QUERIES:,} |",
+        f"answers, each | {registry.MAX_NAMES:,} |",
+        f"| time central remembers a query | {routes.MAX_QUERY_S:g} s |",
+        f"cut at {registry.MAX_LISTED_NAMES:,} characters",
+        "holds {} frames (state), {} (command) or {} (picture)".format(*sockets.QUEUE.values()),
     ],
 )
 def test_number_on_the_page_is_that_of_the_code(phrase: str) -> None:

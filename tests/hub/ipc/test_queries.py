@@ -36,7 +36,7 @@ def _ask(peer: Peer, value: int = 20, timeout: float = 5.0) -> Number:
 
 def _respond(peer: Peer, handler: Callable[[Number], Number]) -> None:
     peer.call(lambda: peer.client.respond(v.ASK, v.ANSWER, handler))
-    listing = peer.call(lambda: peer.client.listing(5.0))
+    listing = peer.call(lambda: peer.client.directory.listing(5.0))
     assert any("T_Ask" in other.handles for other in listing.peers)
 
 
@@ -183,7 +183,7 @@ client = Client("handler", sys.argv[1])
 client.respond(ASK, ANSWER, stuck)
 client.wait_connected(10.0)
 client.wait_defined(10.0)
-client.listing(10.0)
+client.directory.listing(10.0)
 print("ready", flush=True)
 while True:
     client.listen(1.0)

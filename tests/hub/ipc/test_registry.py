@@ -9,13 +9,14 @@ from typing import Any
 import pytest
 
 from hub.errors import NameTakenError
-from hub.ipc import control, frames, registry
+from hub.ipc import control, frames, registry, routes
 from hub.ipc.codec import compiled
 from hub.ipc.complaints import Complaints
 from hub.ipc.control import Failure, Query, Refused, Response, Stranger, Welcome
-from hub.ipc.registry import Outgoing, Registry
+from hub.ipc.peers import Outgoing
+from hub.ipc.registry import Registry
 
-PORTS, PATHS = (2, 3, 4, 5), ("a", "b", "c", "d")
+PORTS, PATHS = (2, 3, 4, 5, 6, 7), tuple("abcdef")
 
 
 class Bench:
@@ -122,7 +123,8 @@ def test_who_never_said_hello_is_a_stranger(bench: Bench, message: Any) -> None:
 
 def test_ping_is_answered_with_the_epoch(bench: Bench) -> None:
     bench.connect("a")
-    assert bench.answer("a", control.Ping(epoch=0)) == control.Pong(epoch=bench.registry.epoch)
+    pong = bench.answer("a", control.Ping(epoch=0, sent=5.0))
+    assert pong == control.Pong(epoch=bench.registry.epoch, sent=5.0, hub_time=bench.now)
 
 
 def test_control_message_that_only_central_sends_is_counted(bench: Bench) -> None:
@@ -228,7 +230,7 @@ def test_query_without_its_message_fails_at_once(bench: Bench) -> None:
     bench.handles("b")
     failed = bench.answer("a", Query(number=9, name="Ask", timeout_s=1.0))
     assert failed.error == "NoHandlerError"
-    assert "malformed" in failed.text
+    assert "without its message" in failed.text
 
 
 @pytest.mark.parametrize("how", ["bye", "connection", "unreachable", "silence"])
@@ -325,20 +327,25 @@ def test_definitions_beyond_the_limit_are_refused(
 
 
 def test_queries_beyond_the_limit_fail(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(registry, "MAX_QUERIES", 1)
+    monkeypatch.setattr(routes, "MAX_QUERIES", 1)
     bench.connect("a", "b")
     bench.handles("b")
     bench.ask("a")
     assert "one too many" in bench.ask("a").message.text
 
 
-def test_handlers_beyond_the_limit_and_of_undefined_messages_are_counted(bench: Bench) -> None:
+def test_names_beyond_the_limit_and_of_undefined_messages_are_counted(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(registry, "MAX_NAMES", 3)
     bench.connect("a")
-    for number in range(registry.MAX_HANDLED + 2):
+    for number in range(5):
         bench.handles("a", f"M{number}")
-    assert bench.complaints.counts["refused handler"] == 2
+    assert bench.complaints.counts["refused name"] == 2
     bench.say("a", control.Handle(name="Undefined"))
-    assert bench.complaints.counts["refused handler"] == 3
+    bench.say("a", control.Advertise(name="Undefined"))
+    bench.say("a", control.Subscribe(name="Undefined", token="1.1"))
+    assert bench.complaints.counts["refused name"] == 5
 
 
 def test_list_of_everything_fits_into_one_frame_at_the_limits(bench: Bench) -> None:
@@ -352,11 +359,14 @@ def test_list_of_everything_fits_into_one_frame_at_the_limits(bench: Bench) -> N
         if isinstance(refused, Refused):
             break
     assert isinstance(refused, Refused)
-    for number in range(registry.MAX_HANDLED):
+    for number in range(len(bench.listing("a").definitions)):
         bench.say("a", control.Handle(name=f"M{number:063}"))
+        bench.say("a", control.Advertise(name=f"M{number:063}"))
+        bench.say("a", control.Subscribe(name=f"M{number:063}", token=""))
     listing = bench.listing("a")
     size = len(control.pack(listing))
-    peer = len(listing.peers[0].handles) + 100
+    entry = listing.peers[0]
+    peer = sum(map(len, (entry.handles, entry.publishes, entry.subscribes))) + 200
     assert size + registry.MAX_PEERS * peer < frames.MAX_FRAME
 
 
@@ -374,7 +384,7 @@ def test_broadcasts_are_counted_by_definition(
     bench.connect("a")
     if text:
         bench.define("a", "M", text)
-    bench.registry.broadcast(frames.Frame("M", 1, fingerprint, 1, 1, memoryview(b"")), 10)
+    bench.registry.broadcast(frames.Frame("M", 0, 1, fingerprint, 1, 1, memoryview(b"")), 10)
     assert dict(bench.complaints.counts) == ({reason: 1} if reason else {})
     counted = [(entry.messages, entry.bytes) for entry in bench.listing("a").definitions]
     assert counted == ([(0 if reason else 1, 0 if reason else 10)] if text else [])

@@ -35,3 +35,12 @@ COMMAND = MessageDefinition(
 PICTURE = MessageDefinition(name="T_Picture", format="{string,uint,<ubyte:2>}", type=Picture)
 ASK = MessageDefinition(name="T_Ask", format="{int}", type=Number)
 ANSWER = MessageDefinition(name="T_Answer", format="{int}", type=Number)
+PICTURE_NUMBER = MessageDefinition(
+    name="T_PictureNumber", format="{int}", type=Number, keep=Keep.ALL, plane=Plane.PICTURE
+)
+RING_PICTURE = MessageDefinition(
+    name="T_RingPicture",
+    format="{string,uint,<ubyte:2>}",
+    type=Picture,
+    plane=Plane.PICTURE,
+)

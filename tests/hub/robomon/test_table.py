@@ -48,7 +48,7 @@ def test_arena_of_one_s_own_lies_beside_the_robot_file(tmp_path: Path) -> None:
     [
         ('name = "magellan"\n', "", "top of the file: key 'name' is missing"),
         ('"simulated-magellan"', '"simulated-magelan"', "did you mean 'simulated-magellan'?"),
-        ("port = 1381", "port = 70000", "[hub], key 'port': 70000 is not between 0 and 65531"),
+        ("port = 1381", "port = 70000", "[hub], key 'port': 70000 is not between 0 and 65529"),
         ("port = 1381", "prot = 1381", "[hub]: unknown key 'prot'; did you mean 'port'?"),
         ("linear = 0.5", 'linear = "fast"', "[limits], key 'linear': 'fast' is not a number"),
         ("linear = 0.5", "linear = nan", "[limits], key 'linear': nan is not between"),
@@ -73,7 +73,7 @@ def test_all_mistakes_are_reported_at_once(tmp_path: Path) -> None:
 def test_a_number_of_thousands_of_digits_is_no_way_out(tmp_path: Path) -> None:
     text = GOOD.replace("port = 1381", "port = 0x" + "f" * 5000)
     assert problems_of(tmp_path, text) == [
-        "[hub], key 'port': a number of many digits is not between 0 and 65531"
+        "[hub], key 'port': a number of many digits is not between 0 and 65529"
     ]
 
 

@@ -1,0 +1,174 @@
+"""`rune-hub status`, `log`, `close`, `log-level`: central's own view, and what it can be told."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Callable, Sequence
+
+from hub.inspection import values
+from hub.inspection.commands import find
+from hub.ipc import control
+from hub.ipc.client import Client
+from hub.ipc.reception import Reception
+
+_ANSWER_S = 2.0
+
+
+def status(client: Client, *, seconds: float, as_json: bool) -> int:
+    """Show modules, and for each message how often it came in the last `seconds`, and what failed.
+
+    Args:
+        client: A connected client.
+        seconds: Between the two looks that rates are taken from [s].
+        as_json: Whether to write JSON.
+    """
+    before = client.directory.listing(_ANSWER_S)
+    began = time.monotonic()
+    while time.monotonic() - began < seconds:
+        client.listen(0.05)
+    now = client.directory.listing(_ANSWER_S)
+    passed = now.uptime_s - before.uptime_s
+    flows = _flows(before, now, passed)
+    peers = [peer for peer in now.peers if peer.name != client.name]
+    if as_json:
+        told = values.plain(now) | {"peers": [values.plain(peer) for peer in peers]}
+        del told["definitions"]
+        _put(json.dumps(told | {"messages": flows}))
+        return 0
+    _put(f"central at {client.endpoint}, up {_time(now.uptime_s)}, logs {now.level}")
+    _table(
+        ("module", "pid", "role", "heard", "publishes", "subscribes", "answers"),
+        [
+            (
+                peer.name,
+                str(peer.pid),
+                peer.role,
+                f"{peer.silent_s:.1f} s ago",
+                *(str(len(x.split())) for x in (peer.publishes, peer.subscribes, peer.handles)),
+            )
+            for peer in peers
+        ],
+    )
+    heads = ("message", "plane", "1/s", "kB/s", "messages", "missed", "too old", "oldest", "last")
+    _table(heads, [_row(flow) for flow in flows])
+    for count in now.dropped:
+        _put(f"dropped: {count.reason}: {count.count}")
+    return 0
+
+
+def log(client: Client, names: Sequence[str], *, with_data: bool, count: int) -> int:
+    """Write one line for each message of these names, until `count` were written (0: for ever)."""
+    publishers: dict[int, str] = {}
+    written = 0
+
+    def note(name: str) -> Callable[[object, Reception], None]:
+        def write(value: object, how: Reception) -> None:
+            nonlocal written
+            written += 1
+            clock = time.strftime("%H:%M:%S", time.localtime())
+            publisher = publishers.get(how.publisher, f"number {how.publisher}")
+            _put(
+                f"{clock} {name} {{{how.sequence}}} from {publisher}, "
+                f"{how.age * 1e3:.1f} ms old, {how.missed} missed"
+            )
+            if with_data:
+                for line in values.lines(value):
+                    _put(f"    {line}")
+
+        return write
+
+    for name in names:
+        client.subscribe(find(client, name), note(name))
+
+    def learn() -> None:
+        listing = client.directory.listing(_ANSWER_S)
+        publishers.update({peer.publisher: peer.name for peer in listing.peers})
+
+    learn()
+    client.directory.watch(lambda _: client.post(learn))
+    while count == 0 or written < count:
+        client.listen(0.2)
+    return 0
+
+
+def close(client: Client, name: str) -> int:
+    """Have central disconnect a module."""
+    client.directory.close_module(name, timeout=_ANSWER_S)
+    _put(f"{name} is disconnected")
+    return 0
+
+
+def log_level(client: Client, level: str) -> int:
+    """Set from which level on central logs."""
+    client.directory.set_log_level(level)
+    now = client.directory.listing(_ANSWER_S).level
+    _put(f"central logs from {now} on")
+    return 0
+
+
+def _flows(
+    before: control.Listing, now: control.Listing, passed: float
+) -> list[dict[str, str | float]]:
+    """For each message how it flows; those with the highest rate first."""
+    earlier = {entry.name: entry for entry in before.definitions}
+    flows: list[dict[str, str | float]] = []
+    for entry in now.definitions:
+        known = earlier.get(entry.name)
+        messages = entry.messages - (known.messages if known else 0)
+        size = entry.bytes - (known.bytes if known else 0)
+        flows.append(
+            {
+                "name": entry.name,
+                "plane": entry.plane,
+                "rate_hz": messages / passed,
+                "bytes_per_s": size / passed,
+                "messages": entry.messages,
+                "bytes": entry.bytes,
+                "missed": entry.lost,
+                "expired": entry.expired,
+                "oldest_s": entry.oldest_s,
+                "silent_s": entry.silent_s if entry.messages else -1.0,
+            }
+        )
+    return sorted(flows, key=lambda flow: (-float(flow["rate_hz"]), str(flow["name"])))
+
+
+def _row(flow: dict[str, str | float]) -> tuple[str, ...]:
+    silent = float(flow["silent_s"])
+    return (
+        str(flow["name"]),
+        str(flow["plane"]),
+        f"{float(flow['rate_hz']):.1f}",
+        f"{float(flow['bytes_per_s']) / 1e3:.1f}",
+        str(flow["messages"]),
+        str(flow["missed"]),
+        str(flow["expired"]),
+        f"{float(flow['oldest_s']) * 1e3:.0f} ms",
+        "never" if silent < 0.0 else f"{_time(silent)} ago",
+    )
+
+
+def _time(seconds: float) -> str:
+    """A span of time in the unit that suits it."""
+    for unit, name in ((86_400.0, "d"), (3600.0, "h"), (60.0, "min")):
+        if seconds >= 2 * unit:
+            return f"{seconds / unit:.1f} {name}"
+    return f"{seconds:.1f} s"
+
+
+def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Columns as wide as they need to be; the first to the left, numbers to the right."""
+    widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
+    for row in (heads, *rows):
+        cells = [
+            cell.ljust(width) if place == 0 else cell.rjust(width)
+            for place, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        _put("  ".join(cells).rstrip())
+
+
+def _put(line: str) -> None:
+    sys.stdout.write(line + "\n")
+    sys.stdout.flush()

@@ -1,0 +1,234 @@
+"""A client's control connection: saying hello, staying alive, coming back when central was lost."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import math
+import os
+from typing import Any, Protocol
+
+import zmq
+import zmq.utils.monitor
+
+import hub.errors
+from hub.errors import CodecError, FrameError, HubError
+from hub.ipc import control, sockets
+from hub.ipc.complaints import Complaints
+from hub.ipc.hub_time import HubTime
+from hub.ipc.loop import Loop
+
+_logger = logging.getLogger(__name__)
+
+PING_S = 0.5
+LOST_S = 1.5
+"""Central has not answered for this long: the connection counts as lost [s]."""
+_BATCH = 256
+_QUEUE = 10_000
+"""Control messages under way; a client that comes back says all it does at once."""
+_WATCHED = zmq.EVENT_HANDSHAKE_SUCCEEDED | zmq.EVENT_DISCONNECTED
+_PATIENCE = ((0.25, 2.0), (3.0, 6.0))
+"""How long one attempt to connect may take, and for how long it is tried so, in turn [s].
+
+On a link that was dead the first packet after it healed counts, so attempts are short; a link whose
+round trip is longer than that has its turn too.
+"""
+
+
+class Owner(Protocol):
+    """Whoever wants to know what happens to a connection."""
+
+    def welcomed(self, message: control.Welcome, *, anew: bool) -> None:
+        """Central knows us; `anew`: it did not know us before, what was agreed is void."""
+
+    def lost(self, why: str) -> None:
+        """Central is gone, or does not know us any more."""
+
+    def told(self, message: Any, attached: bytes | None) -> None:
+        """Another control message came."""
+
+
+class Connection:
+    """The control connection of one client.
+
+    Attributes:
+        publisher: Our number at central; 0 while it does not know us.
+        hub_time: The hub's clock.
+        refusal: Why central refused to connect us, if it did.
+        closed: Who had central disconnect us, if somebody did.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        endpoint: str,
+        *,
+        owner: Owner,
+        context: sockets.Context,
+        loop: Loop,
+        complaints: Complaints,
+    ) -> None:
+        self.publisher = 0
+        self.hub_time = HubTime(loop.clock)
+        self.refusal: HubError | None = None
+        self.closed = ""
+        self._name = name
+        self._endpoint = endpoint
+        self._owner = owner
+        self._context = context
+        self._loop = loop
+        self._clock = loop.clock
+        self._complaints = complaints
+        self._joined = (0, 0)
+        self._heard = -math.inf
+        self._next_ping = 0.0
+        self._attempt = 0
+        self._open()
+
+    @property
+    def alive(self) -> bool:
+        """Whether central knows us and has answered lately."""
+        return self.publisher > 0 and self._clock() - self._heard < LOST_S
+
+    def due(self, otherwise: float) -> float:
+        """When we want to speak again [s]."""
+        return min(otherwise, self._next_ping)
+
+    def tell(self, message: Any, attached: bytes | None = None) -> bool:
+        """Send a control message; False if there is no connection now."""
+        packed = control.pack(message)
+        self._loop.touch(self._file)
+        try:
+            if attached is None:
+                self._socket.send(packed, zmq.NOBLOCK)
+            else:
+                self._socket.send(packed, zmq.NOBLOCK | zmq.SNDMORE)
+                self._socket.send(attached, zmq.NOBLOCK)
+        except zmq.Again:
+            if self.publisher:
+                self._complaints.count("not sent", "there is no connection to central now")
+            return False
+        return True
+
+    def turn(self) -> None:
+        """Say what is due."""
+        if self._clock() >= self._next_ping:
+            self._keep_alive()
+
+    def close(self) -> None:
+        """Say goodbye."""
+        if self.publisher:
+            self.tell(control.Bye())
+        self._shut(linger_ms=200 if self.publisher else 0)
+
+    def _open(self) -> None:
+        patience, stay = _PATIENCE[self._attempt % len(_PATIENCE)]
+        self._attempt += 1
+        self._socket = sockets.make(self._context, zmq.DEALER, _QUEUE)
+        self._socket.connect_timeout = int(patience * 1e3)
+        self._socket.reconnect_ivl_max = 100
+        self._monitor = self._socket.get_monitor_socket(_WATCHED)
+        sockets.connect(self._socket, self._endpoint)
+        self._file = self._loop.register(self._socket, self._receive)
+        self._monitor_file = self._loop.register(self._monitor, self._watch)
+        self._reopen = self._clock() + stay
+        self._next_ping = 0.0
+
+    def _shut(self, linger_ms: int) -> None:
+        self._loop.unregister(self._file)
+        self._loop.unregister(self._monitor_file)
+        self._socket.disable_monitor()
+        self._monitor.close(0)
+        self._socket.close(linger_ms)
+
+    def _keep_alive(self) -> None:
+        now = self._clock()
+        self._next_ping = now + PING_S
+        if self.closed:
+            return
+        if self.publisher and now - self._heard > LOST_S:
+            # Whatever is queued for a central that does not answer would arrive too late.
+            self._lose("it does not answer")
+            self._attempt = 0
+            self._reopen = now
+        if self.publisher:
+            self.tell(control.Ping(epoch=self._joined[0], sent=now))
+        elif not self._hello() and now >= self._reopen:
+            self._shut(0)
+            self._open()
+
+    def _hello(self) -> bool:
+        machine, now = self.hub_time.machine, self._clock()
+        return self.tell(control.Hello(name=self._name, pid=os.getpid(), machine=machine, sent=now))
+
+    def _watch(self) -> bool:
+        """The socket's own events: a central that comes back is greeted at once."""
+        while True:
+            try:
+                raw = self._monitor.recv_multipart(zmq.NOBLOCK)
+            except zmq.Again:
+                return False
+            event = zmq.utils.monitor.parse_monitor_message(raw)["event"]
+            if event == zmq.EVENT_DISCONNECTED:
+                self._lose("the connection ended")
+            elif self.publisher == 0 and not self.closed:
+                self._hello()
+
+    def _lose(self, why: str) -> None:
+        if self.publisher:
+            self.publisher = 0
+            self._owner.lost(f"the hub at {self._endpoint} is gone: {why}")
+
+    def _receive(self) -> bool:
+        socket = self._socket
+        for _ in range(_BATCH):
+            try:
+                parts = socket.recv_multipart(zmq.NOBLOCK)
+            except zmq.Again:
+                return False
+            try:
+                message = control.unpack(parts[0])
+            except (FrameError, CodecError) as error:
+                self._complaints.count("malformed control frame", str(error))
+                continue
+            self._heard = self._clock()
+            self._handle(message, parts[1] if len(parts) > 1 else None)
+            if socket is not self._socket:
+                return False
+        return True
+
+    def _handle(self, message: Any, attached: bytes | None) -> None:
+        if isinstance(message, control.Welcome):
+            self._welcome(message)
+        elif isinstance(message, control.Pong):
+            self.hub_time.note(message.sent, message.hub_time, self._heard)
+        elif isinstance(message, control.Stranger):
+            self._lose("it was started again")
+            self._hello()
+        elif isinstance(message, control.Close) and message.name == self._name:
+            self.closed = message.by
+            _logger.warning("%s had the hub disconnect %s", message.by, self._name)
+            self._lose(f"{message.by} had it disconnect {self._name}")
+        elif isinstance(message, control.Refused) and not self.publisher:
+            self._refuse(message)
+        else:
+            self._owner.told(message, attached)
+
+    def _welcome(self, message: control.Welcome) -> None:
+        self.refusal = None
+        self.publisher = message.publisher
+        self._attempt = 0
+        joined = (message.epoch, message.publisher)
+        anew, self._joined = joined != self._joined, joined
+        if anew:
+            self.hub_time.begin(message.machine)
+        self.hub_time.note(message.sent, message.hub_time, self._heard)
+        self._owner.welcomed(message, anew=anew)
+
+    def _refuse(self, message: control.Refused) -> None:
+        kind = getattr(hub.errors, message.error, None)
+        if not (isinstance(kind, type) and issubclass(kind, HubError)):
+            kind = hub.errors.CentralUnreachableError
+        with contextlib.suppress(TypeError):  # an error of ours that takes more than a sentence
+            self.refusal = kind(message.text)
+        self._complaints.count("refused by central", message.text)

@@ -1,0 +1,107 @@
+"""What central knows of everybody, and what a client may ask it to do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from hub.errors import UnknownModuleError
+from hub.ipc import control
+from hub.ipc.connection import Connection
+
+
+class _Waits(Protocol):
+    def __call__(self, done: Callable[[], object], timeout: float, why: str) -> None:
+        """Serve until it is `done`; CentralUnreachableError if it is not within `timeout` [s]."""
+
+
+class Directory:
+    """Central's view, for one client."""
+
+    def __init__(self, connection: Connection, wait: _Waits, silence: str) -> None:
+        """Ask nothing yet.
+
+        Args:
+            connection: Where central is asked.
+            wait: Serves the client until something is done.
+            silence: What to say when central does not answer.
+        """
+        self._connection = connection
+        self._wait = wait
+        self._silence = silence
+        self._listings: list[control.Listing] = []
+        self._closings: dict[str, control.Close | control.Refused] = {}
+        self._watchers: list[Callable[[control.Presence], None]] = []
+
+    def listing(self, timeout: float) -> control.Listing:
+        """All that central knows: modules, messages, who does what with them, what was dropped.
+
+        Raises:
+            CentralUnreachableError: It did not answer within `timeout` [s].
+        """
+        self._listings.clear()
+        self._connection.tell(control.List())
+        self._wait(lambda: self._listings, timeout, self._silence)
+        return self._listings[-1]
+
+    def is_defined(self, name: str, timeout: float = 2.0) -> bool:
+        """Whether anybody has defined a message of this name.
+
+        Raises:
+            CentralUnreachableError: Central did not answer within `timeout` [s].
+        """
+        return any(entry.name == name for entry in self.listing(timeout).definitions)
+
+    def number_of_handlers(self, name: str, timeout: float = 2.0) -> int:
+        """How many connected modules answer queries of this name.
+
+        Raises:
+            CentralUnreachableError: Central did not answer within `timeout` [s].
+        """
+        return sum(name in peer.handles.split() for peer in self.listing(timeout).peers)
+
+    def watch(self, handler: Callable[[control.Presence], None]) -> None:
+        """Call `handler` when a module comes or goes, defines, publishes, subscribes or answers.
+
+        Of those that are there already `listing` tells.
+        """
+        self._watchers.append(handler)
+        self.watch_again()
+
+    def watch_again(self) -> None:
+        """Central knows us anew: ask it again to be told."""
+        if self._watchers and self._connection.publisher:
+            self._connection.tell(control.Watch())
+
+    def close_module(self, name: str, *, timeout: float) -> None:
+        """Have central disconnect the module of this name for good.
+
+        Raises:
+            UnknownModuleError: There is none.
+            CentralUnreachableError: Central did not answer within `timeout` [s].
+        """
+        self._closings.pop(name, None)
+        self._connection.tell(control.Close(name=name))
+        self._wait(lambda: name in self._closings, timeout, self._silence)
+        outcome = self._closings.pop(name)
+        if isinstance(outcome, control.Refused):
+            raise UnknownModuleError(outcome.text)
+
+    def set_log_level(self, level: str) -> None:
+        """Have central log from this level on: debug, info, warning or error."""
+        self._connection.tell(control.LogLevel(level=level))
+
+    def told(self, message: Any) -> bool:
+        """A control message came; whether it was meant for us."""
+        if isinstance(message, control.Presence):
+            for watcher in self._watchers:
+                watcher(message)
+        elif isinstance(message, control.Listing):
+            self._listings.append(message)
+        elif isinstance(message, control.Close):
+            self._closings[message.name] = message
+        elif isinstance(message, control.Refused) and message.error == UnknownModuleError.__name__:
+            self._closings[message.subject] = message
+        else:
+            return False
+        return True

@@ -1,0 +1,32 @@
+"""Keeps the C heap from giving memory back after each large message, only to ask for it again."""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import os
+import sys
+
+_M_TRIM_THRESHOLD, _M_TOP_PAD, _M_ARENA_MAX = -1, -2, -8
+_TRIM_BYTES = 512 << 20
+_PAD_BYTES = 16 << 20
+_ARENAS = 2
+_SET_ALREADY = ("MALLOC_TRIM_THRESHOLD_", "MALLOC_TOP_PAD_", "MALLOC_ARENA_MAX", "GLIBC_TUNABLES")
+
+
+@functools.cache
+def keep_heap() -> bool:
+    """Tell glibc's allocator to keep what it has; whether it was told.
+
+    A picture's buffer lies at the top of the heap. By default that is returned to the system when
+    it is freed and faulted in again, page by page, for the next picture, which costs more than
+    copying the picture does. Who set the allocator by its environment variables is left alone.
+    """
+    if sys.platform != "linux" or any(name in os.environ for name in _SET_ALREADY):
+        return False
+    try:
+        mallopt = ctypes.CDLL(None).mallopt
+    except (OSError, AttributeError):  # another C library
+        return False
+    settings = ((_M_TRIM_THRESHOLD, _TRIM_BYTES), (_M_TOP_PAD, _PAD_BYTES), (_M_ARENA_MAX, _ARENAS))
+    return all(mallopt(option, value) == 1 for option, value in settings)

@@ -1,0 +1,263 @@
+"""Where one message leaves a client: alone, with others of a burst, or through shared memory."""
+
+from __future__ import annotations
+
+import struct
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
+
+from hub.ipc import frames, ring, sockets
+from hub.ipc.codegen import Buffer
+from hub.ipc.complaints import Complaints
+from hub.ipc.connection import Connection
+from hub.ipc.definition import MessageDefinition, Plane
+
+_HOLD_S = 2.0
+"""Central says that somebody has subscribed; his subscription must have come after this [s]."""
+_BURST_S = 50e-6
+"""What is published so soon after the last one belongs to a burst [s]."""
+_MAX_ITEM = 2048
+"""Longer payloads gain nothing by travelling together [bytes]."""
+_UNFIT = (struct.error, AttributeError, TypeError, ValueError, OverflowError)
+
+
+class Ways(Protocol):
+    """What an outlet needs of the client's sockets."""
+
+    connection: Connection
+    clock: Callable[[], float]
+    complaints: Complaints
+    local: bool
+
+    def send(self, plane: Plane, name: str, frame: bytes) -> None:
+        """Send on a plane, behind what waits to be sent."""
+
+    def join_batch(self, outlet: Outlet, sequence: int, item: bytes) -> None:
+        """Send one message together with those that follow at once."""
+
+    def is_wanted(self, topic: bytes) -> bool:
+        """Whether somebody subscribes to the topic."""
+
+
+class Outlet:
+    """Where one message leaves this client.
+
+    Attributes:
+        definition: The message.
+    """
+
+    def __init__(self, definition: MessageDefinition[Any], ways: Ways) -> None:
+        self.definition = definition
+        self._ways = ways
+        self._connection = ways.connection
+        self._clock = ways.clock
+        self._plane = definition.plane
+        self._prefix = frames.prefix(definition.name)
+        self._ring_prefix = frames.prefix(definition.name, in_ring=True)
+        self._topics = [frames.topic(definition.name)]
+        if definition.plane is Plane.PICTURE:
+            self._topics.append(frames.topic(definition.name, in_ring=True))
+        self._sequence = 0
+        self._previous = 0.0
+        self._last: bytes | tuple[int, int, bytes | ring.Place] | None = None
+        self._last_is_item = False
+        self._ring: ring.RingWriter | None = None
+        self._held: deque[tuple[int, int, bytes]] | None = None
+        self._open = False
+        self._open_by = 0.0
+        letters = definition.flat_letters
+        self._flat = None
+        if letters is not None and definition.plane is not Plane.PICTURE:
+            self._flat = frames.FlatFrames(self._prefix, definition.fingerprint, letters)
+            self._take_apart = definition.flat_values
+
+    @property
+    def holding(self) -> bool:
+        """Whether messages wait until the way is open."""
+        return bool(self._held)
+
+    def publish(self, value: Any, measured: float | None) -> None:
+        """Send to all who subscribe.
+
+        Raises:
+            CodecError: The value does not fit the format.
+        """
+        flat = self._flat
+        if flat is None or not self._open:
+            self.publish_payload(self.definition.encode(value), measured)
+            return
+        now = self._clock()
+        when = now if measured is None else measured
+        stamp = int((when + self._connection.hub_time.offset) * 1e9)
+        sequence = self._sequence + 1
+        try:
+            values = self._take_apart(value)
+            if now - self._previous < _BURST_S and self._plane is Plane.STATE:
+                item = flat.pack_item(stamp, values)
+            else:
+                item = None
+                frame = flat.pack(self._connection.publisher, sequence, stamp, values)
+        except _UNFIT:  # the other way says in our own words what is wrong, or takes it
+            self.publish_payload(self.definition.encode(value), measured)
+            return
+        self._sequence = sequence
+        self._previous = now
+        if item is None:
+            self._last, self._last_is_item = frame, False
+            self._ways.send(self._plane, self.definition.name, frame)
+        else:
+            self._last, self._last_is_item = item, True
+            self._ways.join_batch(self, sequence, item)
+
+    def publish_payload(self, payload: Sequence[Buffer], measured: float | None) -> None:
+        """Send a payload, given in pieces, to all who subscribe."""
+        now = self._clock()
+        when = now if measured is None else measured
+        stamp = int((when + self._connection.hub_time.offset) * 1e9)
+        self._sequence += 1
+        if self._open and self._plane is Plane.STATE and now - self._previous < _BURST_S:
+            item = frames.pack_item(stamp, payload)
+            if len(item) <= _MAX_ITEM:
+                self._last, self._last_is_item = item, True
+                self._ways.join_batch(self, self._sequence, item)
+            else:
+                self._emit(self._sequence, stamp, payload)
+        elif self._held is not None:
+            self._hold(stamp, payload)
+        else:
+            self._emit(self._sequence, stamp, payload)
+        self._previous = now
+
+    def advertised(self, *, subscribed: bool, now: float) -> None:
+        """Central has noted us; if somebody has subscribed, we wait for the subscription itself."""
+        if self._held is None:
+            return
+        if not subscribed or self._wanted():
+            self._release()
+        else:
+            self._open_by = now + _HOLD_S
+
+    def look(self, now: float) -> None:
+        """Subscriptions have come, or time has passed."""
+        if self._held is not None and self._open_by > 0.0:
+            late = now > self._open_by
+            if late:
+                text = f"{self.definition.name}: a subscription was announced and did not come"
+                self._ways.complaints.count("subscription missing", text)
+            if late or self._wanted():
+                self._release()
+
+    def begin(self) -> None:
+        """A central that does not know us: nothing is sent before it says who has subscribed."""
+        self._open_by = 0.0
+        self._open = False
+        self._held = deque(maxlen=sockets.QUEUE[self._plane])
+
+    def end(self) -> None:
+        """Central is gone; what waited for it would be old."""
+        self._held = None
+        self._open = False
+
+    def last(self) -> bytes | None:
+        """The last message as a frame with its payload; None if there is none any more."""
+        last = self._last
+        if last is None:
+            return None
+        if isinstance(last, bytes):
+            if self._last_is_item:
+                stamp, payload = frames.item_payload(last)
+                return self._frame(self._sequence, stamp, [payload])
+            old = frames.unpack(last)  # perhaps from before we had this number
+            return self._frame(old.sequence, old.stamp_ns, [old.payload])
+        sequence, stamp, kept = last
+        if isinstance(kept, ring.Place):
+            found = self._ring.read(kept) if self._ring else None
+            return None if found is None else self._frame(sequence, stamp, [found])
+        return self._frame(sequence, stamp, [kept])
+
+    def batch(self, first: int, items: Sequence[bytes]) -> bytes:
+        """The frame of several messages, the first of which has the number `first`."""
+        return self._frame(first, 0, frames.batch(items), kind=frames.BATCH)
+
+    def close(self) -> None:
+        """Free the ring."""
+        if self._ring is not None:
+            self._ring.close()
+            self._ring = None
+
+    def _wanted(self) -> bool:
+        return any(self._ways.is_wanted(topic) for topic in self._topics)
+
+    def _hold(self, stamp: int, payload: Sequence[Buffer]) -> None:
+        held = self._held
+        if held is None:
+            return
+        if held.maxlen == len(held):
+            text = f"{self.definition.name}: central does not say who has subscribed"
+            self._ways.complaints.count("not sent", text)
+        whole = b"".join(payload)  # the pieces may be views of what changes meanwhile
+        self._last = (self._sequence, stamp, whole)
+        held.append(self._last)
+
+    def _release(self) -> None:
+        held, self._held = self._held or (), None
+        self._open = True
+        for sequence, stamp, payload in held:
+            self._emit(sequence, stamp, [payload])
+
+    def _emit(self, sequence: int, stamp: int, payload: Sequence[Buffer]) -> None:
+        ways, picture = self._ways, self._plane is Plane.PICTURE
+        if picture and self._open and ways.is_wanted(self._topics[1]):
+            self._emit_in_ring(sequence, stamp, payload)
+            if not ways.is_wanted(self._topics[0]):
+                return
+        frame = self._frame(sequence, stamp, payload)
+        self._last, self._last_is_item = frame, False
+        if self._open:
+            ways.send(self._plane, self.definition.name, frame)
+
+    def _emit_in_ring(self, sequence: int, stamp: int, payload: Sequence[Buffer]) -> None:
+        place = self._write(payload)
+        kind, descriptor = frames.NO_RING, b""
+        if place is None:
+            self._last = (sequence, stamp, b"".join(payload))
+        else:
+            self._last = (sequence, stamp, place)
+            kind, descriptor = frames.IN_RING, place.pack()
+        frame = self._frame(sequence, stamp, (descriptor,), kind=kind, prefix=self._ring_prefix)
+        self._ways.send(Plane.STATE, self.definition.name, frame)
+
+    def _write(self, payload: Sequence[Buffer]) -> ring.Place | None:
+        """Put it into the ring; None if there is none that takes it."""
+        if not self._ways.local:
+            return None
+        length = sum(memoryview(piece).nbytes for piece in payload)
+        if self._ring is None or length > self._ring.capacity:
+            self.close()
+            try:
+                self._ring = ring.RingWriter(length)
+            except OSError as error:
+                text = f"{self.definition.name} goes the plain way: {error}"
+                self._ways.complaints.count("no shared memory", text)
+                return None
+        return self._ring.write(payload)
+
+    def _frame(
+        self,
+        sequence: int,
+        stamp: int,
+        payload: Sequence[Buffer],
+        *,
+        kind: int = frames.INLINE,
+        prefix: bytes = b"",
+    ) -> bytes:
+        return frames.pack(
+            prefix or self._prefix,
+            publisher=self._connection.publisher,
+            fingerprint=self.definition.fingerprint,
+            sequence=sequence,
+            stamp_ns=stamp,
+            payload=payload,
+            kind=kind,
+        )

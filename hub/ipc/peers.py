@@ -1,0 +1,88 @@
+"""Who is connected to central, and what central has to tell them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from hub.ipc.codegen import Buffer
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outgoing:
+    """A control message to send.
+
+    Attributes:
+        identity: To which connection.
+        message: The control message.
+        attached: A message frame that goes with it.
+    """
+
+    identity: bytes
+    message: Any
+    attached: Buffer | None = None
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Peer:
+    """A connected module or console.
+
+    Attributes:
+        identity: Of its control connection.
+        descriptor: File descriptor of that connection; -1 if unknown.
+        name: Its unique name.
+        pid: Its process id.
+        role: What it may do.
+        publisher: Number of it in frame headers.
+        heard: When it last said anything [s].
+        handles: Names of the queries it answers.
+        publishes: Names of the messages it publishes.
+        subscribes: Names of the messages it subscribes to.
+        watches: Whether it is told who comes and goes.
+    """
+
+    identity: bytes
+    descriptor: int
+    name: str
+    pid: int
+    role: str
+    publisher: int
+    heard: float
+    handles: set[str] = field(default_factory=set)
+    publishes: set[str] = field(default_factory=set)
+    subscribes: set[str] = field(default_factory=set)
+    watches: bool = False
+
+
+class Crowd:
+    """Peers by what they do with a message, in the order in which they began."""
+
+    def __init__(self) -> None:
+        self._peers: dict[str, dict[Peer, None]] = {}
+
+    def add(self, name: str, peer: Peer) -> bool:
+        """`peer` does it with the message `name` too; whether that is new."""
+        peers = self._peers.setdefault(name, {})
+        if peer in peers:
+            return False
+        peers[peer] = None
+        return True
+
+    def discard(self, name: str, peer: Peer) -> bool:
+        """`peer` does it no longer; whether it did."""
+        peers = self._peers.get(name, {})
+        if peer not in peers:
+            return False
+        del peers[peer]
+        if not peers:
+            del self._peers[name]
+        return True
+
+    def of(self, name: str) -> Iterator[Peer]:
+        """Who does it with the message `name`."""
+        return iter(self._peers.get(name, ()))
+
+    def count(self, name: str) -> int:
+        """How many do it with the message `name`."""
+        return len(self._peers.get(name, ()))

@@ -1,0 +1,287 @@
+"""The sending side of a client's broadcasts: its outlets and the sockets they share.
+
+The sockets are of the kind that sees the subscriptions of the other side (XPUB). So an outlet knows
+whether anybody wants its message and in which way, holds back what it is given until the way to
+those who have subscribed is open, and central is told when a new subscription has arrived here.
+
+What is published in a burst is sent together: when enough has gathered, when the module listens, or
+after a millisecond or two by a thread of its own. Therefore the sockets are used under a lock.
+"""
+
+from __future__ import annotations
+
+import functools
+import threading
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import zmq
+
+from hub.ipc import control, frames, ring, sockets
+from hub.ipc.complaints import Complaints
+from hub.ipc.connection import Connection
+from hub.ipc.definition import MessageDefinition, Plane
+from hub.ipc.loop import Loop
+from hub.ipc.outlet import Outlet
+
+_BATCH_ITEMS = 32
+_BATCH_BYTES = 16 << 10
+_BATCH_S = 1e-3
+"""How long a message of a burst may wait for more while its module is busy elsewhere [s]."""
+_AT_ONCE = 1024
+_MAX_FILTERS = 1 << 16
+_MARK = b"~"
+
+
+def mark(name: str, token: str) -> bytes:
+    """What a subscriber subscribes to behind the message `name` itself; nobody publishes it."""
+    return _MARK + frames.topic(name) + token.encode("ascii")
+
+
+class Outlets:
+    """All outlets of one client.
+
+    Attributes:
+        connection: Where central is told.
+        clock: Monotonic time [s].
+        complaints: Where failures are counted.
+        local: Whether central is on this machine, so that rings can be used.
+    """
+
+    def __init__(
+        self,
+        context: sockets.Context,
+        loop: Loop,
+        connection: Connection,
+        complaints: Complaints,
+    ) -> None:
+        self.connection = connection
+        self.clock = loop.clock
+        self.complaints = complaints
+        self.local = False
+        self._context = context
+        self._loop = loop
+        self._lock = threading.Lock()
+        self._sockets: dict[Plane, sockets.Socket] = {}
+        self._files: dict[Plane, int] = {}
+        self._sends: dict[Plane, Callable[[bytes, int], Any]] = {}
+        self._filters: set[bytes] = set()
+        self._marks: dict[str, set[str]] = {}
+        self._outlets: dict[str, Outlet] = {}
+        self._items: list[bytes] = []
+        self._items_of: Outlet | None = None
+        self._first = self._size = 0
+        self._courier: _Courier | None = None
+
+    @property
+    def pending(self) -> bool:
+        """Whether messages of a burst wait to be sent."""
+        return bool(self._items)
+
+    @property
+    def holding(self) -> bool:
+        """Whether an outlet holds messages until its way is open."""
+        return any(outlet.holding for outlet in self._outlets.values())
+
+    def of(self, definition: MessageDefinition[Any]) -> Outlet:
+        """The outlet of a message that is defined; central is told when it is new."""
+        outlet = self._outlets.get(definition.name)
+        if outlet is None:
+            outlet = self._outlets[definition.name] = Outlet(definition, self)
+            if self.connection.publisher:
+                outlet.begin()
+                self._advertise(outlet)
+        return outlet
+
+    def connect(self, addresses: Sequence[str], *, local: bool) -> None:
+        """Connect to a central that does not know us: where each plane goes in."""
+        self.disconnect()
+        self.local = local and ring.available
+        for plane, address in zip(sockets.PLANES, addresses, strict=True):
+            socket = sockets.make_plane(self._context, zmq.XPUB, plane)
+            sockets.connect(socket, address)
+            self._sockets[plane] = socket
+            # What pyzmq adds in Python to its compiled method is for other kinds of sockets.
+            self._sends[plane] = zmq.backend.Socket.send.__get__(socket)
+            self._files[plane] = self._loop.register(
+                socket, functools.partial(self._receive, socket)
+            )
+        for outlet in self._outlets.values():
+            outlet.begin()
+
+    def advertise_all(self) -> None:
+        """Tell central, which knows the definitions now, what we publish."""
+        for outlet in self._outlets.values():
+            self._advertise(outlet)
+
+    def disconnect(self, linger_ms: int = 0) -> None:
+        """Central is gone; what was just sent gets `linger_ms` to leave."""
+        for outlet in self._outlets.values():
+            outlet.end()
+        for file in self._files.values():
+            self._loop.unregister(file)
+        with self._lock:
+            self._items.clear()
+            for socket in self._sockets.values():
+                socket.close(linger_ms)
+            self._sockets.clear()
+            self._sends.clear()
+        self._files.clear()
+        self._filters.clear()
+        self._marks.clear()
+
+    def close(self) -> None:
+        """Send what waits, and free everything."""
+        self.flush()
+        if self._courier is not None:
+            self._courier.close()
+        self.disconnect(linger_ms=100)
+        for outlet in self._outlets.values():
+            outlet.close()
+
+    def advertised(self, message: control.Advertised) -> None:
+        """Central has noted what we publish."""
+        outlet = self._outlets.get(message.name)
+        if outlet is not None:
+            outlet.advertised(subscribed=message.subscribed, now=self.clock())
+
+    def last(self, name: str) -> bytes | None:
+        """The last message of this name, as a frame."""
+        outlet = self._outlets.get(name)
+        return None if outlet is None else outlet.last()
+
+    def send(self, plane: Plane, name: str, frame: bytes) -> None:
+        """Send on a plane, behind what waits to be sent; never waits itself."""
+        with self._lock:
+            if self._items:
+                self._send_items()
+            self._send(plane, name, frame)
+
+    def join_batch(self, outlet: Outlet, sequence: int, item: bytes) -> None:
+        """Send one message together with those that follow at once."""
+        with self._lock:
+            items = self._items
+            if items and self._items_of is not outlet:
+                self._send_items()
+            if not items:
+                self._items_of, self._first, self._size = outlet, sequence, 0
+            items.append(item)
+            self._size += len(item)
+            if len(items) >= _BATCH_ITEMS or self._size >= _BATCH_BYTES:
+                self._send_items()
+                return
+        courier = self._courier
+        if courier is None:
+            courier = self._courier = _Courier(self.flush)
+        courier.call()
+
+    def flush(self) -> None:
+        """Send what waits; any thread may call this."""
+        with self._lock:
+            if self._items:
+                self._send_items()
+
+    def is_wanted(self, topic: bytes) -> bool:
+        """Whether somebody subscribes to the topic."""
+        return topic in self._filters
+
+    def check(self) -> None:
+        """Let nobody wait for ever; to be called every second or so."""
+        now = self.clock()
+        for outlet in self._outlets.values():
+            outlet.look(now)
+
+    def _send_items(self) -> None:
+        """Send the messages that wait; the lock is held."""
+        outlet, items = self._items_of, self._items
+        if outlet is not None:
+            frame = outlet.batch(self._first, items)
+            self._send(outlet.definition.plane, outlet.definition.name, frame)
+        items.clear()
+
+    def _send(self, plane: Plane, name: str, frame: bytes) -> None:
+        send = self._sends.get(plane)
+        if send is None:
+            return
+        try:
+            send(frame, zmq.NOBLOCK)
+        except zmq.Again:
+            self.complaints.count("not sent", f"{name}: no connection to central")
+        self._loop.touch(self._files[plane])
+
+    def _advertise(self, outlet: Outlet) -> None:
+        name = outlet.definition.name
+        self.connection.tell(control.Advertise(name=name))
+        for token in self._marks.get(name, ()):
+            self.connection.tell(control.Ready(token=token))
+
+    def _receive(self, socket: sockets.Socket) -> bool:
+        """Take the subscriptions that have come."""
+        came = self._subscriptions(socket)
+        for raw in came:
+            on, topic = raw[:1] == b"\1", raw[1:]
+            if topic[:1] == _MARK:
+                self._marked(topic, on=on)
+            elif not on:
+                self._filters.discard(topic)
+            elif len(self._filters) < _MAX_FILTERS:
+                self._filters.add(topic)
+            else:
+                self.complaints.count("too many subscriptions", "one more is not noted")
+        if came:
+            self.check()
+        return len(came) == _AT_ONCE
+
+    def _subscriptions(self, socket: sockets.Socket) -> list[bytes]:
+        came: list[bytes] = []
+        with self._lock:
+            if not socket.closed and int(socket.getsockopt(zmq.EVENTS)) & zmq.POLLIN:
+                try:
+                    while len(came) < _AT_ONCE:
+                        came.append(socket.recv(zmq.NOBLOCK))
+                except zmq.Again:
+                    pass
+        return came
+
+    def _marked(self, topic: bytes, *, on: bool) -> None:
+        name, _, token = topic[1:].decode("ascii", "replace").partition("\0")
+        if not on:
+            self._marks.get(name, set()).discard(token)
+            if name in self._marks and not self._marks[name]:
+                del self._marks[name]
+            return
+        if len(self._marks) < _MAX_FILTERS:
+            self._marks.setdefault(name, set()).add(token)
+        ours = token.startswith(f"{self.connection.publisher}.")
+        if name in self._outlets or ours:
+            self.connection.tell(control.Ready(token=token))
+
+
+class _Courier:
+    """A thread that sends what waits, a moment after it was called."""
+
+    def __init__(self, flush: Callable[[], None]) -> None:
+        self._flush = flush
+        self._called = threading.Event()
+        self._closed = False
+        self._thread = threading.Thread(target=self._run, name="rune-courier", daemon=True)
+        self._thread.start()
+
+    def call(self) -> None:
+        """Come in a moment."""
+        if not self._called.is_set():
+            self._called.set()
+
+    def close(self) -> None:
+        """Never come again."""
+        self._closed = True
+        self._called.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        while not self._closed:
+            self._called.wait()
+            time.sleep(_BATCH_S)
+            self._called.clear()
+            self._flush()

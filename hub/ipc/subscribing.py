@@ -1,0 +1,378 @@
+"""The receiving side of a client's broadcasts: an inlet for each message it subscribes to."""
+
+from __future__ import annotations
+
+import functools
+from collections import OrderedDict, deque
+from collections.abc import Sequence
+from typing import Any
+
+import zmq
+
+from hub.errors import CodecError, FrameError
+from hub.ipc import control, frames, publishing, ring, sockets
+from hub.ipc.complaints import Complaints
+from hub.ipc.connection import Connection
+from hub.ipc.definition import MessageDefinition, Plane
+from hub.ipc.inlet import Arrival, Handler, Inlet, Source
+from hub.ipc.loop import Loop
+from hub.ipc.reception import Reception
+
+_BATCH = 256
+_SLICE_S = 0.005
+"""After so long of handling, what has come meanwhile is looked at: it may be more urgent [s]."""
+_MAX_RINGS = 8
+
+
+class _Opened:
+    """A frame that is being read out."""
+
+    __slots__ = ("inlet", "kind", "messages", "publisher", "sequence", "source")
+
+    def __init__(self, inlet: Inlet, arrival: Arrival) -> None:
+        self.inlet = inlet
+        self.publisher, self.sequence, self.kind, messages = arrival
+        self.source = inlet.source(self.publisher)
+        self.messages = iter(messages)
+
+
+class Inlets:
+    """All inlets of one client, and the sockets they share.
+
+    Attributes:
+        pending: Whether messages wait that were taken from the sockets.
+    """
+
+    def __init__(
+        self,
+        context: sockets.Context,
+        loop: Loop,
+        connection: Connection,
+        complaints: Complaints,
+    ) -> None:
+        self._context = context
+        self._loop = loop
+        self._connection = connection
+        self._clock = loop.clock
+        self._complaints = complaints
+        self._sockets: dict[Plane, sockets.Socket] = {}
+        self._files: dict[Plane, int] = {}
+        self._inlets: dict[str, Inlet] = {}
+        self._topics: dict[bytes, Inlet] = {}
+        self._under_way: dict[str, Inlet] = {}
+        self._tokens = 0
+        self._waits = 0
+        self._opened: list[_Opened] = []
+        self._queues: dict[int, deque[list[Any]]] = {0: deque()}
+        self._rings: OrderedDict[tuple[int, int, int], ring.RingReader] = OrderedDict()
+        self._local = False
+
+    @property
+    def pending(self) -> bool:
+        """Whether messages were taken from the sockets and not handed on yet."""
+        return self._waits > 0 or bool(self._opened)
+
+    @property
+    def standing(self) -> bool:
+        """Whether every subscription has reached everybody who publishes its message."""
+        return bool(self._sockets) and not self._under_way
+
+    def connect(self, addresses: Sequence[str], *, local: bool) -> None:
+        """Connect to a central that does not know us: where each plane comes out."""
+        self.disconnect()
+        self._local = local and ring.available
+        where = dict(zip(sockets.PLANES, addresses, strict=True))
+        # Commands first: they must not wait behind a burst of states.
+        for plane in (Plane.COMMAND, Plane.STATE, Plane.PICTURE):
+            socket = sockets.make_plane(self._context, zmq.SUB, plane)
+            sockets.connect(socket, where[plane])
+            self._sockets[plane] = socket
+            self._files[plane] = self._loop.register(socket, functools.partial(self._take, socket))
+        for inlet in self._inlets.values():
+            inlet.forget()
+            inlet.in_ring = self._local and inlet.definition.plane is Plane.PICTURE
+
+    def subscribe_all(self) -> None:
+        """Subscribe anew, at a central that knows the definitions now."""
+        for inlet in self._inlets.values():
+            self._ask_for(inlet)
+
+    def disconnect(self) -> None:
+        """Central is gone; what was taken is still handed on."""
+        for plane, socket in self._sockets.items():
+            self._loop.unregister(self._files[plane])
+            socket.close(0)
+        self._sockets.clear()
+        self._under_way.clear()
+        while self._rings:
+            self._rings.popitem()[1].close()
+
+    def subscribe(
+        self,
+        definition: MessageDefinition[Any],
+        handler: Handler,
+        *,
+        raw: bool = False,
+        queue: int | None = None,
+        priority: int | None = None,
+    ) -> Inlet:
+        """Hand every message of `definition` to `handler` too."""
+        inlet = self._inlets.get(definition.name)
+        new = inlet is None
+        if inlet is None:
+            inlet = self._inlets[definition.name] = Inlet(definition)
+            inlet.in_ring = self._local and definition.plane is Plane.PICTURE
+            for in_ring in (False, True):
+                self._topics[frames.topic(definition.name, in_ring=in_ring)[:-1]] = inlet
+        inlet.add(handler, raw=raw)
+        if queue is not None:
+            inlet.limit = queue
+        if priority is not None:
+            inlet.priority = priority
+            self._queues.setdefault(priority, deque())
+            self._queues = dict(sorted(self._queues.items(), reverse=True))
+        if new and self._connection.publisher:
+            self._ask_for(inlet)
+        return inlet
+
+    def unsubscribe(self, name: str, handler: Handler | None) -> None:
+        """Hand the message to `handler` no longer, or to nobody; what waits is not handed on."""
+        inlet = self._inlets.get(name)
+        if inlet is None:
+            return
+        inlet.handlers = [each for each in inlet.handlers if handler not in (None, each[0])]
+        if inlet.handlers:
+            return
+        del self._inlets[name]
+        for in_ring in (False, True):
+            del self._topics[frames.topic(name, in_ring=in_ring)[:-1]]
+        if self._sockets:
+            self._filter(inlet, on=False)
+            self._stands(inlet.token)
+            self._connection.tell(control.Unsubscribe(name=name))
+
+    def subscribed(self, message: control.Subscribed) -> None:
+        """Central says that a subscription stands."""
+        self._stands(message.token)
+
+    def reports(self) -> tuple[control.Received, ...]:
+        """What came to each inlet since the last time."""
+        made = (inlet.report() for inlet in self._inlets.values())
+        return tuple(report for report in made if report is not None)
+
+    def turn(self) -> None:
+        """Hand on what waits."""
+        while self._opened:
+            self._read_out(self._opened[-1])
+        if self._waits:
+            self._hand_on()
+
+    def accept(self, frame: frames.Frame) -> None:
+        """Hand on a message that came another way, such as the last value that was asked for."""
+        inlet = self._inlets.get(frame.name)
+        if inlet is None:
+            return
+        source = inlet.source(frame.publisher)
+        if frame.sequence <= source.arrived:
+            return
+        source.arrived = frame.sequence
+        now = self._clock()
+        stamp = frame.stamp_ns * 1e-9 - self._connection.hub_time.offset
+        how = Reception(frame.publisher, frame.sequence, 0, max(0.0, now - stamp), min(stamp, now))
+        source.handed_on = frame.sequence
+        value = inlet.definition.decode(frame.payload)
+        for handler, raw in inlet.handlers:
+            handler(frame.payload if raw else value, how)
+
+    def _ask_for(self, inlet: Inlet) -> None:
+        """Subscribe, and have central say when nothing can be missed any more."""
+        name = inlet.definition.name
+        self._under_way.pop(inlet.token, None)
+        self._tokens += 1
+        inlet.token = f"{self._connection.publisher}.{self._tokens}"
+        self._under_way[inlet.token] = inlet
+        self._filter(inlet, on=True)
+        self._connection.tell(control.Subscribe(name=name, token=inlet.token))
+
+    def _stands(self, token: str) -> None:
+        """The mark of a subscription has done its work."""
+        inlet = self._under_way.pop(token, None)
+        if inlet is not None:
+            inlet.token = ""
+            plane = self._plane(inlet)
+            self._sockets[plane].unsubscribe(publishing.mark(inlet.definition.name, token))
+            self._loop.touch(self._files[plane])
+
+    def _plane(self, inlet: Inlet) -> Plane:
+        # Descriptors are small; they do not need the short queues that pictures have.
+        return Plane.STATE if inlet.in_ring else inlet.definition.plane
+
+    def _filter(self, inlet: Inlet, *, on: bool) -> None:
+        plane = self._plane(inlet)
+        socket = self._sockets[plane]
+        self._loop.touch(self._files[plane])
+        change = socket.subscribe if on else socket.unsubscribe
+        change(frames.topic(inlet.definition.name, in_ring=inlet.in_ring))
+        if on:
+            socket.subscribe(publishing.mark(inlet.definition.name, inlet.token))
+
+    def _go_plain(self, inlet: Inlet, why: str) -> None:
+        """Ask for the payloads themselves from now on."""
+        if inlet.in_ring and self._sockets:
+            self._complaints.count("no shared memory", f"{inlet.definition.name}: {why}")
+            self._stands(inlet.token)
+            self._filter(inlet, on=False)
+            inlet.in_ring = False
+            self._ask_for(inlet)
+
+    def _take(self, socket: sockets.Socket) -> bool:
+        """Take a batch from a socket; whether there may be more.
+
+        What is kept in full and has no priority is handed on as it is read, as long as nothing
+        waits; all else when everything was read, since something newer or more urgent may come.
+        """
+        receive, topics = socket.recv, self._topics
+        end = self._clock() + _SLICE_S
+        for _ in range(_BATCH):
+            try:
+                raw = receive(zmq.NOBLOCK)
+            except zmq.Again:
+                return False
+            inlet = topics.get(raw[: raw.find(b"\0")])
+            if inlet is None:
+                self._strange(raw)
+                continue
+            try:
+                arrival = inlet.read(raw)
+            except FrameError as error:
+                self._complaints.count("malformed frame", str(error))
+                continue
+            except CodecError as error:
+                self._complaints.count("wrong format", str(error))
+                continue
+            self._opened.append(_Opened(inlet, arrival))
+            self._read_out(self._opened[-1])
+            if self._clock() > end and not self._waits:
+                return True
+        return True
+
+    def _read_out(self, opened: _Opened) -> None:
+        """Hand on or put aside what a frame brought; if a handler raises, the rest comes later."""
+        inlet, source, publisher, kind = opened.inlet, opened.source, opened.publisher, opened.kind
+        straight = inlet.limit is None and inlet.priority == 0
+        for stamp_ns, message in opened.messages:
+            sequence = opened.sequence
+            opened.sequence = sequence + 1
+            if sequence <= source.arrived:
+                detail = f"{inlet.definition.name} {sequence} after {source.arrived}"
+                self._complaints.count("out of order", detail)
+                continue
+            if source.arrived:
+                inlet.lost += sequence - source.arrived - 1
+            source.arrived = sequence
+            if straight and not self._waits:
+                self._deliver(inlet, source, publisher, sequence, stamp_ns, kind, message)
+            else:
+                self._put(inlet, source, publisher, sequence, stamp_ns, kind, message)
+        if opened in self._opened:  # not if a handler listened, and so had the rest read out
+            self._opened.remove(opened)
+
+    def _put(self, inlet: Inlet, source: Source, *message: Any) -> None:
+        """Let a message wait; a limit lets the oldest of its publisher go."""
+        entry = [inlet, source, *message]
+        if inlet.limit is not None:
+            if len(source.waiting) >= inlet.limit:
+                source.waiting.popleft()[0] = None
+            source.waiting.append(entry)
+        self._queues[inlet.priority].append(entry)
+        self._waits += 1
+
+    def _strange(self, raw: bytes) -> None:
+        """A frame that is none of ours, or came after it was unsubscribed."""
+        try:
+            frames.unpack(raw)
+        except FrameError as error:
+            self._complaints.count("malformed frame", str(error))
+
+    def _hand_on(self) -> None:
+        """Hand on what waits, most urgent first; after a while, look what has come meanwhile."""
+        end = self._clock() + _SLICE_S
+        for queue in self._queues.values():
+            while queue:
+                entry = queue.popleft()
+                self._waits -= 1
+                inlet, source = entry[:2]
+                if inlet is None:
+                    continue  # a newer one came
+                if source.waiting and source.waiting[0] is entry:
+                    source.waiting.popleft()
+                self._deliver(*entry)
+                if self._clock() > end:
+                    return
+
+    def _deliver(
+        self,
+        inlet: Inlet,
+        source: Source,
+        publisher: int,
+        sequence: int,
+        stamp_ns: int,
+        kind: int,
+        message: Any,
+    ) -> None:
+        now = self._clock()
+        measured = stamp_ns * 1e-9 - self._connection.hub_time.offset
+        age = now - measured
+        if age < 0.0:
+            age, measured = 0.0, now
+        if age > inlet.oldest:
+            inlet.oldest = age
+        if age > inlet.lifespan_s:
+            inlet.expired += 1
+            self._complaints.count("too old", f"{inlet.definition.name} is {age:.2f} s old")
+            return
+        try:
+            if message.__class__ is tuple:
+                value = inlet.build(message)  # type: ignore[misc]
+            else:
+                if kind != frames.INLINE:
+                    message = self._payload(inlet, kind, message)
+                    if message is None:
+                        return
+                value = inlet.definition.decode(message)
+        except (CodecError, FrameError) as error:
+            self._complaints.count("wrong format", str(error))
+            return
+        missed = sequence - source.handed_on - 1 if source.handed_on else 0
+        source.handed_on = sequence
+        inlet.received += 1
+        how = tuple.__new__(Reception, (publisher, sequence, missed, age, measured))
+        for handler, raw in inlet.handlers:
+            handler(message if raw else value, how)
+
+    def _payload(self, inlet: Inlet, kind: int, payload: memoryview) -> memoryview | None:
+        """The payload itself; None if it is not there any more."""
+        if kind == frames.INLINE:
+            return payload
+        if kind == frames.NO_RING:
+            self._go_plain(inlet, "its publisher has none")
+            return None
+        place = ring.Place.unpack(payload)
+        try:
+            found = self._ring(place).read(place)
+        except OSError as error:
+            self._go_plain(inlet, str(error))
+            return None
+        if found is None:
+            inlet.lost += 1
+            self._complaints.count("overwritten", f"{inlet.definition.name}: read too late")
+        return found
+
+    def _ring(self, place: ring.Place) -> ring.RingReader:
+        key = (place.process, place.file, place.ring)
+        reader = self._rings.get(key)
+        if reader is None:
+            reader = self._rings[key] = ring.RingReader(place)
+            if len(self._rings) > _MAX_RINGS:
+                self._rings.popitem(last=False)[1].close()
+        return reader

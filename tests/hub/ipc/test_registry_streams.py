@@ -1,0 +1,206 @@
+"""Central's decisions about publishers, subscribers, presence and last values, without sockets."""
+
+from __future__ import annotations
+
+import logging
+
+import pytest
+
+from hub.ipc import control, frames
+from hub.ipc.codec import compiled
+from hub.ipc.control import Advertise, Change, Presence, Ready, Subscribe, Subscribed
+from hub.ipc.ring import Place
+from tests.hub.ipc.test_registry import Bench
+
+FORMAT = "{int}"
+
+
+@pytest.fixture
+def bench() -> Bench:
+    made = Bench()
+    made.connect("a", "b", "c", "d")
+    made.define("a", "M", FORMAT)
+    return made
+
+
+def _confirmed(who: str, outgoing: list) -> bool:
+    return [(o.identity, o.message) for o in outgoing] == [(who.encode(), Subscribed(token="1.1"))]
+
+
+def test_subscription_stands_when_subscriber_and_all_publishers_have_seen_it(bench: Bench) -> None:
+    for publisher in "bc":
+        assert not bench.answer(publisher, Advertise(name="M")).subscribed
+    assert bench.say("a", Subscribe(name="M", token="1.1")) == []
+    assert bench.say("b", Ready(token="1.1")) == []
+    assert bench.say("a", Ready(token="1.1")) == []
+    assert bench.say("d", Ready(token="1.1")) == []
+    assert bench.say("c", Ready(token="another")) == []
+    assert _confirmed("a", bench.say("c", Ready(token="1.1")))
+    assert bench.say("c", Ready(token="1.1")) == []
+
+
+def test_publisher_may_have_seen_it_before_central(bench: Bench) -> None:
+    bench.say("b", Advertise(name="M"))
+    assert bench.say("b", Ready(token="1.1")) == []
+    assert bench.say("a", Subscribe(name="M", token="1.1")) == []
+    assert _confirmed("a", bench.say("a", Ready(token="1.1")))
+
+
+def test_nobody_waits_for_a_publisher_that_has_gone(bench: Bench) -> None:
+    bench.say("b", Advertise(name="M"))
+    bench.say("a", Subscribe(name="M", token="1.1"))
+    bench.say("a", Ready(token="1.1"))
+    assert _confirmed("a", bench.say("b", control.Bye()))
+
+
+def test_subscriber_that_has_gone_is_told_nothing(bench: Bench) -> None:
+    bench.say("b", Advertise(name="M"))
+    bench.say("a", Subscribe(name="M", token="1.1"))
+    bench.say("a", control.Bye())
+    assert bench.say("b", Ready(token="1.1")) == []
+
+
+def test_publisher_that_comes_later_is_told_whether_somebody_subscribes(bench: Bench) -> None:
+    assert not bench.answer("b", Advertise(name="M")).subscribed
+    bench.say("a", Subscribe(name="M", token=""))
+    assert bench.answer("c", Advertise(name="M")).subscribed
+    bench.say("a", control.Unsubscribe(name="M"))
+    assert not bench.answer("d", Advertise(name="M")).subscribed
+
+
+def test_tokens_of_many_forged_readies_do_not_pile_up(bench: Bench) -> None:
+    for number in range(10_000):
+        bench.say("b", Ready(token=f"x{number}"))
+    bench.say("b", Ready(token="x" * 100_000))
+    early = bench.registry._confirmations._early
+    assert len(early) <= 4096
+    assert max(map(len, early)) < 1000
+
+
+def test_those_who_watch_are_told_what_changes(bench: Bench) -> None:
+    assert bench.say("d", control.Watch()) == []
+
+    def told(who: str, message: object) -> list[Presence]:
+        return [o.message for o in bench.say(who, message) if o.identity == b"d"]
+
+    b = {"module": "module b", "pid": ord("b")}
+    assert told("b", Advertise(name="M")) == [
+        Presence(change=Change.PUBLISHERS, message="M", count=1, **b)
+    ]
+    assert told("b", Advertise(name="M")) == []
+    assert told("b", Subscribe(name="M", token="")) == [
+        Presence(change=Change.SUBSCRIBERS, message="M", count=1, **b)
+    ]
+    assert told("b", control.Handle(name="M")) == [
+        Presence(change=Change.HANDLERS, message="M", count=1, **b)
+    ]
+    assert told("b", control.Handle(name="M", on=False)) == [
+        Presence(change=Change.HANDLERS, message="M", count=0, **b)
+    ]
+    assert told("b", control.Bye()) == [
+        Presence(change=Change.PUBLISHERS, message="M", count=0, **b),
+        Presence(change=Change.SUBSCRIBERS, message="M", count=0, **b),
+        Presence(change=Change.DISCONNECTED, **b),
+    ]
+    assert told("e", control.Hello(name="new", pid=5)) == [
+        Presence(change=Change.CONNECTED, module="new", pid=5)
+    ]
+
+
+def test_query_goes_to_the_handler_with_the_fewest_under_way(bench: Bench) -> None:
+    for handler in "bc":
+        bench.handles(handler)
+    asked = [bench.ask("a", number=number) for number in range(4)]
+    assert [each.identity for each in asked] == [b"b", b"c", b"b", b"c"]
+    bench.say("c", control.Response(number=asked[1].message.number), b"answer")
+    assert bench.ask("a", number=9).identity == b"c"
+
+
+def test_another_handler_takes_over_with_the_time_that_is_left(bench: Bench) -> None:
+    bench.handles("b")
+    bench.handles("c")
+    first = bench.ask("a", number=7, timeout=5.0)
+    bench.now += 1.0
+    (again,) = bench.say(first.identity.decode(), control.Bye())
+    assert again.identity == b"c"
+    assert again.attached == b"question"
+    assert again.message.timeout_s == pytest.approx(4.0)
+    (answered,) = bench.say("c", control.Response(number=again.message.number), b"answer")
+    assert (answered.identity, answered.message) == (b"a", control.Response(number=7))
+
+
+def test_query_that_is_too_long_to_keep_ends_when_its_handler_dies(bench: Bench) -> None:
+    bench.handles("b")
+    bench.handles("c")
+    query = control.Query(number=7, name="Ask", timeout_s=5.0)
+    bench.say("a", query, bytes(1 << 20))
+    (failed,) = bench.say("b", control.Bye())
+    assert failed.message.error == "HandlerDiedError"
+
+
+def test_last_value_is_asked_of_a_publisher(bench: Bench) -> None:
+    last = control.Last(number=7, name="M", timeout_s=1.0)
+    assert bench.answer("a", last).error == "NoValueError"
+    bench.say("b", Advertise(name="M"))
+    (asked,) = bench.say("a", last)
+    assert asked.identity == b"b"
+    assert isinstance(asked.message, control.Last)
+    (answered,) = bench.say("b", control.Response(number=asked.message.number), b"value")
+    assert (answered.identity, answered.attached) == (b"a", b"value")
+
+
+def test_closed_module_is_told_by_whom_and_forgotten(bench: Bench) -> None:
+    outgoing = bench.say("a", control.Close(name="module b"))
+    told = control.Close(name="module b", by="module a")
+    assert [(o.identity, o.message) for o in outgoing] == [(b"b", told), (b"a", told)]
+    assert "module b" not in bench.registry.connected()
+    refused = bench.answer("a", control.Close(name="module b"))
+    assert refused.error == "UnknownModuleError"
+
+
+def _frame(sequence: int, publisher: int = 1, kind: int = 0, payload: bytes = b"") -> frames.Frame:
+    fingerprint = compiled(FORMAT).fingerprint
+    return frames.Frame("M", kind, publisher, fingerprint, sequence, 1, memoryview(payload))
+
+
+def test_messages_that_central_did_not_look_at_are_counted_by_their_numbers(bench: Bench) -> None:
+    for frame in (_frame(5), _frame(6), _frame(16), _frame(3, publisher=2)):
+        bench.registry.broadcast(frame, 10)
+    (entry,) = bench.listing("a").definitions
+    assert (entry.messages, entry.bytes) == (13, 130)
+    bench.registry.broadcast(_frame(16), 10)
+    assert bench.listing("a").definitions[0].messages == 13
+
+
+def test_every_message_of_a_batch_and_bytes_in_shared_memory_count(bench: Bench) -> None:
+    batch = b"".join(frames.batch([frames.pack_item(1, [b"1234"])] * 5))
+    bench.registry.broadcast(_frame(1, kind=frames.BATCH, payload=batch), 100)
+    place = Place(process=1, file=2, ring=3, generation=4, start=0, length=1000)
+    bench.registry.broadcast(_frame(6, kind=frames.IN_RING, payload=place.pack()), 50)
+    bench.registry.broadcast(_frame(7, kind=frames.IN_RING, payload=b"rubbish"), 50)
+    (entry,) = bench.listing("a").definitions
+    assert (entry.messages, entry.bytes) == (6, 1150)
+
+
+def test_what_subscribers_tell_is_listed(bench: Bench) -> None:
+    received = control.Received(name="M", received=10, lost=2, expired=1, oldest_s=0.5)
+    for _ in range(2):
+        bench.say("a", control.Report(count=1, received=(received,)))
+    unknown = control.Received(name="X", received=1, lost=1, expired=1, oldest_s=1.0)
+    bench.say("a", control.Report(count=1, received=(unknown,)))
+    (entry,) = bench.listing("a").definitions
+    assert (entry.lost, entry.expired, entry.oldest_s) == (4, 2, 0.5)
+    assert entry.silent_s == float("inf")
+
+
+def test_log_level_is_set_and_an_unknown_one_is_not(bench: Bench) -> None:
+    logger = logging.getLogger("hub")
+    before = logger.level
+    try:
+        bench.say("a", control.LogLevel(level="error"))
+        assert logger.level == logging.ERROR
+        bench.say("a", control.LogLevel(level="loud"))
+        assert logger.level == logging.ERROR
+        assert bench.listing("a").level == "error"
+    finally:
+        logger.setLevel(before)
