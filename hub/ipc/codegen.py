@@ -39,6 +39,15 @@ DTYPES = {
 }
 
 
+Packed = tuple[str, int]
+"""Letters of a `struct` for a number or for the bytes of several, and their alignment [bytes]."""
+
+
+def packed(letter: str) -> Packed:
+    """A number in a struct, aligned to its size."""
+    return letter, struct.calcsize("<" + letter)
+
+
 class Generator:
     """What writer and reader generation share: lines, constants, and the position as far as known.
 
@@ -55,7 +64,7 @@ class Generator:
         self.names: dict[str, Any] = {"pad": [bytes(n) for n in range(8)]}
         self.indent = 1
         self.offset: int | None = 0
-        self.run: list[tuple[str, str]] = []
+        self.run: list[tuple[Packed, str]] = []
         self.counter = 0
         self.afterwards: list[str] = []
         self.root = tree
@@ -96,19 +105,19 @@ class Generator:
 
     def run_struct(self) -> str:
         """A constant with the struct of the pending run: one, or one per position modulo 8."""
-        letters = [letter for letter, _ in self.run]
+        run = [each for each, _ in self.run]
         if self.offset is not None:
-            compact = struct.Struct(self.order + _padded(letters, self.offset))
+            compact = struct.Struct(self.order + _padded(run, self.offset))
             self.offset += compact.size
             return self.constant("run", compact)
-        each = [struct.Struct(self.order + _padded(letters, start)) for start in range(8)]
+        each = [struct.Struct(self.order + _padded(run, start)) for start in range(8)]
         return self.constant("run", each)
 
 
 def flat_letters(tree: formats.Format) -> str | None:
     """The padded letters of a whole body of nothing but numbers and structs of them, else None."""
     letters = _number_letters(tree)
-    return None if letters is None else _padded(letters, 0)
+    return None if letters is None else _padded([packed(letter) for letter in letters], 0)
 
 
 def _number_letters(node: formats.Format) -> list[str] | None:
@@ -125,11 +134,11 @@ def _number_letters(node: formats.Format) -> list[str] | None:
     return letters
 
 
-def _padded(letters: Sequence[str], start: int) -> str:
+def _padded(run: Sequence[Packed], start: int) -> str:
     """The letters of these numbers when the first byte free for them has position `start`."""
     text, at = "", start
-    for letter in letters:
-        size = struct.calcsize("<" + letter)
-        text += "x" * (-at % size) + letter
-        at += -at % size + size
+    for letters, alignment in run:
+        gap = -at % alignment
+        text += "x" * gap + letters
+        at += gap + struct.calcsize("<" + letters)
     return text

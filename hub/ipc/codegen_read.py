@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.ipc import format as formats
-from hub.ipc.codegen import DTYPES, ENCAPSULATION, LETTERS, Buffer, Generator, Order
+from hub.ipc.codegen import DTYPES, ENCAPSULATION, LETTERS, Buffer, Generator, Order, packed
 
 _TRAILING = 3
 """Bytes that some CDR writers add at the end to fill a word."""
@@ -97,16 +97,16 @@ class _Reader(Generator):
         local = self.fresh("v")
         if name == "boolean":
             # As a number first: a struct takes any byte but 0 for true.
-            self.run.append(("B", local))
+            self.run.append((packed("B"), local))
             self.afterwards.append(f"{local} = bool({local}) if {local} < 2 else")
             self.afterwards[-1] += f" refuse(f'a boolean of {{{local}}} is neither 0 nor 1')"
         else:
-            self.run.append((LETTERS[name], local))
+            self.run.append((packed(LETTERS[name]), local))
         return local
 
     def read_enum(self, node: formats.Enum) -> str:
         local = self.fresh("v")
-        self.run.append(("i", local))
+        self.run.append((packed("i"), local))
         self.afterwards.append(f"if not 0 <= {local} <= {node.largest}:")
         self.afterwards.append(f"    refuse(f'enum value {{{local}}} is not 0 to {node.largest}')")
         return local

@@ -11,7 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.ipc import format as formats
-from hub.ipc.codegen import DTYPES, ENCAPSULATION, LETTERS, Buffer, Generator
+from hub.ipc.codegen import DTYPES, ENCAPSULATION, LETTERS, Buffer, Generator, packed
+
+_SMALL = 1024
+"""Arrays up to this length are copied into the struct around them [bytes]."""
 
 
 def writer(tree: formats.Format) -> Callable[[Any], list[Buffer]]:
@@ -61,11 +64,11 @@ class _Writer(Generator):
                 self.write_string(value)
             else:
                 given = f"flag({value})" if node.name == "boolean" else value
-                self.run.append((LETTERS[node.name], given))
+                self.run.append((packed(LETTERS[node.name]), given))
         elif isinstance(node, formats.Enum):
             self.emit(f"if not 0 <= {value} <= {node.largest}:")
             self.emit(f"    raise ValueError(f'enum value {{{value}}} is not 0 to {node.largest}')")
-            self.run.append(("i", value))
+            self.run.append((packed("i"), value))
         elif isinstance(node, formats.Struct):
             self.write_struct(node, value)
         elif isinstance(node, formats.FixedArray):
@@ -95,7 +98,7 @@ class _Writer(Generator):
                     self.emit(f"{count} = index({sizes[0]})")
                 else:
                     self.emit(f"{count} = count_of({', '.join(sizes)})")
-                self.run.append(("I", count))
+                self.run.append((packed("I"), count))
                 self.write_elements(member.element, f"{own}[{index}]", count, None)
             elif not isinstance(member, formats.SelfPointer):
                 self.write(member, f"{own}[{index}]")
@@ -104,7 +107,7 @@ class _Writer(Generator):
         nodes, item = self.fresh("v"), self.fresh("v")
         length = len(node.members)
         self.emit(f"{nodes} = nodes_of({value}, {node.next_place}, {length}, {fewest})")
-        self.run.append(("I", f"len({nodes})"))
+        self.run.append((packed("I"), f"len({nodes})"))
         self.flush()
         self.go_dynamic()
         self.emit(f"for {item} in {nodes}:")
@@ -116,7 +119,7 @@ class _Writer(Generator):
     def write_string(self, value: str) -> None:
         local = self.fresh("t")
         self.emit(f"{local} = text({value})")
-        self.run.append(("I", f"len({local})"))
+        self.run.append((packed("I"), f"len({local})"))
         self.flush()
         self.go_dynamic()
         self.emit(f"put({local})")
@@ -125,10 +128,15 @@ class _Writer(Generator):
     def write_elements(
         self, element: formats.Format, value: str, count: str, dimensions: tuple[int, ...] | None
     ) -> None:
-        self.flush()
         if isinstance(element, formats.Primitive) and element.name != "string":
-            self.write_numbers(element, value, count, dimensions)
+            size = DTYPES[element.name].itemsize
+            if dimensions is not None and int(count) * size <= _SMALL:
+                self.write_small_array(element, value, int(count), dimensions)
+            else:
+                self.flush()
+                self.write_numbers(element, value, count, dimensions)
             return
+        self.flush()
         items, item = self.fresh("v"), self.fresh("v")
         self.emit(f"{items} = {value}")
         self.emit(f"check({items}, {count})")
@@ -138,6 +146,19 @@ class _Writer(Generator):
         self.write(element, item)
         self.flush()
         self.indent -= 1
+
+    def write_small_array(
+        self, element: formats.Primitive, value: str, count: int, dimensions: tuple[int, ...]
+    ) -> None:
+        """As bytes among the numbers around it: one more copy, but fewer pieces to join."""
+        dtype = DTYPES[element.name]
+        local, kind = self.fresh("a"), self.constant("dtype", dtype)
+        self.emit(f"{local} = {value}")
+        self.emit(f"if {local}.__class__ is not ndarray or {local}.dtype is not {kind} or \\")
+        self.emit(f"        {local}.shape != {dimensions}:")
+        self.emit(f"    {local} = array({local}, {kind}, {count}, {dimensions})")
+        nbytes = count * dtype.itemsize
+        self.run.append(((f"{nbytes}s", dtype.itemsize), f"{local}.tobytes()"))
 
     def write_numbers(
         self, element: formats.Primitive, value: str, count: str, dimensions: tuple[int, ...] | None
@@ -174,7 +195,7 @@ class _Writer(Generator):
             return
         local = self.fresh("v")
         self.emit(f"{local} = {value}")
-        self.run.append(("I", f"{local} is not None"))
+        self.run.append((packed("I"), f"{local} is not None"))
         self.flush()
         self.go_dynamic()
         self.emit(f"if {local} is not None:")

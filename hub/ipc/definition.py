@@ -9,7 +9,6 @@ from __future__ import annotations
 import enum
 import functools
 import math
-import typing
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
@@ -108,8 +107,8 @@ class MessageDefinition(Generic[T]):
     def flat_values(self) -> Callable[[T], tuple[Any, ...]]:
         """The function from a value to all its numbers, in wire order, if the format is flat.
 
-        The function raises AttributeError for what is no such value, and what it returns then, or
-        for a value with other things than numbers in it, no struct packs; `encode` says why.
+        The function raises CodecError for what is no such value. If a `struct` of `flat_letters`
+        does not pack what it returns, `encode` says why.
 
         Raises:
             CodecError: The format is not flat.
@@ -135,7 +134,8 @@ class MessageDefinition(Generic[T]):
         Raises:
             CodecError: An enum member has no such value, or the type refuses a value.
         """
-        return typing.cast("T", self._record.build(values))
+        value: T = self._record.build(values)
+        return value
 
     def encode(self, value: T | Mapping[str, Any]) -> list[Buffer]:
         """The payload of `value`, in pieces that the frame joins once.
@@ -161,7 +161,8 @@ class MessageDefinition(Generic[T]):
         Raises:
             CodecError: The bytes are no message of this definition.
         """
-        return self.build(self._codec.decode(payload))
+        value: T = self._record.build(self._codec.decode(payload))
+        return value
 
     def _refuse_unless_flat(self) -> None:
         if self.flat_letters is None:

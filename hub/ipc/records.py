@@ -1,7 +1,7 @@
 """How a dataclass and the plain values that a codec knows turn into each other.
 
-A mapping with the names of the fields is as good as the dataclass, at any depth. The functions that
-build dataclasses are generated once for each message, because that is the fastest.
+A mapping with the names of the fields is as good as the dataclass, at any depth. The functions are
+generated once for each message, because that is the fastest.
 """
 
 from __future__ import annotations
@@ -9,10 +9,9 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import enum
-import operator
 import types
 import typing
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -53,6 +52,7 @@ class Record:
     Attributes:
         kind: The dataclass.
         members: Its fields, in order.
+        adapt: From anything else that has those fields, such as a mapping, to an object of them.
         values: From the dataclass, or a mapping, to the members of the struct; of the first node of
             a linked list, nested like its dataclasses.
         build: The way back.
@@ -60,6 +60,7 @@ class Record:
 
     kind: type[Any]
     members: tuple[Member, ...]
+    adapt: _Converter
     values: _Converter
     build: _Converter
 
@@ -81,12 +82,13 @@ class Record:
             _member(field.name, hints[field.name], node, f"{where}.{field.name}")
             for field, node in zip(fields, tree.members, strict=True)
         )
-        values: _Converter = _taker_apart(kind, members, where)
+        adapt = _adapter(kind, [member.name for member in members], where)
+        values: _Converter = _TakerApart(flat=False).function(kind, members, adapt)
         build: _Converter = _Builder(flat=False).function(kind, members)
         if tree.next_place is not None:
             values = _list_taker_apart(values, tree.next_place)
             build = _list_builder(build, tree.next_place)
-        return cls(kind=kind, members=members, values=values, build=build)
+        return cls(kind=kind, members=members, adapt=adapt, values=values, build=build)
 
     @property
     def fields(self) -> str:
@@ -95,24 +97,11 @@ class Record:
 
     def flat_values(self) -> Callable[[Any], tuple[Any, ...]]:
         """The function from a dataclass to the numbers in it and in its inner ones, in order."""
-        paths = list(_paths(self.members))
-        if not paths:
-            return lambda _: ()
-        get = operator.attrgetter(*paths)
-        # An attrgetter of one name returns the bare value.
-        return get if len(paths) > 1 else lambda value: (get(value),)
+        return _TakerApart(flat=True).function(self.kind, self.members, self.adapt)
 
     def flat_builder(self) -> Callable[[tuple[Any, ...]], Any]:
         """The function from those numbers to the dataclass."""
         return _Builder(flat=True).function(self.kind, self.members)
-
-
-def _paths(members: Sequence[Member]) -> Iterator[str]:
-    for member in members:
-        if member.record is None:
-            yield member.name
-        else:
-            yield from (f"{member.name}.{path}" for path in _paths(member.record.members))
 
 
 def _hints(kind: type[Any], tree: formats.Struct, where: str) -> dict[str, Any]:
@@ -123,47 +112,89 @@ def _hints(kind: type[Any], tree: formats.Struct, where: str) -> dict[str, Any]:
         raise MessageFormatError(str(tree), 0, reason) from error
 
 
-def _taker_apart(
-    kind: type[Any], members: Sequence[Member], where: str
-) -> Callable[[Any], Sequence[Any]]:
-    """The function that turns a dataclass or a mapping into the members of a struct."""
-    names = [member.name for member in members]
-    convert = [(place, member.outward) for place, member in enumerate(members) if member.outward]
-    # An attrgetter of one name returns the bare value, of none there is none.
-    get = operator.attrgetter(*names) if len(names) > 1 else None
+def _adapter(kind: type[Any], names: Sequence[str], where: str) -> _Converter:
+    """The function that makes sure that an object of another type has the fields of `kind`."""
 
-    def values(record: Any) -> Sequence[Any]:
-        if record.__class__ is not kind and isinstance(record, Mapping):
-            raw: Any = _from_mapping(record, names, where)
-        else:
-            try:
-                raw = get(record) if get else [getattr(record, name) for name in names]
-            except AttributeError as error:
-                text = f"{where}: {type(record).__name__} is not a {kind.__name__}: {error}"
-                raise CodecError(text) from error
-        if not convert:
-            return typing.cast("Sequence[Any]", raw)
-        converted = list(raw)
-        for place, each in convert:
-            converted[place] = each(converted[place])
-        return converted
+    def adapt(value: Any) -> Any:
+        if isinstance(value, Mapping):
+            _check_names(value, names, where)
+            return types.SimpleNamespace(**{name: value[name] for name in names})
+        missing = [name for name in names if not hasattr(value, name)]
+        if missing:
+            text = (
+                f"{where}: {type(value).__name__} is not a {kind.__name__}, it has no {missing[0]}"
+            )
+            raise CodecError(text)
+        return value
 
-    return values
+    return adapt
 
 
-def _from_mapping(record: Mapping[Any, Any], names: Sequence[str], where: str) -> list[Any]:
-    for key in record:
+def _check_names(value: Mapping[Any, Any], names: Sequence[str], where: str) -> None:
+    missing = [name for name in names if name not in value]
+    for key in value:
         if key not in names:
-            missing = [name for name in names if name not in record]
             near = difflib.get_close_matches(str(key), missing or names, 1)
             hint = f"; did you mean {near[0]!r}?" if near else f"; it has {', '.join(names)}"
             text = f"{where} has no field {str(key)[:40]!r}{hint}"
             raise CodecError(text)
-    missing = [name for name in names if name not in record]
     if missing:
         text = f"{where} needs a value for {', '.join(missing)}"
         raise CodecError(text)
-    return [record[name] for name in names]
+
+
+class _Generator:
+    """Lines of a function and what it knows by name; `flat`: values of structs are not nested."""
+
+    def __init__(self, *, flat: bool) -> None:
+        self.flat = flat
+        self.lines: list[str] = []
+        self.known: dict[str, Any] = {}
+
+    def constant(self, value: Any) -> str:
+        name = f"constant{len(self.known)}"
+        self.known[name] = value
+        return name
+
+    def variable(self) -> str:
+        return self.constant(None).replace("constant", "value")
+
+    def finished(self, head: str) -> Callable[[Any], Any]:
+        exec(compile("\n    ".join([head, *self.lines]), "<records>", "exec"), self.known)
+        function: Callable[[Any], Any] = self.known["generated"]
+        return function
+
+
+class _TakerApart(_Generator):
+    """Generates the function that turns a dataclass into the members of a struct."""
+
+    def function(
+        self, kind: type[Any], members: Sequence[Member], adapt: _Converter
+    ) -> Callable[[Any], tuple[Any, ...]]:
+        values = self.struct(kind, members, adapt, "record")
+        self.lines.append(f"return ({values})")
+        return self.finished("def generated(record):")
+
+    def struct(
+        self, kind: type[Any], members: Sequence[Member], adapt: _Converter, source: str
+    ) -> str:
+        """Generate the looking at one dataclass; returns its values, each with a comma behind."""
+        own = self.variable()
+        self.lines.append(f"{own} = {source}")
+        self.lines.append(f"if {own}.__class__ is not {self.constant(kind)}:")
+        self.lines.append(f"    {own} = {self.constant(adapt)}({own})")
+        values = ""
+        for member in members:
+            source = f"{own}.{member.name}"
+            inner = member.record
+            if inner is not None and member.inline:
+                nested = self.struct(inner.kind, inner.members, inner.adapt, source)
+                values += nested if self.flat else f"({nested}), "
+            elif member.outward is not None:
+                values += f"{self.constant(member.outward)}({source}), "
+            else:
+                values += f"{source}, "
+        return values
 
 
 def _list_taker_apart(
@@ -205,35 +236,21 @@ def _list_builder(
     return build
 
 
-class _Builder:
+class _Builder(_Generator):
     """Generates the function that turns the members of a struct into a dataclass.
 
     A frozen class pays dearly for each field it sets, so a value is made as an open twin of its
     class, with the same slots, and then becomes frozen.
     """
 
-    def __init__(self, *, flat: bool) -> None:
-        self.flat = flat
-        self.lines: list[str] = []
-        self.known: dict[str, Any] = {"new": object.__new__, "refuse": _refuse, "faults": FAULTS}
-
     def function(self, kind: type[Any], members: Sequence[Member]) -> Callable[[Any], Any]:
+        self.known |= {"new": object.__new__, "refuse": _refuse, "faults": FAULTS}
         pattern, made = self.struct(kind, members)
-        body = [f"{pattern} = values" if not self.flat else f"[{pattern}] = values", *self.lines]
-        lines = ["def build(values):", "    try:", *(f"        {line}" for line in body)]
-        lines += ["    except faults as error:", f"        refuse({kind.__name__!r}, error)"]
-        lines.append(f"    return {made}")
-        exec(compile("\n".join(lines), "<records>", "exec"), self.known)
-        build: Callable[[Any], Any] = self.known["build"]
-        return build
-
-    def constant(self, value: Any) -> str:
-        name = f"constant{len(self.known)}"
-        self.known[name] = value
-        return name
-
-    def variable(self) -> str:
-        return self.constant(None).replace("constant", "value")
+        pattern = f"[{pattern}]" if self.flat else pattern
+        body = [f"    {line}" for line in (f"{pattern} = values", *self.lines)]
+        self.lines = ["try:", *body, "except faults as error:"]
+        self.lines += [f"    refuse({kind.__name__!r}, error)", f"return {made}"]
+        return self.finished("def generated(values):")
 
     def struct(self, kind: type[Any], members: Sequence[Member]) -> tuple[str, str]:
         """Generate the making of one dataclass.

@@ -456,6 +456,20 @@ def test_list_has_a_limit_and_may_not_run_in_a_circle() -> None:
         coder.encode(circle)
 
 
+@pytest.mark.parametrize("count", [128, 129])
+def test_array_is_the_same_among_numbers_whether_it_is_short_or_long(count: int) -> None:
+    """Up to 1024 bytes it is packed together with its neighbours."""
+    numbers = np.arange(2 * count, dtype=np.float64)
+    wanted = numbers[::2].tobytes()
+    for text, head in ((f"{{byte,[double:{count}],byte}}", 8), ("{string,[double:%d],byte}", 16)):
+        format_text = text if "%" not in text else text % count
+        first: Any = 1 if head == 8 else "12345"
+        for array in (numbers[::2], list(numbers[::2]), numbers[::2].astype(np.int64)):
+            payload = _payload(format_text, (first, array, 7))[4:]
+            assert payload[head : head + 8 * count] == wanted
+            assert payload[head + 8 * count :] == b"\7"
+
+
 def test_transposed_picture_is_written_in_reading_order() -> None:
     picture = np.arange(6, dtype=np.int16).reshape(2, 3).T
     assert _payload("{[short:3,2]}", (picture,))[4:] == bytes.fromhex("000003000100040002000500")

@@ -374,6 +374,24 @@ def test_wrong_numbers_of_a_flat_message_are_refused(numbers: tuple[Any, ...]) -
         JOURNEY.build_flat(numbers)
 
 
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"start": None}, "M.start: NoneType is not a Point, it has no x"),
+        ({"start": {"x": 1}}, "M.start needs a value for y"),
+    ],
+)
+def test_value_without_the_numbers_of_a_flat_message_is_refused(
+    changes: dict[str, Any], reason: str
+) -> None:
+    with pytest.raises(CodecError, match=reason):
+        JOURNEY.flat_values(dataclasses.replace(_JOURNEY, **changes))
+
+
+def test_numbers_of_a_flat_message_can_come_from_a_mapping() -> None:
+    assert JOURNEY.flat_values(_plain(_JOURNEY)) == (1, 2, 3, 2, 0.5)
+
+
 def test_number_that_the_type_of_a_flat_message_refuses_is_a_codec_error() -> None:
     with pytest.raises(CodecError, match="odd"):
         _define(Even, "{int}").build_flat((3,))
