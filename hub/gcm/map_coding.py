@@ -1,0 +1,106 @@
+"""Coding of grid maps: runs of equal cells, then deflate, which finds the rows that repeat.
+
+A coded map is a byte that says how, then a zlib stream of one of these:
+
+| first byte | what is deflated |
+| --- | --- |
+| 0 | the cells as they are, 1 byte each |
+| 1 | the runs' lengths (uint16, little-endian, 1 to 65,535), then the runs' cells (1 byte each) |
+
+The encoder takes the runs if they are shorter. zlib is in the standard library, and for maps of a
+few levels it comes as close as anything: what it has to look at is a few kilobytes.
+"""
+
+from __future__ import annotations
+
+import zlib
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.errors import CodecError
+
+MAX_CELLS = 1 << 24
+"""Cells of the largest map that is coded or decoded."""
+
+_CELLS, _RUNS = 0, 1
+_LONGEST = 65_535
+_LEVEL = {_CELLS: 1, _RUNS: 6}
+"""Runs are few, so they are worth the time; noise is neither short nor worth it."""
+
+_Map = npt.NDArray[np.int8]
+_Coded = npt.NDArray[np.uint8]
+
+
+def encode(cells: _Map) -> _Coded:
+    """The coded map.
+
+    Args:
+        cells: Shape (height, width), for instance -1 unknown to 100 occupied.
+
+    Returns:
+        Coded bytes, shape (length,).
+
+    Raises:
+        CodecError: The cells are no map.
+    """
+    if cells.dtype != np.int8 or cells.ndim != 2 or not 1 <= cells.size <= MAX_CELLS:
+        text = f"cells of {cells.dtype} in shape {cells.shape} are no map"
+        raise CodecError(text)
+    flat = np.ascontiguousarray(cells).reshape(-1)
+    ends = np.append(np.flatnonzero(flat[1:] != flat[:-1]), flat.size - 1)
+    way, raw = _RUNS, _run_bytes(flat, ends)
+    if len(raw) > flat.size:
+        way, raw = _CELLS, flat.tobytes()
+    return np.frombuffer(bytes([way]) + zlib.compress(raw, _LEVEL[way]), np.uint8)
+
+
+def decode(coded: _Coded, height: int, width: int) -> _Map:
+    """The map of a coded one, shape (height, width).
+
+    Raises:
+        CodecError: The bytes are no map of this size.
+    """
+    count = int(height) * int(width)
+    if min(height, width) < 1 or count > MAX_CELLS or len(coded) < 1:
+        text = f"{len(coded)} bytes are no map of {width}x{height}"
+        raise CodecError(text)
+    way, raw = int(coded[0]), _inflated(coded[1:].tobytes(), count)
+    if way == _CELLS and len(raw) == count:
+        return np.frombuffer(raw, np.int8).reshape(height, width)
+    runs = len(raw) // 3
+    lengths = np.frombuffer(raw, "<u2", runs)
+    # Checked before anything is made of that size: a few bytes must not cost gigabytes.
+    if way != _RUNS or len(raw) % 3 or lengths.sum(dtype=np.int64) != count:
+        text = f"{len(coded)} coded bytes do not make {width}x{height} cells"
+        raise CodecError(text)
+    cells = np.frombuffer(raw, np.int8, runs, 2 * runs)
+    return np.repeat(cells, lengths).reshape(height, width)
+
+
+def _run_bytes(flat: _Map, ends: npt.NDArray[np.intp]) -> bytes:
+    lengths, cells = np.diff(ends, prepend=-1), flat[ends]
+    if lengths.max() > _LONGEST:
+        pieces = -(-lengths // _LONGEST)
+        last = np.cumsum(pieces) - 1
+        rest = lengths - (pieces - 1) * _LONGEST
+        cells = np.repeat(cells, pieces)
+        lengths = np.full(len(cells), _LONGEST)
+        lengths[last] = rest
+    return lengths.astype("<u2").tobytes() + cells.tobytes()
+
+
+def _inflated(stream: bytes, most: int) -> bytes:
+    """What was deflated, `most` bytes at most; neither way of coding is ever longer."""
+    inflate = zlib.decompressobj()
+    try:
+        raw = inflate.decompress(stream, most)
+        # The check sum at the end may still be waiting when the limit is met exactly.
+        raw += inflate.decompress(inflate.unconsumed_tail, 1)
+    except zlib.error as error:
+        text = f"a coded map of {len(stream)} bytes is damaged: {error}"
+        raise CodecError(text) from error
+    if not inflate.eof or inflate.unused_data or len(raw) > most:
+        text = f"a coded map of {len(stream)} bytes does not end where it should"
+        raise CodecError(text)
+    return raw
