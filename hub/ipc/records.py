@@ -87,7 +87,7 @@ class Record:
         build: _Converter = _Builder(flat=False).function(kind, members)
         if tree.next_place is not None:
             values = _list_taker_apart(values, tree.next_place)
-            build = _list_builder(build, tree.next_place)
+            build = _list_builder(build, tree.next_place, kind.__name__)
         return cls(kind=kind, members=members, adapt=adapt, values=values, build=build)
 
     @property
@@ -205,9 +205,7 @@ def _list_taker_apart(
     def values(node: Any) -> Sequence[Any] | None:
         nodes: list[Sequence[Any]] = []
         while node is not None:
-            if len(nodes) == formats.MAX_NODES:
-                text = f"a list longer than {formats.MAX_NODES} nodes, or one that runs in a circle"
-                raise CodecError(text)
+            _refuse_longer(nodes)
             nodes.append(members_of(node))
             node = nodes[-1][next_place]
         first: Sequence[Any] | None = None
@@ -219,21 +217,34 @@ def _list_taker_apart(
 
 
 def _list_builder(
-    build_node: Callable[[Sequence[Any]], Any], next_place: int
+    build_node: Callable[[Sequence[Any]], Any], next_place: int, kind: str
 ) -> Callable[[Sequence[Any] | None], Any]:
     """The function that turns nested members into the first node of a list."""
 
     def build(members: Sequence[Any] | None) -> Any:
         nodes: list[Sequence[Any]] = []
-        while members is not None:
-            nodes.append(members)
-            members = members[next_place]
         first: Any = None
-        for node in reversed(nodes):
-            first = build_node((*node[:next_place], first, *node[next_place + 1 :]))
+        try:
+            while members is not None:
+                _refuse_longer(nodes)
+                nodes.append(members)
+                members = members[next_place]
+            for node in reversed(nodes):
+                first = build_node((*node[:next_place], first, *node[next_place + 1 :]))
+        except FAULTS as error:
+            _refuse(kind, error)
+        if first is None:
+            text = f"None instead of the first {kind} of a list"
+            raise CodecError(text)
         return first
 
     return build
+
+
+def _refuse_longer(nodes: Sequence[Any]) -> None:
+    if len(nodes) == formats.MAX_NODES:
+        text = f"a list longer than {formats.MAX_NODES} nodes, or one that runs in a circle"
+        raise CodecError(text)
 
 
 class _Builder(_Generator):

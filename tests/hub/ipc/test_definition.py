@@ -477,6 +477,16 @@ def test_long_list_comes_back_and_a_longer_one_or_a_circle_is_refused() -> None:
     circle["next"] = circle
     with pytest.raises(CodecError, match="in a circle"):
         ROUTE.encode(circle)
+    members: list[Any] = [(1, 2), None]
+    members[1] = members
+    with pytest.raises(CodecError, match="in a circle"):
+        ROUTE.build(members)
+
+
+@pytest.mark.parametrize("members", [None, False, [], (1,), ((1, 2), 3), ((1,), None), {1: None}])
+def test_values_that_are_no_list_are_refused(members: Any) -> None:
+    with pytest.raises(CodecError):
+        ROUTE.build(members)
 
 
 def test_type_whose_hints_cannot_be_found_is_refused() -> None:
