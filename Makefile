@@ -5,7 +5,7 @@ READY := .venv/ready
 ONLY ?= *
 TEST := $(BIN)/pytest --numprocesses 3
 
-.PHONY: demo test check fix bench soak setup lock clean
+.PHONY: demo test check fix bench bench-peers soak setup lock clean
 
 demo: $(READY)  ## open the console on a simulated robot
 	@$(BIN)/rune demo
@@ -28,6 +28,10 @@ bench: $(READY)  ## every figure, or one script's with ONLY=sim
 	@for script in benchmarks/$(ONLY).py; do \
 		if [ $$script != benchmarks/figures.py ]; then $(BIN)/python $$script || exit 1; fi; done
 
+bench-peers:  ## what benchmarks/bus.py compares with, in an environment of its own
+	@$(PYTHON) -m venv .venv-bench
+	@.venv-bench/bin/pip install --quiet --disable-pip-version-check -r benchmarks/requirements.txt
+
 soak: $(READY)  ## the tests that run for minutes
 	$(BIN)/pytest -m soak --timeout 1800
 
@@ -48,4 +52,4 @@ lock:  ## choose versions anew within the bounds of pyproject.toml; needs uv
 		--upgrade --quiet -o requirements.lock
 
 clean:
-	rm -rf .venv
+	rm -rf .venv .venv-bench
