@@ -5,8 +5,8 @@ messages under way, kept in shared memory beside the bus, holds every sender bac
 take turns, each figure is a median over the rounds, and ratios are of one and the same run.
 
 "rune" and "proxy" run over ipc://, as modules of one machine do; "-tcp" says otherwise, and so do
-all peers. A message of 48 bytes is typed: every contender makes a dataclass, encodes it, decodes
-it and hands it to a function; only "proxy" sends raw bytes and reads two numbers of them.
+all peers. A message of 48 bytes is typed: every contender encodes a dataclass, decodes it into
+another one and hands that to a function; only "proxy" sends raw bytes and reads two numbers.
 `--only` and `--peers` choose, `--quick` is for tuning; peers come with `make bench-peers`.
 """
 
@@ -212,6 +212,9 @@ def throughput(ready: Mapping[str, Stage], flows: Mapping[tuple[int, int], Seque
             plain("bus.cpu_48B_us", results, "total_us", "us", note=note)
             note = "resident, after 48 B to one subscriber"
             plain("bus.broker_MB", results, "broker_mb", "MB", bar=64, note=note)
+            note = "the worst round; 200 messages under way at most"
+            worst = max((outcome.lost for outcome in results["rune"]), default=None)
+            report("bus.lost_48B", worst, "messages", bar=0, note=note)
 
 
 def _throughput_ratios(size: int, subscribers: int, results: Results) -> None:
@@ -331,11 +334,11 @@ def _not_flat(name: str, problem: TimeoutError) -> None:
     report(name, None, "x", bar=1.2, note="a run did not come to its end")
 
 
-def rest(stage: Stage) -> None:
-    """Central with 20 connected modules that have nothing to say."""
-    with stage.crowd(20, 4):
-        stage.rest(1.0)
-        readings = [stage.rest(1.5) for _ in range(ROUNDS)]
+def rest() -> None:
+    """A new central with 20 connected modules that have nothing to say."""
+    with stages(CONTENDERS[:1]) as ready, ready["rune"].crowd(20, 4):
+        ready["rune"].rest(1.0)
+        readings = [ready["rune"].rest(1.5) for _ in range(ROUNDS)]
     percent = statistics.median(cpu for cpu, _ in readings)
     megabytes = max(memory for _, memory in readings)
     report("bus.rest_20_modules_cpu_percent", percent, "%", bar=1.0, note="of one core")
@@ -367,7 +370,7 @@ def main() -> None:
             "query": lambda: queries(ready, ASKERS),
         }
         if not options.quick or options.only:
-            work |= {"growth": lambda: growth(ready["rune"]), "rest": lambda: rest(ready["rune"])}
+            work |= {"growth": lambda: growth(ready["rune"]), "rest": rest}
         for part, measure in work.items():
             if options.only in (None, part):
                 measure()

@@ -26,7 +26,7 @@ from benchmarks.peers.page import DONE, MEASURING, Page
 
 ROOT = Path(__file__).resolve().parents[2]
 _PEERS_PYTHON = ROOT / ".venv-bench/bin/python"
-_START_S = 10.0
+_START_S = 20.0
 _WINDOW, _LARGE_WINDOW = 200, 48
 _LARGE = 5000
 

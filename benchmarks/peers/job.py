@@ -6,7 +6,7 @@ import json
 import os
 import struct
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -80,6 +80,23 @@ def sample(number: int) -> Sample:
     return Sample(number=number, stamp=now(), x=1.0, y=2.0, theta=0.5, speed=0.3)
 
 
+def samples(job: Job) -> Callable[[int], Sample]:
+    """Where a run's typed values come from.
+
+    At full speed one value is sent again and again with another number, because making values is
+    the application's work and not the bus's; a paced run makes each one, with its stamp.
+    """
+    if job.hertz:
+        return sample
+    value, renumber = sample(0), object.__setattr__
+
+    def again(number: int) -> Sample:
+        renumber(value, "number", number)
+        return value
+
+    return again
+
+
 def sample_bytes(value: Sample) -> bytes:
     """The typed work of a contender whose messages are bytes: encode."""
     return _SAMPLE.pack(value.number, value.stamp, value.x, value.y, value.theta, value.speed)
@@ -91,11 +108,12 @@ def sample_from(raw: bytes) -> Sample:
     return Sample(number=number, stamp=stamp, x=x, y=y, theta=theta, speed=speed)
 
 
-def maker(size: int) -> Callable[[int], bytes]:
+def maker(job: Job) -> Callable[[int], bytes]:
     """Makes message bytes from a number: typed at 48 bytes, else a head and random bytes."""
-    if size == 48:
-        return lambda number: sample_bytes(sample(number))
-    rest, pack = os.urandom(size - HEAD.size), HEAD.pack
+    if job.size == 48:
+        values = samples(job)
+        return lambda number: sample_bytes(values(number))
+    rest, pack = os.urandom(job.size - HEAD.size), HEAD.pack
     return lambda number: pack(number, now()) + rest
 
 
@@ -121,11 +139,11 @@ def plan(job: Job, page: Page) -> Iterator[tuple[int, float]]:
     while not page.ready(job.subscribers):
         yield PRIME, _PRIME_S
     page.begin()
-    sent, stalls = yield from (_paced(job) if job.hertz else _flowing(job, page))
+    sent, stalls = yield from (_paced if job.hertz else _flowing)(job, page)
     page.end(sent, stalls)
 
 
-def _paced(job: Job) -> Iterator[tuple[int, float]]:
+def _paced(job: Job, page: Page) -> Generator[tuple[int, float], None, tuple[int, int]]:
     start, period = now(), 1e9 / job.hertz
     count = int(job.seconds * job.hertz)
     for index in range(count):
@@ -133,11 +151,10 @@ def _paced(job: Job) -> Iterator[tuple[int, float]]:
         if left > 0:
             yield 0, left * 1e-9
         yield 1, 0.0
-    yield 0, 0.05
-    return count, 0
+    return count, (yield from _all_received(job, page, count))
 
 
-def _flowing(job: Job, page: Page) -> Iterator[tuple[int, float]]:
+def _flowing(job: Job, page: Page) -> Generator[tuple[int, float], None, tuple[int, int]]:
     """As fast as the slowest subscriber lets us, with never more than the window under way."""
     step = max(1, job.window // 12)
     sent = floor = stalls = 0
@@ -150,10 +167,17 @@ def _flowing(job: Job, page: Page) -> Iterator[tuple[int, float]]:
             yield 0, _WAIT_S
             if now() - waiting > _STALL_NS:  # what is still missing was lost
                 floor, stalls = sent, stalls + 1
+    return sent, stalls + (yield from _all_received(job, page, sent))
+
+
+def _all_received(job: Job, page: Page, sent: int) -> Generator[tuple[int, float], None, int]:
+    """Wait for the last message; 1 if it does not come."""
     waiting = now()
-    while page.slowest(job.subscribers) < sent and now() - waiting < _STALL_NS:
+    while page.slowest(job.subscribers) < sent:
         yield 0, _WAIT_S
-    return sent, stalls
+        if now() - waiting > _STALL_NS:
+            return 1
+    return 0
 
 
 def drive(

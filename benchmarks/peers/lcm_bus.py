@@ -10,7 +10,7 @@ _ADDRESS = "udpm://239.255.76.67:{port}?ttl=0&recv_buf_size=8000000"
 
 
 def send(job: Job) -> None:
-    page, make = job.open(), maker(job.size)
+    page, make = job.open(), maker(job)
     bus = lcm.LCM(_ADDRESS.format(port=job.port))
     drive(job, page, lambda number: bus.publish("BENCH", make(number)))
 

@@ -34,7 +34,7 @@ def _client(job: Job) -> mqtt.Client:
 
 
 def send(job: Job) -> None:
-    page, client, make = job.open(), _client(job), maker(job.size)
+    page, client, make = job.open(), _client(job), maker(job)
     client.loop_start()
     drive(job, page, lambda number: client.publish(_TOPIC, make(number), 0))
 

@@ -11,7 +11,17 @@ import nats
 import nats.aio.client
 import nats.aio.msg
 
-from benchmarks.peers.job import PRIME, Job, counter, maker, plan, reader, sample_from
+from benchmarks.peers.job import (
+    PRIME,
+    Job,
+    counter,
+    maker,
+    plan,
+    reader,
+    sample,
+    sample_bytes,
+    sample_from,
+)
 from benchmarks.peers.page import now
 
 _SUBJECT, _ASK = "bench.t", "bench.ask"
@@ -32,7 +42,7 @@ def send(job: Job) -> None:
 
 
 async def _send(job: Job) -> None:
-    page, connection, make = job.open(), await _connection(job), maker(job.size)
+    page, connection, make = job.open(), await _connection(job), maker(job)
     sent = 0
     for count, seconds in plan(job, page):
         if count == PRIME:
@@ -60,15 +70,19 @@ async def _receive(job: Job) -> None:
     await asyncio.Event().wait()
 
 
+def _sample(number: int) -> bytes:
+    return sample_bytes(sample(number))
+
+
 def ask(job: Job) -> None:
     asyncio.run(_ask(job))
 
 
 async def _ask(job: Job) -> None:
-    page, connection, make = job.open(), await _connection(job), maker(job.size)
+    page, connection = job.open(), await _connection(job)
     for _ in range(1000):
         try:
-            await connection.request(_ASK, make(1), timeout=1.0)
+            await connection.request(_ASK, _sample(1), timeout=1.0)
             break
         except nats.errors.Error:
             await asyncio.sleep(0.01)
@@ -77,7 +91,7 @@ async def _ask(job: Job) -> None:
     while now() < end:
         number += 1
         asked = now()
-        answer = sample_from((await connection.request(_ASK, make(number), timeout=2.0)).data)
+        answer = sample_from((await connection.request(_ASK, _sample(number), timeout=2.0)).data)
         page.note(now() - asked)
         if answer.number != number:
             text = f"the answer to {number} was {answer.number}"
@@ -90,10 +104,10 @@ def answer(job: Job) -> None:
 
 
 async def _answer(job: Job) -> None:
-    connection, make = await _connection(job), maker(job.size)
+    connection = await _connection(job)
 
     async def came(message: nats.aio.msg.Msg) -> None:
-        await message.respond(make(sample_from(message.data).number))
+        await message.respond(_sample(sample_from(message.data).number))
 
     await connection.subscribe(_ASK, cb=came)
     await asyncio.Event().wait()

@@ -70,7 +70,10 @@ def ask(job: Job) -> None:
 
     def ask_one(number: int) -> int:
         socket.send_multipart((b"answerer", number.to_bytes(8, "little") + rest))
-        return int.from_bytes(socket.recv_multipart()[1][:8], "little")
+        while True:  # an answer to an earlier question may come late
+            answer = int.from_bytes(socket.recv_multipart()[1][:8], "little")
+            if answer == number:
+                return answer
 
     ask_for(job, page, ask_one)
 

@@ -22,6 +22,7 @@ from benchmarks.peers.job import (
     counter,
     drive,
     sample,
+    samples,
 )
 from benchmarks.peers.page import now
 from hub.ipc.broadcast import Reception
@@ -82,14 +83,14 @@ def send(job: Job) -> None:
             served = now()
         time.sleep(seconds)
 
-    put = _sender(client, messages, job.size)
+    put = _sender(client, messages, job)
     drive(job, page, put, pause)
     while True:
         client.listen(0.5)
 
 
-def _sender(client: Client, messages: list[MessageDefinition], size: int) -> Callable[[int], None]:
-    publish, only, count = client.publish, messages[0], len(messages)
+def _sender(client: Client, messages: list[MessageDefinition], job: Job) -> Callable[[int], None]:
+    publish, only, count, size = client.publish, messages[0], len(messages), job.size
     if size != 48:
         data = np.random.default_rng(1).integers(0, 256, size, dtype=np.uint8)
 
@@ -98,16 +99,17 @@ def _sender(client: Client, messages: list[MessageDefinition], size: int) -> Cal
             publish(only, Block(length=size, data=data))
 
         return send_block
+    values = samples(job)
     if count == 1:
-        return lambda number: publish(only, sample(number))
+        return lambda number: publish(only, values(number))
     primed = itertools.count()
 
     def send_in_turn(number: int) -> None:
         if number:
-            publish(messages[number % count], sample(number))
+            publish(messages[number % count], values(number))
             return
         for index in itertools.islice(primed, min(count, _AT_ONCE)):
-            publish(messages[index % count], sample(0))
+            publish(messages[index % count], values(0))
 
     return send_in_turn
 

@@ -7,7 +7,17 @@ import threading
 
 import zenoh
 
-from benchmarks.peers.job import Job, ask_for, counter, drive, maker, reader, sample_from
+from benchmarks.peers.job import (
+    Job,
+    ask_for,
+    counter,
+    drive,
+    maker,
+    reader,
+    sample,
+    sample_bytes,
+    sample_from,
+)
 
 _KEY, _ASK = "bench/t", "bench/ask"
 
@@ -31,7 +41,7 @@ def broker(job: Job) -> None:
 
 
 def send(job: Job) -> None:
-    page, session, make = job.open(), _session(job, "client"), maker(job.size)
+    page, session, make = job.open(), _session(job, "client"), maker(job)
     publisher = session.declare_publisher(_KEY, congestion_control=zenoh.CongestionControl.BLOCK)
     drive(job, page, lambda number: publisher.put(make(number)))
 
@@ -43,12 +53,16 @@ def receive(job: Job) -> None:
     subscriber.undeclare()
 
 
+def _sample(number: int) -> bytes:
+    return sample_bytes(sample(number))
+
+
 def ask(job: Job) -> None:
-    page, session, make = job.open(), _session(job, "client"), maker(job.size)
+    page, session = job.open(), _session(job, "client")
     querier = session.declare_querier(_ASK)
 
     def ask_one(number: int) -> int:
-        for reply in querier.get(payload=make(number)):
+        for reply in querier.get(payload=_sample(number)):
             return sample_from(reply.ok.payload.to_bytes()).number
         return -1
 
@@ -56,10 +70,10 @@ def ask(job: Job) -> None:
 
 
 def answer(job: Job) -> None:
-    session, make = _session(job, "client"), maker(job.size)
+    session = _session(job, "client")
 
     def came(query: zenoh.Query) -> None:
-        query.reply(_ASK, make(sample_from(query.payload.to_bytes()).number))
+        query.reply(_ASK, _sample(sample_from(query.payload.to_bytes()).number))
 
     queryable = session.declare_queryable(_ASK, came)
     threading.Event().wait()
