@@ -1,0 +1,96 @@
+"""Good traffic beside an attack: what it lost, how long it took, and what central cost."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import asdict
+from typing import Any
+
+from tests.soak.module_process import Row
+from tests.soak.rig import SENT, Rig, Vitals, latency_ms, lost, percentiles
+from tests.waiting import until
+
+P99_MS = 5.0
+GROWTH_MB = 5.0
+_BROADCASTS = ("S_Event", "S_Command")
+
+
+class GoodTraffic:
+    """A publisher and a subscriber, an asker and who answers; measured before and during.
+
+    The attack starts after the making of it and ends before `bars`.
+    """
+
+    def __init__(self, rig: Rig, *, quiet_s: float) -> None:
+        self._rig = rig
+        self._publisher = rig.module(
+            "publisher", publish=[("S_Event", 500.0, 200), ("S_Command", 100.0, 20)]
+        )
+        self._subscriber = rig.module("subscriber", subscribe=list(_BROADCASTS))
+        self._responder = rig.module("responder", answer_s=0.0)
+        self._asker = rig.module("asker", ask_hz=50.0)
+        rig.wait_flowing(self._subscriber, *_BROADCASTS)
+        until(lambda: len(self._asker.rows(Row.ANSWERED)), 20.0, "no query was answered")
+        self._started_ns = time.monotonic_ns()
+        enough = self._started_ns + int(quiet_s * 1e9)
+        until(lambda: time.monotonic_ns() > enough, quiet_s + 10.0)
+        self.before = rig.central.vitals()
+        self._attacked_ns = time.monotonic_ns()
+        self.figures: dict[str, Any] = {}
+
+    def finish(self) -> dict[str, bool]:
+        """End it when the attack has ended; the bars and whether they hold."""
+        ended_ns = time.monotonic_ns()
+        alive = self._rig.central.process.poll() is None
+        after = self._settled() if alive else self.before
+        self._rig.wait_drained(self._publisher, self._subscriber)
+        modules = (self._asker, self._subscriber, self._responder)
+        summaries = {
+            module.plan.name: module.summary or module.finish()
+            for module in (*modules, self._publisher)
+        }
+        losses, latencies = {}, {}
+        for name in _BROADCASTS:
+            rows = self._subscriber.received(name)
+            losses[name] = lost(rows, summaries["publisher"]["published"][name])
+            latencies[name] = {
+                "before": percentiles(latency_ms(rows, self._started_ns, self._attacked_ns)),
+                "during": percentiles(latency_ms(rows, self._attacked_ns, ended_ns)),
+            }
+        failed = self._asker.rows(Row.FAILED)
+        cut = {module.plan.name: len(module.rows(Row.LOST)) for module in modules}
+        faults = {name: s["first faults"] for name, s in summaries.items() if s["faults"]}
+        self.figures = {
+            "good_published": summaries["publisher"]["published"],
+            "good_lost": losses,
+            "latencies": latencies,
+            "queries_failed": int((failed[:, SENT] >= self._started_ns).sum()),
+            "connections_lost": cut,
+            "central_before": asdict(self.before),
+            "central_after": asdict(after),
+            "faults": faults,
+        }
+        log = self._rig.central.log.read_text()
+        return {
+            "central lives": alive,
+            "no fault in central": "internal fault" not in log and "Traceback" not in log,
+            "no fault in a module": not faults,
+            "0 good messages lost": not any(losses.values()),
+            "no good query failed": self.figures["queries_failed"] == 0,
+            "no good module lost central": not any(cut.values()),
+            "p99 of good messages": all(
+                each["during"]["p99_ms"] <= max(P99_MS, 2.0 * each["before"]["p99_ms"])
+                for each in latencies.values()
+            ),
+            "descriptors and threads back": after.descriptors <= self.before.descriptors + 2
+            and after.threads <= self.before.threads,
+            "memory back": after.memory_mb - self.before.memory_mb <= GROWTH_MB,
+        }
+
+    def _settled(self) -> Vitals:
+        """What central costs when its handshakes have timed out."""
+        central = self._rig.central
+        wanted = self.before.descriptors + 2
+        end = time.monotonic() + 10.0
+        until(lambda: central.vitals().descriptors <= wanted or time.monotonic() > end, 20.0)
+        return central.vitals()
