@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import Any
 
 from tests.soak.module_process import Row
-from tests.soak.rig import SENT, Rig, Vitals, latency_ms, lost, percentiles
+from tests.soak.rig import PUBLISHER, SENT, Rig, Vitals, latency_ms, lost, percentiles
 from tests.waiting import until
 
 P99_MS = 5.0
@@ -50,8 +50,11 @@ class GoodTraffic:
             for module in (*modules, self._publisher)
         }
         losses, latencies = {}, {}
+        # An attack may publish under the same names.
+        number = self._publisher.rows(Row.CONNECTED)[-1, PUBLISHER]
         for name in _BROADCASTS:
             rows = self._subscriber.received(name)
+            rows = rows[rows[:, PUBLISHER] == number]
             losses[name] = lost(rows, summaries["publisher"]["published"][name])
             latencies[name] = {
                 "before": percentiles(latency_ms(rows, self._started_ns, self._attacked_ns)),
