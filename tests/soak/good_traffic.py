@@ -21,8 +21,16 @@ class GoodTraffic:
     The attack starts after the making of it and ends before `bars`.
     """
 
-    def __init__(self, rig: Rig, *, quiet_s: float) -> None:
+    def __init__(self, rig: Rig, *, quiet_s: float, timed: bool) -> None:
+        """Start and wait until it flows.
+
+        Args:
+            rig: Whose central.
+            quiet_s: How long to measure before the attack [s].
+            timed: Whether there are bars on times: not where other tests run beside this one.
+        """
         self._rig = rig
+        self._timed = timed
         self._publisher = rig.module(
             "publisher", publish=[("S_Event", 500.0, 200), ("S_Command", 100.0, 20)]
         )
@@ -73,15 +81,19 @@ class GoodTraffic:
             "central_after": asdict(after),
             "faults": faults,
         }
+        # On a machine that is held up, commands pass their lifespan and must be dropped.
+        late = summaries["subscriber"]["complaints"].get("too old", 0)
         log = self._rig.central.log.read_text()
         return {
             "central lives": alive,
             "no fault in central": "internal fault" not in log and "Traceback" not in log,
             "no fault in a module": not faults,
-            "0 good messages lost": not any(losses.values()),
+            "0 good messages lost": losses["S_Event"] == 0
+            and 0 <= losses["S_Command"] <= (0 if self._timed else late),
             "no good query failed": self.figures["queries_failed"] == 0,
-            "no good module lost central": not any(cut.values()),
-            "p99 of good messages": all(
+            "no good module lost central": not self._timed or not any(cut.values()),
+            "p99 of good messages": not self._timed
+            or all(
                 each["during"]["p99_ms"] <= max(P99_MS, 2.0 * each["before"]["p99_ms"])
                 for each in latencies.values()
             ),

@@ -147,6 +147,8 @@ class Module:
         def receive(value: Sample, how: Reception) -> None:
             received[name] += 1
             missed[name] += how.missed
+            self._counts["first"].setdefault(name, how.sequence)
+            self._counts["last"][name] = how.sequence
             if how.missed or received[name] % self._plan.every == 0:
                 self._row(
                     Row.RECEIVED,

@@ -1,0 +1,229 @@
+"""What else happens to a hub: crowds, deaths, half-open connections, clocks, full disks."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import resource
+import shutil
+import socket
+import struct
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import psutil
+import pytest
+
+from tests.misbehaving import bad_connections
+from tests.soak.good_traffic import GoodTraffic
+from tests.soak.rig import AT, ROOT, SENT, Rig
+from tests.waiting import until
+
+CROWD_S = float(os.environ.get("RUNE_SOAK_CROWD_S", "60"))
+_CROWD = 200
+_DEATHS = 15
+_YEAR_S = 365 * 24 * 3600
+GAP_MS = 100.0
+"""Between two messages of 500 Hz when the clock steps: twice 50 ms, the machine being shared."""
+
+
+def _raw(port: int, socket_type: bytes) -> socket.socket:
+    made = bad_connections.connect(str(port))
+    made.sendall(bad_connections.greeting() + bad_connections.ready(socket_type))
+    return made
+
+
+def test_central_lets_go_of_half_open_connections_by_itself(
+    make_rig: Callable[..., Rig], tell: Callable[..., None]
+) -> None:
+    """Their other ends never say anything any more, nor close."""
+    rig = make_rig(transport="tcp")
+    traffic = GoodTraffic(rig, quiet_s=1.0, timed=False)
+    with contextlib.ExitStack() as held:
+        for number in range(100):
+            port = rig.central.ports[number % 5]
+            made = held.enter_context(bad_connections.connect(str(port)))
+            made.sendall(bad_connections.greeting()[: 10 + number % 55])
+        for kind, place in ((b"SUB", 2), (b"SUB", 4), (b"PUB", 1), (b"PUB", 3)):
+            for _ in range(20):
+                made = held.enter_context(_raw(rig.central.ports[place], kind))
+                if kind == b"SUB":
+                    made.sendall(b"\0\1\1")  # everything, and it never reads
+        connected = traffic.before.descriptors + 50
+        until(lambda: rig.central.vitals().descriptors > connected, 10.0, "they never connected")
+        started = time.monotonic()
+        until(
+            lambda: rig.central.vitals().descriptors <= traffic.before.descriptors + 2,
+            20.0,
+            lambda: f"{rig.central.vitals().descriptors} descriptors are still open",
+        )
+        took_s = time.monotonic() - started
+        bars = traffic.finish()
+    tell(let_go_after_s=round(took_s, 2), **traffic.figures, bars=bars)
+
+
+@pytest.mark.soak
+@pytest.mark.timeout(120)
+def test_module_is_killed_in_the_middle_of_large_frames(
+    make_rig: Callable[..., Rig], tell: Callable[..., None]
+) -> None:
+    rig = make_rig(transport="tcp")
+    traffic = GoodTraffic(rig, quiet_s=1.0, timed=False)
+    viewer = rig.module("viewer", subscribe=["S_Picture"])
+    for _ in range(_DEATHS):
+        before = len(viewer.received("S_Picture"))
+        dying = rig.module("dying", publish=[("S_Picture", 30.0, 3_900_000)])
+        until(lambda before=before: len(viewer.received("S_Picture")) > before + 2, 20.0)
+        dying.kill()
+        del rig.modules["dying"]
+    # And one that stops within a frame without ending its connection at once.
+    raw = _raw(rig.central.ports[1], b"PUB")
+    raw.sendall(b"\2" + struct.pack(">Q", 3_000_000) + bytes(1_000_000))
+    raw.close()
+    dropped = rig.dropped()
+    bars = traffic.finish()
+    del bars["memory back"]  # what is kept for frames of 4 MB is not meant
+    complaints = viewer.finish()["complaints"]
+    bars["no half frame came through"] = not complaints.get("malformed frame")
+    tell(deaths=_DEATHS, dropped=dropped, complaints=complaints, **traffic.figures, bars=bars)
+
+
+def _crowd(
+    make_rig: Callable[..., Rig], tell: Callable[..., None], at_once: int, seconds: float
+) -> None:
+    rig = make_rig(transport="both")
+    traffic = GoodTraffic(rig, quiet_s=min(5.0, seconds), timed=at_once == _CROWD)
+    crowds = [
+        rig.other(
+            "tests.misbehaving.passers_by",
+            rig.endpoints[part % 2],
+            str(at_once // 4),
+            str(seconds),
+            str(part),
+        )
+        for part in range(4)
+    ]
+    until(lambda: all(c.process.poll() is not None for c in crowds), seconds + 60.0)
+    came = [crowd.line() for crowd in crowds]
+    until(lambda: len(rig.listing().peers) <= 5, 10.0, "some passers-by are never forgotten")
+    bars = traffic.finish()
+    bars["they were connected"] = all(each.get("were connected", 0) for each in came)
+    bars["no fault in a passer-by"] = not any(each.get("faults") for each in came)
+    tell(came=came, **traffic.figures, bars=bars)
+
+
+@pytest.mark.soak
+@pytest.mark.timeout(300)
+def test_two_hundred_clients_come_and_go(
+    make_rig: Callable[..., Rig], tell: Callable[..., None]
+) -> None:
+    _crowd(make_rig, tell, _CROWD, CROWD_S)
+
+
+def test_twenty_clients_come_and_go(
+    make_rig: Callable[..., Rig], tell: Callable[..., None]
+) -> None:
+    _crowd(make_rig, tell, 20, 4.0)
+
+
+@pytest.mark.soak
+@pytest.mark.timeout(120)
+def test_central_without_free_descriptors_recovers(
+    make_rig: Callable[..., Rig], tell: Callable[..., None]
+) -> None:
+    """More connections than it may open: who is connected goes on, others follow later."""
+    rig = make_rig(transport="tcp")
+    traffic = GoodTraffic(rig, quiet_s=1.0, timed=False)
+    limit = traffic.before.descriptors + 40
+    psutil.Process(rig.central.pid).rlimit(resource.RLIMIT_NOFILE, (limit, limit))
+    with contextlib.ExitStack() as held:
+        for number in range(200):
+            held.enter_context(bad_connections.connect(str(rig.central.ports[number % 5])))
+        enough = time.monotonic() + 2.0
+        until(lambda: time.monotonic() > enough, 10.0)
+        spent = psutil.Process(rig.central.pid).cpu_percent(1.0)
+    alive = rig.central.process.poll() is None
+    peers = len(rig.listing().peers) if alive else 0
+    bars = traffic.finish()
+    bars["newcomers connect again"] = peers == 5
+    bars["it does not spin"] = spent < 60.0
+    tell(limit=limit, cpu_percent=spent, **traffic.figures, bars=bars)
+
+
+@pytest.fixture
+def wall_clock(tmp_path: Path) -> tuple[dict[str, str], Callable[[int], None]]:
+    """The environment of processes whose wall clock steps, and what steps it [s]."""
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    if compiler is None:
+        pytest.skip("no C compiler here")
+    library, file = tmp_path / "wall_clock.so", tmp_path / "offset"
+    source = ROOT / "tests" / "misbehaving" / "wall_clock.c"
+    command = [compiler, "-shared", "-fPIC", "-O1", "-o", str(library), str(source), "-ldl"]
+    subprocess.run(command, check=True)
+
+    def step(seconds: int) -> None:
+        with file.open("r+b" if file.exists() else "wb") as opened:
+            opened.write(struct.pack("<q", seconds * 10**9))
+
+    step(0)
+    return {**os.environ, "LD_PRELOAD": str(library), "RUNE_WALL_CLOCK": str(file)}, step
+
+
+@pytest.mark.parametrize("timed", [False, pytest.param(True, marks=pytest.mark.soak)])
+def test_steps_of_the_wall_clock_are_not_noticed(
+    make_rig: Callable[..., Rig],
+    tell: Callable[..., None],
+    wall_clock: tuple[dict[str, str], Callable[[int], None]],
+    monkeypatch: pytest.MonkeyPatch,
+    *,
+    timed: bool,
+) -> None:
+    environment, step = wall_clock
+    step(_YEAR_S)
+    told = subprocess.run(
+        [sys.executable, "-c", "import time; print(time.time())"],
+        env=environment, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert float(told.stdout) > time.time() + _YEAR_S - 60.0, "the clock is not moved"
+    step(0)
+    for name in ("LD_PRELOAD", "RUNE_WALL_CLOCK"):
+        monkeypatch.setenv(name, environment[name])
+    rig = make_rig(transport="tcp")
+    traffic = GoodTraffic(rig, quiet_s=1.0, timed=timed)
+    subscriber = rig.modules["subscriber"]
+    for name in ("LD_PRELOAD", "RUNE_WALL_CLOCK"):
+        monkeypatch.delenv(name)
+    started_ns = time.monotonic_ns()
+    for seconds in (3600, -3600, _YEAR_S, -_YEAR_S, 0):
+        step(seconds)
+        before = len(subscriber.rows())
+        until(lambda before=before: len(subscriber.rows()) > before + 400, 20.0)
+    bars = traffic.finish()
+    rows = subscriber.received("S_Event")
+    arrivals = rows[rows[:, SENT] > started_ns][:, AT]
+    gap_ms = float((arrivals[1:] - arrivals[:-1]).max() / 1e6)
+    bars["no gap"] = gap_ms <= GAP_MS or not timed
+    tell(longest_gap_ms=round(gap_ms, 1), **traffic.figures, bars=bars)
+
+
+def test_full_disk_for_the_log_stops_nothing(
+    make_rig: Callable[..., Rig], tell: Callable[..., None]
+) -> None:
+    """Not a byte more can be written to the file that standard error is."""
+    rig = make_rig(transport="tcp")
+    nothing = (0, 0)
+    psutil.Process(rig.central.pid).rlimit(resource.RLIMIT_FSIZE, nothing)
+    traffic = GoodTraffic(rig, quiet_s=1.0, timed=False)
+    attack = bad_connections.Attack([str(port) for port in rig.central.ports], 3)
+    for _ in range(300):
+        attack.one()
+    attack.close()
+    dropped = rig.dropped()
+    written = rig.central.log.stat().st_size
+    bars = traffic.finish()
+    bars["there was something to log"] = sum(dropped.values()) > 0
+    bars["nothing could be written"] = written == 0
+    tell(dropped=dropped, **traffic.figures, bars=bars)
