@@ -17,6 +17,7 @@ from hub.errors import HubError
 from hub.ipc.client import Client
 from tests.soak import vocabulary as v
 
+_REST_S = 0.01
 _STAY_S = (0.2, 3.0)
 
 
@@ -72,6 +73,7 @@ def main() -> None:
     end = time.monotonic() + float(seconds)
     while time.monotonic() < end:
         crowd.turn()
+        time.sleep(_REST_S)
     crowd.close()
     sys.stdout.write(json.dumps(crowd.counts) + "\n")
     sys.stdout.flush()

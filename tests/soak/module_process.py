@@ -58,6 +58,7 @@ class Plan:
         every: Of the broadcasts received without a gap, only each so manieth gets a row.
         answer_s: How long it takes for an answer; negative if it does not answer [s].
         ask_hz: How often it asks [Hz].
+        pause_s: How long it does nothing at all after each time it worked for as long [s].
     """
 
     name: str
@@ -68,6 +69,7 @@ class Plan:
     every: int = 1
     answer_s: float = -1.0
     ask_hz: float = 0.0
+    pause_s: float = 0.0
 
 
 class Module:
@@ -93,6 +95,8 @@ class Module:
             self._client.respond(v.ASK, v.ANSWER, self._answer)
         if plan.ask_hz:
             self._client.every(1.0 / plan.ask_hz, self._ask)
+        if plan.pause_s:
+            self._client.every(2.0 * plan.pause_s, lambda: time.sleep(plan.pause_s))
         if plan.publish:
             self._client.every(_TICK_S, self._publish)
         self._client.every(_FLUSH_S, self._flush)

@@ -242,18 +242,21 @@ class Rig:
                 started.end()
 
 
-def latency_ms(rows: Rows, start_ns: int = 0, end_ns: int = 1 << 62) -> npt.NDArray[np.float64]:
-    """From publish to handler, of what was sent in this time [ms]."""
+def latency_ms(rows: Rows, start_ns: int = 0, end_ns: int = 1 << 62) -> dict[str, float]:
+    """From publish to handler, of what was sent in this time [ms].
+
+    Beside the median, the 99th percentile and the largest of all there is the 99th percentile of a
+    typical second: the median over the seconds. Where other work shares the processors for
+    moments, only this one tells of the bus.
+    """
     chosen = rows[(rows[:, SENT] >= start_ns) & (rows[:, SENT] < end_ns)]
-    return (chosen[:, AT] - chosen[:, SENT]) / 1e6
-
-
-def percentiles(latencies: npt.NDArray[np.float64]) -> dict[str, float]:
-    """The median, the 99th percentile and the largest [ms]."""
-    if not len(latencies):
-        return {"p50_ms": float("nan"), "p99_ms": float("nan"), "max_ms": float("nan")}
-    p50, p99 = np.percentile(latencies, (50, 99))
-    figures = {"p50_ms": p50, "p99_ms": p99, "max_ms": latencies.max()}
+    if not len(chosen):
+        return dict.fromkeys(("p50_ms", "p99_ms", "max_ms", "typical_p99_ms"), float("nan"))
+    taken = (chosen[:, AT] - chosen[:, SENT]) / 1e6
+    second = (chosen[:, SENT] - chosen[0, SENT]) // 10**9
+    typical = np.median([np.percentile(taken[second == each], 99) for each in np.unique(second)])
+    p50, p99 = np.percentile(taken, (50, 99))
+    figures = {"p50_ms": p50, "p99_ms": p99, "max_ms": taken.max(), "typical_p99_ms": typical}
     return {name: round(float(figure), 3) for name, figure in figures.items()}
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import pytest
 
-from tests.soak.rig import ModuleProcess, Rig, Vitals, latency_ms, percentiles
+from tests.soak.rig import ModuleProcess, Rig, Vitals, latency_ms
 from tests.waiting import until
 
 MINUTES = float(os.environ.get("RUNE_SOAK_MINUTES", "30"))
@@ -54,7 +54,7 @@ def _work(make_rig: Callable[..., Rig], tell: Callable[..., None], seconds: floa
     tell(
         seconds=seconds,
         counted=counted,
-        latencies={name: percentiles(latency_ms(subscriber.received(name))) for name in _NAMES},
+        latencies={name: latency_ms(subscriber.received(name)) for name in _NAMES},
         memory_mb={name: seen[-1][name].memory_mb for name in processes},
         growth_mb=growth,
         dropped=rig.dropped(),

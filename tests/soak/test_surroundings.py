@@ -84,9 +84,9 @@ def test_module_is_killed_in_the_middle_of_large_frames(
     raw.sendall(b"\2" + struct.pack(">Q", 3_000_000) + bytes(1_000_000))
     raw.close()
     dropped = rig.dropped()
+    complaints = viewer.finish()["complaints"]
     bars = traffic.finish()
     del bars["memory back"]  # what is kept for frames of 4 MB is not meant
-    complaints = viewer.finish()["complaints"]
     bars["no half frame came through"] = not complaints.get("malformed frame")
     tell(deaths=_DEATHS, dropped=dropped, complaints=complaints, **traffic.figures, bars=bars)
 
