@@ -19,7 +19,7 @@ from tests.waiting import until
 
 FRAMES = int(os.environ.get("RUNE_SOAK_FRAMES", "1000000"))
 AT_MOST_S = float(os.environ.get("RUNE_SOAK_ATTACK_S", "180"))
-RATE = 8000.0
+RATE = 5600.0
 """Frames a second: what reaches a Python subscriber with a queue of 50 commands is less than that
 queue takes, so that nothing good may be lost."""
 
