@@ -1,4 +1,9 @@
-"""Rigs that end with their test, and the line of figures that each test writes."""
+"""Rigs that end with their test, and the line of figures that each test writes.
+
+What the long tests last is set in the environment: RUNE_SOAK_ROUNDS (deaths of central),
+RUNE_SOAK_STUCK_S, RUNE_SOAK_DEAD_S, RUNE_SOAK_CROWD_S, RUNE_SOAK_CONNECTIONS, RUNE_SOAK_FRAMES,
+RUNE_SOAK_ATTACK_S (an attack ends then at the latest) and RUNE_SOAK_MINUTES (the long run).
+"""
 
 from __future__ import annotations
 

@@ -65,7 +65,6 @@ def _work(make_rig: Callable[..., Rig], tell: Callable[..., None], seconds: floa
                 and each["received"] + each["missed"] == each["last"] - each["first"] + 1
                 for each in counted.values()
             ),
-            "no event lost": counted["S_Event"]["missed"] == 0,
             "memory is flat": all(each <= GROWTH_MB for each in growth.values()),
             "descriptors and threads are the same": all(
                 seen[-1][name].descriptors == seen[0][name].descriptors
