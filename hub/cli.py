@@ -10,10 +10,11 @@ import logging
 import os
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from hub.errors import CentralUnreachableError, HubError, QueryError
-from hub.ipc.security import DEFAULT_ENDPOINT, DEFAULT_PORT
+from hub.ipc.security import DEFAULT_ENDPOINT, DEFAULT_PORT, Role
 from hub.logs import start_logging
 
 if TYPE_CHECKING:
@@ -61,6 +62,8 @@ def _leave() -> NoReturn:
 def _run_command(options: argparse.Namespace) -> int:
     if options.command == "run":
         return _run_daemon(options)
+    if options.command == "keys":
+        return _tend_keys(options)
     from hub.inspection import commands
 
     client = commands.connect(options.hub, options.command)
@@ -108,6 +111,17 @@ def _look_at_central(client: Client, options: argparse.Namespace) -> int:
     if options.command == "close":
         return status.close(client, options.module)
     return status.log_level(client, options.level)
+
+
+def _tend_keys(options: argparse.Namespace) -> int:
+    from hub.inspection import key_commands
+
+    keyring = key_commands.keyring(options.folder)
+    if options.task == "make":
+        return key_commands.make(keyring, options.name, Role(options.role))
+    if options.task == "remove":
+        return key_commands.remove(keyring, options.name)
+    return key_commands.list_all(keyring, as_json=options.json)
 
 
 def _run_daemon(options: argparse.Namespace) -> int:
@@ -216,4 +230,25 @@ def _parser() -> argparse.ArgumentParser:
     level.add_argument("level", choices=("debug", "info", "warning", "error"))
     for command in (listing, echo, rate, query, state):
         command.add_argument("--json", action="store_true", help="JSON, one line a message")
+    _add_keys(commands.add_parser("keys", help="who may connect from other machines"))
     return parser
+
+
+def _add_keys(keys: argparse.ArgumentParser) -> None:
+    where = argparse.ArgumentParser(add_help=False)
+    where.add_argument("--folder", type=Path, help="folder of the keys (~/.config/rune/keys)")
+    tasks = keys.add_subparsers(dest="task", required=True, metavar="TASK")
+
+    make = tasks.add_parser("make", parents=[where], help="make a key and say where its file is")
+    make.add_argument("name", help="letters, digits, - and _; the log names the key so")
+    make.add_argument(
+        "--role",
+        choices=[role.value for role in Role],
+        required=True,
+        metavar="|".join(role.value for role in Role),
+        help="observe: see all; operate: command as well; module: be a part of the robot",
+    )
+    listing = tasks.add_parser("list", parents=[where], help="show all keys")
+    listing.add_argument("--json", action="store_true", help="JSON, one line a key")
+    remove = tasks.add_parser("remove", parents=[where], help="refuse a key from now on")
+    remove.add_argument("name", help="name of the key")

@@ -10,6 +10,9 @@
     ├── CentralUnreachableError (ConnectionError)  nobody answers at the endpoint
     ├── NameTakenError (ConnectionError)       another live module has this name
     ├── EndpointError (OSError)                a port that is busy, an address that is not allowed
+    ├── KeyFileError (ValueError)              a file of keys that is damaged, lost, or not private
+    ├── KeyNameError (ValueError)              a name of a key that is taken, unknown or malformed
+    ├── NotAllowedError (PermissionError)      what the role of a client's key does not allow
     ├── QueryError (RuntimeError)              a query that ended without an answer
     │   ├── NoHandlerError                     nobody answers queries of this name
     │   ├── HandlerDiedError                   the module that was asked is gone
@@ -75,6 +78,21 @@ class NameTakenError(HubError, ConnectionError):
 
 class EndpointError(HubError, OSError):
     """An endpoint that cannot be used: busy, malformed or not allowed."""
+
+
+class KeyFileError(HubError, ValueError):
+    """A file of keys that cannot be used: damaged, missing, or open to others."""
+
+    def __init__(self, path: object, reason: str) -> None:
+        super().__init__(f"key file {path} cannot be used: {reason}")
+
+
+class KeyNameError(HubError, ValueError):
+    """A name that no key can have, that another key has, or that none has."""
+
+
+class NotAllowedError(HubError, PermissionError):
+    """Something that the role of a client's key does not allow."""
 
 
 class QueryError(HubError, RuntimeError):

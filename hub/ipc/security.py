@@ -1,20 +1,116 @@
-"""Where central may listen, and to whom a client may talk: this machine only."""
+"""Where central may listen, to whom a client may talk, and what each role may do.
+
+Without keys the bus stays on this machine. Pure decisions only: keys are in `keys.py` and
+`keyring.py`, the sockets that other machines reach in `gateway.py`.
+"""
 
 from __future__ import annotations
 
+import enum
 import ipaddress
+import re
 from dataclasses import dataclass
 
-from hub.errors import EndpointError
+from hub.errors import EndpointError, NotAllowedError
 
 DEFAULT_PORT = 1381
 DEFAULT_ENDPOINT = f"tcp://127.0.0.1:{DEFAULT_PORT}"
+CONTROL = "control"
+"""The place where control messages come in; the others are "PLANE in" and "PLANE out"."""
 _MAX_IPC_PATH = 100
+_HOST_NAME = re.compile(r"[A-Za-z0-9]([A-Za-z0-9._-]{0,251}[A-Za-z0-9])?")
+
+
+class Role(enum.Enum):
+    """What a key is for; each role may do what the ones before it may."""
+
+    OBSERVE = "observe"
+    OPERATE = "operate"
+    MODULE = "module"
+
+
+class Action(enum.Enum):
+    """What a client asks central for; the value says it in an error."""
+
+    SUBSCRIBE = "subscribe"
+    LIST = "list messages and modules"
+    PRESENCE = "hear who comes and goes"
+    QUERY = "query"
+    QUERY_COMMAND = "query on the command plane"
+    PUBLISH_COMMAND = "publish commands"
+    PUBLISH_STATE = "publish states and pictures"
+    DEFINE = "define a new message"
+    ANSWER = "answer queries"
+    CLOSE_MODULE = "close modules"
+
+
+_OBSERVE = frozenset({Action.SUBSCRIBE, Action.LIST, Action.PRESENCE, Action.QUERY})
+_OPERATE = _OBSERVE | {Action.QUERY_COMMAND, Action.PUBLISH_COMMAND}
+_ACTIONS = {Role.OBSERVE: _OBSERVE, Role.OPERATE: _OPERATE, Role.MODULE: frozenset(Action)}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bearer:
+    """Who is at the other end of a connection: the holder of a key, by its name and role."""
+
+    name: str
+    role: Role
+
+    def __str__(self) -> str:
+        """As ZeroMQ carries it beside each frame of the connection: "operate:alice"."""
+        return f"{self.role.value}:{self.name}"
+
+
+LOCAL = Bearer(name="this machine", role=Role.MODULE)
+"""Whoever connects without a key; that works on this machine only, whose users are trusted."""
+
+
+def parse_bearer(user_id: str) -> Bearer:
+    """The bearer that a frame's User-Id names.
+
+    Raises:
+        NotAllowedError: It names none, so its sender has no rights here.
+    """
+    role, _, name = user_id.partition(":")
+    if not name or role not in {known.value for known in Role}:
+        text = f"a connection says it belongs to {user_id[:80]!r}, which is no role and name"
+        raise NotAllowedError(text)
+    return Bearer(name=name, role=Role(role))
+
+
+def may(role: Role, action: Action) -> bool:
+    """Whether holders of this role may do this."""
+    return action in _ACTIONS[role]
+
+
+def demand(bearer: Bearer, action: Action) -> None:
+    """Refuse what the bearer's role does not allow.
+
+    Raises:
+        NotAllowedError: It does not; the text names the roles that do.
+    """
+    if not may(bearer.role, action):
+        able = " or ".join(role.value for role in Role if may(role, action))
+        text = (
+            f"{bearer.name} has a key to {bearer.role.value} and may not {action.value}; "
+            f"that needs a key made with --role {able}"
+        )
+        raise NotAllowedError(text)
+
+
+def may_enter(role: Role, place: str) -> bool:
+    """Whether holders of this role may connect to a place: CONTROL, "PLANE in" or "PLANE out"."""
+    plane, _, way = place.rpartition(" ")
+    if place == CONTROL or (plane and way == "out"):
+        return True
+    if not plane or way != "in":
+        return False
+    return may(role, Action.PUBLISH_COMMAND if plane == "command" else Action.PUBLISH_STATE)
 
 
 @dataclass(frozen=True, slots=True)
 class TcpEndpoint:
-    """A TCP address on this machine; port 0 lets the system choose when binding."""
+    """A TCP address; port 0 lets the system choose when binding."""
 
     host: str
     port: int
@@ -22,6 +118,11 @@ class TcpEndpoint:
     def __str__(self) -> str:
         host = f"[{self.host}]" if ":" in self.host else self.host
         return f"tcp://{host}:{self.port or '*'}"
+
+    @property
+    def on_loopback(self) -> bool:
+        """Whether only this machine reaches it."""
+        return _is_loopback(self.host)
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,11 +135,15 @@ class IpcEndpoint:
         return f"ipc://{self.path}"
 
 
-def parse_endpoint(text: str) -> TcpEndpoint | IpcEndpoint:
-    """The endpoint that a person wrote.
+def parse_endpoint(text: str, *, beyond_loopback: bool = False) -> TcpEndpoint | IpcEndpoint:
+    """The endpoint that a person wrote, for a hub to listen at.
+
+    Args:
+        text: Such as tcp://127.0.0.1:1381 or ipc:///a/path.
+        beyond_loopback: Whether other machines may be let in, which takes keys.
 
     Raises:
-        EndpointError: It is malformed, or it is not on this machine.
+        EndpointError: It is malformed, or not on this machine and that is not allowed.
     """
     scheme, separator, rest = text.partition("://")
     if separator and scheme == "ipc" and rest:
@@ -48,37 +153,68 @@ def parse_endpoint(text: str) -> TcpEndpoint | IpcEndpoint:
         if "*" in rest:
             raise EndpointError(_refusal(text, "write the path of a socket file"))
         return IpcEndpoint(rest)
-    host, colon, port = rest.rpartition(":")
-    if not separator or scheme != "tcp" or not colon or not (port.isdigit() and port.isascii()):
-        raise EndpointError(_refusal(text, "write tcp://127.0.0.1:1381 or ipc:///a/path"))
-    if len(port) > 5 or int(port) > 65529:
-        raise EndpointError(_refusal(text, "its port is above 65529"))
-    return TcpEndpoint(_loopback(text, host.strip("[]")), int(port))
+    endpoint = _tcp(text)
+    if endpoint.on_loopback:
+        return endpoint
+    if not beyond_loopback:
+        raise EndpointError(_refusal(text, _NEEDS_KEYS))
+    if not _is_address(endpoint.host):
+        reason = "write an address of this machine, or 0.0.0.0 for all of them"
+        raise EndpointError(_refusal(text, reason))
+    return endpoint
 
 
-def connectable(text: str) -> str:
+def connectable(text: str, *, with_keys: bool = False) -> str:
     """The endpoint that a person wrote, as the address a client connects to.
 
+    Args:
+        text: Such as tcp://127.0.0.1:1381; with keys also tcp://robot.example:1481.
+        with_keys: Whether the client has keys, and so may leave this machine.
+
     Raises:
-        EndpointError: It is malformed, not on this machine, or names no port.
+        EndpointError: It is malformed, names no port, or is not on this machine and the client
+            has no keys.
     """
-    endpoint = parse_endpoint(text)
+    endpoint: TcpEndpoint | IpcEndpoint
+    if with_keys and text.startswith("tcp://"):
+        endpoint = _tcp(text)
+        if not (_is_address(endpoint.host) or _HOST_NAME.fullmatch(endpoint.host)):
+            raise EndpointError(_refusal(text, "its host is no name and no address"))
+        if _is_address(endpoint.host) and ipaddress.ip_address(endpoint.host).is_unspecified:
+            raise EndpointError(_refusal(text, "that is where a hub listens; name its machine"))
+    else:
+        endpoint = parse_endpoint(text)
     if isinstance(endpoint, TcpEndpoint) and endpoint.port == 0:
         raise EndpointError(_refusal(text, "port 0 is only for a hub that starts"))
     return str(endpoint)
 
 
-def _loopback(text: str, host: str) -> str:
-    if host == "localhost":
-        return "127.0.0.1"
+_NEEDS_KEYS = (
+    "without keys only this machine (127.0.0.1) is allowed; reach a robot through ssh -L, or make "
+    "a key on it with `rune-hub keys make NAME --role operate`"
+)
+
+
+def _tcp(text: str) -> TcpEndpoint:
+    scheme, separator, rest = text.partition("://")
+    host, colon, port = rest.rpartition(":")
+    if not separator or scheme != "tcp" or not colon or not (port.isdigit() and port.isascii()):
+        raise EndpointError(_refusal(text, "write tcp://127.0.0.1:1381 or ipc:///a/path"))
+    if len(port) > 5 or int(port) > 65529:
+        raise EndpointError(_refusal(text, "its port is above 65529"))
+    host = host.strip("[]")
+    return TcpEndpoint("127.0.0.1" if host == "localhost" else host, int(port))
+
+
+def _is_address(host: str) -> bool:
     try:
-        local = ipaddress.ip_address(host).is_loopback
+        return not ipaddress.ip_address(host).is_multicast
     except ValueError:
-        local = False
-    if not local:
-        reason = "only this machine (127.0.0.1) is allowed; reach a robot through ssh -L"
-        raise EndpointError(_refusal(text, reason))
-    return host
+        return False
+
+
+def _is_loopback(host: str) -> bool:
+    return _is_address(host) and ipaddress.ip_address(host).is_loopback
 
 
 def _refusal(text: str, reason: str) -> str:

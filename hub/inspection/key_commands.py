@@ -1,0 +1,64 @@
+"""What `rune-hub keys` does; each command returns the exit code. No hub needs to run."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+from hub.ipc.keyring import Keyring, default_folder
+from hub.ipc.security import Role
+
+
+def keyring(folder: Path | None) -> Keyring:
+    """The keys in this folder, or in the one where they belong.
+
+    Raises:
+        KeyFileError: None is given, and the user has no home.
+    """
+    return Keyring(folder or default_folder())
+
+
+def make(keys: Keyring, name: str, role: Role) -> int:
+    """Make a key, and say which file is to be copied.
+
+    Raises:
+        KeyNameError: The name is taken, or cannot be one.
+        KeyFileError: A file cannot be used.
+    """
+    path = keys.make(name, role)
+    _put(f"{name} may {role.value}; copy this file to the machine that is to connect:")
+    _put(str(path))
+    return 0
+
+
+def list_all(keys: Keyring, *, as_json: bool) -> int:
+    """Show name, role and public key of each.
+
+    Raises:
+        KeyFileError: The list is damaged or open to others.
+    """
+    for holder in keys.holders():
+        if as_json:
+            shown = {"name": holder.name, "role": holder.role.value, "public": holder.public}
+            _put(json.dumps(shown))
+        else:
+            _put(f"{holder.role.value:8}{holder.public}  {holder.name}")
+    return 0
+
+
+def remove(keys: Keyring, name: str) -> int:
+    """Refuse a key from now on.
+
+    Raises:
+        KeyNameError: There is no such key.
+        KeyFileError: A file cannot be used.
+    """
+    keys.remove(name)
+    _put(f"{name} is refused from now on; connections it has go on until they end")
+    return 0
+
+
+def _put(line: str) -> None:
+    sys.stdout.write(line + "\n")
+    sys.stdout.flush()

@@ -1,0 +1,173 @@
+"""Files that hold keys: who may read them, how they are replaced, and what stands in them."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import os
+import re
+import secrets
+import stat
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from zmq.utils import z85
+
+from hub.errors import KeyFileError
+from hub.ipc.security import Role
+from hub.toml_tables import Key, Reader, RefusedError, choice, load, read_table, shorten
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", re.ASCII)
+_Z85 = re.compile(r"[0-9a-zA-Z.\-:+=^!/*?&<>()\[\]{}@%$#]{40}", re.ASCII)
+_MOST_SHOWN = 5
+
+
+def is_key_name(text: str) -> bool:
+    """Whether a key can have this name: 1 to 64 letters, digits, - and _, none of these first."""
+    return _NAME.fullmatch(text) is not None
+
+
+def key_text(value: object) -> str:
+    """A CURVE key in Z85: 40 characters for 32 bytes (ZeroMQ RFC 32).
+
+    Raises:
+        RefusedError: It is none. The text does not repeat it, because it may be a secret.
+    """
+    if isinstance(value, str) and _Z85.fullmatch(value):
+        with contextlib.suppress(Exception):  # 40 such characters can still be above 32 bytes
+            if len(z85.decode(value)) == 32:
+                return value
+    text = "this is no key of 40 characters in Z85"
+    raise RefusedError(text)
+
+
+def key_name(value: object) -> str:
+    """A name that a key can have.
+
+    Raises:
+        RefusedError: It is none.
+    """
+    if isinstance(value, str) and is_key_name(value):
+        return value
+    text = f"{shorten(value)} is not a name of 1 to 64 letters, digits, - and _"
+    raise RefusedError(text)
+
+
+key_role: Reader = choice({role.value: role for role in Role})
+
+
+def is_there(path: Path) -> bool:
+    """Whether there is such a file, or something that keeps us from seeing it."""
+    try:
+        return path.exists()
+    except OSError:
+        return True
+
+
+def read_private(path: Path, *, advice: str) -> dict[str, Any]:
+    """What a TOML file holds that nobody else can read or write.
+
+    Args:
+        path: The file.
+        advice: What to do if it is missing or damaged.
+
+    Raises:
+        KeyFileError: It is missing, damaged, somebody else's, or open to others.
+    """
+    try:
+        found = path.stat()
+    except FileNotFoundError as fault:
+        raise KeyFileError(path, f"it is not there; {advice}") from fault
+    except (OSError, ValueError) as fault:
+        raise KeyFileError(path, f"{_reason(fault)}; {advice}") from fault
+    if stat.S_ISREG(found.st_mode):  # what is no file, `load` refuses
+        _demand_private(path, found, f"chmod 600 {path}")
+    return load(path, lambda name, problems: _damaged(name, problems, advice))
+
+
+def read_keys(
+    keys: Mapping[str, Key], values: object, place: str, path: Path, *, advice: str
+) -> dict[str, Any]:
+    """The values of one table of a file of keys.
+
+    Raises:
+        KeyFileError: Something is missing, unknown or malformed.
+    """
+    problems: list[str] = []
+    fields = read_table(keys, values, place, problems)
+    if problems:
+        raise _damaged(str(path), problems, advice)
+    return fields
+
+
+def write_private(path: Path, text: str) -> None:
+    """Replace a file at once and whole; only its owner can read it.
+
+    Raises:
+        KeyFileError: It cannot be written; what was there before still is.
+    """
+    beside = path.with_name(f".{path.name}.{secrets.token_hex(8)}")
+    try:
+        descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+        with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        beside.replace(path)
+    except OSError as fault:
+        with contextlib.suppress(OSError):
+            beside.unlink(missing_ok=True)
+        reason = f"it cannot be written ({_reason(fault)}); make room or choose another --folder"
+        raise KeyFileError(path, reason) from fault
+
+
+def private_folder(folder: Path) -> None:
+    """Make a folder that nobody else can look into, or see that it is one.
+
+    Raises:
+        KeyFileError: It cannot be made, is somebody else's, or is open to others.
+    """
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        found = folder.stat()
+    except (OSError, ValueError) as fault:
+        reason = f"its folder cannot be made ({_reason(fault)}); choose another --folder"
+        raise KeyFileError(folder, reason) from fault
+    _demand_private(folder, found, f"chmod 700 {folder}")
+
+
+@contextlib.contextmanager
+def alone_in(folder: Path) -> Iterator[None]:
+    """Make the folder if it is not there, and keep other writers out for a while.
+
+    Raises:
+        KeyFileError: The folder cannot be used.
+    """
+    private_folder(folder)
+    try:
+        descriptor = os.open(folder / "lock", os.O_RDWR | os.O_CREAT, 0o600)
+    except OSError as fault:
+        reason = f"it cannot be made ({_reason(fault)}); choose another --folder"
+        raise KeyFileError(folder / "lock", reason) from fault
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def _demand_private(path: Path, found: os.stat_result, remedy: str) -> None:
+    if found.st_uid not in (os.geteuid(), 0):
+        raise KeyFileError(path, "it belongs to another user; make it anew as yourself")
+    if found.st_mode & (stat.S_IRWXG | stat.S_IRWXO):
+        raise KeyFileError(path, f"others can read or change it; say: {remedy}")
+
+
+def _damaged(name: str, problems: list[str], advice: str) -> KeyFileError:
+    shown = "; ".join(problems[:_MOST_SHOWN])
+    return KeyFileError(name, f"{shown}; {advice}")
+
+
+def _reason(fault: Exception) -> str:
+    return getattr(fault, "strerror", None) or str(fault)

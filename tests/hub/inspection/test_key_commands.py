@@ -1,0 +1,70 @@
+"""`rune-hub keys`, as a person types it."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from hub.cli import ExitCode
+from hub.ipc.keyring import Keyring, default_folder
+from hub.ipc.keys import read_client_keys
+from hub.ipc.security import Role
+
+
+def keys(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "hub", "keys", *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def said(*arguments: str) -> str:
+    done = keys(*arguments)
+    assert (done.returncode, done.stderr) == (ExitCode.OK, "")
+    return done.stdout
+
+
+def test_made_key_is_listed_until_it_is_removed() -> None:
+    path = Path(said("make", "alice", "--role", "operate").splitlines()[-1])
+    made = read_client_keys(path)
+    assert made.role is Role.OPERATE
+    assert said("list").split() == ["operate", made.pair.public, "alice"]
+    shown = {"name": "alice", "role": "operate", "public": made.pair.public}
+    assert json.loads(said("list", "--json")) == shown
+    said("remove", "alice")
+    assert said("list") == ""
+
+
+def test_folder_can_be_named(tmp_path: Path) -> None:
+    folder = tmp_path / "elsewhere"
+    said("make", "alice", "--role", "module", "--folder", str(folder))
+    assert [holder.name for holder in Keyring(folder).holders()] == ["alice"]
+    assert not default_folder().exists()
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["make", "a b", "--role", "observe"],
+        ["make", "alice", "--role", "observe", "--folder", "/dev/null"],
+        ["remove", "nobody"],
+    ],
+)
+def test_mistake_is_one_sentence_and_a_usage_error(arguments: list[str]) -> None:
+    done = keys(*arguments)
+    assert (done.returncode, done.stdout) == (ExitCode.USAGE, "")
+    assert done.stderr.startswith("rune-hub: ")
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("arguments", [["make", "alice"], ["make", "alice", "--role", "king"], []])
+def test_role_and_task_have_to_be_known(arguments: list[str]) -> None:
+    done = keys(*arguments)
+    assert done.returncode == ExitCode.USAGE
+    assert "usage: rune-hub keys" in done.stderr

@@ -1,0 +1,136 @@
+"""What each role may do, and which endpoints are allowed with and without keys."""
+
+from __future__ import annotations
+
+import itertools
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hub.errors import EndpointError, NotAllowedError
+from hub.ipc import security
+from hub.ipc.security import Action, Bearer, Role
+
+PLACES = [
+    "control",
+    *(f"{p} {way}" for p in ("state", "command", "picture") for way in ("in", "out")),
+]
+
+
+def test_each_role_may_do_what_is_written_in_the_documentation() -> None:
+    watch = {Action.SUBSCRIBE, Action.LIST, Action.PRESENCE, Action.QUERY}
+    allowed = {role: {action for action in Action if security.may(role, action)} for role in Role}
+    assert allowed[Role.OBSERVE] == watch
+    assert allowed[Role.OPERATE] == watch | {Action.QUERY_COMMAND, Action.PUBLISH_COMMAND}
+    assert allowed[Role.MODULE] == set(Action)
+
+
+def test_observer_enters_only_where_nothing_goes_in() -> None:
+    entered = {role: [p for p in PLACES if security.may_enter(role, p)] for role in Role}
+    out = ["control", "state out", "command out", "picture out"]
+    assert entered[Role.OBSERVE] == out
+    assert sorted(entered[Role.OPERATE]) == sorted([*out, "command in"])
+    assert entered[Role.MODULE] == PLACES
+
+
+@pytest.mark.parametrize("place", ["", " ", "in", "out", " in", " out", "state", "CONTROL", "a b"])
+def test_place_that_is_none_is_entered_by_nobody(place: str) -> None:
+    assert not any(security.may_enter(role, place) for role in Role)
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_each_role_enters_where_the_ones_before_it_do(place: str) -> None:
+    for less, more in itertools.pairwise(Role):
+        assert security.may_enter(less, place) <= security.may_enter(more, place)
+
+
+def test_what_a_role_does_not_allow_is_refused_with_the_role_that_does() -> None:
+    alice = Bearer(name="alice", role=Role.OBSERVE)
+    security.demand(alice, Action.SUBSCRIBE)
+    with pytest.raises(NotAllowedError, match=r"alice .*publish commands.*operate or module"):
+        security.demand(alice, Action.PUBLISH_COMMAND)
+    with pytest.raises(NotAllowedError, match="--role module"):
+        security.demand(Bearer(name="bob", role=Role.OPERATE), Action.CLOSE_MODULE)
+
+
+def test_this_machine_may_do_everything() -> None:
+    for action in Action:
+        security.demand(security.LOCAL, action)
+
+
+@given(st.sampled_from(Role), st.from_regex(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", fullmatch=True))
+def test_bearer_is_read_back_from_what_goes_with_its_frames(role: Role, name: str) -> None:
+    bearer = Bearer(name=name, role=role)
+    assert security.parse_bearer(str(bearer)) == bearer
+
+
+@pytest.mark.parametrize("user_id", ["", "alice", ":", "operate", "operate:", "root:alice"])
+def test_user_id_that_names_no_role_has_no_rights(user_id: str) -> None:
+    with pytest.raises(NotAllowedError, match="no role and name"):
+        security.parse_bearer(user_id)
+
+
+@pytest.mark.parametrize(
+    ("text", "address"),
+    [
+        ("tcp://0.0.0.0:1481", "tcp://0.0.0.0:1481"),
+        ("tcp://192.168.1.5:0", "tcp://192.168.1.5:*"),
+        ("tcp://[::]:1481", "tcp://[::]:1481"),
+        ("tcp://127.0.0.1:1481", "tcp://127.0.0.1:1481"),
+        ("ipc:///a/b", "ipc:///a/b"),
+    ],
+)
+def test_hub_with_keys_may_listen_beyond_this_machine(text: str, address: str) -> None:
+    assert str(security.parse_endpoint(text, beyond_loopback=True)) == address
+
+
+@pytest.mark.parametrize(
+    "text", ["tcp://robot:1481", "tcp://*:1481", "tcp://:1481", "tcp://224.0.0.1:1481"]
+)
+def test_hub_listens_at_addresses_only(text: str) -> None:
+    with pytest.raises(EndpointError, match=r"0\.0\.0\.0"):
+        security.parse_endpoint(text, beyond_loopback=True)
+
+
+@pytest.mark.parametrize(
+    ("text", "address"),
+    [
+        ("tcp://robot.example:1481", "tcp://robot.example:1481"),
+        ("tcp://192.168.1.5:1481", "tcp://192.168.1.5:1481"),
+        ("tcp://[fe80::1%eth0]:1481", "tcp://[fe80::1%eth0]:1481"),
+        ("tcp://localhost:1481", "tcp://127.0.0.1:1481"),
+        ("ipc:///a/b", "ipc:///a/b"),
+    ],
+)
+def test_client_with_keys_may_connect_beyond_this_machine(text: str, address: str) -> None:
+    assert security.connectable(text, with_keys=True) == address
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["tcp://0.0.0.0:1481", "tcp://[::]:1", "tcp://robot:0", "tcp://a b:1", "tcp://-:1", "tcp://:1"],
+)
+def test_client_cannot_connect_to_what_is_no_machine(text: str) -> None:
+    with pytest.raises(EndpointError, match="cannot be used"):
+        security.connectable(text, with_keys=True)
+
+
+@pytest.mark.parametrize("text", ["tcp://192.168.1.5:1481", "tcp://robot.example:1481"])
+def test_without_keys_the_error_says_how_to_make_one(text: str) -> None:
+    for use in (security.parse_endpoint, security.connectable):
+        with pytest.raises(EndpointError, match=r"rune-hub keys make NAME --role"):
+            use(text)
+
+
+@given(st.text(max_size=60))
+def test_any_text_is_an_endpoint_or_refused_in_our_words(rest: str) -> None:
+    for text in (rest, f"tcp://{rest}", f"tcp://{rest}:5", f"tcp://[{rest}]:5"):
+        for use in (
+            lambda text: security.parse_endpoint(text, beyond_loopback=True),
+            lambda text: security.connectable(text, with_keys=True),
+        ):
+            try:
+                use(text)
+            except EndpointError as error:
+                assert "cannot be used" in str(error)  # noqa: PT017
