@@ -1,0 +1,228 @@
+"""The way in for other machines: a second set of central's sockets, with CURVE.
+
+Broadcasts are relayed between these sockets and central's own ones by ZeroMQ's proxy, a thread for
+each direction of a plane; no Python touches them. Control messages come in at a ROUTER of the
+gateway, which central polls beside its own.
+"""
+
+from __future__ import annotations
+
+import errno
+import threading
+from collections.abc import Callable, Mapping
+from typing import TypeAlias
+
+import zmq
+import zmq.utils.monitor
+
+from hub.errors import EndpointError
+from hub.ipc.complaints import Complaints
+from hub.ipc.keyring import Keyring
+from hub.ipc.keys import KeyPair
+from hub.ipc.security import CONTROL, TcpEndpoint
+from hub.ipc.zap import Gatekeeper
+
+_FAILED = zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL | zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL
+_BATCH = 256
+_RELAY_QUEUE = 200
+"""Room between two proxies of this process, which only fills while one of them gets no time."""
+
+_Socket: TypeAlias = "zmq.Socket[bytes]"
+
+
+class Gateway:
+    """Central's sockets for other machines, open from the start to `close`.
+
+    All but `close` is for the thread that polls it; `close` is for when that thread has ended.
+
+    Attributes:
+        endpoint: Where clients connect, with the real port.
+        control: ROUTER of the control messages. Its frames carry a User-Id ("operate:alice").
+        ports: TCP ports in the order of the planes: first plane in, out, second plane in, ...
+        polled: To be polled for input; then call `serve`. Without `control`.
+    """
+
+    def __init__(
+        self,
+        context: zmq.Context[_Socket],
+        endpoint: TcpEndpoint,
+        keyring: Keyring,
+        planes: Mapping[str, tuple[str, str]],
+        complaints: Complaints,
+        *,
+        make: Callable[[int, str], _Socket],
+    ) -> None:
+        """Bind and start.
+
+        Args:
+            context: Central's. If it has more than one I/O thread, CURVE has the second for
+                itself, so that strangers do not take time from the local modules.
+            endpoint: Port p takes p and two more for each plane; 0 takes free ones.
+            keyring: Who may connect, and the hub's own keys.
+            planes: By name, the inproc addresses of central's XSUB and XPUB, which are bound.
+            complaints: Counts the refused.
+            make: A socket with the bus's options: ZeroMQ type, plane or `security.CONTROL`.
+
+        Raises:
+            EndpointError: A port is busy, or this context has a gateway already.
+            KeyFileError: The hub's keys cannot be used.
+        """
+        self._complaints = complaints
+        self._made: list[_Socket] = []
+        self._steering: list[_Socket] = []
+        self._threads: list[threading.Thread] = []
+        self._monitors: dict[_Socket, str] = {}
+        keys = keyring.hub_keys()
+        keyring.holders()  # a list that cannot be read is said now, not at the first handshake
+        # First of all: there is no moment in which a secure socket has nobody to ask.
+        self._gatekeeper = Gatekeeper(context, keyring, complaints)
+        self._affinity = 2 if context.get(zmq.IO_THREADS) > 1 else 0
+        try:
+            self._open(context, endpoint, keys, planes, make)
+        except (zmq.ZMQError, EndpointError) as error:
+            self._close_sockets()
+            if isinstance(error, EndpointError):
+                raise
+            text = f"the gateway cannot make its sockets: {error}"
+            raise EndpointError(text) from error
+        self.polled = (self._gatekeeper.socket, *self._monitors)
+        for thread in self._threads:
+            thread.start()
+
+    def serve(self, ready: Mapping[_Socket, int]) -> list[int]:
+        """Let in and refuse, and see who left; returns without waiting.
+
+        Args:
+            ready: What the poll gave; sockets of others in it are left alone.
+
+        Returns:
+            The descriptors of control connections that ended.
+        """
+        if self._gatekeeper.socket in ready:
+            self._gatekeeper.serve()
+        ended: list[int] = []
+        for monitor, place in self._monitors.items():
+            if monitor in ready:
+                ended += self._watch(monitor, place)
+        return ended
+
+    def close(self) -> None:
+        """End the relays, and free the ports."""
+        for steering in self._steering:
+            steering.send(b"TERMINATE", zmq.NOBLOCK)
+        for thread in self._threads:
+            thread.join()
+        self._close_sockets()
+
+    def _open(
+        self,
+        context: zmq.Context[_Socket],
+        endpoint: TcpEndpoint,
+        keys: KeyPair,
+        planes: Mapping[str, tuple[str, str]],
+        make: Callable[[int, str], _Socket],
+    ) -> None:
+        def secure(kind: int, plane: str, place: str) -> _Socket:
+            socket = make(kind, plane)
+            self._made.append(socket)
+            self._secure(socket, place, keys)
+            return socket
+
+        def inner(kind: int, plane: str, address: str) -> _Socket:
+            socket = make(kind, plane)
+            self._made.append(socket)
+            socket.sndhwm = socket.rcvhwm = max(_RELAY_QUEUE, socket.rcvhwm)
+            socket.connect(address)
+            return socket
+
+        self.control = secure(zmq.ROUTER, CONTROL, CONTROL)
+        ends = [self.control]
+        relays: list[tuple[str, _Socket, _Socket]] = []
+        for plane, (inward, outward) in planes.items():
+            for place, outer_kind, inner_kind, address in (
+                (f"{plane} in", zmq.XSUB, zmq.XPUB, inward),
+                (f"{plane} out", zmq.XPUB, zmq.XSUB, outward),
+            ):
+                outer = secure(outer_kind, plane, place)
+                ends.append(outer)
+                relays.append((place, outer, inner(inner_kind, plane, address)))
+        ports = _bind_in_a_row(ends, endpoint)
+        self.endpoint = TcpEndpoint(endpoint.host, ports[0])
+        self.ports = tuple(ports[1:])
+        for place, outer, partner in relays:
+            self._threads.append(self._relay(context, place, outer, partner))
+
+    def _secure(self, socket: _Socket, place: str, keys: KeyPair) -> None:
+        socket.curve_server = True
+        socket.curve_publickey = keys.public.encode()
+        socket.curve_secretkey = keys.secret.encode()
+        socket.zap_domain = place.encode()
+        # Without this ZeroMQ lets everybody in while nobody answers for the domain.
+        socket.setsockopt(zmq.ZAP_ENFORCE_DOMAIN, 1)
+        socket.affinity = self._affinity
+        events = _FAILED | (zmq.EVENT_DISCONNECTED if place == CONTROL else 0)
+        self._monitors[socket.get_monitor_socket(events)] = place
+
+    def _relay(
+        self, context: zmq.Context[_Socket], place: str, outer: _Socket, inner: _Socket
+    ) -> threading.Thread:
+        """The thread that hands on both ways until it is told to terminate."""
+        told, telling = context.socket(zmq.PAIR), context.socket(zmq.PAIR)
+        self._made.append(told)
+        self._steering.append(telling)
+        address = f"inproc://gateway-steering-{place.replace(' ', '-')}"
+        told.bind(address)
+        telling.connect(address)
+
+        def hand_on() -> None:
+            zmq.proxy_steerable(outer, inner, None, told)
+
+        return threading.Thread(target=hand_on, name=f"gateway {place}", daemon=True)
+
+    def _watch(self, monitor: _Socket, place: str) -> list[int]:
+        ended: list[int] = []
+        for _ in range(_BATCH):
+            try:
+                raw = monitor.recv_multipart(zmq.NOBLOCK)
+            except zmq.Again:
+                break
+            event = zmq.utils.monitor.parse_monitor_message(raw)
+            if event["event"] == zmq.EVENT_DISCONNECTED:
+                ended.append(int(event["value"]))
+            else:
+                self._complaints.count(
+                    f"bad handshake at the gateway's {place}",
+                    "a peer has no key, or another hub's, or does not speak this protocol",
+                )
+        return ended
+
+    def _close_sockets(self) -> None:
+        for socket in (*self._made, *self._steering):
+            socket.close(0)
+        self._steering.clear()
+        # Only now: ZeroMQ waits for ever with an event for a monitor that is gone.
+        for monitor in self._monitors:
+            monitor.close(0)
+        self._gatekeeper.close()
+
+
+def _bind_in_a_row(ends: list[_Socket], endpoint: TcpEndpoint) -> list[int]:
+    """Bind each to the port behind the one before; the real ports."""
+    last = endpoint.port + len(ends) - 1
+    if last > 65535:
+        text = f"the gateway at {endpoint} needs the ports up to {last}; choose a lower one"
+        raise EndpointError(text)
+    ports = []
+    for index, end in enumerate(ends):
+        wanted = TcpEndpoint(endpoint.host, endpoint.port and endpoint.port + index)
+        end.ipv6 = ":" in endpoint.host
+        try:
+            end.bind(str(wanted))
+        except zmq.ZMQError as error:
+            reason = f"{error}; choose another endpoint"
+            if error.errno == errno.EADDRINUSE:
+                reason = "another program uses it; stop that program or choose another port"
+            text = f"the gateway cannot listen at {wanted}: {reason}"
+            raise EndpointError(text) from error
+        ports.append(int(end.getsockopt_string(zmq.LAST_ENDPOINT).rstrip("\0").rpartition(":")[2]))
+    return ports
