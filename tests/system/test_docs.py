@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from hub.ipc.keyring import Keyring, default_folder
+from hub.ipc.security import Role
 from tests.system.harness import ConsoleProcess, HubProcess
 from tests.waiting import until
 
@@ -84,7 +86,10 @@ def _shows_a_picture(words: list[str], request: pytest.FixtureRequest) -> None:
 
 def _succeeds(words: list[str], request: pytest.FixtureRequest, folder: Path) -> None:
     arguments = [str(ROOT / word) if word.endswith(".xml") else word for word in words[1:]]
-    if words[0] == "rune-hub":
+    if words[:2] == ["rune-hub", "keys"]:
+        if words[2] == "remove":
+            Keyring(default_folder()).make(words[3], Role.OBSERVE)
+    elif words[0] == "rune-hub":
         hub: HubProcess = request.getfixturevalue("hub")
         arguments += ["--hub", hub.endpoint]
     process = subprocess.Popen(

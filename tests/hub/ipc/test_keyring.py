@@ -206,14 +206,18 @@ def test_what_is_no_file_of_keys_is_refused(path: str) -> None:
         read_client_keys(Path(path))
 
 
+@pytest.mark.parametrize("writes", [0, 1])
 def test_failed_write_leaves_what_was_there(
-    keyring: Keyring, monkeypatch: pytest.MonkeyPatch
+    keyring: Keyring, monkeypatch: pytest.MonkeyPatch, writes: int
 ) -> None:
     keyring.make("alice", Role.OBSERVE)
     before = sorted(keyring.folder.rglob("*"))
 
+    room = iter(range(writes))
+
     def full(_: int) -> None:
-        raise OSError(28, "No space left on device")
+        if next(room, None) is None:
+            raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(KeyFileError, match="No space left"):
