@@ -66,7 +66,7 @@ def _run_command(options: argparse.Namespace) -> int:
         return _tend_keys(options)
     from hub.inspection import commands
 
-    client = commands.connect(options.hub, options.command)
+    client = commands.connect(options.hub, options.command, options.keys)
     try:
         return _look(client, options)
     except KeyboardInterrupt:
@@ -191,8 +191,9 @@ def _parser() -> argparse.ArgumentParser:
         "--hub",
         type=_endpoint,
         default=DEFAULT_ENDPOINT,
-        help="HOST, HOST:PORT or an endpoint on this machine (%(default)s)",
+        help="HOST, HOST:PORT or an endpoint (%(default)s)",
     )
+    look.add_argument("--keys", type=Path, help="your key's file, for a hub on another machine")
     name = argparse.ArgumentParser(add_help=False, parents=[look])
     name.add_argument("name", help="message name; `rune-hub list` shows all")
     fields = argparse.ArgumentParser(add_help=False, parents=[name])

@@ -65,7 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(options: argparse.Namespace) -> int:
     _need_terminal()
     layout = _load(options.layout)
-    links = _links(layout, _endpoint(options.hub))
+    links = _links(layout, _endpoint(options.hub), options.keys)
     _log_to_file()
     return _console(layout, links)
 
@@ -140,13 +140,13 @@ def _load(name_or_path: str) -> LayoutSpec:
     return load_layout(path)
 
 
-def _links(layout: LayoutSpec, hub: str) -> dict[str, RobotLink]:
+def _links(layout: LayoutSpec, hub: str, keys: Path | None = None) -> dict[str, RobotLink]:
     from rune_tui.link.robot_link import RobotLink
 
     if hub and len(layout.robots) > 1:
         text = f"{layout.path} names {len(layout.robots)} robots; one --hub cannot be for all"
         raise _UsageError(text)
-    return {robot.name: RobotLink(robot, hub) for robot in layout.robots}
+    return {robot.name: RobotLink(robot, hub, keys=keys) for robot in layout.robots}
 
 
 def _endpoint(hub: str) -> str:
@@ -214,6 +214,7 @@ def _parser() -> argparse.ArgumentParser:
     run = commands.add_parser("run", help="open the console with a layout")
     run.add_argument("layout", help="a layout file, or the name of a shipped layout")
     run.add_argument("--hub", default="", help=hub_help)
+    run.add_argument("--keys", type=Path, help="your key's file, for a hub on another machine")
 
     demo = commands.add_parser("demo", help="open the console on a simulated robot")
     demo.add_argument("layout", nargs="?", default=_DEMO_LAYOUT, help="default: %(default)s")

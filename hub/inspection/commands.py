@@ -8,6 +8,7 @@ import os
 import sys
 import time
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from hub.errors import HubError, UndefinedMessageError
@@ -17,6 +18,7 @@ from hub.ipc import control
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.description import from_listing
+from hub.ipc.keys import read_client_keys
 from hub.ipc.reception import Reception, decode
 from hub.toml_tables import nearest
 
@@ -25,13 +27,14 @@ _BETWEEN_S = 0.05
 """Time between two messages of which a receiver is to see both, not the newest alone [s]."""
 
 
-def connect(endpoint: str, command: str) -> Client:
+def connect(endpoint: str, command: str, keys: Path | None) -> Client:
     """A connected client for one command.
 
     Raises:
         HubError: The endpoint is wrong, or no hub answers there.
     """
-    client = Client(f"rune-hub-{command}-{os.getpid()}", endpoint)
+    name = f"rune-hub-{command}-{os.getpid()}"
+    client = Client(name, endpoint, keys=read_client_keys(keys) if keys else None)
     try:
         client.wait_connected(_ANSWER_S)
     except HubError:

@@ -8,26 +8,34 @@ decodes the payload of a message.
 from __future__ import annotations
 
 import errno
+import functools
 import logging
 import socket as socket_module
 import threading
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import zmq
 import zmq.utils.monitor
 
-from hub.errors import CodecError, EndpointError, FrameError
+from hub.errors import CodecError, EndpointError, FrameError, HubError, NotAllowedError
 from hub.ipc import control, frames, memory, security, sockets
 from hub.ipc.complaints import Complaints
-from hub.ipc.peers import Outgoing
+from hub.ipc.definition import Plane
+from hub.ipc.gateway import Gateway
+from hub.ipc.keyring import Keyring
+from hub.ipc.loop import Loop
+from hub.ipc.peers import Caller, Outgoing
 from hub.ipc.registry import Registry
+from hub.ipc.security import LOCAL, parse_bearer
 
 _logger = logging.getLogger(__name__)
 
-_POLL_MS = 50
+_LISTEN_S = 1.0
 _BATCH = 256
+_CONTROL_QUEUE = 1000
 _LOOK_S = 0.05
 _LOOKED_AT = 500
 _COPIES = 2000
@@ -39,7 +47,22 @@ _HANDSHAKE_FAILURES = (
 )
 _WATCHED = zmq.EVENT_DISCONNECTED | zmq.EVENT_HANDSHAKE_SUCCEEDED | sum(_HANDSHAKE_FAILURES)
 
-_Socket = zmq.Socket[bytes]
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Door:
+    """A way in for control messages.
+
+    Attributes:
+        router: Its socket.
+        ports: TCP ports of each plane in turn, in and out, for who came in here.
+        paths: ipc:// paths of the same.
+        guarded: Whether the frames carry who sent them, because only keys open it.
+    """
+
+    router: sockets.Socket
+    ports: tuple[int, ...]
+    paths: tuple[str, ...] = ("",) * (2 * len(sockets.PLANES))
+    guarded: bool = False
 
 
 class Central:
@@ -51,38 +74,47 @@ class Central:
     """
 
     def __init__(
-        self, endpoints: Sequence[str], *, clock: Callable[[], float] = time.monotonic
+        self,
+        endpoints: Sequence[str],
+        *,
+        gateway: str = "",
+        keyring: Keyring | None = None,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Bind and start.
 
         Args:
-            endpoints: tcp:// and ipc:// addresses for clients. A TCP port p takes p to p + 6;
-                port 0 takes free ones.
+            endpoints: tcp:// and ipc:// addresses for clients on this machine. A TCP port p takes
+                p to p + 6; port 0 takes free ones.
+            gateway: tcp:// address for clients with keys on other machines; empty for none.
+            keyring: The hub's keys and who else has one; needed for a gateway.
             clock: Monotonic time [s].
 
         Raises:
             EndpointError: An address is malformed, not allowed, or busy.
+            KeyFileError: The keys for the gateway cannot be used.
         """
         memory.keep_heap()
         self.complaints = Complaints(_logger, clock)
         self._clock = clock
-        self._next_look = 0.0
-        self._context: zmq.Context[_Socket] = zmq.Context()
+        # The second thread is for the gateway: strangers take no time from local modules.
+        self._context: sockets.Context = zmq.Context(2 if gateway else 1)
         self._stopping = threading.Event()
         self._threads: list[threading.Thread] = []
-        self._steering: list[_Socket] = []
+        self._steering: list[sockets.Socket] = []
+        self._gateway: Gateway | None = None
         try:
             self._bind([security.parse_endpoint(endpoint) for endpoint in endpoints])
-        except EndpointError:
+            if gateway:
+                self._open_gateway(gateway, keyring)
+        except HubError:
             self._context.destroy(linger=0)
             raise
         except zmq.ZMQError as error:  # such as: too many open files
             self._context.destroy(linger=0)
             text = f"central cannot make its sockets: {error}"
             raise EndpointError(text) from error
-        self._registry = Registry(
-            clock=clock, complaints=self.complaints, ports=self._ports, paths=self._paths
-        )
+        self._registry = Registry(clock=clock, complaints=self.complaints)
         for target in (self._serve, *self._proxies):
             thread = threading.Thread(target=target, name=target.__name__, daemon=True)
             thread.start()
@@ -109,24 +141,26 @@ class Central:
             path.unlink(missing_ok=True)
 
     def _bind(self, wanted: Sequence[security.TcpEndpoint | security.IpcEndpoint]) -> None:
-        self._router = sockets.make(self._context, zmq.ROUTER, 1000)
-        self._router.router_mandatory = True
-        self._monitors = {self._monitor(self._router): "control"}
+        router = sockets.make(self._context, zmq.ROUTER, _CONTROL_QUEUE)
+        router.router_mandatory = True
+        self._monitors = {self._monitor(router): "control"}
         self._tap = sockets.make(self._context, zmq.SUB, _COPIES)
         self._tap.subscribe(b"")
         self._told = self._steered("control")
         self._proxies: list[Callable[[], None]] = []
-        ends = [self._router]
+        ends = [router]
         for plane in sockets.PLANES:
             inward = sockets.make_plane(self._context, zmq.XSUB, plane)
             outward = sockets.make_plane(self._context, zmq.XPUB, plane)
+            for end, address in zip((inward, outward), _inner(plane), strict=True):
+                end.bind(address)
             ends += [inward, outward]
             self._monitors[self._monitor(inward)] = f"{plane.value} in"
             self._monitors[self._monitor(outward)] = f"{plane.value} out"
             self._proxies.append(self._proxy(plane.value, inward, outward))
         self.endpoints: list[str] = []
         self._files: list[Path] = []
-        self._ports, self._paths = [0] * (len(ends) - 1), [""] * (len(ends) - 1)
+        ports, paths = [0] * (len(ends) - 1), [""] * (len(ends) - 1)
         if len({type(endpoint) for endpoint in wanted}) < len(wanted):
             text = "central listens at one tcp:// and one ipc:// endpoint; name only one of each"
             raise EndpointError(text)
@@ -135,15 +169,18 @@ class Central:
             self.endpoints.append(bound[0])
             rest = [address.partition("://")[2] for address in bound[1:]]
             if isinstance(endpoint, security.TcpEndpoint):
-                self._ports = [int(address.rpartition(":")[2]) for address in rest]
+                ports = [int(address.rpartition(":")[2]) for address in rest]
             else:
-                self._paths = rest
+                paths = rest
                 self._files += [Path(endpoint.path), *map(Path, rest)]
+        self._doors = [Door(router=router, ports=tuple(ports), paths=tuple(paths))]
 
-    def _monitor(self, socket: _Socket) -> _Socket:
+    def _monitor(self, socket: sockets.Socket) -> sockets.Socket:
         return socket.get_monitor_socket(_WATCHED)
 
-    def _proxy(self, name: str, inward: _Socket, outward: _Socket) -> Callable[[], None]:
+    def _proxy(
+        self, name: str, inward: sockets.Socket, outward: sockets.Socket
+    ) -> Callable[[], None]:
         """The function that forwards one plane until it is told to terminate."""
         copies = sockets.make(self._context, zmq.PUB, _COPIES)
         copies.bind(f"inproc://copies-{name}")
@@ -158,7 +195,7 @@ class Central:
         forward.__name__ = f"central-{name}"
         return forward
 
-    def _steered(self, name: str) -> _Socket:
+    def _steered(self, name: str) -> sockets.Socket:
         """A socket that hears when its thread shall end."""
         told, telling = self._context.socket(zmq.PAIR), self._context.socket(zmq.PAIR)
         told.bind(f"inproc://steering-{name}")
@@ -166,43 +203,65 @@ class Central:
         self._steering.append(telling)
         return told
 
+    def _open_gateway(self, wanted: str, keyring: Keyring | None) -> None:
+        endpoint = security.parse_endpoint(wanted, beyond_loopback=True)
+        if not isinstance(endpoint, security.TcpEndpoint) or keyring is None:
+            text = f"the gateway at {wanted!r} needs a tcp:// address and a folder of keys"
+            raise EndpointError(text)
+
+        def make(kind: int, plane: str) -> sockets.Socket:
+            if plane == security.CONTROL:
+                return sockets.make(self._context, kind, _CONTROL_QUEUE)
+            return sockets.make_plane(self._context, kind, Plane(plane))
+
+        inner = {plane.value: _inner(plane) for plane in sockets.PLANES}
+        self._gateway = Gateway(self._context, endpoint, keyring, inner, self.complaints, make=make)
+        self._gateway.control.router_mandatory = True
+        self.endpoints.append(str(self._gateway.endpoint))
+        self._doors.append(
+            Door(router=self._gateway.control, ports=self._gateway.ports, guarded=True)
+        )
+
     def _serve(self) -> None:
         """The thread of control messages, of what the monitors see, and of the watched copies."""
-        poller = zmq.Poller()
-        for socket in (self._told, self._router, *self._monitors):
-            poller.register(socket, zmq.POLLIN)
+        loop = Loop(clock=self._clock)
+        files: list[int] = []
+        for number, door in enumerate(self._doors):
+            files.append(loop.register(door.router, functools.partial(self._answer, number)))
+        self._routers = files
+        self._loop = loop
+        for monitor, where in self._monitors.items():
+            loop.register(monitor, functools.partial(self._watch, monitor, where))
+        for polled in self._gateway.polled if self._gateway else ():
+            loop.register(polled, functools.partial(self._serve_gateway, polled))
+        loop.register(self._told, lambda: False)
+        loop.every(_LOOK_S, self._look)
+        loop.every(_LOOK_S, lambda: self._send(self._registry.expire()))
         while not self._stopping.is_set():
-            ready = dict(poller.poll(_POLL_MS))
             try:
-                self._serve_ready(ready)
+                loop.listen(_LISTEN_S)
             except zmq.ContextTerminated:
                 break
             except Exception:  # a fault of ours must not end the broker
                 self.complaints.count("internal fault", "central goes on after it")
                 if self.complaints.counts["internal fault"] == 1:
                     _logger.exception("the first internal fault")
+        loop.close()
+        if self._gateway is not None:
+            self._gateway.close()
         for monitor in self._monitors:
             monitor.close(0)
         self._told.close(0)
-        self._router.close(0)
+        self._doors[0].router.close(0)
         self._tap.close(0)
 
-    def _serve_ready(self, ready: dict[_Socket, int]) -> None:
-        for monitor, where in self._monitors.items():
-            if monitor in ready:
-                self._watch(monitor, where)
-        if self._router in ready:
-            self._answer()
-        now = self._clock()
-        if now >= self._next_look:
-            self._next_look = now + _LOOK_S
-            self._look()
-            self._send(self._registry.expire())
-
-    def _watch(self, monitor: _Socket, where: str) -> None:
+    def _watch(self, monitor: sockets.Socket, where: str) -> bool:
         """See who came, who went, and who sent something that is not ZeroMQ."""
-        while monitor.poll(0):
-            raw = monitor.recv_multipart(zmq.NOBLOCK)
+        while True:
+            try:
+                raw = monitor.recv_multipart(zmq.NOBLOCK)
+            except zmq.Again:
+                return False
             event = zmq.utils.monitor.parse_monitor_message(raw)
             if event["event"] in _HANDSHAKE_FAILURES:
                 self.complaints.count(
@@ -212,25 +271,38 @@ class Central:
             elif event["event"] == zmq.EVENT_DISCONNECTED and where == "control":
                 self._send(self._registry.disconnected(int(event["value"])))
 
-    def _answer(self) -> None:
+    def _serve_gateway(self, polled: sockets.Socket) -> bool:
+        if self._gateway is not None:
+            for descriptor in self._gateway.serve({polled: zmq.POLLIN}):
+                self._send(self._registry.disconnected(descriptor))
+        return bool(int(polled.getsockopt(zmq.EVENTS)) & zmq.POLLIN)
+
+    def _answer(self, number: int) -> bool:
+        """Take the control messages at a door; whether there may be more."""
+        door = self._doors[number]
         for _ in range(_BATCH):
             try:
-                parts = self._router.recv_multipart(zmq.NOBLOCK, copy=False)
+                parts = door.router.recv_multipart(zmq.NOBLOCK, copy=False)
             except zmq.Again:
-                return
-            identity, body = parts[0].bytes, parts[1:]
+                return False
+            body = parts[1:]
             if not 1 <= len(body) <= 2:
                 self.complaints.count("malformed control frame", f"{len(body)} parts")
                 continue
             try:
                 message = control.unpack(body[0].buffer)
-            except (FrameError, CodecError) as error:
+                bearer = parse_bearer(str(body[0].get("User-Id"))) if door.guarded else LOCAL
+            except (FrameError, CodecError, NotAllowedError) as error:
                 self.complaints.count("malformed control frame", str(error))
                 continue
             if isinstance(message, control.List):
                 self._look()  # so that what was received is also counted
             attached = body[1].buffer if len(body) == 2 else None
-            self._send(self._registry.handle(identity, _descriptor(parts[1]), message, attached))
+            # Two routers may give two connections the same identity.
+            identity = bytes([number]) + parts[0].bytes
+            caller = Caller(identity, _descriptor(body[0]), bearer, door.ports, door.paths)
+            self._send(self._registry.handle(caller, message, attached))
+        return True
 
     def _look(self) -> None:
         """Count the broadcasts, and what is wrong with them.
@@ -254,17 +326,25 @@ class Central:
         pending = list(outgoing)
         while pending:
             message = pending.pop(0)
-            parts = [message.identity, control.pack(message.message)]
+            number = message.identity[0]
+            router = self._doors[number].router
+            self._loop.touch(self._routers[number])
+            parts = [message.identity[1:], control.pack(message.message)]
             if message.attached is not None:
                 parts.append(bytes(message.attached))
             try:
-                self._router.send_multipart(parts, zmq.NOBLOCK)
+                router.send_multipart(parts, zmq.NOBLOCK)
             except zmq.Again:
                 self.complaints.count("queue full", "a peer does not read its control messages")
             except zmq.ZMQError as error:
                 if error.errno != errno.EHOSTUNREACH:
                     raise
                 pending += self._registry.unreachable(message.identity)
+
+
+def _inner(plane: Plane) -> tuple[str, str]:
+    """Where the gateway finds the sockets of a plane: in, out."""
+    return f"inproc://{plane.value}-in", f"inproc://{plane.value}-out"
 
 
 def _descriptor(frame: zmq.Frame) -> int:
@@ -287,7 +367,7 @@ def _sibling(
     return security.IpcEndpoint(f"{endpoint.path}.{index}")
 
 
-def _bind(socket: _Socket, endpoint: security.TcpEndpoint | security.IpcEndpoint) -> str:
+def _bind(socket: sockets.Socket, endpoint: security.TcpEndpoint | security.IpcEndpoint) -> str:
     """Bind; the address with its real port."""
     if isinstance(endpoint, security.IpcEndpoint):
         _refuse_taken(endpoint)

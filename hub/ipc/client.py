@@ -19,6 +19,7 @@ from hub.errors import (
     CodecError,
     HandlerFailedError,
     HubError,
+    NotAllowedError,
     QueryError,
     RedefinedMessageError,
 )
@@ -31,6 +32,7 @@ from hub.ipc.connection import Connection
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.directory import Directory
 from hub.ipc.hub_time import this_machine
+from hub.ipc.keys import ClientKeys
 from hub.ipc.loop import Loop
 from hub.ipc.outlet import Outlet
 from hub.ipc.publishing import Outlets
@@ -70,6 +72,7 @@ class Client:
         *,
         clock: Callable[[], float] = time.monotonic,
         loop: Loop | None = None,
+        keys: ClientKeys | None = None,
     ) -> None:
         """Start connecting; this never waits.
 
@@ -78,13 +81,14 @@ class Client:
             endpoint: Where central is.
             clock: Monotonic time [s]; that of `loop` if one is given.
             loop: The loop of a program with several clients; default a loop of its own.
+            keys: For a central on another machine.
 
         Raises:
-            EndpointError: The endpoint is malformed or not on this machine.
+            EndpointError: The endpoint is malformed, or not on this machine and there are no keys.
         """
         memory.keep_heap()
         self.name = name
-        self.endpoint = security.connectable(endpoint)
+        self.endpoint = security.connectable(endpoint, with_keys=keys is not None)
         self._tcp_host = self.endpoint.rpartition(":")[0]
         self.loop = loop or Loop(clock=clock)
         self._own_loop = loop is None
@@ -104,6 +108,7 @@ class Client:
             context=self._context,
             loop=self.loop,
             complaints=self.complaints,
+            keys=keys,
         )
         shared = (self._context, self.loop, self._connection, self.complaints)
         self._outlets = Outlets(*shared)
@@ -129,11 +134,6 @@ class Client:
         """Who had central disconnect us for good; empty if nobody."""
         return self._connection.closed
 
-    @property
-    def uncertainty(self) -> float:
-        """How wrong the ages of messages may be [s]; 0 on the hub's own machine."""
-        return self._connection.hub_time.uncertainty
-
     def wait_connected(self, timeout: float, *, give_up: Callable[[], bool] = _never) -> None:
         """Serve until central has welcomed us, or `give_up` says that nobody wants it any more.
 
@@ -149,6 +149,7 @@ class Client:
 
         Raises:
             RedefinedMessageError: One is defined with another format.
+            NotAllowedError: Our key does not let us define one.
             CentralUnreachableError: Central did not answer within `timeout` [s].
         """
         self._wait(
@@ -432,7 +433,8 @@ class Client:
         elif isinstance(message, control.Subscribed):
             self._inlets.subscribed(message)
         elif not self.directory.told(message) and isinstance(message, control.Refused):
-            self._refused[message.subject] = RedefinedMessageError(message.text)
+            kind = NotAllowedError if message.error == "NotAllowedError" else RedefinedMessageError
+            self._refused[message.subject] = kind(message.text)
             self.complaints.count("refused by central", message.text)
 
     def _check(self, now: float) -> None:

@@ -15,8 +15,11 @@ import hub.errors
 from hub.errors import CodecError, FrameError, HubError
 from hub.ipc import control, sockets
 from hub.ipc.complaints import Complaints
+from hub.ipc.definition import Plane
 from hub.ipc.hub_time import HubTime
+from hub.ipc.keys import ClientKeys
 from hub.ipc.loop import Loop
+from hub.ipc.security import may_enter
 
 _logger = logging.getLogger(__name__)
 
@@ -54,6 +57,7 @@ class Connection:
     Attributes:
         publisher: Our number at central; 0 while it does not know us.
         hub_time: The hub's clock.
+        keys: What we show central if it is on another machine.
         refusal: Why central refused to connect us, if it did.
         closed: Who had central disconnect us, if somebody did.
     """
@@ -67,8 +71,10 @@ class Connection:
         context: sockets.Context,
         loop: Loop,
         complaints: Complaints,
+        keys: ClientKeys | None,
     ) -> None:
         self.publisher = 0
+        self.keys = keys
         self.hub_time = HubTime(loop.clock)
         self.refusal: HubError | None = None
         self.closed = ""
@@ -84,6 +90,10 @@ class Connection:
         self._next_ping = 0.0
         self._attempt = 0
         self._open()
+
+    def may_publish(self, plane: Plane) -> bool:
+        """Whether we may connect to where the messages of a plane go in."""
+        return self.keys is None or may_enter(self.keys.role, f"{plane.value} in")
 
     @property
     def alive(self) -> bool:
@@ -124,7 +134,7 @@ class Connection:
     def _open(self) -> None:
         patience, stay = _PATIENCE[self._attempt % len(_PATIENCE)]
         self._attempt += 1
-        self._socket = sockets.make(self._context, zmq.DEALER, _QUEUE)
+        self._socket = sockets.make(self._context, zmq.DEALER, _QUEUE, self.keys)
         self._socket.connect_timeout = int(patience * 1e3)
         self._socket.reconnect_ivl_max = 100
         self._monitor = self._socket.get_monitor_socket(_WATCHED)

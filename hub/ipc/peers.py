@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from hub.ipc.codegen import Buffer
+from hub.ipc.security import Bearer
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,6 +25,24 @@ class Outgoing:
     attached: Buffer | None = None
 
 
+class Caller(NamedTuple):
+    """Where a control message came from.
+
+    Attributes:
+        identity: Of the connection.
+        descriptor: File descriptor of the connection; -1 if unknown.
+        bearer: Whose key it was made with.
+        ports: TCP ports of the planes for who came this way.
+        paths: ipc:// paths of the same.
+    """
+
+    identity: bytes
+    descriptor: int
+    bearer: Bearer
+    ports: tuple[int, ...]
+    paths: tuple[str, ...]
+
+
 @dataclass(slots=True, kw_only=True, eq=False)
 class Peer:
     """A connected module or console.
@@ -33,7 +52,7 @@ class Peer:
         descriptor: File descriptor of that connection; -1 if unknown.
         name: Its unique name.
         pid: Its process id.
-        role: What it may do.
+        bearer: Who it is by its key, and so what it may do.
         publisher: Number of it in frame headers.
         heard: When it last said anything [s].
         handles: Names of the queries it answers.
@@ -46,7 +65,7 @@ class Peer:
     descriptor: int
     name: str
     pid: int
-    role: str
+    bearer: Bearer
     publisher: int
     heard: float
     handles: set[str] = field(default_factory=set)

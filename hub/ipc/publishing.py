@@ -24,6 +24,7 @@ from hub.ipc.connection import Connection
 from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.loop import Loop
 from hub.ipc.outlet import Outlet
+from hub.ipc.security import Action, demand
 
 _BATCH_ITEMS = 32
 _BATCH_BYTES = 16 << 10
@@ -85,9 +86,17 @@ class Outlets:
         return any(outlet.holding for outlet in self._outlets.values())
 
     def of(self, definition: MessageDefinition[Any]) -> Outlet:
-        """The outlet of a message that is defined; central is told when it is new."""
+        """The outlet of a message that is defined; central is told when it is new.
+
+        Raises:
+            NotAllowedError: Our key does not let us publish it.
+        """
         outlet = self._outlets.get(definition.name)
         if outlet is None:
+            if self.connection.keys and not self.connection.may_publish(definition.plane):
+                commands = definition.plane is Plane.COMMAND
+                action = Action.PUBLISH_COMMAND if commands else Action.PUBLISH_STATE
+                demand(self.connection.keys.bearer, action)
             outlet = self._outlets[definition.name] = Outlet(definition, self)
             if self.connection.publisher:
                 outlet.begin()
@@ -99,7 +108,9 @@ class Outlets:
         self.disconnect()
         self.local = local and ring.available
         for plane, address in zip(sockets.PLANES, addresses, strict=True):
-            socket = sockets.make_plane(self._context, zmq.XPUB, plane)
+            if not self.connection.may_publish(plane):
+                continue
+            socket = sockets.make_plane(self._context, zmq.XPUB, plane, self.connection.keys)
             sockets.connect(socket, address)
             self._sockets[plane] = socket
             # What pyzmq adds in Python to its compiled method is for other kinds of sockets.

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import logging
 import secrets
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from hub.errors import HubError
-from hub.ipc import control, frames
+from hub.errors import HubError, NotAllowedError
+from hub.ipc import control, frames, permissions
 from hub.ipc.codec import compiled
 from hub.ipc.codegen import Buffer
 from hub.ipc.complaints import Complaints
@@ -20,8 +20,9 @@ from hub.ipc.confirmations import Confirmations
 from hub.ipc.control import Change
 from hub.ipc.description import from_listing
 from hub.ipc.hub_time import this_machine
-from hub.ipc.peers import Crowd, Outgoing, Peer
+from hub.ipc.peers import Caller, Crowd, Outgoing, Peer
 from hub.ipc.routes import Routes
+from hub.ipc.security import demand
 from hub.ipc.traffic import Traffic
 
 _logger = logging.getLogger(__name__)
@@ -64,15 +65,11 @@ class Registry:
         *,
         clock: Callable[[], float],
         complaints: Complaints,
-        ports: Sequence[int],
-        paths: Sequence[str],
     ) -> None:
         self.epoch = secrets.randbits(63) | 1
         self._clock = clock
         self._begun = clock()
         self._complaints = complaints
-        self._ports = tuple(ports)
-        self._paths = tuple(paths)
         self._peers: dict[bytes, Peer] = {}
         self._names: dict[str, Peer] = {}
         self._definitions: dict[str, _Definition] = {}
@@ -107,22 +104,33 @@ class Registry:
         """Names of the peers; any thread may ask."""
         return tuple(self._names)
 
-    def handle(
-        self, identity: bytes, descriptor: int, message: Any, attached: Buffer | None
-    ) -> list[Outgoing]:
+    def handle(self, caller: Caller, message: Any, attached: Buffer | None) -> list[Outgoing]:
         """A control message came."""
         if isinstance(message, control.Hello):
-            return self._hello(identity, descriptor, message)
-        peer = self._peers.get(identity)
+            return self._hello(caller, message)
+        peer = self._peers.get(caller.identity)
         if peer is None:
-            return [Outgoing(identity=identity, message=control.Stranger())]
+            return [Outgoing(identity=caller.identity, message=control.Stranger())]
         peer.heard = self._clock()
         action = self._actions.get(type(message))
         if action is None:
             name = type(message).__name__
             self._complaints.count("unexpected control message", f"{name} from {peer.name}")
             return []
+        try:
+            demand(peer.bearer, permissions.asked(message, self._plane))
+        except NotAllowedError as error:
+            return self._not_allowed(peer, message, str(error))
         return action(peer, message, attached)
+
+    def _plane(self, name: str) -> str | None:
+        known = self._definitions.get(name)
+        return known.entry.plane if known else None
+
+    def _not_allowed(self, peer: Peer, message: Any, text: str) -> list[Outgoing]:
+        self._complaints.count("not allowed", f"{peer.name}: {text}")
+        answer = permissions.refusal(message, text)
+        return [Outgoing(identity=peer.identity, message=answer)] if answer else []
 
     def broadcast(self, frame: frames.Frame, size: int) -> None:
         """A broadcast of `size` bytes passed."""
@@ -152,7 +160,8 @@ class Registry:
         self._routes.expire(now)
         return outgoing
 
-    def _hello(self, identity: bytes, descriptor: int, message: control.Hello) -> list[Outgoing]:
+    def _hello(self, caller: Caller, message: control.Hello) -> list[Outgoing]:
+        identity = caller.identity
         known = self._peers.get(identity)
         outgoing = []
         if known is None:
@@ -163,10 +172,10 @@ class Registry:
             self._publishers = self._publishers % 0xFFFF_FFFF + 1
             known = Peer(
                 identity=identity,
-                descriptor=descriptor,
+                descriptor=caller.descriptor,
                 name=message.name,
                 pid=message.pid,
-                role="module",
+                bearer=caller.bearer,
                 publisher=self._publishers,
                 heard=self._clock(),
             )
@@ -179,8 +188,8 @@ class Registry:
             machine=this_machine(),
             sent=message.sent,
             hub_time=self._clock(),
-            ports=self._ports,
-            paths=self._paths,
+            ports=caller.ports,
+            paths=caller.paths,
         )
         return [Outgoing(identity=identity, message=welcome), *outgoing]
 
@@ -427,7 +436,7 @@ class Registry:
             name=peer.name,
             pid=peer.pid,
             publisher=peer.publisher,
-            role=peer.role,
+            role=peer.bearer.role.value,
             silent_s=self._clock() - peer.heard,
             handles=_listed(peer.handles),
             publishes=_listed(peer.publishes),

@@ -6,6 +6,7 @@ import zmq
 
 from hub.ipc.definition import Plane
 from hub.ipc.frames import MAX_FRAME
+from hub.ipc.keys import ClientKeys
 
 Socket = zmq.Socket[bytes]
 Context = zmq.Context[Socket]
@@ -18,12 +19,10 @@ _PICTURE_BUFFER = 64 << 10
 """Kernel buffers of the picture plane [bytes]: what lies in them is old before it is seen."""
 _SUBSCRIPTIONS = 1 << 16
 """Subscriptions that may be under way at once; they are messages too and must not be dropped."""
-CONNECT_MS = 300
-"""How long a connection may take before it is tried again [ms]; see `Connection`."""
 
 
-def make(context: Context, kind: int, queue: int) -> Socket:
-    """A socket with the bus's options.
+def make(context: Context, kind: int, queue: int, keys: ClientKeys | None = None) -> Socket:
+    """A socket with the bus's options, and a client's keys if it has some.
 
     Heartbeats find a dead peer in 1.5 s; queues are bounded; closing never waits.
     """
@@ -40,18 +39,20 @@ def make(context: Context, kind: int, queue: int) -> Socket:
         made.heartbeat_ttl = 2000
     made.reconnect_ivl = 50
     made.reconnect_ivl_max = 250
-    made.connect_timeout = 1000
+    made.connect_timeout = 3000
     made.handshake_ivl = 3000
     made.tcp_keepalive = 1
     if kind in (zmq.XPUB, zmq.DEALER):
         # Nothing may be kept for a central that is not there: it would be old when it comes.
         made.immediate = True
+    if keys is not None:
+        keys.apply(made)
     return made
 
 
-def make_plane(context: Context, kind: int, plane: Plane) -> Socket:
+def make_plane(context: Context, kind: int, plane: Plane, keys: ClientKeys | None = None) -> Socket:
     """A socket of one plane: XSUB and XPUB at central, at a client XPUB to send, SUB to receive."""
-    made = make(context, kind, QUEUE[plane])
+    made = make(context, kind, QUEUE[plane], keys)
     # Subscriptions run against the messages, so the other queue of each socket holds only them.
     if kind in (zmq.SUB, zmq.XSUB):
         made.sndhwm = _SUBSCRIPTIONS

@@ -84,7 +84,7 @@ class Inlets:
         where = dict(zip(sockets.PLANES, addresses, strict=True))
         # Commands first: they must not wait behind a burst of states.
         for plane in (Plane.COMMAND, Plane.STATE, Plane.PICTURE):
-            socket = sockets.make_plane(self._context, zmq.SUB, plane)
+            socket = sockets.make_plane(self._context, zmq.SUB, plane, self._connection.keys)
             sockets.connect(socket, where[plane])
             self._sockets[plane] = socket
             self._files[plane] = self._loop.register(socket, functools.partial(self._take, socket))
@@ -193,6 +193,9 @@ class Inlets:
         self._under_way[inlet.token] = inlet
         self._filter(inlet, on=True)
         self._connection.tell(control.Subscribe(name=name, token=inlet.token))
+        if not self._connection.may_publish(self._plane(inlet)):
+            # Who only listens cannot see its own mark come back.
+            self._connection.tell(control.Ready(token=inlet.token))
 
     def _stands(self, token: str) -> None:
         """The mark of a subscription has done its work."""

@@ -17,6 +17,7 @@ from pathlib import Path
 
 from hub.errors import EndpointError, ModuleStartError
 from hub.ipc.central import Central
+from hub.ipc.keyring import Keyring, default_folder
 from hub.robomon.policy import RestartPolicy
 from hub.robomon.process import ModuleProcess
 from hub.robomon.table import ModuleSpec, RobotTable, hub_arguments
@@ -68,7 +69,11 @@ class Daemon:
         folder = _socket_folder()
         try:
             local = f"ipc://{folder}/central"
-            central = Central([f"tcp://127.0.0.1:{self._table.robot.port}", local])
+            robot = self._table.robot
+            keyring = Keyring(Path(robot.keys) if robot.keys else default_folder())
+            central = Central(
+                [f"tcp://127.0.0.1:{robot.port}", local], gateway=robot.gateway, keyring=keyring
+            )
             try:
                 self._say("listening", endpoint=central.endpoints[0])
                 self._serve(central, local)

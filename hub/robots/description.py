@@ -22,6 +22,8 @@ class RobotDescription:
         name: The robot's name.
         kind: Its kind; `hub.robots.registry` knows which there are.
         port: TCP port of its central; 0 takes a free one.
+        gateway: tcp:// address where machines with keys may connect; empty: none may.
+        keys: Folder of the keys; empty: the user's own.
         linear_limit: Largest forward velocity [m/s].
         angular_limit: Largest turn rate [rad/s].
         arena: Arena of a simulated robot: a shipped name, or a path.
@@ -33,6 +35,8 @@ class RobotDescription:
     name: str
     kind: str
     port: int
+    gateway: str
+    keys: str
     linear_limit: float
     angular_limit: float
     arena: str
@@ -45,7 +49,11 @@ _TOP = {
     "kind": toml.Key(toml.text(64)),
 }
 _TABLES = {
-    "hub": {"port": toml.Key(toml.whole_number(0, 65529), DEFAULT_PORT)},
+    "hub": {
+        "port": toml.Key(toml.whole_number(0, 65529), DEFAULT_PORT),
+        "gateway": toml.Key(toml.text(100), ""),
+        "keys": toml.Key(toml.text(200), ""),
+    },
     "limits": {
         "linear": toml.Key(toml.number(0.01, 3.0), 0.5, "linear_limit"),
         "angular": toml.Key(toml.number(0.01, 6.0), 1.0, "angular_limit"),

@@ -10,13 +10,15 @@ import os
 import threading
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar
 
-from hub.errors import CodecError, HubError, NoHandlerError, QueryError
+from hub.errors import CodecError, HubError, NoHandlerError, NotAllowedError, QueryError
 from hub.gcm import navigation, rle, vision
 from hub.gcm.capability import Capability
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.keys import read_client_keys
 from hub.ipc.reception import Reception
 from rune_tui.layout.spec import RobotSpec
 from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
@@ -36,17 +38,24 @@ class RobotLink:
     """A thread that keeps a `RobotState` up to date; it mends the connection by itself."""
 
     def __init__(
-        self, spec: RobotSpec, hub: str = "", *, clock: Callable[[], float] = time.monotonic
+        self,
+        spec: RobotSpec,
+        hub: str = "",
+        *,
+        keys: Path | None = None,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Prepare the connection.
 
         Args:
             spec: The robot.
             hub: Endpoint instead of the one in the layout.
+            keys: File of the operator's key, for a hub on another machine.
             clock: Monotonic time [s].
 
         Raises:
-            EndpointError: The endpoint is not one.
+            EndpointError: The endpoint is not one, or on another machine and there are no keys.
+            KeyFileError: The keys cannot be used.
         """
         self._clock = clock
         wanted = {capability.name: capability for capability in spec.capabilities}
@@ -61,7 +70,12 @@ class RobotLink:
         self._ask_at = 0.0
         self._numbers = 0
         self._stopping = threading.Event()
-        self._client = Client(f"rune-{os.getpid()}-{spec.name}", hub or spec.hub, clock=clock)
+        self._client = Client(
+            f"rune-{os.getpid()}-{spec.name}",
+            hub or spec.hub,
+            clock=clock,
+            keys=read_client_keys(keys) if keys else None,
+        )
         link = LinkState(phase=LinkPhase.CONNECTING, since=clock(), endpoint=self._client.endpoint)
         self._state = RobotState(name=spec.name, link=link)
         self._subscribe(set(wanted))
@@ -85,7 +99,14 @@ class RobotLink:
     def send(self, definition: MessageDefinition[T], value: T) -> None:
         """Publish to the robot; lost while there is no connection, so that nothing old arrives."""
         measured = self._clock()
-        self._client.post(lambda: self._client.publish(definition, value, measured=measured))
+
+        def publish() -> None:
+            try:
+                self._client.publish(definition, value, measured=measured)
+            except NotAllowedError as error:
+                self._set_link(self._state.link.phase, str(error))
+
+        self._client.post(publish)
 
     def want_pictures(self, size: tuple[int, int] | None) -> None:
         """Ask for pictures of this width and height [pixels]; None: for none."""

@@ -20,8 +20,8 @@ from pathlib import Path
 from typing import Any
 
 from hub.errors import QueryError
-from hub.ipc.broadcast import Reception
 from hub.ipc.client import Client
+from hub.ipc.reception import Reception
 from tests.soak import vocabulary as v
 from tests.soak.vocabulary import Sample
 

@@ -13,8 +13,9 @@ from hub.ipc import control, frames, registry, routes
 from hub.ipc.codec import compiled
 from hub.ipc.complaints import Complaints
 from hub.ipc.control import Failure, Query, Refused, Response, Stranger, Welcome
-from hub.ipc.peers import Outgoing
+from hub.ipc.peers import Caller, Outgoing
 from hub.ipc.registry import Registry
+from hub.ipc.security import LOCAL, Bearer
 
 PORTS, PATHS = (2, 3, 4, 5, 6, 7), tuple("abcdef")
 
@@ -24,13 +25,14 @@ class Bench:
 
     def __init__(self) -> None:
         self.now = 100.0
+        self.bearers: dict[str, Bearer] = {}
         self.complaints = Complaints(logging.getLogger(__name__), lambda: self.now)
-        self.registry = Registry(
-            clock=lambda: self.now, complaints=self.complaints, ports=PORTS, paths=PATHS
-        )
+        self.registry = Registry(clock=lambda: self.now, complaints=self.complaints)
 
     def say(self, who: str, message: Any, attached: bytes | None = None) -> list[Outgoing]:
-        return self.registry.handle(who.encode(), ord(who), message, attached)
+        bearer = self.bearers.get(who, LOCAL)
+        caller = Caller(who.encode(), ord(who), bearer, PORTS, PATHS)
+        return self.registry.handle(caller, message, attached)
 
     def answer(self, who: str, message: Any, attached: bytes | None = None) -> Any:
         """The one message that comes back to who spoke."""
@@ -303,7 +305,9 @@ def test_query_with_a_strange_timeout_is_still_answered(bench: Bench, timeout: f
 
 
 def test_unknown_descriptors_drop_nobody(bench: Bench) -> None:
-    bench.registry.handle(b"x", -1, control.Hello(name="x", pid=1), None)
+    bench.registry.handle(
+        Caller(b"x", -1, LOCAL, PORTS, PATHS), control.Hello(name="x", pid=1), None
+    )
     bench.registry.disconnected(-1)
     bench.registry.disconnected(5)
     assert bench.registry.connected() == ("x",)
