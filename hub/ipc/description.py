@@ -78,8 +78,9 @@ def _record(tokens: list[str], name: str, depth: int) -> type[Any]:
             if not tokens:
                 raise MessageFormatError(name, 0, "its fields do not end")
             tokens.pop(0)
-            for sign in reversed(around):
-                kind = types.GenericAlias(tuple, (kind, ...)) if sign == "[]" else kind | None
+            # What a pointer points to needs no other type: it may be None anyway.
+            for _ in range(around.count("[]")):
+                kind = types.GenericAlias(tuple, (kind, ...))
         members.append((field, kind))
         if tokens and tokens[0] == ",":
             tokens.pop(0)

@@ -116,7 +116,7 @@ _BOMB = zlib.compress(bytes(1 << 24), 9)
         (b"\1" + zlib.compress(b"\xff\xff" * 1000 + bytes(1000)), 4096, 4096),
         (b"\1" + zlib.compress(b"\xff\xff\0"), 2**40, 2**40),
         (b"\1" + zlib.compress(b"\xff\xff\0"), 4097, 4096),
-        (b"\1" + zlib.compress(b"\1\0\0\0"), 2, 2),
+        (b"\1" + zlib.compress(b"\4\0\0\0"), 2, 2),
         (b"\1" + zlib.compress(b"\4\0\0") + b"more", 2, 2),
         (b"\1" + zlib.compress(b"\4\0\0")[:-1], 2, 2),
         (b"\2" + zlib.compress(b"\4\0\0"), 2, 2),

@@ -450,6 +450,9 @@ def test_list_has_a_limit_and_may_not_run_in_a_circle() -> None:
     assert b"".join(coder.encode(back)) == payload
     with pytest.raises(CodecError, match="longer than 10000 nodes"):
         coder.encode((0, first))
+    longer = (formats.MAX_NODES + 1).to_bytes(4, "little") + payload[8:] + bytes(4)
+    with pytest.raises(CodecError, match="a list of 10001 nodes"):
+        coder.decode(payload[:4] + longer)
     circle: list[Any] = [1, None]
     circle[1] = circle
     with pytest.raises(CodecError, match="in a circle"):

@@ -442,6 +442,7 @@ def test_fields_named_like_the_methods_of_a_mapping_are_no_trap() -> None:
     [
         ({"zzz": None}, "Tour has no field 'zzz'; it has route, home"),
         ({"hme": None, "home": ...}, r"Tour has no field 'hme'; did you mean 'home'\?"),
+        ({"stop": None, "home": ...}, "Tour has no field 'stop'; it has route, home"),
         ({"home": ...}, "Tour needs a value for home$"),
         ({"home": ..., "hint": ...}, "Tour needs a value for home, hint$"),
         ({"home": {"x": 1, "z": 2}}, r"Tour.home has no field 'z'; .*y"),

@@ -142,6 +142,19 @@ def test_format_as_wide_as_the_limit_allows_compiles() -> None:
     codec.compiled("{string" + ",int" * 1000 + "}")
 
 
+@pytest.mark.parametrize(
+    ("around", "inside"),
+    [("[@:1]", "string"), ("{@,*!}", "byte"), ("*@", "string"), ("{byte,<@:1>}", "{string}")],
+)
+def test_format_as_deep_as_the_limit_allows_compiles(around: str, inside: str) -> None:
+    text = inside
+    for _ in range(formats.MAX_DEPTH - 1 - inside.count("{")):
+        text = around.replace("@", text)
+    codec.compiled(text)
+    with pytest.raises(MessageFormatError, match="nested deeper"):
+        codec.compiled(around.replace("@", text))
+
+
 @given(st.text(max_size=60) | st.text("{}[]<>,:*!! 123intenumdoublestring", max_size=60))
 def test_any_text_parses_or_is_refused_within_itself(text: str) -> None:
     tree, position = None, 0
