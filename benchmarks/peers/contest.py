@@ -250,7 +250,9 @@ def assert_running(process: subprocess.Popen[bytes] | None) -> None:
 def stages(contenders: Sequence[Contender]) -> Iterator[dict[str, Stage]]:
     """The brokers of all contenders that can take part, by name."""
     memory = Path("/dev/shm")
+    before = set(memory.glob("*.zenoh"))
     with ExitStack() as stack:
+        stack.callback(_sweep, memory, before)
         where = memory if memory.is_dir() else None
         folder = tempfile.mkdtemp(prefix="rune-bench-", dir=where)
         stack.callback(shutil.rmtree, folder, ignore_errors=True)
@@ -263,6 +265,12 @@ def stages(contenders: Sequence[Contender]) -> Iterator[dict[str, Stage]]:
             ready[contender.name] = stage = Stage(contender, Path(folder))
             stack.callback(stage.close)
         yield ready
+
+
+def _sweep(memory: Path, before: set[Path]) -> None:
+    """Remove the shared memory that killed Zenoh processes leave behind."""
+    for left in set(memory.glob("*.zenoh")) - before:
+        left.unlink(missing_ok=True)
 
 
 def cpu_ns(pid: int) -> int:
