@@ -8,6 +8,7 @@ RUNE_SOAK_ATTACK_S (an attack ends then at the latest) and RUNE_SOAK_MINUTES (th
 from __future__ import annotations
 
 import json
+import math
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -16,6 +17,15 @@ from typing import Any
 import pytest
 
 from tests.soak.rig import Rig
+
+
+def _finite(value: Any) -> Any:
+    """The same without what JSON cannot say; what never happened has no figure."""
+    if isinstance(value, dict):
+        return {name: _finite(each) for name, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(each) for each in value]
+    return value if not isinstance(value, float) or math.isfinite(value) else None
 
 
 @pytest.fixture
@@ -44,7 +54,7 @@ def tell(request: pytest.FixtureRequest, capfd: pytest.CaptureFixture[str]) -> C
     def write(*, bars: dict[str, bool], **figures: Any) -> None:
         failed = [bar for bar, holds in bars.items() if not holds]
         with capfd.disabled():
-            line = json.dumps({"test": request.node.name, **figures, "failed": failed})
+            line = json.dumps({"test": request.node.name, **_finite(figures), "failed": failed})
             sys.stdout.write(f"\n{line}\n")
             sys.stdout.flush()
         assert failed == []

@@ -95,7 +95,7 @@ def _crowd(
     make_rig: Callable[..., Rig], tell: Callable[..., None], at_once: int, seconds: float
 ) -> None:
     rig = make_rig(transport="both")
-    traffic = GoodTraffic(rig, quiet_s=min(5.0, seconds), timed=at_once == _CROWD)
+    traffic = GoodTraffic(rig, quiet_s=seconds / 12.0, timed=at_once == _CROWD)
     crowds = [
         rig.other(
             "tests.misbehaving.passers_by",
