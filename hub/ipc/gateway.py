@@ -198,9 +198,12 @@ class Gateway:
 
     def _close_sockets(self) -> None:
         for socket in (*self._made, *self._steering):
+            if not socket.closed:
+                # ZeroMQ's own thread would wait for ever with an event for a monitor that is gone,
+                # and a closed socket still has events until that thread has taken it down.
+                socket.disable_monitor()
             socket.close(0)
         self._steering.clear()
-        # Only now: ZeroMQ waits for ever with an event for a monitor that is gone.
         for monitor in self._monitors:
             monitor.close(0)
         self._gatekeeper.close()

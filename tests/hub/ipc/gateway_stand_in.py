@@ -44,6 +44,7 @@ class StandIn:
         self.complaints = Complaints(logger, lambda: self.now)
         self.ended: list[int] = []
         self._stopping = threading.Event()
+        self._outcomes = 0
         self._made: list[_Socket] = []
         self._steering: list[_Socket] = []
         self._threads = [self._proxy(plane) for plane in PLANES]
@@ -76,6 +77,7 @@ class StandIn:
         made = context.socket(kind)
         made.linger = 0
         made.reconnect_ivl = 20
+        made.handshake_ivl = 3000  # as everywhere on the bus: one that hangs is tried again
         return made
 
     def keys(self, role: Role, name: str = "") -> ClientKeys:
@@ -104,16 +106,20 @@ class StandIn:
     def outcome(self, kind: int, place: str, keys: ClientKeys | None) -> str:
         """How the first handshake at this place ends: "in", "refused" or "nothing"."""
         made = self.bare(self.outside, kind)
-        monitor = made.get_monitor_socket(zmq.EVENT_HANDSHAKE_SUCCEEDED | FAILED)
+        # Named by us: pyzmq makes the name of a descriptor, which may have been another's just now.
+        self._outcomes += 1
+        events = zmq.EVENT_HANDSHAKE_SUCCEEDED | FAILED
+        monitor = made.get_monitor_socket(events, f"inproc://outcome-{self._outcomes}")
         try:
             if keys is not None:
                 keys.apply(made)
             made.connect(f"tcp://127.0.0.1:{self.port(place)}")
-            if not monitor.poll(3000):
+            if not monitor.poll(10_000):
                 return "nothing"
             event = zmq.utils.monitor.recv_monitor_message(monitor)["event"]
             return "in" if event == zmq.EVENT_HANDSHAKE_SUCCEEDED else "refused"
         finally:
+            made.disable_monitor()  # else ZeroMQ can wait for ever with an event for it
             made.close()
             monitor.close()
 

@@ -15,7 +15,7 @@ import zmq
 from hub.errors import EndpointError, KeyFileError
 from hub.ipc.keyring import Keyring
 from hub.ipc.keys import ClientKeys, KeyPair
-from hub.ipc.security import Role
+from hub.ipc.security import Bearer, Role
 from tests.hub.ipc.gateway_stand_in import PLANES, StandIn, standing_in
 from tests.ports import free_port
 from tests.waiting import until
@@ -280,6 +280,24 @@ def test_ports_follow_each_other_and_are_free_again_after_close(tmp_path: Path) 
             hub.keyring.remove(keys.bearer.name)
         descriptors.append(psutil.Process().num_fds())
     assert len(set(descriptors[1:])) == 1
+
+
+def test_close_does_not_wait_for_strangers_who_keep_knocking(tmp_path: Path) -> None:
+    port = free_port()
+    bearer = Bearer(name="stranger", role=Role.MODULE)
+    keys = ClientKeys(bearer=bearer, pair=KeyPair.new(), hub=KeyPair.new().public)
+    outside: zmq.Context[_Socket] = zmq.Context()
+    knocking = [outside.socket(zmq.DEALER) for _ in range(12)]
+    try:
+        for client in knocking:
+            client.reconnect_ivl = 1
+            keys.apply(client)
+            client.connect(f"tcp://127.0.0.1:{port}")
+        for _ in range(15):
+            with standing_in(tmp_path, port) as hub:
+                until(lambda: hub.complaints.counts.total() > 20, 10.0)
+    finally:
+        outside.destroy(linger=0)
 
 
 def test_busy_port_is_named_and_the_others_are_given_back(tmp_path: Path) -> None:
