@@ -27,6 +27,7 @@ class AsyncioPump:
         self._watched: set[int] = set()
         self._timer: asyncio.Handle = self._asyncio.call_soon(self._turn)
         self._closed = False
+        self._idle, self._since = 0.0, loop.clock()
 
     def close(self) -> None:
         """Serve no longer; the clients are closed by who made them."""
@@ -40,12 +41,14 @@ class AsyncioPump:
         if self._closed:
             return
         try:
-            self._loop.serve(0.0)
+            now = self._loop.clock()
+            self._loop.serve(0.0, waited=min(now - self._since, self._idle))
         finally:  # a handler that raises is told to asyncio, and the others go on
             if not self._closed:
                 self._watch(set(self._loop.files()))
                 # Also when there is more at once: asyncio's own work must have its turn between.
-                self._timer = self._asyncio.call_later(self._loop.idle_for(_LONGEST_S), self._turn)
+                self._idle, self._since = self._loop.idle_for(_LONGEST_S), self._loop.clock()
+                self._timer = self._asyncio.call_later(self._idle, self._turn)
 
     def _watch(self, files: set[int]) -> None:
         for file in self._watched - files:

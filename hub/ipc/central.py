@@ -37,6 +37,7 @@ _LISTEN_S = 1.0
 _BATCH = 256
 _CONTROL_QUEUE = 1000
 _LOOK_S = 0.05
+_TRIM_S = 2.0
 _LOOKED_AT = 500
 _COPIES = 2000
 """Broadcasts that wait to be looked at, at most."""
@@ -143,6 +144,8 @@ class Central:
     def _bind(self, wanted: Sequence[security.TcpEndpoint | security.IpcEndpoint]) -> None:
         router = sockets.make(self._context, zmq.ROUTER, _CONTROL_QUEUE)
         router.router_mandatory = True
+        # Without it libzmq 4.3.5 loses memory with each stranger that claims a taken identity.
+        router.router_handover = True
         self._monitors = {self._monitor(router): "control"}
         self._tap = sockets.make(self._context, zmq.SUB, _COPIES)
         self._tap.subscribe(b"")
@@ -236,6 +239,7 @@ class Central:
             loop.register(polled, functools.partial(self._serve_gateway, polled))
         loop.register(self._told, lambda: False)
         loop.every(_LOOK_S, self._look)
+        loop.every(_TRIM_S, memory.give_back)
         loop.every(_LOOK_S, lambda: self._send(self._registry.expire()))
         while not self._stopping.is_set():
             try:

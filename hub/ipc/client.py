@@ -6,10 +6,10 @@ mends itself: when central comes back, the client defines, subscribes and handle
 
 from __future__ import annotations
 
-import collections
+import contextlib
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
 import zmq
@@ -19,35 +19,29 @@ from hub.errors import (
     CodecError,
     HandlerFailedError,
     HubError,
-    NotAllowedError,
     QueryError,
-    RedefinedMessageError,
 )
-from hub.ipc import control, description, frames, memory, security, sockets
-from hub.ipc.answering import Answers, Reply
+from hub.ipc import frames, memory, security, sockets
+from hub.ipc.answering import Reply
 from hub.ipc.chores import Timer
 from hub.ipc.codegen import Buffer
 from hub.ipc.complaints import Complaints
-from hub.ipc.connection import Connection
+from hub.ipc.connection import LOST_S
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.directory import Directory
-from hub.ipc.hub_time import this_machine
 from hub.ipc.keys import ClientKeys
 from hub.ipc.loop import Loop
 from hub.ipc.outlet import Outlet
-from hub.ipc.publishing import Outlets
-from hub.ipc.questions import Question, Questions
+from hub.ipc.questions import Question
 from hub.ipc.reception import Reception, decode
-from hub.ipc.subscribing import Inlets
+from hub.ipc.session import Session
 
 _logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
 R = TypeVar("R")
 
-_CHECK_S = 1.0
-_LAST_S = 2.0
-_REPORT_ENTRIES = 1000
+_LAST_S = _ATTEND_S = 2.0
 
 
 def _never() -> bool:
@@ -89,35 +83,26 @@ class Client:
         memory.keep_heap()
         self.name = name
         self.endpoint = security.connectable(endpoint, with_keys=keys is not None)
-        self._tcp_host = self.endpoint.rpartition(":")[0]
         self.loop = loop or Loop(clock=clock)
         self._own_loop = loop is None
         self._clock = clock = self.loop.clock
         self.complaints = Complaints(_logger, clock)
         self._context: sockets.Context = zmq.Context()
-        self._definitions: dict[str, MessageDefinition[Any]] = {}
-        self._confirmed: set[str] = set()
-        self._refused: dict[str, HubError] = {}
-        self._attached: collections.Counter[str] = collections.Counter()
         self._ready_outlets: dict[MessageDefinition[Any], Outlet] = {}
-        self._next_check = 0.0
-        self._connection = Connection(
+        self._session = Session(
             name,
             self.endpoint,
-            owner=self,
             context=self._context,
             loop=self.loop,
             complaints=self.complaints,
             keys=keys,
         )
-        shared = (self._context, self.loop, self._connection, self.complaints)
-        self._outlets = Outlets(*shared)
-        self._inlets = Inlets(*shared)
-        self._questions = Questions(self._connection, clock)
-        silence = f"the hub at {self.endpoint} does not answer"
-        self.directory = Directory(self._connection, self._wait, silence)
-        self._answers = Answers(name, self._connection, self._pack, self._outlets.last, clock)
-        self.loop.join(self)
+        self._connection, self._questions = self._session.connection, self._session.questions
+        self._outlets, self._inlets = self._session.outlets, self._session.inlets
+        self._answers = self._session.answers
+        self.directory = Directory(self._connection, self._wait, self._attend, self.endpoint)
+        self._session.directory = self.directory
+        self.loop.join(self._session)
 
     @property
     def connected(self) -> bool:
@@ -142,7 +127,9 @@ class Client:
             NameTakenError: Another live module has our name.
         """
         why = f"no hub answers at {self.endpoint}; is rune-hub running there?"
-        self._wait(lambda: self.connected or give_up(), timeout, why, self._raise_refusal)
+        self._wait(
+            lambda: self.connected or give_up(), timeout, why, lambda: _raise([self.refusal])
+        )
 
     def wait_defined(self, timeout: float, *, give_up: Callable[[], bool] = _never) -> None:
         """Serve until central has confirmed all our definitions, or `give_up` says to stop waiting.
@@ -153,10 +140,10 @@ class Client:
             CentralUnreachableError: Central did not answer within `timeout` [s].
         """
         self._wait(
-            lambda: self._confirmed.issuperset(self._definitions) or give_up(),
+            lambda: self._session.defined or give_up(),
             timeout,
             f"the hub at {self.endpoint} does not confirm definitions",
-            self._raise_refused,
+            lambda: _raise(self._session.refused.values()),
         )
 
     def wait_subscribed(self, timeout: float, *, give_up: Callable[[], bool] = _never) -> None:
@@ -187,15 +174,7 @@ class Client:
             RedefinedMessageError: We have defined one with another format ourselves.
         """
         for definition in definitions:
-            known = self._definitions.get(definition.name)
-            if known is not None and known.fingerprint != definition.fingerprint:
-                both = f"{known.format} and as {definition.format}"
-                text = f"{self.name} uses {definition.name} as {both}; keep to one"
-                raise RedefinedMessageError(text)
-            if known is None:
-                self._definitions[definition.name] = definition
-                if self._connection.publisher:
-                    self._connection.tell(description.to_listing(definition))
+            self._session.define(definition)
 
     def publish(
         self, definition: MessageDefinition[T], value: T, *, measured: float | None = None
@@ -266,6 +245,7 @@ class Client:
         Raises:
             QueryError: Nobody publishes it, nothing was published yet, or the time ran out.
         """
+        self._attend()
         self.define(definition)
         frame = self._questions.ask_and_wait(definition.name, None, timeout, self.listen)
         try:
@@ -317,7 +297,7 @@ class Client:
             answered=answered,
             failed=failed,
         )
-        self._questions.ask(question, self._pack(request, value, self._clock()))
+        self._questions.ask(question, self._session.pack(request, value, self._clock()))
 
     def query_response(
         self,
@@ -344,8 +324,9 @@ class Client:
         self, request: MessageDefinition[T], value: T, *, timeout: float
     ) -> frames.Frame:
         """As `query_response`, for whoever does not know what message the answer will be."""
+        self._attend()
         self.define(request)
-        frame = self._pack(request, value, self._clock())
+        frame = self._session.pack(request, value, self._clock())
         return self._questions.ask_and_wait(request.name, frame, timeout, self.listen)
 
     def every(self, period: float, work: Callable[[], None]) -> Timer:
@@ -364,7 +345,7 @@ class Client:
         """Say goodbye and free everything; nothing is sent afterwards."""
         if self._context.closed:
             return
-        self.loop.leave(self)
+        self.loop.leave(self._session)
         self._outlets.close()
         self._inlets.disconnect()
         self._connection.close()
@@ -372,101 +353,10 @@ class Client:
         if self._own_loop:
             self.loop.close()
 
-    @property
-    def pending(self) -> bool:
-        """Whether messages were taken and not handed on yet, or wait to be sent."""
-        return self._inlets.pending or self._outlets.pending
-
-    def due(self, otherwise: float) -> float:
-        """When we want to be served even if nothing comes [s]."""
-        wake = min(otherwise, self._connection.due(otherwise), self._next_check)
-        return self._questions.due(wake)
-
-    def turn(self) -> None:
-        """Do what is due."""
-        if self._outlets.pending:
-            self._outlets.flush()
-        self._inlets.turn()
-        self._connection.turn()
-        self._questions.expire(now := self._clock(), self.endpoint)
-        if now >= self._next_check:
-            self._check(now)
-
-    def welcomed(self, message: control.Welcome, *, anew: bool) -> None:
-        """Central knows us."""
-        if anew:
-            # Central knew us no more: what lies in the old connections is from before that.
-            self._confirmed.clear()
-            self._refused.clear()
-            addresses = [self._address(message, place) for place in range(len(message.ports))]
-            local = message.machine == this_machine() != 0
-            self._outlets.connect(addresses[0::2], local=local)
-            self._inlets.connect(addresses[1::2], local=local)
-        for definition in self._definitions.values():
-            self._connection.tell(description.to_listing(definition))
-        if anew:
-            self._outlets.advertise_all()
-            self._inlets.subscribe_all()
-            self._answers.announce_all()
-            self.directory.watch_again()
-
-    def lost(self, why: str) -> None:
-        """Central is gone; nothing may wait for it, because it would be old when it comes."""
-        self._confirmed.clear()
-        self._outlets.disconnect()
-        self._inlets.disconnect()
-        self._questions.end_all(why)
-
-    def told(self, message: Any, attached: bytes | None) -> None:
-        """A control message came that is not about the connection."""
-        if isinstance(message, control.Query):
-            self._answers.answer(message, attached)
-        elif isinstance(message, (control.Response, control.Failure)):
-            if not self._questions.conclude(message, attached, self._reception):
-                self.complaints.count("late answer", "nobody waits for it any more")
-        elif isinstance(message, control.Last):
-            self._answers.tell_last(message)
-        elif isinstance(message, control.Defined):
-            self._confirmed.add(message.name)
-        elif isinstance(message, control.Advertised):
-            self._outlets.advertised(message)
-        elif isinstance(message, control.Subscribed):
-            self._inlets.subscribed(message)
-        elif not self.directory.told(message) and isinstance(message, control.Refused):
-            kind = NotAllowedError if message.error == "NotAllowedError" else RedefinedMessageError
-            self._refused[message.subject] = kind(message.text)
-            self.complaints.count("refused by central", message.text)
-
-    def _check(self, now: float) -> None:
-        """What is to be done every second or so."""
-        self._next_check = now + _CHECK_S
-        self._outlets.check()
-        reports = self._inlets.reports()[:_REPORT_ENTRIES]
-        if reports and self._connection.publisher:
-            self._connection.tell(control.Report(count=len(reports), received=reports))
-
     def _outlet(self, definition: MessageDefinition[Any]) -> Outlet:
         self.define(definition)
         outlet = self._ready_outlets[definition] = self._outlets.of(definition)
         return outlet
-
-    def _pack(self, definition: MessageDefinition[Any], value: Any, measured: float) -> bytes:
-        """The frame of a message in a query or an answer; these are counted apart."""
-        payload = definition.encode(value)
-        self._attached[definition.name] += 1
-        return frames.pack(
-            frames.prefix(definition.name),
-            publisher=self._connection.publisher,
-            fingerprint=definition.fingerprint,
-            sequence=self._attached[definition.name],
-            stamp_ns=int((measured + self._connection.hub_time.offset) * 1e9),
-            payload=payload,
-        )
-
-    def _reception(self, frame: frames.Frame) -> Reception:
-        now = self._clock()
-        measured = min(now, frame.stamp_ns * 1e-9 - self._connection.hub_time.offset)
-        return Reception(frame.publisher, frame.sequence, 0, now - measured, measured)
 
     def _wait(
         self,
@@ -488,15 +378,15 @@ class Client:
                 raise CentralUnreachableError(why)
             self.listen(min(left, 0.1))
 
-    def _raise_refusal(self) -> None:
-        if self.refusal is not None:
-            raise self.refusal
+    def _attend(self) -> None:
+        """Before a question: who has not listened for long is perhaps not known any more."""
+        if self.loop.neglect > LOST_S:
+            with contextlib.suppress(HubError):  # the question itself will say it
+                self.listen(0.0)
+                self.wait_connected(_ATTEND_S)
 
-    def _raise_refused(self) -> None:
-        for error in self._refused.values():
+
+def _raise(errors: Iterable[HubError | None]) -> None:
+    for error in errors:
+        if error is not None:
             raise error
-
-    def _address(self, message: control.Welcome, place: int) -> str:
-        if self.endpoint.startswith("ipc://"):
-            return f"ipc://{message.paths[place]}"
-        return f"{self._tcp_host}:{message.ports[place]}"

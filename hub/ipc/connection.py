@@ -41,8 +41,14 @@ round trip is longer than that has its turn too.
 class Owner(Protocol):
     """Whoever wants to know what happens to a connection."""
 
-    def welcomed(self, message: control.Welcome, *, anew: bool) -> None:
-        """Central knows us; `anew`: it did not know us before, what was agreed is void."""
+    def welcomed(self, message: control.Welcome, *, anew: bool, same_run: bool) -> None:
+        """Central knows us.
+
+        Args:
+            message: What it says.
+            anew: It did not know us before; what was agreed is void.
+            same_run: It was not started again; other clients' numbers are what they were.
+        """
 
     def lost(self, why: str) -> None:
         """Central is gone, or does not know us any more."""
@@ -125,6 +131,20 @@ class Connection:
         if self._clock() >= self._next_ping:
             self._keep_alive()
 
+    def addresses(self, message: control.Welcome) -> list[str]:
+        """Where each plane goes in and comes out, as we reach it."""
+        if self._endpoint.startswith("ipc://"):
+            return [f"ipc://{path}" for path in message.paths]
+        host = self._endpoint.rpartition(":")[0]
+        return [f"{host}:{port}" for port in message.ports]
+
+    def start_over(self, why: str) -> None:
+        """Connect anew; whatever is queued either way would arrive too late."""
+        self._lose(why)
+        self._shut(0)
+        self._attempt = 0
+        self._open()
+
     def close(self) -> None:
         """Say goodbye."""
         if self.publisher:
@@ -157,15 +177,14 @@ class Connection:
         if self.closed:
             return
         if self.publisher and now - self._heard > LOST_S:
-            # Whatever is queued for a central that does not answer would arrive too late.
-            self._lose("it does not answer")
-            self._attempt = 0
-            self._reopen = now
-        if self.publisher:
+            self.start_over("it does not answer")
+        elif self.publisher:
             self.tell(control.Ping(epoch=self._joined[0], sent=now))
-        elif not self._hello() and now >= self._reopen:
+        elif now >= self._reopen:
             self._shut(0)
             self._open()
+        else:
+            self._hello()
 
     def _hello(self) -> bool:
         machine, now = self.hub_time.machine, self._clock()
@@ -225,15 +244,22 @@ class Connection:
             self._owner.told(message, attached)
 
     def _welcome(self, message: control.Welcome) -> None:
+        places = zip(message.ports, message.paths, strict=True)
+        if not all(
+            0 <= port < 65536 and len(path) <= 107 and "*" not in path for port, path in places
+        ):
+            self._complaints.count("malformed control frame", "a WELCOME with impossible ports")
+            return
         self.refusal = None
         self.publisher = message.publisher
         self._attempt = 0
         joined = (message.epoch, message.publisher)
-        anew, self._joined = joined != self._joined, joined
+        anew, same_run = joined != self._joined, joined[0] == self._joined[0]
+        self._joined = joined
         if anew:
             self.hub_time.begin(message.machine)
         self.hub_time.note(message.sent, message.hub_time, self._heard)
-        self._owner.welcomed(message, anew=anew)
+        self._owner.welcomed(message, anew=anew, same_run=same_run)
 
     def _refuse(self, message: control.Refused) -> None:
         kind = getattr(hub.errors, message.error, None)

@@ -18,17 +18,21 @@ class _Waits(Protocol):
 class Directory:
     """Central's view, for one client."""
 
-    def __init__(self, connection: Connection, wait: _Waits, silence: str) -> None:
+    def __init__(
+        self, connection: Connection, wait: _Waits, attend: Callable[[], None], endpoint: str
+    ) -> None:
         """Ask nothing yet.
 
         Args:
             connection: Where central is asked.
             wait: Serves the client until something is done.
-            silence: What to say when central does not answer.
+            attend: To be called before a question.
+            endpoint: Where central is.
         """
         self._connection = connection
         self._wait = wait
-        self._silence = silence
+        self._attend = attend
+        self._silence = f"the hub at {endpoint} does not answer"
         self._listings: list[control.Listing] = []
         self._closings: dict[str, control.Close | control.Refused] = {}
         self._watchers: list[Callable[[control.Presence], None]] = []
@@ -39,6 +43,7 @@ class Directory:
         Raises:
             CentralUnreachableError: It did not answer within `timeout` [s].
         """
+        self._attend()
         self._listings.clear()
         self._connection.tell(control.List())
         self._wait(lambda: self._listings, timeout, self._silence)
@@ -80,6 +85,7 @@ class Directory:
             UnknownModuleError: There is none.
             CentralUnreachableError: Central did not answer within `timeout` [s].
         """
+        self._attend()
         self._closings.pop(name, None)
         self._connection.tell(control.Close(name=name))
         self._wait(lambda: name in self._closings, timeout, self._silence)
@@ -89,6 +95,7 @@ class Directory:
 
     def set_log_level(self, level: str) -> None:
         """Have central log from this level on: debug, info, warning or error."""
+        self._attend()
         self._connection.tell(control.LogLevel(level=level))
 
     def told(self, message: Any) -> bool:

@@ -14,6 +14,9 @@ from hub.ipc.reception import Reception
 Handler = Callable[[Any, Reception], None]
 
 _MAX_PUBLISHERS = 256
+_MAX_JUMP = 1 << 24
+_CONVINCING = 3
+"""So many messages in a row with numbers that cannot be are believed."""
 
 
 class Source:
@@ -25,12 +28,30 @@ class Source:
         waiting: What came and was not handed on yet, where that is limited.
     """
 
-    __slots__ = ("arrived", "handed_on", "waiting")
+    __slots__ = ("_doubtful", "_doubts", "arrived", "handed_on", "waiting")
 
     def __init__(self) -> None:
         self.arrived = 0
         self.handed_on = 0
         self.waiting: deque[list[Any]] = deque()
+        self._doubtful = self._doubts = 0
+
+    def accepts(self, sequence: int) -> bool:
+        """Whether a message of this number may follow.
+
+        A number that was used or is far away is not believed, but several in a row are: then it was
+        an earlier one that was wrong. So one damaged frame costs no more than itself and a few.
+        """
+        if self.arrived < sequence <= self.arrived + _MAX_JUMP or (not self.arrived and sequence):
+            self._doubts = 0
+            return True
+        self._doubts = self._doubts + 1 if sequence == self._doubtful + 1 else 1
+        self._doubtful = sequence
+        if self._doubts < _CONVINCING:
+            return False
+        self._doubts = 0
+        self.arrived, self.handed_on = sequence - 1, 0
+        return True
 
 
 class Arrival(NamedTuple):

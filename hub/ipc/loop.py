@@ -25,6 +25,9 @@ from hub.ipc.chores import Posted, Timer, Timers
 Serve = Callable[[], bool]
 """Reads a socket; whether there may be more in it."""
 
+_NEGLECT_S = 0.3
+"""A loop that does not look for this long has old things before it [s]."""
+
 
 class Participant(Protocol):
     """What has work to do in every turn of a loop."""
@@ -38,6 +41,9 @@ class Participant(Protocol):
 
     def turn(self) -> None:
         """Everything that came was read: do what is due."""
+
+    def neglected(self, time: float) -> None:
+        """The loop did not look for `time` [s] longer than it meant to; nothing is read yet."""
 
 
 class Loop:
@@ -56,6 +62,7 @@ class Loop:
         self._timers = Timers()
         self._posted = Posted()
         self._ended = False
+        self._looked = math.inf
         self.watch(self._posted.file, self._posted.drain)
 
     def join(self, participant: Participant) -> None:
@@ -138,11 +145,21 @@ class Loop:
             wake = min(wake, participant.due(end))
         return max(0.0, wake - self.clock())
 
-    def serve(self, wait: float = 0.0) -> None:
-        """One turn: wait for up to `wait` [s], read what has come, do what is due."""
+    def serve(self, wait: float = 0.0, *, waited: float = 0.0) -> None:
+        """One turn: wait for up to `wait` [s], read what has come, do what is due.
+
+        Args:
+            wait: How long to wait for something to come [s].
+            waited: How long somebody else has waited for it already, on purpose [s].
+        """
         ready = self._ready
         for key, _ in self._selector.select(wait):
             ready.add(key.fd)
+        now = self.clock()
+        neglect, self._looked = now - self._looked - wait - waited, now
+        if neglect > _NEGLECT_S:
+            for participant in tuple(self._participants):
+                participant.neglected(neglect)
         self._posted.run()
         if ready:
             self._read(ready)
@@ -164,6 +181,11 @@ class Loop:
                     again.remove(file)
         finally:  # after a handler that raised, the rest is still there
             ready.update(file for file in again if file in self._served)
+
+    @property
+    def neglect(self) -> float:
+        """How long nobody has looked what came [s]."""
+        return max(0.0, self.clock() - self._looked)
 
     def files(self) -> tuple[int, ...]:
         """The descriptors that are waited on, for a program with another loop around this one."""

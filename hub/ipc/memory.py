@@ -6,11 +6,14 @@ import ctypes
 import functools
 import os
 import sys
+from collections.abc import Callable
+from typing import cast
 
 _M_TRIM_THRESHOLD, _M_TOP_PAD, _M_ARENA_MAX = -1, -2, -8
 _TRIM_BYTES = 512 << 20
 _PAD_BYTES = 16 << 20
 _ARENAS = 2
+_KEPT_BYTES = 1 << 20
 _SET_ALREADY = ("MALLOC_TRIM_THRESHOLD_", "MALLOC_TOP_PAD_", "MALLOC_ARENA_MAX", "GLIBC_TUNABLES")
 
 
@@ -30,3 +33,19 @@ def keep_heap() -> bool:
         return False
     settings = ((_M_TRIM_THRESHOLD, _TRIM_BYTES), (_M_TOP_PAD, _PAD_BYTES), (_M_ARENA_MAX, _ARENAS))
     return all(mallopt(option, value) == 1 for option, value in settings)
+
+
+@functools.cache
+def _trimmer() -> Callable[[int], int] | None:
+    try:
+        trim = ctypes.CDLL(None).malloc_trim
+    except (OSError, AttributeError):
+        return None
+    return cast("Callable[[int], int]", trim)
+
+
+def give_back() -> None:
+    """Return to the system what a crowd of connections has left unused in the heap."""
+    trim = _trimmer()
+    if trim is not None:
+        trim(_KEPT_BYTES)

@@ -12,7 +12,7 @@ Socket = zmq.Socket[bytes]
 Context = zmq.Context[Socket]
 
 PLANES = tuple(Plane)
-QUEUE = {Plane.STATE: 500, Plane.COMMAND: 50, Plane.PICTURE: 2}
+QUEUE = {Plane.STATE: 1000, Plane.COMMAND: 500, Plane.PICTURE: 2}
 """Messages a plane keeps for one slow peer; beyond it the newest are dropped and seen as gaps."""
 
 _PICTURE_BUFFER = 64 << 10

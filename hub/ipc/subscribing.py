@@ -66,6 +66,7 @@ class Inlets:
         self._queues: dict[int, deque[list[Any]]] = {0: deque()}
         self._rings: OrderedDict[tuple[int, int, int], ring.RingReader] = OrderedDict()
         self._local = False
+        self._where: dict[Plane, str] = {}
 
     @property
     def pending(self) -> bool:
@@ -77,20 +78,34 @@ class Inlets:
         """Whether every subscription has reached everybody who publishes its message."""
         return bool(self._sockets) and not self._under_way
 
-    def connect(self, addresses: Sequence[str], *, local: bool) -> None:
+    def connect(self, addresses: Sequence[str], *, local: bool, same_run: bool) -> None:
         """Connect to a central that does not know us: where each plane comes out."""
         self.disconnect()
         self._local = local and ring.available
-        where = dict(zip(sockets.PLANES, addresses, strict=True))
+        self._where = dict(zip(sockets.PLANES, addresses, strict=True))
         # Commands first: they must not wait behind a burst of states.
         for plane in (Plane.COMMAND, Plane.STATE, Plane.PICTURE):
-            socket = sockets.make_plane(self._context, zmq.SUB, plane, self._connection.keys)
-            sockets.connect(socket, where[plane])
-            self._sockets[plane] = socket
-            self._files[plane] = self._loop.register(socket, functools.partial(self._take, socket))
+            self._connect(plane)
         for inlet in self._inlets.values():
-            inlet.forget()
+            if not same_run:  # else what was missed meanwhile shows in the numbers
+                inlet.forget()
             inlet.in_ring = self._local and inlet.definition.plane is Plane.PICTURE
+
+    def drop_pictures(self) -> None:
+        """Connect the plane of pictures anew: what lies there is old."""
+        if Plane.PICTURE in self._sockets:
+            self._loop.unregister(self._files[Plane.PICTURE])
+            self._sockets.pop(Plane.PICTURE).close(0)
+            self._connect(Plane.PICTURE)
+            for inlet in self._inlets.values():
+                if self._plane(inlet) is Plane.PICTURE:
+                    self._ask_for(inlet)
+
+    def _connect(self, plane: Plane) -> None:
+        socket = sockets.make_plane(self._context, zmq.SUB, plane, self._connection.keys)
+        sockets.connect(socket, self._where[plane])
+        self._sockets[plane] = socket
+        self._files[plane] = self._loop.register(socket, functools.partial(self._take, socket))
 
     def subscribe_all(self) -> None:
         """Subscribe anew, at a central that knows the definitions now."""
@@ -266,7 +281,7 @@ class Inlets:
         for stamp_ns, message in opened.messages:
             sequence = opened.sequence
             opened.sequence = sequence + 1
-            if sequence <= source.arrived:
+            if not source.accepts(sequence):
                 detail = f"{inlet.definition.name} {sequence} after {source.arrived}"
                 self._complaints.count("out of order", detail)
                 continue

@@ -11,6 +11,7 @@ from hub.ipc import control, frames
 from hub.ipc.ring import Place
 
 _MAX_PUBLISHERS = 1024
+_MAX_JUMP = 1 << 24
 _RECENT_REPORTS = 16
 
 
@@ -50,7 +51,9 @@ class Traffic:
         newest = frame.sequence + held - 1
         last = self._sequences.get(frame.publisher, frame.sequence - 1)
         count = newest - last
-        if count <= 0:  # it goes both ways, or its publisher begins again
+        if count > _MAX_JUMP:  # a damaged number; it counts for itself
+            count = held = 1
+        elif count <= 0:  # it goes both ways, or its publisher begins again
             count = 0
         elif len(self._sequences) >= _MAX_PUBLISHERS:
             self._sequences.clear()
@@ -60,7 +63,9 @@ class Traffic:
         self._seen = now
 
     def reported(self, entry: control.Received) -> None:
-        """A subscriber told what it has had."""
+        """A subscriber told what it has had; nonsense is left out."""
+        if max(entry.lost, entry.expired) > _MAX_JUMP or not 0.0 <= entry.oldest_s < math.inf:
+            return
         self.lost += entry.lost
         self.expired += entry.expired
         self._oldest.append(entry.oldest_s)

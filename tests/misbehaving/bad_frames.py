@@ -48,7 +48,7 @@ def control_frames() -> list[bytes]:
         control.Response(number=1),
         control.Failure(number=1, error="QueryError", text="no"),
         control.Ping(epoch=1),
-        control.Pong(epoch=1),
+        control.Pong(epoch=1, sent=0.0, hub_time=0.0),
         control.Defined(name=v.EVENT.name),
         control.Refused(subject="x", error="NameTakenError", text="no"),
     ]

@@ -31,7 +31,7 @@ class RogueCentral:
         self._context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
         self._router = self._context.socket(zmq.ROUTER)
         self._port = self._router.bind_to_random_port("tcp://127.0.0.1")
-        kinds = (zmq.SUB, zmq.PUB, zmq.SUB, zmq.PUB)
+        kinds = (zmq.SUB, zmq.PUB) * 3
         self._others = [self._context.socket(kind) for kind in kinds]
         self._ports = tuple(other.bind_to_random_port("tcp://127.0.0.1") for other in self._others)
         self._definitions = [v.BROADCASTS[name] for name in names]
@@ -55,7 +55,9 @@ class RogueCentral:
                 self._client = identity
                 self._router.send_multipart([identity, control.pack(self._welcome())])
             elif isinstance(message, control.Ping):
-                self._router.send_multipart([identity, control.pack(control.Pong(epoch=5))])
+                self._router.send_multipart(
+                    [identity, control.pack(control.Pong(epoch=5, sent=message.sent, hub_time=0.0))]
+                )
         return bool(self._client)
 
     def one(self, number: int) -> None:
@@ -65,7 +67,8 @@ class RogueCentral:
             definition = chance.choice(self._definitions)
             keep = len(definition.name) + 1
             raw = spoil(good_frame(definition, number), chance, keep=keep)
-            self._others[1 if definition.plane.value == "state" else 3].send(raw)
+            place = ("state", "command", "picture").index(definition.plane.value)
+            self._others[2 * place + 1].send(raw)
             self.sent[definition.plane.value] += 1
             return
         raw = spoil(chance.choice(self._said), chance, keep=chance.choice([0, 8, 8]))
@@ -78,7 +81,15 @@ class RogueCentral:
         self._context.destroy(linger=500)
 
     def _welcome(self) -> control.Welcome:
-        return control.Welcome(publisher=3, epoch=5, ports=self._ports, paths=("",) * 4)
+        return control.Welcome(
+            publisher=3,
+            epoch=5,
+            machine=0,
+            sent=0.0,
+            hub_time=0.0,
+            ports=self._ports,
+            paths=("",) * 6,
+        )
 
 
 def _listing() -> bytes:

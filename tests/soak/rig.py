@@ -204,7 +204,7 @@ class Rig:
         client = Client(f"auditor {os.getpid()} {time.monotonic_ns()}", self.endpoints[0])
         try:
             client.wait_connected(timeout)
-            return client.listing(timeout)
+            return client.directory.listing(timeout)
         finally:
             client.close()
 

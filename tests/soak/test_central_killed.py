@@ -60,7 +60,7 @@ def _registered_ns(rig: Rig, name: str) -> int:
 
         def complete() -> bool:
             try:
-                listing = client.listing(5.0)
+                listing = client.directory.listing(5.0)
             except HubError:
                 return False
             handles = {peer.name: peer.handles for peer in listing.peers}

@@ -45,7 +45,7 @@ class Names:
 
     def now(self) -> set[str]:
         """The names."""
-        return {peer.name for peer in self._client.listing(5.0).peers}
+        return {peer.name for peer in self._client.directory.listing(5.0).peers}
 
     def close(self) -> None:
         """End."""

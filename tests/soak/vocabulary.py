@@ -38,7 +38,9 @@ COMMAND = MessageDefinition(
     plane=Plane.COMMAND,
     lifespan_s=0.3,
 )
-PICTURE = MessageDefinition(name="S_Picture", format=_FORMAT, type=Sample, keep=Keep.NEWEST)
+PICTURE = MessageDefinition(
+    name="S_Picture", format=_FORMAT, type=Sample, keep=Keep.NEWEST, plane=Plane.PICTURE
+)
 ASK = MessageDefinition(name="S_Ask", format=_FORMAT, type=Sample)
 ANSWER = MessageDefinition(name="S_Answer", format=_FORMAT, type=Sample)
 BROADCASTS = {definition.name: definition for definition in (EVENT, COMMAND, PICTURE)}

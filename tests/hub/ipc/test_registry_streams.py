@@ -193,6 +193,21 @@ def test_what_subscribers_tell_is_listed(bench: Bench) -> None:
     assert entry.silent_s == float("inf")
 
 
+def test_counts_survive_nonsense(bench: Bench) -> None:
+    huge = 2**64 - 1
+    for frame in (_frame(1), _frame(huge), _frame(2), _frame(huge, publisher=9)):
+        bench.registry.broadcast(frame, 10)
+    batch = b"\xff" * 8
+    bench.registry.broadcast(_frame(3, publisher=5, kind=frames.BATCH, payload=batch), 10)
+    for lost, oldest in ((huge, 1.0), (1, float("nan")), (1, float("inf")), (1, -1.0)):
+        received = control.Received(name="M", received=1, lost=lost, expired=0, oldest_s=oldest)
+        bench.say("a", control.Report(count=1, received=(received,)))
+    listing = bench.listing("a")
+    assert control.unpack(control.pack(listing)) == listing
+    assert listing.definitions[0].messages < 10
+    assert listing.definitions[0].lost == 0
+
+
 def test_log_level_is_set_and_an_unknown_one_is_not(bench: Bench) -> None:
     logger = logging.getLogger("hub")
     before = logger.level

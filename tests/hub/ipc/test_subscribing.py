@@ -63,8 +63,9 @@ def test_nothing_published_after_a_subscription_stands_is_missed(
         values = _subscribed(other, definition)
         first = one.call(lambda: number)
         until(lambda values=values, first=first: values and values[-1] > first + 10, 5.0)
-        assert values[0] <= first
-        assert values == list(range(values[0], values[0] + len(values)))
+        # Before, one may come that was under way to somebody else, and the next not.
+        after = [value for value in values if value >= first]
+        assert after == list(range(first, first + len(after)))
         other.close()
 
 
@@ -229,6 +230,7 @@ def test_late_joiner_gets_the_last_value_also_if_nobody_had_subscribed(connect: 
     one, other = connect("one"), connect("other")
     for number in range(3):
         one.publish(v.LOG, Number(value=number))
+    one.call(lambda: one.client.wait_published(5.0))
     ask = lambda d: other.call(lambda: other.client.last_value(d, timeout=5.0))  # noqa: E731
     assert ask(v.LOG) == Number(value=2)
     values = _subscribed(other, v.LOG, last=True)

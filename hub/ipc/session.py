@@ -1,0 +1,194 @@
+"""What happens on a client's side of a connection, and in which order its parts hear of it."""
+
+from __future__ import annotations
+
+import collections
+from typing import Any
+
+from hub.errors import HubError, NotAllowedError, RedefinedMessageError
+from hub.ipc import control, description, frames, sockets
+from hub.ipc.answering import Answers
+from hub.ipc.complaints import Complaints
+from hub.ipc.connection import LOST_S, Connection
+from hub.ipc.definition import MessageDefinition
+from hub.ipc.directory import Directory
+from hub.ipc.hub_time import this_machine
+from hub.ipc.keys import ClientKeys
+from hub.ipc.loop import Loop
+from hub.ipc.publishing import Outlets
+from hub.ipc.questions import Questions
+from hub.ipc.reception import Reception
+from hub.ipc.subscribing import Inlets
+
+_CHECK_S = 1.0
+_REPORT_ENTRIES = 1000
+
+
+class Session:
+    """The parts of one client, served by its loop.
+
+    Attributes:
+        connection: To central.
+        outlets: What we publish.
+        inlets: What we subscribe to.
+        questions: What we ask.
+        answers: What we answer.
+        directory: What central tells of everybody.
+        refused: Why central refused a definition, by message name.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        endpoint: str,
+        *,
+        context: sockets.Context,
+        loop: Loop,
+        complaints: Complaints,
+        keys: ClientKeys | None,
+    ) -> None:
+        self.refused: dict[str, HubError] = {}
+        self.directory: Directory | None = None
+        self._name = name
+        self._endpoint = endpoint
+        self._clock = loop.clock
+        self._complaints = complaints
+        self._definitions: dict[str, MessageDefinition[Any]] = {}
+        self._confirmed: set[str] = set()
+        self._attached: collections.Counter[str] = collections.Counter()
+        self._next_check = 0.0
+        self.connection = Connection(
+            name,
+            endpoint,
+            owner=self,
+            context=context,
+            loop=loop,
+            complaints=complaints,
+            keys=keys,
+        )
+        self.outlets = Outlets(context, loop, self.connection, complaints)
+        self.inlets = Inlets(context, loop, self.connection, complaints)
+        self.questions = Questions(self.connection, self._clock)
+        self.answers = Answers(name, self.connection, self.pack, self.outlets.last, self._clock)
+
+    @property
+    def defined(self) -> bool:
+        """Whether central has confirmed all our definitions."""
+        return self._confirmed.issuperset(self._definitions)
+
+    def define(self, definition: MessageDefinition[Any]) -> None:
+        """Make a message known at central.
+
+        Raises:
+            RedefinedMessageError: We have defined it with another format ourselves.
+        """
+        known = self._definitions.get(definition.name)
+        if known is not None and known.fingerprint != definition.fingerprint:
+            both = f"{known.format} and as {definition.format}"
+            text = f"{self._name} uses {definition.name} as {both}; keep to one"
+            raise RedefinedMessageError(text)
+        if known is None:
+            self._definitions[definition.name] = definition
+            if self.connection.publisher:
+                self.connection.tell(description.to_listing(definition))
+
+    @property
+    def pending(self) -> bool:
+        """Whether messages were taken and not handed on yet, or wait to be sent."""
+        return self.inlets.pending or self.outlets.pending
+
+    def due(self, otherwise: float) -> float:
+        """When we want to be served even if nothing comes [s]."""
+        wake = min(otherwise, self.connection.due(otherwise), self._next_check)
+        return self.questions.due(wake)
+
+    def turn(self) -> None:
+        """Do what is due."""
+        if self.outlets.pending:
+            self.outlets.flush()
+        self.inlets.turn()
+        self.connection.turn()
+        self.questions.expire(now := self._clock(), self._endpoint)
+        if now >= self._next_check:
+            self._check(now)
+
+    def neglected(self, time: float) -> None:
+        """We did not listen for long: what lies in the sockets is old."""
+        if time > LOST_S and self.connection.publisher:
+            self.connection.start_over(f"{self._name} did not listen for {time:.1f} s")
+        else:
+            self.inlets.drop_pictures()
+
+    def welcomed(self, message: control.Welcome, *, anew: bool, same_run: bool) -> None:
+        """Central knows us."""
+        if anew:
+            # Central knew us no more: what lies in the old connections is from before that.
+            self._confirmed.clear()
+            self.refused.clear()
+            addresses = self.connection.addresses(message)
+            local = message.machine == this_machine() != 0
+            self.outlets.connect(addresses[0::2], local=local)
+            self.inlets.connect(addresses[1::2], local=local, same_run=same_run)
+        for definition in self._definitions.values():
+            self.connection.tell(description.to_listing(definition))
+        if anew:
+            self.outlets.advertise_all()
+            self.inlets.subscribe_all()
+            self.answers.announce_all()
+            if self.directory is not None:
+                self.directory.watch_again()
+
+    def lost(self, why: str) -> None:
+        """Central is gone; nothing may wait for it, because it would be old when it comes."""
+        self._confirmed.clear()
+        self.outlets.disconnect()
+        self.inlets.disconnect()
+        self.questions.end_all(why)
+
+    def told(self, message: Any, attached: bytes | None) -> None:
+        """A control message came that is not about the connection."""
+        if isinstance(message, control.Query):
+            self.answers.answer(message, attached)
+        elif isinstance(message, (control.Response, control.Failure)):
+            if not self.questions.conclude(message, attached, self._reception):
+                self._complaints.count("late answer", "nobody waits for it any more")
+        elif isinstance(message, control.Last):
+            self.answers.tell_last(message)
+        elif isinstance(message, control.Defined):
+            self._confirmed.add(message.name)
+        elif isinstance(message, control.Advertised):
+            self.outlets.advertised(message)
+        elif isinstance(message, control.Subscribed):
+            self.inlets.subscribed(message)
+        elif self.directory is not None and self.directory.told(message):
+            return
+        elif isinstance(message, control.Refused):
+            kind = NotAllowedError if message.error == "NotAllowedError" else RedefinedMessageError
+            self.refused[message.subject] = kind(message.text)
+            self._complaints.count("refused by central", message.text)
+
+    def _check(self, now: float) -> None:
+        """What is to be done every second or so."""
+        self._next_check = now + _CHECK_S
+        self.outlets.check()
+        reports = self.inlets.reports()[:_REPORT_ENTRIES]
+        if reports and self.connection.publisher:
+            self.connection.tell(control.Report(count=len(reports), received=reports))
+
+    def pack(self, definition: MessageDefinition[Any], value: Any, measured: float) -> bytes:
+        """The frame of a message in a query or an answer; these are counted apart."""
+        payload = definition.encode(value)
+        self._attached[definition.name] += 1
+        return frames.pack(
+            frames.prefix(definition.name),
+            publisher=self.connection.publisher,
+            fingerprint=definition.fingerprint,
+            sequence=self._attached[definition.name],
+            stamp_ns=int((measured + self.connection.hub_time.offset) * 1e9),
+            payload=payload,
+        )
+
+    def _reception(self, frame: frames.Frame) -> Reception:
+        now = self._clock()
+        measured = min(now, frame.stamp_ns * 1e-9 - self.connection.hub_time.offset)
+        return Reception(frame.publisher, frame.sequence, 0, now - measured, measured)
