@@ -22,8 +22,8 @@ from benchmarks.figures import report, say
 from benchmarks.peers.contest import Contender, Outcome, Stage, median, stages
 
 SMALL, MIDDLE, LARGE = 48, 1024, 57_600
-PICTURE_WINDOW = 2
-"""Pictures under way: a plane that keeps the newest few has no room for more."""
+PICTURE_WINDOW = 40
+"""Pictures under way: fewer than a ring has slots."""
 
 CONTENDERS = (
     Contender(name="rune", module="rune_bus", transport="ipc"),

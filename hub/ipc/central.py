@@ -237,7 +237,7 @@ class Central:
             loop.register(monitor, functools.partial(self._watch, monitor, where))
         for polled in self._gateway.polled if self._gateway else ():
             loop.register(polled, functools.partial(self._serve_gateway, polled))
-        loop.register(self._told, lambda: False)
+        loop.register(self._told, self._told_to_end)
         loop.every(_LOOK_S, self._look)
         loop.every(_TRIM_S, memory.give_back)
         loop.every(_LOOK_S, lambda: self._send(self._registry.expire()))
@@ -274,6 +274,12 @@ class Central:
                 )
             elif event["event"] == zmq.EVENT_DISCONNECTED and where == "control":
                 self._send(self._registry.disconnected(int(event["value"])))
+
+    def _told_to_end(self) -> bool:
+        # Looking at it also clears what ZeroMQ itself signals through its descriptor.
+        if self._told.poll(0):
+            self._stopping.set()
+        return False
 
     def _serve_gateway(self, polled: sockets.Socket) -> bool:
         if self._gateway is not None:

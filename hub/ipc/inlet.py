@@ -33,7 +33,7 @@ class Source:
     def __init__(self) -> None:
         self.arrived = 0
         self.handed_on = 0
-        self.waiting: deque[list[Any]] = deque()
+        self.waiting: deque[Any] = deque()
         self._doubtful = self._doubts = 0
 
     def accepts(self, sequence: int) -> bool:

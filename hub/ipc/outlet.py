@@ -15,7 +15,7 @@ from hub.ipc.definition import MessageDefinition, Plane
 
 _HOLD_S = 2.0
 """Central says that somebody has subscribed; his subscription must have come after this [s]."""
-_BURST_S = 50e-6
+_BURST_S = 200e-6
 """What is published so soon after the last one belongs to a burst [s]."""
 _MAX_ITEM = 2048
 """Longer payloads gain nothing by travelling together [bytes]."""
@@ -33,7 +33,7 @@ class Ways(Protocol):
     def send(self, plane: Plane, name: str, frame: bytes) -> None:
         """Send on a plane, behind what waits to be sent."""
 
-    def join_batch(self, outlet: Outlet, sequence: int, item: bytes) -> None:
+    def join_batch(self, outlet: Outlet, sequence: int, item: bytes, now: float) -> None:
         """Send one message together with those that follow at once."""
 
     def is_wanted(self, topic: bytes) -> bool:
@@ -51,6 +51,7 @@ class Outlet:
         self.definition = definition
         self._ways = ways
         self._connection = ways.connection
+        self._hub_time = ways.connection.hub_time
         self._clock = ways.clock
         self._plane = definition.plane
         self._prefix = frames.prefix(definition.name)
@@ -60,6 +61,8 @@ class Outlet:
             self._topics.append(frames.topic(definition.name, in_ring=True))
         self._sequence = 0
         self._previous = 0.0
+        # Commands never wait for others, and pictures are large.
+        self._burst = _BURST_S if definition.plane is Plane.STATE else 0.0
         self._last: bytes | tuple[int, int, bytes | ring.Place] | None = None
         self._last_is_item = False
         self._ring: ring.RingWriter | None = None
@@ -89,11 +92,11 @@ class Outlet:
             return
         now = self._clock()
         when = now if measured is None else measured
-        stamp = int((when + self._connection.hub_time.offset) * 1e9)
+        stamp = int((when + self._hub_time.offset) * 1e9)
         sequence = self._sequence + 1
         try:
             values = self._take_apart(value)
-            if now - self._previous < _BURST_S and self._plane is Plane.STATE:
+            if now - self._previous < self._burst:
                 item = flat.pack_item(stamp, values)
             else:
                 item = None
@@ -108,19 +111,19 @@ class Outlet:
             self._ways.send(self._plane, self.definition.name, frame)
         else:
             self._last, self._last_is_item = item, True
-            self._ways.join_batch(self, sequence, item)
+            self._ways.join_batch(self, sequence, item, now)
 
     def publish_payload(self, payload: Sequence[Buffer], measured: float | None) -> None:
         """Send a payload, given in pieces, to all who subscribe."""
         now = self._clock()
         when = now if measured is None else measured
-        stamp = int((when + self._connection.hub_time.offset) * 1e9)
+        stamp = int((when + self._hub_time.offset) * 1e9)
         self._sequence += 1
-        if self._open and self._plane is Plane.STATE and now - self._previous < _BURST_S:
+        if self._open and now - self._previous < self._burst:
             item = frames.pack_item(stamp, payload)
             if len(item) <= _MAX_ITEM:
                 self._last, self._last_is_item = item, True
-                self._ways.join_batch(self, self._sequence, item)
+                self._ways.join_batch(self, self._sequence, item, now)
             else:
                 self._emit(self._sequence, stamp, payload)
         elif self._held is not None:

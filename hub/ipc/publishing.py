@@ -26,9 +26,8 @@ from hub.ipc.loop import Loop
 from hub.ipc.outlet import Outlet
 from hub.ipc.security import Action, demand
 
-_BATCH_ITEMS = 32
-_BATCH_BYTES = 16 << 10
-_BATCH_S = 1e-3
+_BATCH_ITEMS = 48
+_BATCH_S = 0.5e-3
 """How long a message of a burst may wait for more while its module is busy elsewhere [s]."""
 _AT_ONCE = 1024
 _MAX_FILTERS = 1 << 16
@@ -72,8 +71,8 @@ class Outlets:
         self._outlets: dict[str, Outlet] = {}
         self._items: list[bytes] = []
         self._items_of: Outlet | None = None
-        self._first = self._size = 0
-        self._courier: _Courier | None = None
+        self._first, self._since = 0, 0.0
+        self._courier = _Courier(self.flush)
 
     @property
     def pending(self) -> bool:
@@ -145,8 +144,7 @@ class Outlets:
     def close(self) -> None:
         """Send what waits, and free everything."""
         self.flush()
-        if self._courier is not None:
-            self._courier.close()
+        self._courier.close()
         self.disconnect(linger_ms=100)
         for outlet in self._outlets.values():
             outlet.close()
@@ -169,23 +167,19 @@ class Outlets:
                 self._send_items()
             self._send(plane, name, frame)
 
-    def join_batch(self, outlet: Outlet, sequence: int, item: bytes) -> None:
+    def join_batch(self, outlet: Outlet, sequence: int, item: bytes, now: float) -> None:
         """Send one message together with those that follow at once."""
         with self._lock:
             items = self._items
             if items and self._items_of is not outlet:
                 self._send_items()
             if not items:
-                self._items_of, self._first, self._size = outlet, sequence, 0
+                self._items_of, self._first, self._since = outlet, sequence, now
             items.append(item)
-            self._size += len(item)
-            if len(items) >= _BATCH_ITEMS or self._size >= _BATCH_BYTES:
+            if len(items) >= _BATCH_ITEMS or now - self._since > _BATCH_S:
                 self._send_items()
-                return
-        courier = self._courier
-        if courier is None:
-            courier = self._courier = _Courier(self.flush)
-        courier.call()
+            elif not self._courier.called:
+                self._courier.call()
 
     def flush(self) -> None:
         """Send what waits; any thread may call this."""
@@ -270,29 +264,38 @@ class Outlets:
 
 
 class _Courier:
-    """A thread that sends what waits, a moment after it was called."""
+    """A thread that sends what waits, a moment after it was called.
+
+    Attributes:
+        called: Whether it is on its way.
+    """
 
     def __init__(self, flush: Callable[[], None]) -> None:
+        self.called = False
         self._flush = flush
-        self._called = threading.Event()
+        self._wake = threading.Event()
         self._closed = False
-        self._thread = threading.Thread(target=self._run, name="rune-courier", daemon=True)
-        self._thread.start()
+        self._thread: threading.Thread | None = None
 
     def call(self) -> None:
         """Come in a moment."""
-        if not self._called.is_set():
-            self._called.set()
+        self.called = True
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._run, name="rune-courier", daemon=True)
+            self._thread.start()
+        self._wake.set()
 
     def close(self) -> None:
         """Never come again."""
         self._closed = True
-        self._called.set()
-        self._thread.join()
+        self._wake.set()
+        if self._thread is not None:
+            self._thread.join()
 
     def _run(self) -> None:
         while not self._closed:
-            self._called.wait()
+            self._wake.wait()
+            self._wake.clear()
             time.sleep(_BATCH_S)
-            self._called.clear()
+            self.called = False  # before it looks: what comes from now on calls again
             self._flush()

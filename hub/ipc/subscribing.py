@@ -25,15 +25,22 @@ _MAX_RINGS = 8
 
 
 class _Opened:
-    """A frame that is being read out."""
+    """Messages of one publisher on their way to the handlers.
 
-    __slots__ = ("inlet", "kind", "messages", "publisher", "sequence", "source")
+    Attributes:
+        messages: Stamp [ns] and payload, or the numbers of a flat format, of each that is left.
+        sequence: Number of the next.
+        accepted: Whether their numbers were looked at before.
+    """
 
-    def __init__(self, inlet: Inlet, arrival: Arrival) -> None:
-        self.inlet = inlet
+    __slots__ = ("accepted", "inlet", "kind", "messages", "publisher", "sequence", "source")
+
+    def __init__(self, inlet: Inlet, arrival: Arrival, *, accepted: bool = False) -> None:
+        self.inlet: Inlet | None = inlet
         self.publisher, self.sequence, self.kind, messages = arrival
         self.source = inlet.source(self.publisher)
         self.messages = iter(messages)
+        self.accepted = accepted
 
 
 class Inlets:
@@ -63,7 +70,7 @@ class Inlets:
         self._tokens = 0
         self._waits = 0
         self._opened: list[_Opened] = []
-        self._queues: dict[int, deque[list[Any]]] = {0: deque()}
+        self._queues: dict[int, deque[_Opened]] = {0: deque()}
         self._rings: OrderedDict[tuple[int, int, int], ring.RingReader] = OrderedDict()
         self._local = False
         self._where: dict[Plane, str] = {}
@@ -178,7 +185,7 @@ class Inlets:
     def turn(self) -> None:
         """Hand on what waits."""
         while self._opened:
-            self._read_out(self._opened[-1])
+            self._hand_out(self._opened[-1])
         if self._waits:
             self._hand_on()
 
@@ -268,42 +275,41 @@ class Inlets:
             except CodecError as error:
                 self._complaints.count("wrong format", str(error))
                 continue
-            self._opened.append(_Opened(inlet, arrival))
-            self._read_out(self._opened[-1])
-            if self._clock() > end and not self._waits:
-                return True
+            if inlet.limit is None and inlet.priority == 0 and not self._waits:
+                self._opened.append(_Opened(inlet, arrival))
+                self._hand_out(self._opened[-1])
+                if self._clock() > end:
+                    return True
+            else:
+                self._put(inlet, arrival)
         return True
 
-    def _read_out(self, opened: _Opened) -> None:
-        """Hand on or put aside what a frame brought; if a handler raises, the rest comes later."""
-        inlet, source, publisher, kind = opened.inlet, opened.source, opened.publisher, opened.kind
-        straight = inlet.limit is None and inlet.priority == 0
-        for stamp_ns, message in opened.messages:
-            sequence = opened.sequence
-            opened.sequence = sequence + 1
-            if not source.accepts(sequence):
-                detail = f"{inlet.definition.name} {sequence} after {source.arrived}"
-                self._complaints.count("out of order", detail)
+    def _put(self, inlet: Inlet, arrival: Arrival) -> None:
+        """Let messages wait; a limit lets the oldest of their publisher go."""
+        publisher, sequence, kind, messages = arrival
+        source = inlet.source(publisher)
+        for number, message in enumerate(messages, sequence):
+            if not self._arrived(inlet, source, number):
                 continue
-            if source.arrived:
-                inlet.lost += sequence - source.arrived - 1
-            source.arrived = sequence
-            if straight and not self._waits:
-                self._deliver(inlet, source, publisher, sequence, stamp_ns, kind, message)
-            else:
-                self._put(inlet, source, publisher, sequence, stamp_ns, kind, message)
-        if opened in self._opened:  # not if a handler listened, and so had the rest read out
-            self._opened.remove(opened)
+            waiting = _Opened(inlet, Arrival(publisher, number, kind, [message]), accepted=True)
+            if inlet.limit is not None:
+                if len(source.waiting) >= inlet.limit:
+                    source.waiting.popleft().inlet = None
+                source.waiting.append(waiting)
+            self._queues[inlet.priority].append(waiting)
+            self._waits += 1
 
-    def _put(self, inlet: Inlet, source: Source, *message: Any) -> None:
-        """Let a message wait; a limit lets the oldest of its publisher go."""
-        entry = [inlet, source, *message]
-        if inlet.limit is not None:
-            if len(source.waiting) >= inlet.limit:
-                source.waiting.popleft()[0] = None
-            source.waiting.append(entry)
-        self._queues[inlet.priority].append(entry)
-        self._waits += 1
+    def _arrived(self, inlet: Inlet, source: Source, sequence: int) -> bool:
+        """Whether a message of this number may be handed on; a gap before it is counted."""
+        last = source.arrived
+        if not source.accepts(sequence):
+            detail = f"{inlet.definition.name} {sequence} after {last}"
+            self._complaints.count("out of order", detail)
+            return False
+        if source.arrived:
+            inlet.lost += sequence - source.arrived - 1
+        source.arrived = sequence
+        return True
 
     def _strange(self, raw: bytes) -> None:
         """A frame that is none of ours, or came after it was unsubscribed."""
@@ -317,56 +323,66 @@ class Inlets:
         end = self._clock() + _SLICE_S
         for queue in self._queues.values():
             while queue:
-                entry = queue.popleft()
+                waiting = queue.popleft()
                 self._waits -= 1
-                inlet, source = entry[:2]
-                if inlet is None:
+                if waiting.inlet is None:
                     continue  # a newer one came
-                if source.waiting and source.waiting[0] is entry:
-                    source.waiting.popleft()
-                self._deliver(*entry)
+                if waiting.source.waiting and waiting.source.waiting[0] is waiting:
+                    waiting.source.waiting.popleft()
+                self._opened.append(waiting)
+                self._hand_out(waiting)
                 if self._clock() > end:
                     return
 
-    def _deliver(
-        self,
-        inlet: Inlet,
-        source: Source,
-        publisher: int,
-        sequence: int,
-        stamp_ns: int,
-        kind: int,
-        message: Any,
-    ) -> None:
-        now = self._clock()
-        measured = stamp_ns * 1e-9 - self._connection.hub_time.offset
-        age = now - measured
-        if age < 0.0:
-            age, measured = 0.0, now
-        if age > inlet.oldest:
-            inlet.oldest = age
-        if age > inlet.lifespan_s:
-            inlet.expired += 1
-            self._complaints.count("too old", f"{inlet.definition.name} is {age:.2f} s old")
+    def _hand_out(self, opened: _Opened) -> None:  # noqa: C901 - each message passes, no calls here
+        """Hand messages to their handlers; after one that raises, the rest comes later."""
+        inlet, source, publisher, kind = opened.inlet, opened.source, opened.publisher, opened.kind
+        if inlet is None:
             return
-        try:
-            if message.__class__ is tuple:
-                value = inlet.build(message)  # type: ignore[misc]
+        clock, offset, build = self._clock, self._connection.hub_time.offset, inlet.build
+        lifespan, new = inlet.lifespan_s, tuple.__new__
+        for stamp_ns, message in opened.messages:
+            sequence = opened.sequence
+            opened.sequence = sequence + 1
+            if not opened.accepted:
+                if sequence == source.arrived + 1 and sequence != 1:
+                    source.arrived = sequence
+                elif not self._arrived(inlet, source, sequence):
+                    continue
+            now = clock()
+            measured = stamp_ns * 1e-9 - offset
+            age = now - measured
+            if age < 0.0:
+                age, measured = 0.0, now
+            if age > inlet.oldest:
+                inlet.oldest = age
+            if age > lifespan:
+                inlet.expired += 1
+                self._complaints.count("too old", f"{inlet.definition.name} is {age:.2f} s old")
+                continue
+            if build is not None and message.__class__ is tuple:
+                value = build(message)
             else:
-                if kind != frames.INLINE:
-                    message = self._payload(inlet, kind, message)
-                    if message is None:
-                        return
-                value = inlet.definition.decode(message)
+                message, value = self._decoded(inlet, kind, message)  # noqa: PLW2901
+                if message is None:
+                    continue
+            missed = sequence - source.handed_on - 1 if source.handed_on else 0
+            source.handed_on = sequence
+            inlet.received += 1
+            how = new(Reception, (publisher, sequence, missed, age, measured))
+            for handler, raw in inlet.handlers:
+                handler(message if raw else value, how)
+        if opened in self._opened:  # not if a handler listened, and so had the rest handed out
+            self._opened.remove(opened)
+
+    def _decoded(self, inlet: Inlet, kind: int, message: Any) -> tuple[Any, Any]:
+        """The payload and its value; None twice if it is not there or is none."""
+        try:
+            payload = self._payload(inlet, kind, message)
+            return payload, None if payload is None else inlet.definition.decode(payload)
         except (CodecError, FrameError) as error:
             self._complaints.count("wrong format", str(error))
-            return
-        missed = sequence - source.handed_on - 1 if source.handed_on else 0
-        source.handed_on = sequence
-        inlet.received += 1
-        how = tuple.__new__(Reception, (publisher, sequence, missed, age, measured))
-        for handler, raw in inlet.handlers:
-            handler(message if raw else value, how)
+            return None, None
 
     def _payload(self, inlet: Inlet, kind: int, payload: memoryview) -> memoryview | None:
         """The payload itself; None if it is not there any more."""

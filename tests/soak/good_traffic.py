@@ -100,9 +100,13 @@ class GoodTraffic:
         }
 
     def _settled(self) -> Vitals:
-        """What central costs when its handshakes have timed out."""
-        central = self._rig.central
-        wanted = self.before.descriptors + 2
+        """What central costs when handshakes have timed out and it has given memory back."""
+        central, before = self._rig.central, self.before
+
+        def settled(now: Vitals) -> bool:
+            few = now.descriptors <= before.descriptors + 2
+            return few and now.memory_mb - before.memory_mb <= GROWTH_MB
+
         end = time.monotonic() + 10.0
-        until(lambda: central.vitals().descriptors <= wanted or time.monotonic() > end, 20.0)
+        until(lambda: settled(central.vitals()) or time.monotonic() > end, 20.0)
         return central.vitals()
