@@ -38,7 +38,7 @@ _BATCH = 256
 _CONTROL_QUEUE = 1000
 _LOOK_S = 0.05
 _TRIM_S = 2.0
-_LOOKED_AT = 500
+_LOOKED_AT = 250
 _COPIES = 2000
 """Broadcasts that wait to be looked at, at most."""
 _HANDSHAKE_FAILURES = (

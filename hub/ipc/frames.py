@@ -28,9 +28,11 @@ VERSION = 2
 MAX_FRAME = 4 << 20
 """Largest frame any socket takes [bytes]; ZeroMQ drops the connection of who sends more."""
 
-INLINE, IN_RING, NO_RING, BATCH = 0, 1, 2, 3
+INLINE, IN_RING, NO_RING, BATCH, RING_BATCH = 0, 1, 2, 3, 4
 """What a frame holds: a payload; the descriptor of a place in a ring; nothing, for want of a ring;
-several messages that were published at once."""
+several payloads, or several descriptors, that were published at once."""
+RING_KINDS = (IN_RING, NO_RING, RING_BATCH)
+"""Those that travel under the topic of descriptors."""
 
 _HEADER = struct.Struct("<HHIQQqI")
 _ITEM = struct.Struct("<qI")
@@ -45,7 +47,7 @@ class Frame(NamedTuple):
 
     Attributes:
         name: Message name.
-        kind: INLINE, IN_RING, NO_RING or BATCH.
+        kind: INLINE, IN_RING, NO_RING, BATCH or RING_BATCH.
         publisher: Number that central gave the sender's connection.
         fingerprint: Identity of the format the payload was made with.
         sequence: Counts the messages of this name from this publisher, from 1.
@@ -225,7 +227,7 @@ def unpack(raw: Buffer) -> Frame:
     if version != VERSION:
         text = f"a frame of {name} has protocol version {version}, this is {VERSION}"
         raise FrameError(text)
-    if kind > BATCH or (kind in (IN_RING, NO_RING)) != (view[0] == ord("@")):
+    if kind > RING_BATCH or (kind in RING_KINDS) != (view[0] == ord("@")):
         text = f"a frame of {name} is of kind {kind}, which its topic does not carry"
         raise FrameError(text)
     payload = view[start + HEADER_SIZE :]

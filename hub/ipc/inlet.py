@@ -146,7 +146,7 @@ class Inlet:
             header = frames.read_header(raw, start)
             version, kind, publisher, fingerprint, sequence, stamp, length = header
             payload = memoryview(raw)[start + frames.HEADER_SIZE :]
-            if version != frames.VERSION or length != len(payload) or kind in _RING_KINDS:
+            if version != frames.VERSION or length != len(payload) or kind in frames.RING_KINDS:
                 frames.unpack(raw)  # says what is wrong
         if fingerprint != self._fingerprint:
             text = f"{self._name} came in another format"
@@ -159,6 +159,9 @@ class Inlet:
             if messages is None:
                 messages = frames.items(payload)
             return Arrival(publisher, sequence, frames.INLINE, messages)
+        if kind == frames.RING_BATCH:
+            descriptors: Any = frames.items(payload)
+            return Arrival(publisher, sequence, frames.IN_RING, descriptors)
         return Arrival(publisher, sequence, kind, [(stamp, payload)])
 
     def report(self) -> control.Received | None:
@@ -175,6 +178,3 @@ class Inlet:
             expired=now[2] - before[2],
             oldest_s=oldest,
         )
-
-
-_RING_KINDS = (frames.IN_RING, frames.NO_RING)

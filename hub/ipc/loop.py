@@ -13,9 +13,10 @@ plain descriptors, which costs a fraction of asking every socket each time.
 from __future__ import annotations
 
 import math
+import select
 import selectors
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 import zmq
@@ -27,6 +28,32 @@ Serve = Callable[[], bool]
 
 _NEGLECT_S = 0.3
 """A loop that does not look for this long has old things before it [s]."""
+
+
+_READ = selectors.EVENT_READ
+
+
+class _Poller(Protocol):
+    def register(self, file: int, events: int, /) -> Any: ...
+    def unregister(self, file: int, /) -> Any: ...
+    def poll(self, timeout: float, /) -> Sequence[tuple[int, int]]: ...
+    def close(self) -> None: ...
+
+
+class _Selector:
+    """What waits on systems without epoll(7)."""
+
+    def __init__(self) -> None:
+        self._selector = selectors.DefaultSelector()
+        self.register, self.unregister = self._selector.register, self._selector.unregister
+        self.close = self._selector.close
+
+    def poll(self, timeout: float) -> list[tuple[int, int]]:
+        return [(key.fd, events) for key, events in self._selector.select(timeout)]
+
+
+def _poller() -> _Poller:
+    return select.epoll() if hasattr(select, "epoll") else _Selector()
 
 
 class Participant(Protocol):
@@ -55,7 +82,7 @@ class Loop:
 
     def __init__(self, *, clock: Callable[[], float] = time.monotonic) -> None:
         self.clock = clock
-        self._selector = selectors.DefaultSelector()
+        self._poller = _poller()
         self._served: dict[int, Serve] = {}
         self._ready: set[int] = set()
         self._participants: list[Participant] = []
@@ -76,14 +103,14 @@ class Loop:
     def register(self, socket: zmq.Socket[Any], serve: Serve) -> int:
         """Call `serve` when something may be in the socket; the number to `touch` it with."""
         file = int(socket.fd)
-        self._selector.register(file, selectors.EVENT_READ)
+        self._poller.register(file, _READ)
         self._served[file] = serve
         self._ready.add(file)
         return file
 
     def unregister(self, file: int) -> None:
         """Serve the socket of this number no longer; to be called before it is closed."""
-        self._selector.unregister(file)
+        self._poller.unregister(file)
         del self._served[file]
         self._ready.discard(file)
 
@@ -98,7 +125,7 @@ class Loop:
             work()
             return False
 
-        self._selector.register(file, selectors.EVENT_READ)
+        self._poller.register(file, _READ)
         self._served[file] = serve
 
     def unwatch(self, file: int) -> None:
@@ -153,8 +180,8 @@ class Loop:
             waited: How long somebody else has waited for it already, on purpose [s].
         """
         ready = self._ready
-        for key, _ in self._selector.select(wait):
-            ready.add(key.fd)
+        for file, _ in self._poller.poll(wait):
+            ready.add(file)
         now = self.clock()
         neglect, self._looked = now - self._looked - wait - waited, now
         if neglect > _NEGLECT_S:
@@ -193,5 +220,5 @@ class Loop:
 
     def close(self) -> None:
         """Free the loop; posted work is forgotten."""
-        self._selector.close()
+        self._poller.close()
         self._posted.close()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+import threading
 from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
@@ -17,9 +18,36 @@ _HOLD_S = 2.0
 """Central says that somebody has subscribed; his subscription must have come after this [s]."""
 _BURST_S = 200e-6
 """What is published so soon after the last one belongs to a burst [s]."""
+_BATCH_ITEMS = 48
+_BATCH_DESCRIPTORS = 8
+BATCH_S = 0.5e-3
+"""How long a message of a burst may wait for more while its module is busy elsewhere [s]."""
 _MAX_ITEM = 2048
 """Longer payloads gain nothing by travelling together [bytes]."""
 _UNFIT = (struct.error, AttributeError, TypeError, ValueError, OverflowError)
+
+
+class Batch:
+    """Messages of one outlet that wait to be sent together; used under its lock.
+
+    Attributes:
+        lock: Guards it, and the sockets.
+        items: The messages.
+        outlet: Whose they are.
+        first: Sequence number of the first.
+        since: When it began to wait [s].
+        called: Whether the thread that sends what waits is on its way.
+    """
+
+    __slots__ = ("called", "first", "items", "lock", "outlet", "since")
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.items: list[bytes] = []
+        self.outlet: Outlet | None = None
+        self.first = 0
+        self.since = 0.0
+        self.called = False
 
 
 class Ways(Protocol):
@@ -29,12 +57,16 @@ class Ways(Protocol):
     clock: Callable[[], float]
     complaints: Complaints
     local: bool
+    batch: Batch
 
     def send(self, plane: Plane, name: str, frame: bytes) -> None:
         """Send on a plane, behind what waits to be sent."""
 
-    def join_batch(self, outlet: Outlet, sequence: int, item: bytes, now: float) -> None:
-        """Send one message together with those that follow at once."""
+    def send_batch(self) -> None:
+        """Send what waits; the lock is held."""
+
+    def call_courier(self) -> None:
+        """Have what waits sent in a moment."""
 
     def is_wanted(self, topic: bytes) -> bool:
         """Whether somebody subscribes to the topic."""
@@ -52,6 +84,7 @@ class Outlet:
         self._ways = ways
         self._connection = ways.connection
         self._hub_time = ways.connection.hub_time
+        self._batch = ways.batch
         self._clock = ways.clock
         self._plane = definition.plane
         self._prefix = frames.prefix(definition.name)
@@ -60,9 +93,10 @@ class Outlet:
         if definition.plane is Plane.PICTURE:
             self._topics.append(frames.topic(definition.name, in_ring=True))
         self._sequence = 0
-        self._previous = 0.0
-        # Commands never wait for others, and pictures are large.
+        self._previous = self._emitted = 0.0
+        # Commands never wait for others; of pictures only descriptors do.
         self._burst = _BURST_S if definition.plane is Plane.STATE else 0.0
+        self._most = _BATCH_ITEMS if definition.plane is Plane.STATE else _BATCH_DESCRIPTORS
         self._last: bytes | tuple[int, int, bytes | ring.Place] | None = None
         self._last_is_item = False
         self._ring: ring.RingWriter | None = None
@@ -97,21 +131,20 @@ class Outlet:
         try:
             values = self._take_apart(value)
             if now - self._previous < self._burst:
-                item = flat.pack_item(stamp, values)
+                frame, burst = flat.pack_item(stamp, values), True
             else:
-                item = None
                 frame = flat.pack(self._connection.publisher, sequence, stamp, values)
+                burst = False
         except _UNFIT:  # the other way says in our own words what is wrong, or takes it
             self.publish_payload(self.definition.encode(value), measured)
             return
         self._sequence = sequence
         self._previous = now
-        if item is None:
-            self._last, self._last_is_item = frame, False
-            self._ways.send(self._plane, self.definition.name, frame)
+        self._last, self._last_is_item = frame, burst
+        if burst:
+            self._join(sequence, frame, now)
         else:
-            self._last, self._last_is_item = item, True
-            self._ways.join_batch(self, sequence, item, now)
+            self._ways.send(self._plane, self.definition.name, frame)
 
     def publish_payload(self, payload: Sequence[Buffer], measured: float | None) -> None:
         """Send a payload, given in pieces, to all who subscribe."""
@@ -123,7 +156,7 @@ class Outlet:
             item = frames.pack_item(stamp, payload)
             if len(item) <= _MAX_ITEM:
                 self._last, self._last_is_item = item, True
-                self._ways.join_batch(self, self._sequence, item, now)
+                self._join(self._sequence, item, now)
             else:
                 self._emit(self._sequence, stamp, payload)
         elif self._held is not None:
@@ -179,15 +212,34 @@ class Outlet:
             return None if found is None else self._frame(sequence, stamp, [found])
         return self._frame(sequence, stamp, [kept])
 
-    def batch(self, first: int, items: Sequence[bytes]) -> bytes:
-        """The frame of several messages, the first of which has the number `first`."""
-        return self._frame(first, 0, frames.batch(items), kind=frames.BATCH)
+    def batch(self, first: int, items: Sequence[bytes]) -> tuple[Plane, bytes]:
+        """Several messages, the first of which has the number `first`: which way, and the frame."""
+        payload = frames.batch(items)
+        if self._plane is not Plane.PICTURE:
+            return self._plane, self._frame(first, 0, payload, kind=frames.BATCH)
+        kind, prefix = frames.RING_BATCH, self._ring_prefix
+        return Plane.STATE, self._frame(first, 0, payload, kind=kind, prefix=prefix)
 
     def close(self) -> None:
         """Free the ring."""
         if self._ring is not None:
             self._ring.close()
             self._ring = None
+
+    def _join(self, sequence: int, item: bytes, now: float) -> None:
+        """Send one message together with those that follow at once."""
+        batch = self._batch
+        with batch.lock:
+            items = batch.items
+            if not items or batch.outlet is not self:
+                if items:
+                    self._ways.send_batch()
+                batch.outlet, batch.first, batch.since = self, sequence, now
+                if not batch.called:
+                    self._ways.call_courier()
+            items.append(item)
+            if len(items) >= self._most or now - batch.since > BATCH_S:
+                self._ways.send_batch()
 
     def _wanted(self) -> bool:
         return any(self._ways.is_wanted(topic) for topic in self._topics)
@@ -222,12 +274,17 @@ class Outlet:
 
     def _emit_in_ring(self, sequence: int, stamp: int, payload: Sequence[Buffer]) -> None:
         place = self._write(payload)
+        now = self._clock()
+        burst, self._emitted = now - self._emitted < _BURST_S, now
         kind, descriptor = frames.NO_RING, b""
         if place is None:
             self._last = (sequence, stamp, b"".join(payload))
         else:
             self._last = (sequence, stamp, place)
             kind, descriptor = frames.IN_RING, place.pack()
+            if burst:
+                self._join(sequence, frames.pack_item(stamp, [descriptor]), now)
+                return
         frame = self._frame(sequence, stamp, (descriptor,), kind=kind, prefix=self._ring_prefix)
         self._ways.send(Plane.STATE, self.definition.name, frame)
 

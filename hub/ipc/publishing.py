@@ -23,12 +23,9 @@ from hub.ipc.complaints import Complaints
 from hub.ipc.connection import Connection
 from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.loop import Loop
-from hub.ipc.outlet import Outlet
+from hub.ipc.outlet import BATCH_S, Batch, Outlet
 from hub.ipc.security import Action, demand
 
-_BATCH_ITEMS = 48
-_BATCH_S = 0.5e-3
-"""How long a message of a burst may wait for more while its module is busy elsewhere [s]."""
 _AT_ONCE = 1024
 _MAX_FILTERS = 1 << 16
 _MARK = b"~"
@@ -47,6 +44,7 @@ class Outlets:
         clock: Monotonic time [s].
         complaints: Where failures are counted.
         local: Whether central is on this machine, so that rings can be used.
+        batch: What waits to be sent.
     """
 
     def __init__(
@@ -62,22 +60,19 @@ class Outlets:
         self.local = False
         self._context = context
         self._loop = loop
-        self._lock = threading.Lock()
+        self.batch = Batch()
         self._sockets: dict[Plane, sockets.Socket] = {}
         self._files: dict[Plane, int] = {}
         self._sends: dict[Plane, Callable[[bytes, int], Any]] = {}
         self._filters: set[bytes] = set()
         self._marks: dict[str, set[str]] = {}
         self._outlets: dict[str, Outlet] = {}
-        self._items: list[bytes] = []
-        self._items_of: Outlet | None = None
-        self._first, self._since = 0, 0.0
-        self._courier = _Courier(self.flush)
+        self._courier = _Courier(self.batch, self.flush)
 
     @property
     def pending(self) -> bool:
         """Whether messages of a burst wait to be sent."""
-        return bool(self._items)
+        return bool(self.batch.items)
 
     @property
     def holding(self) -> bool:
@@ -131,8 +126,8 @@ class Outlets:
             outlet.end()
         for file in self._files.values():
             self._loop.unregister(file)
-        with self._lock:
-            self._items.clear()
+        with self.batch.lock:
+            self.batch.items.clear()
             for socket in self._sockets.values():
                 socket.close(linger_ms)
             self._sockets.clear()
@@ -162,30 +157,16 @@ class Outlets:
 
     def send(self, plane: Plane, name: str, frame: bytes) -> None:
         """Send on a plane, behind what waits to be sent; never waits itself."""
-        with self._lock:
-            if self._items:
-                self._send_items()
+        with self.batch.lock:
+            if self.batch.items:
+                self.send_batch()
             self._send(plane, name, frame)
-
-    def join_batch(self, outlet: Outlet, sequence: int, item: bytes, now: float) -> None:
-        """Send one message together with those that follow at once."""
-        with self._lock:
-            items = self._items
-            if items and self._items_of is not outlet:
-                self._send_items()
-            if not items:
-                self._items_of, self._first, self._since = outlet, sequence, now
-            items.append(item)
-            if len(items) >= _BATCH_ITEMS or now - self._since > _BATCH_S:
-                self._send_items()
-            elif not self._courier.called:
-                self._courier.call()
 
     def flush(self) -> None:
         """Send what waits; any thread may call this."""
-        with self._lock:
-            if self._items:
-                self._send_items()
+        with self.batch.lock:
+            if self.batch.items:
+                self.send_batch()
 
     def is_wanted(self, topic: bytes) -> bool:
         """Whether somebody subscribes to the topic."""
@@ -197,13 +178,17 @@ class Outlets:
         for outlet in self._outlets.values():
             outlet.look(now)
 
-    def _send_items(self) -> None:
-        """Send the messages that wait; the lock is held."""
-        outlet, items = self._items_of, self._items
+    def send_batch(self) -> None:
+        """Send what waits; the lock is held."""
+        outlet, items = self.batch.outlet, self.batch.items
         if outlet is not None:
-            frame = outlet.batch(self._first, items)
-            self._send(outlet.definition.plane, outlet.definition.name, frame)
+            plane, frame = outlet.batch(self.batch.first, items)
+            self._send(plane, outlet.definition.name, frame)
         items.clear()
+
+    def call_courier(self) -> None:
+        """Have what waits sent in a moment."""
+        self._courier.call()
 
     def _send(self, plane: Plane, name: str, frame: bytes) -> None:
         send = self._sends.get(plane)
@@ -240,7 +225,7 @@ class Outlets:
 
     def _subscriptions(self, socket: sockets.Socket) -> list[bytes]:
         came: list[bytes] = []
-        with self._lock:
+        with self.batch.lock:
             if not socket.closed and int(socket.getsockopt(zmq.EVENTS)) & zmq.POLLIN:
                 try:
                     while len(came) < _AT_ONCE:
@@ -264,14 +249,10 @@ class Outlets:
 
 
 class _Courier:
-    """A thread that sends what waits, a moment after it was called.
+    """A thread that sends what waits, a moment after it was called."""
 
-    Attributes:
-        called: Whether it is on its way.
-    """
-
-    def __init__(self, flush: Callable[[], None]) -> None:
-        self.called = False
+    def __init__(self, batch: Batch, flush: Callable[[], None]) -> None:
+        self._batch = batch
         self._flush = flush
         self._wake = threading.Event()
         self._closed = False
@@ -279,7 +260,7 @@ class _Courier:
 
     def call(self) -> None:
         """Come in a moment."""
-        self.called = True
+        self._batch.called = True
         if self._thread is None:
             self._thread = threading.Thread(target=self._run, name="rune-courier", daemon=True)
             self._thread.start()
@@ -296,6 +277,6 @@ class _Courier:
         while not self._closed:
             self._wake.wait()
             self._wake.clear()
-            time.sleep(_BATCH_S)
-            self.called = False  # before it looks: what comes from now on calls again
+            time.sleep(BATCH_S)
+            self._batch.called = False  # before it looks: what comes from now on calls again
             self._flush()

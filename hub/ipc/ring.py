@@ -20,8 +20,8 @@ import os
 import re
 import struct
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from hub.errors import FrameError
 from hub.ipc.codegen import Buffer
@@ -39,8 +39,7 @@ _SEALS = getattr(fcntl, "F_SEAL_SHRINK", 0) | getattr(fcntl, "F_SEAL_GROW", 0)
 _LINK = re.compile(r"/memfd:rune-ring( \(deleted\))?")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Place:
+class Place(NamedTuple):
     """Where a payload lies.
 
     Attributes:
@@ -61,9 +60,7 @@ class Place:
 
     def pack(self) -> bytes:
         """The descriptor that travels."""
-        return _DESCRIPTOR.pack(
-            self.process, self.file, self.ring, self.generation, self.start, self.length
-        )
+        return _DESCRIPTOR.pack(*self)
 
     @classmethod
     def unpack(cls, raw: Buffer) -> Place:
@@ -75,15 +72,7 @@ class Place:
         if len(raw) != _DESCRIPTOR.size:
             text = f"a ring's descriptor has {len(raw)} bytes instead of {_DESCRIPTOR.size}"
             raise FrameError(text)
-        process, file, ring, generation, start, length = _DESCRIPTOR.unpack(raw)
-        return cls(
-            process=process,
-            file=file,
-            ring=ring,
-            generation=generation,
-            start=start,
-            length=length,
-        )
+        return cls._make(_DESCRIPTOR.unpack(raw))
 
 
 class RingWriter:
@@ -131,14 +120,8 @@ class RingWriter:
         _GENERATION.pack_into(memory, start, self._generation)
         # The next one is taken away now, long before it is written.
         _GENERATION.pack_into(memory, (self._generation + 1) % self._slots * self._slot, 0)
-        return Place(
-            process=self._process,
-            file=self._file,
-            ring=self._identity,
-            generation=self._generation,
-            start=start,
-            length=at - start - _PAYLOAD_AT,
-        )
+        length = at - start - _PAYLOAD_AT
+        return Place(self._process, self._file, self._identity, self._generation, start, length)
 
     def read(self, place: Place) -> memoryview | None:
         """What `write` put there; None if it was overwritten since."""

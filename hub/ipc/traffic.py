@@ -42,12 +42,12 @@ class Traffic:
         """
         if frame.kind == frames.NO_RING:
             return
-        if frame.kind == frames.IN_RING:
-            try:
-                size += Place.unpack(frame.payload).length
-            except FrameError:
-                return
-        held = frames.count(frame.payload) if frame.kind == frames.BATCH else 1
+        try:
+            size += _in_ring(frame)
+        except FrameError:
+            return
+        several = frame.kind in (frames.BATCH, frames.RING_BATCH)
+        held = frames.count(frame.payload) if several else 1
         newest = frame.sequence + held - 1
         last = self._sequences.get(frame.publisher, frame.sequence - 1)
         count = newest - last
@@ -78,3 +78,16 @@ class Traffic:
     def oldest(self) -> float:
         """Largest age that subscribers told of lately [s]."""
         return max(self._oldest, default=0.0)
+
+
+def _in_ring(frame: frames.Frame) -> int:
+    """How long the payloads in shared memory are that a frame describes [bytes].
+
+    Raises:
+        FrameError: It describes none.
+    """
+    if frame.kind == frames.IN_RING:
+        return Place.unpack(frame.payload).length
+    if frame.kind == frames.RING_BATCH:
+        return sum(Place.unpack(each).length for _, each in frames.items(frame.payload))
+    return 0

@@ -160,7 +160,7 @@ def test_topic_of_a_descriptor_carries_descriptors_alone() -> None:
 
     assert frames.unpack(made(frames.IN_RING, in_ring=True)).kind == frames.IN_RING
     assert frames.unpack(made(frames.BATCH, in_ring=False)).kind == frames.BATCH
-    for kind, in_ring in ((frames.INLINE, True), (frames.IN_RING, False), (4, False)):
+    for kind, in_ring in ((frames.INLINE, True), (frames.IN_RING, False), (5, False)):
         with pytest.raises(FrameError, match="topic does not carry"):
             frames.unpack(made(kind, in_ring=in_ring))
 
