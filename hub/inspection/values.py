@@ -90,7 +90,7 @@ def _zero(node: formats.Format) -> Any:  # noqa: ANN401 - the value of any forma
         return np.array([_zero(node.element)] * node.count).reshape(node.dimensions)
     if isinstance(node, formats.VariableArray):
         return []
-    if isinstance(node, formats.Pointer):
+    if isinstance(node, (formats.Pointer, formats.SelfPointer)):
         return None
     if isinstance(node, formats.Primitive) and node.name == "string":
         return ""

@@ -38,7 +38,8 @@ _BATCH = 256
 _CONTROL_QUEUE = 1000
 _LOOK_S = 0.05
 _TRIM_S = 2.0
-_LOOKED_AT = 250
+_LOOKING_S, _LOOKING_CLOSER_S = 0.5e-3, 10e-3
+"""How long broadcasts are looked at each time: while all is well, after something wrong [s]."""
 _COPIES = 2000
 """Broadcasts that wait to be looked at, at most."""
 _HANDSHAKE_FAILURES = (
@@ -320,7 +321,8 @@ class Central:
         Not one by one as they pass: then each would wake this thread and take the processor from
         who waits for the message. Nor all of them under a flood; sequence numbers tell the rest.
         """
-        for _ in range(_LOOKED_AT):
+        began, enough = self._clock(), _LOOKING_S
+        while self._clock() - began < enough:
             try:
                 raw = self._tap.recv(zmq.NOBLOCK)
             except zmq.Again:
@@ -328,9 +330,12 @@ class Central:
             if raw[:1] in (b"\0", b"\1"):
                 continue  # the proxy's own subscriptions pass here as well
             try:
-                self._registry.broadcast(frames.unpack(raw), len(raw))
+                right = self._registry.broadcast(frames.unpack(raw), len(raw))
             except FrameError as error:
                 self.complaints.count("malformed frame", str(error))
+                right = False
+            if not right:
+                enough = _LOOKING_CLOSER_S
 
     def _send(self, outgoing: Sequence[Outgoing]) -> None:
         pending = list(outgoing)

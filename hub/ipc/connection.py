@@ -30,12 +30,15 @@ _BATCH = 256
 _QUEUE = 10_000
 """Control messages under way; a client that comes back says all it does at once."""
 _WATCHED = zmq.EVENT_HANDSHAKE_SUCCEEDED | zmq.EVENT_DISCONNECTED
-_PATIENCE = ((0.25, 2.0), (3.0, 6.0))
-"""How long one attempt to connect may take, and for how long it is tried so, in turn [s].
+_STAY_S = 2.0
+"""How long one way of connecting is tried [s]."""
+_SHORTEST_S, _LONGEST_S = 0.25, 1.5
+"""How long one attempt may take [s].
 
-On a link that was dead the first packet after it healed counts, so attempts are short; a link whose
-round trip is longer than that has its turn too.
+On a link that was dead the first packet after it healed counts, so attempts are as short as the
+round trip that was seen before allows; where it was never seen, and now and then, they are long.
 """
+_LONG_EACH = 6
 
 
 class Owner(Protocol):
@@ -142,7 +145,7 @@ class Connection:
         """Connect anew; whatever is queued either way would arrive too late."""
         self._lose(why)
         self._shut(0)
-        self._attempt = 0
+        self._attempt = 1
         self._open()
 
     def close(self) -> None:
@@ -152,7 +155,10 @@ class Connection:
         self._shut(linger_ms=200 if self.publisher else 0)
 
     def _open(self) -> None:
-        patience, stay = _PATIENCE[self._attempt % len(_PATIENCE)]
+        patience = _LONGEST_S
+        if self._attempt % _LONG_EACH and self._joined != (0, 0):
+            round_trip = 2 * self.hub_time.uncertainty
+            patience = min(_LONGEST_S, max(_SHORTEST_S, 4 * round_trip))
         self._attempt += 1
         self._socket = sockets.make(self._context, zmq.DEALER, _QUEUE, self.keys)
         self._socket.connect_timeout = int(patience * 1e3)
@@ -161,7 +167,7 @@ class Connection:
         sockets.connect(self._socket, self._endpoint)
         self._file = self._loop.register(self._socket, self._receive)
         self._monitor_file = self._loop.register(self._monitor, self._watch)
-        self._reopen = self._clock() + stay
+        self._reopen = self._clock() + _STAY_S
         self._next_ping = 0.0
 
     def _shut(self, linger_ms: int) -> None:
@@ -252,7 +258,7 @@ class Connection:
             return
         self.refusal = None
         self.publisher = message.publisher
-        self._attempt = 0
+        self._attempt = 1
         joined = (message.epoch, message.publisher)
         anew, same_run = joined != self._joined, joined[0] == self._joined[0]
         self._joined = joined

@@ -38,6 +38,8 @@ class Plane(enum.Enum):
     COMMAND = "command"
     PICTURE = "picture"
 
+    __hash__ = object.__hash__  # each is one of a kind; Enum's own is written in Python
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MessageDefinition(Generic[T]):

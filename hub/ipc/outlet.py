@@ -110,6 +110,11 @@ class Outlet:
             self._take_apart = definition.flat_values
 
     @property
+    def unanswered(self) -> bool:
+        """Whether central has not said yet that it has noted us."""
+        return self._held is not None and self._open_by == 0.0
+
+    @property
     def holding(self) -> bool:
         """Whether messages wait until the way is open."""
         return bool(self._held)

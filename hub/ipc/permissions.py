@@ -31,7 +31,7 @@ def asked(message: Any, plane: Callable[[str], str | None]) -> Action:
         return Action.LIST if plane(message.name) else Action.DEFINE
     if isinstance(message, control.Query):
         return Action.QUERY_COMMAND if _is_command(message, plane) else Action.QUERY
-    if isinstance(message, control.Advertise):
+    if isinstance(message, control.Advertise) and plane(message.name):
         return Action.PUBLISH_COMMAND if _is_command(message, plane) else Action.PUBLISH_STATE
     return _ASKED.get(type(message), Action.LIST)
 

@@ -174,9 +174,10 @@ class Outlets:
 
     def check(self) -> None:
         """Let nobody wait for ever; to be called every second or so."""
-        now = self.clock()
+        self._look()
         for outlet in self._outlets.values():
-            outlet.look(now)
+            if outlet.unanswered and self.connection.publisher:
+                self._advertise(outlet)  # perhaps somebody has defined the message by now
 
     def send_batch(self) -> None:
         """Send what waits; the lock is held."""
@@ -200,6 +201,11 @@ class Outlets:
             self.complaints.count("not sent", f"{name}: no connection to central")
         self._loop.touch(self._files[plane])
 
+    def _look(self) -> None:
+        now = self.clock()
+        for outlet in self._outlets.values():
+            outlet.look(now)
+
     def _advertise(self, outlet: Outlet) -> None:
         name = outlet.definition.name
         self.connection.tell(control.Advertise(name=name))
@@ -220,7 +226,7 @@ class Outlets:
             else:
                 self.complaints.count("too many subscriptions", "one more is not noted")
         if came:
-            self.check()
+            self._look()
         return len(came) == _AT_ONCE
 
     def _subscriptions(self, socket: sockets.Socket) -> list[bytes]:

@@ -18,6 +18,7 @@ from hub.ipc.codegen import Buffer
 from hub.ipc.complaints import Complaints
 from hub.ipc.confirmations import Confirmations
 from hub.ipc.control import Change
+from hub.ipc.definition import MAX_NAME_LENGTH
 from hub.ipc.description import from_listing
 from hub.ipc.hub_time import this_machine
 from hub.ipc.peers import Caller, Crowd, Outgoing, Peer
@@ -132,8 +133,8 @@ class Registry:
         answer = permissions.refusal(message, text)
         return [Outgoing(identity=peer.identity, message=answer)] if answer else []
 
-    def broadcast(self, frame: frames.Frame, size: int) -> None:
-        """A broadcast of `size` bytes passed."""
+    def broadcast(self, frame: frames.Frame, size: int) -> bool:
+        """A broadcast of `size` bytes passed; whether nothing was wrong with it."""
         definition = self._definitions.get(frame.name)
         if definition is None:
             self._complaints.count("undefined message", f"{frame.name} is not defined")
@@ -141,6 +142,8 @@ class Registry:
             self._complaints.count("wrong format", f"{frame.name} came in another format")
         else:
             definition.traffic.passed(frame, size, self._clock())
+            return True
+        return False
 
     def disconnected(self, descriptor: int) -> list[Outgoing]:
         """A control connection ended."""
@@ -282,7 +285,8 @@ class Registry:
         self, peer: Peer, message: control.Subscribe, attached: Buffer | None
     ) -> list[Outgoing]:
         del attached
-        if not self._admit(peer, message.name, peer.subscribes):
+        # Who may not define subscribes to what a module will define.
+        if not self._admit(peer, message.name, peer.subscribes, undefined=True):
             return []
         told = self._join(self._subscribing, Change.SUBSCRIBERS, peer, message.name)
         if 0 < len(message.token) <= MAX_TOKEN:
@@ -312,11 +316,12 @@ class Registry:
             return []
         return self._join(self._handling, Change.HANDLERS, peer, message.name)
 
-    def _admit(self, peer: Peer, name: str, names: set[str]) -> bool:
+    def _admit(self, peer: Peer, name: str, names: set[str], *, undefined: bool = False) -> bool:
         """Whether `peer` may do something with one more message."""
-        if name in self._definitions and len(names) < MAX_NAMES:
+        known = name in self._definitions or (undefined and len(name) <= MAX_NAME_LENGTH)
+        if known and len(names) < MAX_NAMES:
             return True
-        reason = "it is not defined" if len(names) < MAX_NAMES else "one too many"
+        reason = "one too many" if known else "it is not defined"
         self._complaints.count("refused name", f"{peer.name} wants {name[:80]!r}: {reason}")
         return False
 

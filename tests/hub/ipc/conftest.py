@@ -13,6 +13,7 @@ import pytest
 from hub.ipc.central import Central
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.keys import ClientKeys
 from hub.ipc.reception import Reception
 from tests.hub.ipc.vocabulary import Number
 from tests.waiting import until
@@ -23,8 +24,8 @@ T = TypeVar("T")
 class Peer:
     """A client, served by a thread of its own; faults of its handlers are collected."""
 
-    def __init__(self, name: str, endpoint: str) -> None:
-        self.client = Client(name, endpoint)
+    def __init__(self, name: str, endpoint: str, keys: ClientKeys | None = None) -> None:
+        self.client = Client(name, endpoint, keys=keys)
         self.faults: list[Exception] = []
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._serve, name=f"peer-{name}", daemon=True)

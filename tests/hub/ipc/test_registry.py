@@ -348,7 +348,11 @@ def test_names_beyond_the_limit_and_of_undefined_messages_are_counted(
     assert bench.complaints.counts["refused name"] == 2
     bench.say("a", control.Handle(name="Undefined"))
     bench.say("a", control.Advertise(name="Undefined"))
-    bench.say("a", control.Subscribe(name="Undefined", token="1.1"))
+    assert bench.complaints.counts["refused name"] == 4
+    bench.say("a", control.Subscribe(name="x" * 65, token="1.1"))
+    assert bench.complaints.counts["refused name"] == 5
+    # Who may not define subscribes to what others will define.
+    assert bench.say("a", control.Subscribe(name="Undefined", token="")) == []
     assert bench.complaints.counts["refused name"] == 5
 
 
