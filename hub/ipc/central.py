@@ -16,6 +16,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import zmq
 import zmq.utils.monitor
@@ -56,12 +57,14 @@ class Door:
 
     Attributes:
         router: Its socket.
+        send: Sends on it.
         ports: TCP ports of each plane in turn, in and out, for who came in here.
         paths: ipc:// paths of the same.
         guarded: Whether the frames carry who sent them, because only keys open it.
     """
 
     router: sockets.Socket
+    send: Callable[[bytes, int], Any]
     ports: tuple[int, ...]
     paths: tuple[str, ...] = ("",) * (2 * len(sockets.PLANES))
     guarded: bool = False
@@ -177,7 +180,8 @@ class Central:
             else:
                 paths = rest
                 self._files += [Path(endpoint.path), *map(Path, rest)]
-        self._doors = [Door(router=router, ports=tuple(ports), paths=tuple(paths))]
+        send = sockets.sender(router)
+        self._doors = [Door(router=router, send=send, ports=tuple(ports), paths=tuple(paths))]
 
     def _monitor(self, socket: sockets.Socket) -> sockets.Socket:
         return socket.get_monitor_socket(_WATCHED)
@@ -223,7 +227,12 @@ class Central:
         self._gateway.control.router_mandatory = True
         self.endpoints.append(str(self._gateway.endpoint))
         self._doors.append(
-            Door(router=self._gateway.control, ports=self._gateway.ports, guarded=True)
+            Door(
+                router=self._gateway.control,
+                send=sockets.sender(self._gateway.control),
+                ports=self._gateway.ports,
+                guarded=True,
+            )
         )
 
     def _serve(self) -> None:
@@ -313,6 +322,9 @@ class Central:
             identity = bytes([number]) + parts[0].bytes
             caller = Caller(identity, _descriptor(body[0]), bearer, door.ports, door.paths)
             self._send(self._registry.handle(caller, message, attached))
+            if not sockets.readable(door.router):
+                self._loop.settle(self._routers[number])
+                return False
         return True
 
     def _look(self) -> None:
@@ -342,13 +354,15 @@ class Central:
         while pending:
             message = pending.pop(0)
             number = message.identity[0]
-            router = self._doors[number].router
+            send, packed = self._doors[number].send, control.pack(message.message)
             self._loop.touch(self._routers[number])
-            parts = [message.identity[1:], control.pack(message.message)]
-            if message.attached is not None:
-                parts.append(bytes(message.attached))
             try:
-                router.send_multipart(parts, zmq.NOBLOCK)
+                send(message.identity[1:], sockets.MORE)
+                if message.attached is None:
+                    send(packed, sockets.NOBLOCK)
+                else:
+                    send(packed, sockets.MORE)
+                    send(bytes(message.attached), sockets.NOBLOCK)
             except zmq.Again:
                 self.complaints.count("queue full", "a peer does not read its control messages")
             except zmq.ZMQError as error:

@@ -119,10 +119,10 @@ class Connection:
         self._loop.touch(self._file)
         try:
             if attached is None:
-                self._socket.send(packed, zmq.NOBLOCK)
+                self._send(packed, sockets.NOBLOCK)
             else:
-                self._socket.send(packed, zmq.NOBLOCK | zmq.SNDMORE)
-                self._socket.send(attached, zmq.NOBLOCK)
+                self._send(packed, sockets.MORE)
+                self._send(attached, sockets.NOBLOCK)
         except zmq.Again:
             if self.publisher:
                 self._complaints.count("not sent", "there is no connection to central now")
@@ -163,6 +163,7 @@ class Connection:
         self._socket = sockets.make(self._context, zmq.DEALER, _QUEUE, self.keys)
         self._socket.connect_timeout = int(patience * 1e3)
         self._socket.reconnect_ivl_max = 100
+        self._send = sockets.sender(self._socket)
         self._monitor = self._socket.get_monitor_socket(_WATCHED)
         sockets.connect(self._socket, self._endpoint)
         self._file = self._loop.register(self._socket, self._receive)
@@ -229,6 +230,9 @@ class Connection:
             self._heard = self._clock()
             self._handle(message, parts[1] if len(parts) > 1 else None)
             if socket is not self._socket:
+                return False
+            if not sockets.readable(socket):
+                self._loop.settle(self._file)
                 return False
         return True
 

@@ -114,6 +114,10 @@ class Loop:
         del self._served[file]
         self._ready.discard(file)
 
+    def settle(self, file: int) -> None:
+        """The socket of this number was found empty after it was touched."""
+        self._ready.discard(file)
+
     def touch(self, file: int) -> None:
         """The socket of this number was sent on, or changed."""
         self._ready.add(file)

@@ -107,8 +107,7 @@ class Outlets:
             socket = sockets.make_plane(self._context, zmq.XPUB, plane, self.connection.keys)
             sockets.connect(socket, address)
             self._sockets[plane] = socket
-            # What pyzmq adds in Python to its compiled method is for other kinds of sockets.
-            self._sends[plane] = zmq.backend.Socket.send.__get__(socket)
+            self._sends[plane] = sockets.sender(socket)
             self._files[plane] = self._loop.register(
                 socket, functools.partial(self._receive, socket)
             )
@@ -196,7 +195,7 @@ class Outlets:
         if send is None:
             return
         try:
-            send(frame, zmq.NOBLOCK)
+            send(frame, sockets.NOBLOCK)
         except zmq.Again:
             self.complaints.count("not sent", f"{name}: no connection to central")
         self._loop.touch(self._files[plane])
@@ -232,7 +231,7 @@ class Outlets:
     def _subscriptions(self, socket: sockets.Socket) -> list[bytes]:
         came: list[bytes] = []
         with self.batch.lock:
-            if not socket.closed and int(socket.getsockopt(zmq.EVENTS)) & zmq.POLLIN:
+            if not socket.closed and sockets.readable(socket):
                 try:
                     while len(came) < _AT_ONCE:
                         came.append(socket.recv(zmq.NOBLOCK))

@@ -77,7 +77,7 @@ class Routes:
             asker=asker,
             number=query.number,
             handler=handler,
-            query=replace(query, number=self._last),
+            query=type(query)(number=self._last, name=query.name, timeout_s=query.timeout_s),
             attached=bytes(attached) if keep and attached is not None else None,
             deadline=now + wait,
         )

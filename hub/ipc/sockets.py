@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import zmq
 
 from hub.ipc.definition import Plane
@@ -14,6 +17,11 @@ Context = zmq.Context[Socket]
 PLANES = tuple(Plane)
 QUEUE = {Plane.STATE: 1000, Plane.COMMAND: 500, Plane.PICTURE: 2}
 """Messages a plane keeps for one slow peer; beyond it the newest are dropped and seen as gaps."""
+
+# As plain numbers: to combine members of an enum takes microseconds.
+NOBLOCK = int(zmq.NOBLOCK)
+MORE = int(zmq.NOBLOCK) | int(zmq.SNDMORE)
+_POLLIN = int(zmq.POLLIN)
 
 _PICTURE_BUFFER = 64 << 10
 """Kernel buffers of the picture plane [bytes]: what lies in them is old before it is seen."""
@@ -61,6 +69,17 @@ def make_plane(context: Context, kind: int, plane: Plane, keys: ClientKeys | Non
     if plane is Plane.PICTURE:
         made.sndbuf = made.rcvbuf = _PICTURE_BUFFER
     return made
+
+
+def sender(socket: Socket) -> Callable[[bytes, int], Any]:
+    """The socket's `send` for plain bytes; what pyzmq adds to it in Python is for other kinds."""
+    send: Callable[[bytes, int], Any] = zmq.backend.Socket.send.__get__(socket)
+    return send
+
+
+def readable(socket: Socket) -> bool:
+    """Whether there is something to receive; costs half of what a failing attempt does."""
+    return bool(int(socket.getsockopt(zmq.EVENTS)) & _POLLIN)
 
 
 def bind(socket: Socket, address: str) -> None:
