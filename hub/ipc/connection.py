@@ -6,6 +6,7 @@ import contextlib
 import logging
 import math
 import os
+import secrets
 from typing import Any, Protocol
 
 import zmq
@@ -94,6 +95,7 @@ class Connection:
         self._loop = loop
         self._clock = loop.clock
         self._complaints = complaints
+        self._client = secrets.randbits(63) | 1
         self._joined = (0, 0)
         self._heard = -math.inf
         self._next_ping = 0.0

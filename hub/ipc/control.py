@@ -32,12 +32,15 @@ class Hello:
         pid: Process id.
         machine: Number of the machine, to tell whether central's clock is ours; 0: do not ask.
         sent: Time of sending on the client's clock [s].
+        client: A random number of this client, which thereby takes the place of its own earlier
+            connection; 0: none.
     """
 
     name: str
     pid: int
     machine: int = 0
     sent: float = 0.0
+    client: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -382,7 +385,7 @@ def _kind(name: str, format_text: str, kind: type[T]) -> MessageDefinition[T]:
 
 
 KINDS: tuple[MessageDefinition[Any], ...] = (
-    _kind("HELLO", "{string,int,ulong,double}", Hello),
+    _kind("HELLO", "{string,int,ulong,double,ulong}", Hello),
     _kind("WELCOME", "{uint,ulong,ulong,double,double,[int:6],[string:6]}", Welcome),
     _kind("REFUSED", "{string,string,string}", Refused),
     _kind("DEFINE", _DEFINE, Define),

@@ -53,6 +53,7 @@ class Peer:
         name: Its unique name.
         pid: Its process id.
         bearer: Who it is by its key, and so what it may do.
+        client: Its random number; 0 if it has none.
         publisher: Number of it in frame headers.
         heard: When it last said anything [s].
         handles: Names of the queries it answers.
@@ -66,6 +67,7 @@ class Peer:
     name: str
     pid: int
     bearer: Bearer
+    client: int
     publisher: int
     heard: float
     handles: set[str] = field(default_factory=set)

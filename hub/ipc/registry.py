@@ -168,10 +168,13 @@ class Registry:
         known = self._peers.get(identity)
         outgoing = []
         if known is None:
+            earlier = self._names.get(message.name)
+            if earlier is not None and earlier.client == message.client != 0:
+                outgoing = self._drop(earlier, "it connects anew")
             refusal = self._refusal(message.name)
             if refusal:
                 self._complaints.count("refused connection", refusal.text)
-                return [Outgoing(identity=identity, message=refusal)]
+                return [*outgoing, Outgoing(identity=identity, message=refusal)]
             self._publishers = self._publishers % 0xFFFF_FFFF + 1
             known = Peer(
                 identity=identity,
@@ -179,12 +182,13 @@ class Registry:
                 name=message.name,
                 pid=message.pid,
                 bearer=caller.bearer,
+                client=message.client,
                 publisher=self._publishers,
                 heard=self._clock(),
             )
             self._peers[identity] = self._names[message.name] = known
             _logger.info("%s connected (pid %d)", message.name, message.pid)
-            outgoing = self._tell(Change.CONNECTED, known)
+            outgoing += self._tell(Change.CONNECTED, known)
         welcome = control.Welcome(
             publisher=known.publisher,
             epoch=self.epoch,

@@ -108,6 +108,17 @@ def test_name_of_a_live_peer_is_refused_and_says_whose_it_is(bench: Bench) -> No
     assert isinstance(bench.answer("b", control.Hello(name="module a", pid=2)), Welcome)
 
 
+def test_client_takes_the_place_of_its_own_earlier_connection_and_of_no_other(
+    bench: Bench,
+) -> None:
+    bench.answer("a", control.Hello(name="one", pid=1, client=7))
+    assert isinstance(bench.answer("b", control.Hello(name="one", pid=1, client=8)), Refused)
+    assert isinstance(bench.answer("b", control.Hello(name="one", pid=1, client=0)), Refused)
+    assert isinstance(bench.answer("c", control.Hello(name="one", pid=1, client=7)), Welcome)
+    assert bench.registry.connected() == ("one",)
+    assert bench.answer("a", control.Ping(epoch=1)) == Stranger()
+
+
 @pytest.mark.parametrize("name", ["", "x" * 65, "a\nb", "\x1b[2J"])
 def test_module_name_that_cannot_be_shown_is_refused(bench: Bench, name: str) -> None:
     assert isinstance(bench.answer("a", control.Hello(name=name, pid=1)), Refused)
