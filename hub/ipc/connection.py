@@ -197,7 +197,11 @@ class Connection:
 
     def _hello(self) -> bool:
         machine, now = self.hub_time.machine, self._clock()
-        return self.tell(control.Hello(name=self._name, pid=os.getpid(), machine=machine, sent=now))
+        return self.tell(
+            control.Hello(
+                name=self._name, pid=os.getpid(), machine=machine, sent=now, client=self._client
+            )
+        )
 
     def _watch(self) -> bool:
         """The socket's own events: a central that comes back is greeted at once."""
