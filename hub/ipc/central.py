@@ -41,8 +41,8 @@ _LOOK_S = 0.05
 _TRIM_S = 2.0
 _LOOKING_S, _LOOKING_CLOSER_S = 0.5e-3, 10e-3
 """How long broadcasts are looked at each time: while all is well, after something wrong [s]."""
-_COPIES = 2000
-"""Broadcasts that wait to be looked at, at most."""
+_COPIES = {Plane.STATE: 400, Plane.COMMAND: 400, Plane.PICTURE: 8}
+"""Broadcasts that wait to be looked at, at most; each holds its memory until then."""
 _HANDSHAKE_FAILURES = (
     zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL,
     zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL,
@@ -151,7 +151,7 @@ class Central:
         # Without it libzmq 4.3.5 loses memory with each stranger that claims a taken identity.
         router.router_handover = True
         self._monitors = {self._monitor(router): "control"}
-        self._tap = sockets.make(self._context, zmq.SUB, _COPIES)
+        self._tap = sockets.make(self._context, zmq.SUB, 1)
         self._tap.subscribe(b"")
         self._told = self._steered("control")
         self._proxies: list[Callable[[], None]] = []
@@ -164,7 +164,7 @@ class Central:
             ends += [inward, outward]
             self._monitors[self._monitor(inward)] = f"{plane.value} in"
             self._monitors[self._monitor(outward)] = f"{plane.value} out"
-            self._proxies.append(self._proxy(plane.value, inward, outward))
+            self._proxies.append(self._proxy(plane, inward, outward))
         self.endpoints: list[str] = []
         self._files: list[Path] = []
         ports, paths = [0] * (len(ends) - 1), [""] * (len(ends) - 1)
@@ -187,10 +187,11 @@ class Central:
         return socket.get_monitor_socket(_WATCHED)
 
     def _proxy(
-        self, name: str, inward: sockets.Socket, outward: sockets.Socket
+        self, plane: Plane, inward: sockets.Socket, outward: sockets.Socket
     ) -> Callable[[], None]:
         """The function that forwards one plane until it is told to terminate."""
-        copies = sockets.make(self._context, zmq.PUB, _COPIES)
+        name = plane.value
+        copies = sockets.make(self._context, zmq.PUB, _COPIES[plane])
         copies.bind(f"inproc://copies-{name}")
         self._tap.connect(f"inproc://copies-{name}")
         told = self._steered(name)
