@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
@@ -9,6 +10,7 @@ from hub.errors import HandlerFailedError, HubError, NoValueError
 from hub.ipc import control, frames
 from hub.ipc.connection import Connection
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.direct import DirectDoor
 from hub.ipc.reception import decode
 
 R = TypeVar("R")
@@ -19,11 +21,7 @@ Pack = Callable[[MessageDefinition[Any], Any, float], bytes]
 class Reply(Generic[R]):
     """An answer that is owed; it is given once, at any time before the query's time has run out."""
 
-    def __init__(
-        self, number: int, asked: float, respond: Callable[[int, R, float], None], fail: Fail
-    ) -> None:
-        self._number = number
-        self._asked = asked
+    def __init__(self, respond: Callable[[R], None], fail: Fail) -> None:
         self._respond = respond
         self._fail = fail
 
@@ -34,18 +32,19 @@ class Reply(Generic[R]):
             CodecError: The value does not fit the format; the query has ended with that error.
         """
         try:
-            self._respond(self._number, value, self._asked)
+            self._respond(value)
         except HubError as error:
-            self._fail(self._number, "HandlerFailedError", str(error))
+            self._fail("HandlerFailedError", str(error))
             raise
 
     def fail(self, why: str) -> None:
         """There will be none."""
-        self._fail(self._number, "HandlerFailedError", why)
+        self._fail("HandlerFailedError", why)
 
 
-Fail = Callable[[int, str, str], None]
-_Responder = Callable[[frames.Frame, int, float], None]
+Fail = Callable[[str, str], None]
+Tell = Callable[[Any, bytes | None], object]
+_Responder = Callable[[frames.Frame, int, float, Tell], None]
 
 
 class Answers:
@@ -74,6 +73,7 @@ class Answers:
         self._last = last
         self._clock = clock
         self._responders: dict[str, _Responder] = {}
+        self._door: DirectDoor | None = None
 
     def add(
         self,
@@ -83,12 +83,12 @@ class Answers:
     ) -> None:
         """Let `handler` answer queries of `request`, at once or later."""
 
-        def respond(number: int, value: R, asked: float) -> None:
-            answer = self._pack(response, value, asked)
-            self._connection.tell(control.Response(number=number), answer)
+        def answer(frame: frames.Frame, number: int, asked: float, tell: Tell) -> None:
+            def respond(value: R) -> None:
+                tell(control.Response(number=number), self._pack(response, value, asked))
 
-        def answer(frame: frames.Frame, number: int, asked: float) -> None:
-            handler(decode(request, frame), Reply(number, asked, respond, self._fail))
+            fail = functools.partial(_fail, tell, number)
+            handler(decode(request, frame), Reply(respond, fail))
 
         self._responders[request.name] = answer
         self._announce(request.name, on=True)
@@ -103,20 +103,32 @@ class Answers:
         for name in self._responders:
             self._announce(name, on=True)
 
+    def open_door(self, door: DirectDoor | None) -> None:
+        """Let others on this machine ask us there, or nowhere but through central."""
+        self._door = door
+
     def answer(self, query: control.Query, attached: bytes | None) -> None:
-        """A query has come."""
+        """A query has come from central."""
+        self._answer(query, attached, self._connection.tell)
+
+    def answer_directly(self, query: control.Query, attached: bytes, asker: bytes) -> None:
+        """A query has come in at our door."""
+        if self._door is not None:
+            self._answer(query, attached, functools.partial(self._door.answer, asker))
+
+    def _answer(self, query: control.Query, attached: bytes | None, tell: Tell) -> None:
         asked = self._clock()  # what the answer says was measured from now on, not when it is sent
         responder = self._responders.get(query.name)
         try:
             if responder is None or attached is None:
                 text = f"{self._name} does not answer {query.name}"
                 raise HandlerFailedError(text)
-            responder(frames.unpack(attached), query.number, asked)
+            responder(frames.unpack(attached), query.number, asked, tell)
         except HubError as error:
-            self._fail(query.number, "HandlerFailedError", str(error))
+            _fail(tell, query.number, "HandlerFailedError", str(error))
         except Exception as error:
             text = f"{self._name} failed at {query.name}: {error!r}"
-            self._fail(query.number, "HandlerFailedError", text)
+            _fail(tell, query.number, "HandlerFailedError", text)
             raise
 
     def tell_last(self, query: control.Last) -> None:
@@ -124,15 +136,17 @@ class Answers:
         frame = self._last(query.name)
         if frame is None:
             text = f"{self._name} has published no {query.name} yet"
-            self._fail(query.number, NoValueError.__name__, text)
+            _fail(self._connection.tell, query.number, NoValueError.__name__, text)
         else:
             self._connection.tell(control.Response(number=query.number), frame)
 
     def _announce(self, name: str, *, on: bool) -> None:
         if self._connection.publisher:
-            self._connection.tell(control.Handle(name=name, on=on))
+            address = self._door.address if self._door else ""
+            self._connection.tell(control.Handle(name=name, on=on, address=address))
 
-    def _fail(self, number: int, error: str, text: str) -> None:
-        # Whatever is in the text, it can be sent.
-        sayable = text.replace("\0", "?").encode(errors="replace").decode()
-        self._connection.tell(control.Failure(number=number, error=error, text=sayable))
+
+def _fail(tell: Tell, number: int, error: str, text: str) -> None:
+    """Say that there will be no answer, in a text that can be sent whatever is in it."""
+    sayable = text.replace("\0", "?").encode(errors="replace").decode()
+    tell(control.Failure(number=number, error=error, text=sayable), None)

@@ -346,9 +346,7 @@ class Client:
         if self._context.closed:
             return
         self.loop.leave(self._session)
-        self._outlets.close()
-        self._inlets.disconnect()
-        self._connection.close()
+        self._session.close()
         self._context.term()
         if self._own_loop:
             self.loop.close()

@@ -65,6 +65,7 @@ class Connection:
     """The control connection of one client.
 
     Attributes:
+        client: Our random number.
         publisher: Our number at central; 0 while it does not know us.
         hub_time: The hub's clock.
         keys: What we show central if it is on another machine.
@@ -95,7 +96,7 @@ class Connection:
         self._loop = loop
         self._clock = loop.clock
         self._complaints = complaints
-        self._client = secrets.randbits(63) | 1
+        self.client = secrets.randbits(63) | 1
         self._joined = (0, 0)
         self._heard = -math.inf
         self._next_ping = 0.0
@@ -199,7 +200,7 @@ class Connection:
         machine, now = self.hub_time.machine, self._clock()
         return self.tell(
             control.Hello(
-                name=self._name, pid=os.getpid(), machine=machine, sent=now, client=self._client
+                name=self._name, pid=os.getpid(), machine=machine, sent=now, client=self.client
             )
         )
 

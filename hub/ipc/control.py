@@ -176,10 +176,17 @@ class Subscribed:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Handle:
-    """Client: I answer queries of this name, or no longer."""
+    """Client: I answer queries of this name, or no longer.
+
+    Attributes:
+        name: Message name.
+        on: Whether.
+        address: Where I can be asked directly by others on this machine; empty: nowhere.
+    """
 
     name: str
     on: bool = True
+    address: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -372,6 +379,14 @@ class LogLevel:
     level: str
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Route:
+    """Central: queries of this name may go to this address directly; empty: no longer."""
+
+    name: str
+    address: str
+
+
 _DEFINE = (
     "{string,string,string,string,string,double,double,"
     "string,ulong,ulong,ulong,ulong,double,double}"
@@ -390,7 +405,7 @@ KINDS: tuple[MessageDefinition[Any], ...] = (
     _kind("REFUSED", "{string,string,string}", Refused),
     _kind("DEFINE", _DEFINE, Define),
     _kind("DEFINED", "{string}", Defined),
-    _kind("HANDLE", "{string,boolean}", Handle),
+    _kind("HANDLE", "{string,boolean,string}", Handle),
     _kind("QUERY", "{uint,string,double}", Query),
     _kind("RESPONSE", "{uint}", Response),
     _kind("FAILURE", "{uint,string,string}", Failure),
@@ -416,6 +431,7 @@ KINDS: tuple[MessageDefinition[Any], ...] = (
     _kind("REPORT", "{uint,<{string,ulong,ulong,ulong,double}:1>}", Report),
     _kind("CLOSE", "{string,string}", Close),
     _kind("LOG_LEVEL", "{string}", LogLevel),
+    _kind("ROUTE", "{string,string}", Route),
 )
 """The kinds; a kind's number on the wire is its place here, counted from 1."""
 

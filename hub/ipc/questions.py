@@ -8,9 +8,18 @@ from dataclasses import dataclass
 from typing import Any
 
 import hub.errors
-from hub.errors import CodecError, FrameError, HandlerFailedError, QueryError, QueryTimeoutError
+from hub.errors import (
+    CodecError,
+    FrameError,
+    HandlerDiedError,
+    HandlerFailedError,
+    NoHandlerError,
+    QueryError,
+    QueryTimeoutError,
+)
 from hub.ipc import control, frames
 from hub.ipc.connection import Connection
+from hub.ipc.direct import DirectWay
 from hub.ipc.reception import Reception
 
 
@@ -26,6 +35,9 @@ class Question:
         answered: Called with the answer.
         failed: Called with the error.
         unsent: Whether it could not even be sent.
+        frame: The message of a query that went the direct way.
+        way: That way.
+        orphaned: Whether that way has ended, and it was asked again.
     """
 
     name: str
@@ -35,6 +47,9 @@ class Question:
     answered: Callable[[Any, Reception], None]
     failed: Callable[[QueryError], None]
     unsent: bool = False
+    frame: bytes | None = None
+    way: DirectWay | None = None
+    orphaned: bool = False
 
 
 class Questions:
@@ -45,6 +60,7 @@ class Questions:
         self._clock = clock
         self._waiting: dict[int, Question] = {}
         self._last = 0
+        self._ways: dict[str, DirectWay] = {}
 
     def ask(self, question: Question, frame: bytes | None) -> None:
         """Ask with a message's frame, or without one for the last value of the message.
@@ -53,6 +69,14 @@ class Questions:
         """
         self._last = self._last % 0xFFFF_FFFF + 1
         self._waiting[self._last] = question
+        way = self._ways.get(question.name)
+        if way is not None and frame is not None:
+            direct = control.Query(
+                number=self._last, name=question.name, timeout_s=question.timeout
+            )
+            if way.ask(direct, frame):
+                question.way, question.frame = way, frame
+                return
         kind = control.Last if frame is None else control.Query
         query = kind(number=self._last, name=question.name, timeout_s=question.timeout)
         if not self._connection.publisher or not self._connection.tell(query, frame):
@@ -95,6 +119,37 @@ class Questions:
         )
         self.ask(question, None)
 
+    def follow(self, name: str, way: DirectWay | None) -> DirectWay | None:
+        """Ask for this name on this way from now on, or through central; the way it went before."""
+        if way is not None and self._ways.get(name) is way:
+            return None
+        before = self._ways.pop(name, None)
+        if before is not None:
+            before.names.discard(name)
+            self._ask_again(before, name)
+        if way is not None:
+            self._ways[name] = way
+            way.names.add(name)
+        return before
+
+    def ways(self) -> set[DirectWay]:
+        """All direct ways in use."""
+        return set(self._ways.values())
+
+    def _ask_again(self, way: DirectWay, name: str) -> None:
+        """What went a way that has ended is asked through central."""
+        now = self._clock()
+        for number, question in self._waiting.items():
+            if question.way is way and question.name == name:
+                question.way, question.orphaned = None, True
+                query = control.Query(
+                    number=number, name=name, timeout_s=max(question.deadline - now, 1e-3)
+                )
+                if not self._connection.publisher or not self._connection.tell(
+                    query, question.frame
+                ):
+                    question.unsent, question.deadline = True, -math.inf
+
     def due(self, otherwise: float) -> float:
         """When the first one ends by time [s]; `otherwise` if there is none."""
         return min((question.deadline for question in self._waiting.values()), default=otherwise)
@@ -130,6 +185,8 @@ class Questions:
         if isinstance(message, control.Failure) or attached is None:
             text = message.text if isinstance(message, control.Failure) else "an empty answer"
             kind = getattr(hub.errors, getattr(message, "error", ""), HandlerFailedError)
+            if question.orphaned and kind is NoHandlerError:
+                kind = HandlerDiedError  # it was there when we asked
             valid = isinstance(kind, type) and issubclass(kind, QueryError)
             question.failed(kind(text) if valid else HandlerFailedError(text))
             return True

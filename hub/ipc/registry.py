@@ -24,6 +24,7 @@ from hub.ipc.hub_time import this_machine
 from hub.ipc.peers import Caller, Crowd, Outgoing, Peer
 from hub.ipc.routes import Routes
 from hub.ipc.security import demand
+from hub.ipc.shortcuts import Shortcuts
 from hub.ipc.traffic import Traffic
 
 _logger = logging.getLogger(__name__)
@@ -78,6 +79,7 @@ class Registry:
         self._publishing, self._subscribing, self._handling = Crowd(), Crowd(), Crowd()
         self._confirmations = Confirmations()
         self._routes = Routes(self._candidates, complaints)
+        self._shortcuts = Shortcuts()
         # Not from 1: a module that does not know yet that central was started again still sends
         # under its old number, which must not be another's new one.
         self._publishers = secrets.randbits(31)
@@ -183,6 +185,7 @@ class Registry:
                 pid=message.pid,
                 bearer=caller.bearer,
                 client=message.client,
+                machine=message.machine,
                 publisher=self._publishers,
                 heard=self._clock(),
             )
@@ -315,10 +318,14 @@ class Registry:
     ) -> list[Outgoing]:
         del attached
         if not message.on:
-            return self._leave(self._handling, Change.HANDLERS, peer, message.name)
+            closed = self._shortcuts.close(peer, message.name)
+            return closed + self._leave(self._handling, Change.HANDLERS, peer, message.name)
         if not self._admit(peer, message.name, peer.handles):
             return []
-        return self._join(self._handling, Change.HANDLERS, peer, message.name)
+        told = self._shortcuts.close_all(self._handling.of(message.name), message.name)
+        told += self._join(self._handling, Change.HANDLERS, peer, message.name)
+        self._shortcuts.open(peer, message)
+        return told
 
     def _admit(self, peer: Peer, name: str, names: set[str], *, undefined: bool = False) -> bool:
         """Whether `peer` may do something with one more message."""
@@ -367,7 +374,11 @@ class Registry:
             text = f"the query of {message.name[:80]} came without its message"
             failure = control.Failure(number=message.number, error="NoHandlerError", text=text)
             return [Outgoing(identity=peer.identity, message=failure)]
-        return self._routes.ask(peer, message, attached, self._clock())
+        asked = self._routes.ask(peer, message, attached, self._clock())
+        handlers = list(self._handling.of(message.name))
+        if isinstance(message, control.Query) and len(handlers) == 1:
+            asked += self._shortcuts.offer(peer, handlers[0], message.name)
+        return asked
 
     def _answer(
         self, peer: Peer, message: control.Response | control.Failure, attached: Buffer | None
@@ -467,7 +478,7 @@ class Registry:
         self._peers.pop(peer.identity, None)
         if self._names.get(peer.name) is peer:
             del self._names[peer.name]
-        outgoing = []
+        outgoing = self._shortcuts.drop(peer)
         for crowd, change in (
             (self._publishing, Change.PUBLISHERS),
             (self._subscribing, Change.SUBSCRIBERS),

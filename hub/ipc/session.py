@@ -6,11 +6,12 @@ import collections
 from typing import Any
 
 from hub.errors import HubError, NotAllowedError, RedefinedMessageError
-from hub.ipc import control, description, frames, sockets
+from hub.ipc import control, description, direct, frames, sockets
 from hub.ipc.answering import Answers
 from hub.ipc.complaints import Complaints
 from hub.ipc.connection import LOST_S, Connection
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.direct import DirectDoor, DirectWay
 from hub.ipc.directory import Directory
 from hub.ipc.hub_time import this_machine
 from hub.ipc.keys import ClientKeys
@@ -70,6 +71,9 @@ class Session:
         self.inlets = Inlets(context, loop, self.connection, complaints)
         self.questions = Questions(self.connection, self._clock)
         self.answers = Answers(name, self.connection, self.pack, self.outlets.last, self._clock)
+        self._context = context
+        self._loop = loop
+        self._door: DirectDoor | None = None
 
     @property
     def defined(self) -> bool:
@@ -129,6 +133,7 @@ class Session:
             local = message.machine == this_machine() != 0
             self.outlets.connect(addresses[0::2], local=local)
             self.inlets.connect(addresses[1::2], local=local, same_run=same_run)
+            self._open_door(local=local)
         for definition in self._definitions.values():
             self.connection.tell(description.to_listing(definition))
         if anew:
@@ -143,7 +148,16 @@ class Session:
         self._confirmed.clear()
         self.outlets.disconnect()
         self.inlets.disconnect()
+        self._close_ways()
         self.questions.end_all(why)
+
+    def close(self) -> None:
+        """Free everything."""
+        self._close_ways()
+        self._open_door(local=False)
+        self.outlets.close()
+        self.inlets.disconnect()
+        self.connection.close()
 
     def told(self, message: Any, attached: bytes | None) -> None:
         """A control message came that is not about the connection."""
@@ -152,8 +166,14 @@ class Session:
         elif isinstance(message, (control.Response, control.Failure)):
             if not self.questions.conclude(message, attached, self._reception):
                 self._complaints.count("late answer", "nobody waits for it any more")
-        elif isinstance(message, control.Last):
+        else:
+            self._told_rarely(message)
+
+    def _told_rarely(self, message: Any) -> None:
+        if isinstance(message, control.Last):
             self.answers.tell_last(message)
+        elif isinstance(message, control.Route):
+            self._route(message)
         elif isinstance(message, control.Defined):
             self._confirmed.add(message.name)
         elif isinstance(message, control.Advertised):
@@ -166,6 +186,46 @@ class Session:
             kind = NotAllowedError if message.error == "NotAllowedError" else RedefinedMessageError
             self.refused[message.subject] = kind(message.text)
             self._complaints.count("refused by central", message.text)
+
+    def _open_door(self, *, local: bool) -> None:
+        """Be asked directly if central is on this machine, and only then."""
+        if local and direct.available and self._door is None:
+            self._door = DirectDoor(
+                self.connection.client,
+                self.answers.answer_directly,
+                context=self._context,
+                loop=self._loop,
+                complaints=self._complaints,
+            )
+        elif not local and self._door is not None:
+            self._door.close()
+            self._door = None
+        self.answers.open_door(self._door)
+
+    def _route(self, message: control.Route) -> None:
+        """Central says where queries of a name may go, or that they may no longer."""
+        way = next((w for w in self.questions.ways() if w.address == message.address), None)
+        if way is None and message.address.startswith("ipc://@rune-"):
+            way = DirectWay(
+                message.address,
+                answered=self.told,
+                lost=self._way_lost,
+                context=self._context,
+                loop=self._loop,
+                complaints=self._complaints,
+            )
+        before = self.questions.follow(message.name, way)
+        if before is not None and not before.names:
+            before.close()
+
+    def _way_lost(self, way: DirectWay) -> None:
+        for name in tuple(way.names):
+            self.questions.follow(name, None)
+        way.close()
+
+    def _close_ways(self) -> None:
+        for way in self.questions.ways():
+            self._way_lost(way)
 
     def _check(self, now: float) -> None:
         """What is to be done every second or so."""
