@@ -37,9 +37,9 @@ _logger = logging.getLogger(__name__)
 _LISTEN_S = 1.0
 _BATCH = 256
 _CONTROL_QUEUE = 1000
-_LOOK_S = 0.05
-_TRIM_S = 2.0
-_LOOKING_S, _LOOKING_CLOSER_S = 0.5e-3, 10e-3
+_LOOK_S = 0.1
+_TRIM_S = 5.0
+_LOOKING_S, _LOOKING_CLOSER_S = 1e-3, 20e-3
 """How long broadcasts are looked at each time: while all is well, after something wrong [s]."""
 _COPIES = {Plane.STATE: 400, Plane.COMMAND: 400, Plane.PICTURE: 8}
 """Broadcasts that wait to be looked at, at most; each holds its memory until then."""

@@ -32,7 +32,8 @@ _SUBSCRIPTIONS = 1 << 16
 def make(context: Context, kind: int, queue: int, keys: ClientKeys | None = None) -> Socket:
     """A socket with the bus's options, and a client's keys if it has some.
 
-    Heartbeats find a dead peer in 1.5 s; queues are bounded; closing never waits.
+    Heartbeats free the connections of a dead peer; that it is dead, its missing pings have told
+    before. Queues are bounded; closing never waits.
     """
     made = context.socket(kind)
     made.linger = 0
@@ -42,9 +43,9 @@ def make(context: Context, kind: int, queue: int, keys: ClientKeys | None = None
         # libzmq 4.3.5 aborts the process when a socket with heartbeats is read again after its
         # queue was full for longer than the timeout. So only sockets that are always read, or only
         # written to, have them; a client sees by its own pings that central has gone.
-        made.heartbeat_ivl = 500
-        made.heartbeat_timeout = 1500
-        made.heartbeat_ttl = 2000
+        made.heartbeat_ivl = 2000
+        made.heartbeat_timeout = 5000
+        made.heartbeat_ttl = 8000
     made.reconnect_ivl = 50
     made.reconnect_ivl_max = 250
     made.connect_timeout = 3000
