@@ -31,6 +31,8 @@ _BATCH = 256
 _QUEUE = 10_000
 """Control messages under way; a client that comes back says all it does at once."""
 _WATCHED = zmq.EVENT_HANDSHAKE_SUCCEEDED | zmq.EVENT_DISCONNECTED
+_SECOND_HELLO_S = 0.2
+"""Who was refused asks once more, so soon, before it takes the answer [s]."""
 _STAY_S = 2.0
 """How long one way of connecting is tried [s]."""
 _SHORTEST_S, _LONGEST_S = 0.25, 1.5
@@ -69,7 +71,7 @@ class Connection:
         publisher: Our number at central; 0 while it does not know us.
         hub_time: The hub's clock.
         keys: What we show central if it is on another machine.
-        refusal: Why central refused to connect us, if it did.
+        refusal: Why central refused to connect us, if it did so twice.
         closed: Who had central disconnect us, if somebody did.
     """
 
@@ -88,6 +90,7 @@ class Connection:
         self.keys = keys
         self.hub_time = HubTime(loop.clock)
         self.refusal: HubError | None = None
+        self._refused = math.inf
         self.closed = ""
         self._name = name
         self._endpoint = endpoint
@@ -267,7 +270,7 @@ class Connection:
         ):
             self._complaints.count("malformed control frame", "a WELCOME with impossible ports")
             return
-        self.refusal = None
+        self.refusal, self._refused = None, math.inf
         self.publisher = message.publisher
         self._attempt = 1
         joined = (message.epoch, message.publisher)
@@ -282,6 +285,12 @@ class Connection:
         kind = getattr(hub.errors, message.error, None)
         if not (isinstance(kind, type) and issubclass(kind, HubError)):
             kind = hub.errors.CentralUnreachableError
+        now = self._clock()
+        self._refused = min(self._refused, now)
+        if now - self._refused < _SECOND_HELLO_S:
+            # The goodbye of who had the name before may still be under way.
+            self._next_ping = min(self._next_ping, self._refused + _SECOND_HELLO_S)
+            return
         with contextlib.suppress(TypeError):  # an error of ours that takes more than a sentence
             self.refusal = kind(message.text)
         self._complaints.count("refused by central", message.text)

@@ -217,17 +217,20 @@ def test_a_log_that_nobody_reads_does_not_stop_the_hub(tmp_path: Path) -> None:
         text=True,
     )
     assert daemon.stdout is not None
-    endpoint = json.loads(daemon.stdout.readline())["hub"]
-    watch = Observer(endpoint)
-    for _ in range(30):
-        Observer(endpoint).close()  # each is worth two lines in the log
-    assert watch.truth.time > 0.0
-    watch.close()
-    daemon.send_signal(signal.SIGINT)
-    assert daemon.wait(10.0) == 0
-    daemon.stdout.close()
-    os.close(unread)
-    os.close(log)
+    try:
+        endpoint = json.loads(daemon.stdout.readline())["hub"]
+        watch = Observer(endpoint)
+        for _ in range(30):
+            Observer(endpoint).close()  # each is worth two lines in the log
+        assert watch.truth.time > 0.0
+        watch.close()
+        daemon.send_signal(signal.SIGINT)
+        assert daemon.wait(10.0) == 0
+    finally:
+        daemon.kill()
+        daemon.stdout.close()
+        os.close(unread)
+        os.close(log)
 
 
 def test_socket_folders_of_killed_daemons_are_swept(tmp_path: Path, runtime: Path) -> None:

@@ -398,3 +398,15 @@ def test_fault_of_central_itself_is_counted_and_does_not_end_it(
     one.call(lambda: one.client.directory.listing(5.0))
     lines = [record for record in caplog.records if record.levelno >= logging.WARNING]
     assert len([record for record in lines if record.name == "hub.ipc.central"]) == 2
+
+
+def test_name_that_is_being_given_back_is_waited_for(
+    connect: Callable[[str], Peer], central: Central, peers: Make
+) -> None:
+    """The goodbye of the one before may still be under way when the next says hello."""
+    one = connect("again")
+    other = peers("again", central.endpoints[0])
+    until(lambda: central.complaints.counts["refused connection"], 5.0)
+    one.close()
+    other.connect()
+    assert other.client.refusal is None
