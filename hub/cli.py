@@ -105,7 +105,7 @@ def _look_at_central(client: Client, options: argparse.Namespace) -> int:
     from hub.inspection import status
 
     if options.command == "status":
-        return status.status(client, seconds=options.seconds, as_json=options.json)
+        return status.status(client, as_json=options.json)
     if options.command == "log":
         return status.log(client, options.names, with_data=options.data, count=options.count)
     if options.command == "close":
@@ -216,7 +216,6 @@ def _parser() -> argparse.ArgumentParser:
     state = commands.add_parser(
         "status", parents=[look], help="modules, rates, bytes, what was missed, how old it is"
     )
-    state.add_argument("--seconds", type=_positive, default=1.0, help="to take rates from [s]")
     log = commands.add_parser(
         "log", parents=[look], help="one line for each message, and from whom"
     )

@@ -22,7 +22,7 @@ import zmq
 import zmq.utils.monitor
 
 from hub.errors import CodecError, EndpointError, FrameError, HubError, NotAllowedError
-from hub.ipc import control, frames, memory, security, sockets
+from hub.ipc import control_frames, frames, memory, security, sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.definition import Plane
 from hub.ipc.gateway import Gateway
@@ -311,13 +311,11 @@ class Central:
                 self.complaints.count("malformed control frame", f"{len(body)} parts")
                 continue
             try:
-                message = control.unpack(body[0].buffer)
+                message = control_frames.unpack(body[0].buffer)
                 bearer = parse_bearer(str(body[0].get("User-Id"))) if door.guarded else LOCAL
             except (FrameError, CodecError, NotAllowedError) as error:
                 self.complaints.count("malformed control frame", str(error))
                 continue
-            if isinstance(message, control.List):
-                self._look()  # so that what was received is also counted
             attached = body[1].buffer if len(body) == 2 else None
             # Two routers may give two connections the same identity.
             identity = bytes([number]) + parts[0].bytes
@@ -329,10 +327,10 @@ class Central:
         return True
 
     def _look(self) -> None:
-        """Count the broadcasts, and what is wrong with them.
+        """Count what is wrong with the broadcasts that pass.
 
-        Not one by one as they pass: then each would wake this thread and take the processor from
-        who waits for the message. Nor all of them under a flood; sequence numbers tell the rest.
+        Not one by one as they do: then each would wake this thread and take the processor from who
+        waits for the message. Nor all of them under a flood.
         """
         began, enough = self._clock(), _LOOKING_S
         while self._clock() - began < enough:
@@ -343,7 +341,7 @@ class Central:
             if raw[:1] in (b"\0", b"\1"):
                 continue  # the proxy's own subscriptions pass here as well
             try:
-                right = self._registry.broadcast(frames.unpack(raw), len(raw))
+                right = self._registry.broadcast(frames.unpack(raw))
             except FrameError as error:
                 self.complaints.count("malformed frame", str(error))
                 right = False
@@ -355,7 +353,7 @@ class Central:
         while pending:
             message = pending.pop(0)
             number = message.identity[0]
-            send, packed = self._doors[number].send, control.pack(message.message)
+            send, packed = self._doors[number].send, control_frames.pack(message.message)
             self._loop.touch(self._routers[number])
             try:
                 send(message.identity[1:], sockets.MORE)

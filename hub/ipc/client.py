@@ -41,7 +41,9 @@ _logger = logging.getLogger(__name__)
 T = TypeVar("T")
 R = TypeVar("R")
 
-_LAST_S = _ATTEND_S = 2.0
+_LAST_S = _MAX_SOCKETS = 4096
+"""One for each plane and subscriber on this machine, and a few."""
+_ATTEND_S = 2.0
 
 
 def _never() -> bool:
@@ -67,6 +69,7 @@ class Client:
         clock: Callable[[], float] = time.monotonic,
         loop: Loop | None = None,
         keys: ClientKeys | None = None,
+        near: bool = True,
     ) -> None:
         """Start connecting; this never waits.
 
@@ -76,6 +79,7 @@ class Client:
             clock: Monotonic time [s]; that of `loop` if one is given.
             loop: The loop of a program with several clients; default a loop of its own.
             keys: For a central on another machine.
+            near: Whether messages may pass central by, to and from modules of this machine.
 
         Raises:
             EndpointError: The endpoint is malformed, or not on this machine and there are no keys.
@@ -88,6 +92,7 @@ class Client:
         self._clock = clock = self.loop.clock
         self.complaints = Complaints(_logger, clock)
         self._context: sockets.Context = zmq.Context()
+        self._context.max_sockets = _MAX_SOCKETS
         self._ready_outlets: dict[MessageDefinition[Any], Outlet] = {}
         self._session = Session(
             name,
@@ -96,6 +101,7 @@ class Client:
             loop=self.loop,
             complaints=self.complaints,
             keys=keys,
+            near=near,
         )
         self._connection, self._questions = self._session.connection, self._session.questions
         self._outlets, self._inlets = self._session.outlets, self._session.inlets

@@ -14,10 +14,10 @@ import zmq.utils.monitor
 
 import hub.errors
 from hub.errors import CodecError, FrameError, HubError
-from hub.ipc import control, sockets
+from hub.ipc import control, control_frames, sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.definition import Plane
-from hub.ipc.hub_time import HubTime
+from hub.ipc.hub_time import HubTime, this_neighbourhood
 from hub.ipc.keys import ClientKeys
 from hub.ipc.loop import Loop
 from hub.ipc.security import may_enter
@@ -85,8 +85,10 @@ class Connection:
         loop: Loop,
         complaints: Complaints,
         keys: ClientKeys | None,
+        near: bool,
     ) -> None:
         self.publisher = 0
+        self._neighbourhood = this_neighbourhood() if near and keys is None else 0
         self.keys = keys
         self.hub_time = HubTime(loop.clock)
         self.refusal: HubError | None = None
@@ -121,7 +123,7 @@ class Connection:
 
     def tell(self, message: Any, attached: bytes | None = None) -> bool:
         """Send a control message; False if there is no connection now."""
-        packed = control.pack(message)
+        packed = control_frames.pack(message)
         self._loop.touch(self._file)
         try:
             if attached is None:
@@ -203,7 +205,12 @@ class Connection:
         machine, now = self.hub_time.machine, self._clock()
         return self.tell(
             control.Hello(
-                name=self._name, pid=os.getpid(), machine=machine, sent=now, client=self.client
+                name=self._name,
+                pid=os.getpid(),
+                machine=machine,
+                sent=now,
+                client=self.client,
+                neighbourhood=self._neighbourhood,
             )
         )
 
@@ -233,7 +240,7 @@ class Connection:
             except zmq.Again:
                 return False
             try:
-                message = control.unpack(parts[0])
+                message = control_frames.unpack(parts[0])
             except (FrameError, CodecError) as error:
                 self._complaints.count("malformed control frame", str(error))
                 continue

@@ -1,26 +1,10 @@
-"""What clients and central say to each other besides messages: administration, itself typed.
-
-A control message is one ZeroMQ frame: "RUNE", protocol version, kind, two zero bytes, and a CDR
-payload in the kind's format. QUERY and RESPONSE are followed by a second frame with the message.
-"""
+"""What clients and central say to each other besides messages: administration, itself typed."""
 
 from __future__ import annotations
 
 import enum
 import math
-import struct
 from dataclasses import dataclass
-from typing import Any, TypeVar
-
-from hub.errors import FrameError
-from hub.ipc import frames
-from hub.ipc.codegen import Buffer
-from hub.ipc.definition import MessageDefinition
-
-T = TypeVar("T")
-
-_PREAMBLE = struct.Struct("<4sBBH")
-_MAGIC = b"RUNE"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,6 +18,8 @@ class Hello:
         sent: Time of sending on the client's clock [s].
         client: A random number of this client, which thereby takes the place of its own earlier
             connection; 0: none.
+        neighbourhood: Number of all clients that can reach each other directly; 0: go through
+            central.
     """
 
     name: str
@@ -41,6 +27,7 @@ class Hello:
     machine: int = 0
     sent: float = 0.0
     client: int = 0
+    neighbourhood: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,6 +40,7 @@ class Welcome:
         machine: Number of central's machine.
         sent: From the HELLO.
         hub_time: Time of answering on the hub's clock [s].
+        near: Whether the client is a neighbour of all others in central's neighbourhood.
         ports: TCP ports of each plane in turn, in and out; 0 where there is none.
         paths: ipc:// paths of the same; empty where there is none.
     """
@@ -62,6 +50,7 @@ class Welcome:
     machine: int
     sent: float
     hub_time: float
+    near: bool
     ports: tuple[int, ...]
     paths: tuple[str, ...]
 
@@ -94,8 +83,10 @@ class Define:
         rate_hz: Nominal rate [Hz].
         lifespan_s: Age beyond which a receiver drops it [s].
         definer: Who defined it; only in a listing, as all that follows.
-        messages: Broadcasts of it.
-        bytes: Bytes of them.
+        messages: Broadcasts of it, as its publishers count them.
+        bytes: Bytes of their payloads.
+        messages_per_s: Broadcasts of it lately [1/s].
+        bytes_per_s: Bytes of their payloads lately [1/s].
         lost: Broadcasts that subscribers missed, by their sequence numbers.
         expired: Broadcasts that subscribers dropped because they were too old.
         oldest_s: Largest age at a subscriber in the last seconds [s].
@@ -112,6 +103,8 @@ class Define:
     definer: str = ""
     messages: int = 0
     bytes: int = 0
+    messages_per_s: float = 0.0
+    bytes_per_s: float = 0.0
     lost: int = 0
     expired: int = 0
     oldest_s: float = 0.0
@@ -134,7 +127,7 @@ class Advertise:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Advertised:
-    """Central: noted; whether anybody subscribes to it now."""
+    """Central: noted; whether anybody subscribes to it now whose subscription comes by ZeroMQ."""
 
     name: str
     subscribed: bool
@@ -147,10 +140,33 @@ class Subscribe:
     Attributes:
         name: Message name.
         token: Tells this subscription from all others; empty: do not tell me.
+        inbox: Where neighbours send it to; empty: nowhere.
+        in_ring: Whether they send descriptors of shared memory where they can.
     """
 
     name: str
     token: str
+    inbox: str = ""
+    in_ring: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Subscriber:
+    """Central: this neighbour subscribes to what you publish; send it there directly.
+
+    Attributes:
+        name: Message name; empty: all, if it does so no longer.
+        subscriber: Number of its connection.
+        inbox: Where; empty: it does so no longer.
+        in_ring: Whether it wants descriptors of shared memory where there is some.
+        token: Of its subscription, which READY confirms; empty: no need to.
+    """
+
+    name: str
+    subscriber: int
+    inbox: str = ""
+    in_ring: bool = False
+    token: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -357,11 +373,32 @@ class Received:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Report:
-    """Client: this is what came to me."""
+class Published:
+    """What a publisher has broadcast of one message since it last told.
 
-    count: int
+    Attributes:
+        name: Message name.
+        messages: How many.
+        bytes: Of their payloads.
+        over_s: In what time [s].
+        silent_s: Time since the last one [s].
+    """
+
+    name: str
+    messages: int
+    bytes: int
+    over_s: float
+    silent_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Report:
+    """Client: this is what came to me, and what I have published."""
+
+    received_count: int
     received: tuple[Received, ...]
+    published_count: int
+    published: tuple[Published, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -385,85 +422,3 @@ class Route:
 
     name: str
     address: str
-
-
-_DEFINE = (
-    "{string,string,string,string,string,double,double,"
-    "string,ulong,ulong,ulong,ulong,double,double}"
-)
-_PEER = "{string,int,uint,string,double,string,string,string}"
-_CHANGE = "{enum " + ",".join(change.name for change in Change) + "}"
-
-
-def _kind(name: str, format_text: str, kind: type[T]) -> MessageDefinition[T]:
-    return MessageDefinition(name=name, format=format_text, type=kind)
-
-
-KINDS: tuple[MessageDefinition[Any], ...] = (
-    _kind("HELLO", "{string,int,ulong,double,ulong}", Hello),
-    _kind("WELCOME", "{uint,ulong,ulong,double,double,[int:6],[string:6]}", Welcome),
-    _kind("REFUSED", "{string,string,string}", Refused),
-    _kind("DEFINE", _DEFINE, Define),
-    _kind("DEFINED", "{string}", Defined),
-    _kind("HANDLE", "{string,boolean,string}", Handle),
-    _kind("QUERY", "{uint,string,double}", Query),
-    _kind("RESPONSE", "{uint}", Response),
-    _kind("FAILURE", "{uint,string,string}", Failure),
-    _kind("PING", "{ulong,double}", Ping),
-    _kind("PONG", "{ulong,double,double}", Pong),
-    _kind("STRANGER", "{}", Stranger),
-    _kind("LIST", "{}", List),
-    _kind(
-        "LISTING",
-        f"{{double,string,uint,<{_DEFINE}:3>,uint,<{_PEER}:5>,uint,<{{string,ulong}}:7>}}",
-        Listing,
-    ),
-    _kind("BYE", "{}", Bye),
-    _kind("ADVERTISE", "{string}", Advertise),
-    _kind("ADVERTISED", "{string,boolean}", Advertised),
-    _kind("SUBSCRIBE", "{string,string}", Subscribe),
-    _kind("UNSUBSCRIBE", "{string}", Unsubscribe),
-    _kind("READY", "{string}", Ready),
-    _kind("SUBSCRIBED", "{string}", Subscribed),
-    _kind("LAST", "{uint,string,double}", Last),
-    _kind("WATCH", "{}", Watch),
-    _kind("PRESENCE", f"{{{_CHANGE},string,int,string,uint}}", Presence),
-    _kind("REPORT", "{uint,<{string,ulong,ulong,ulong,double}:1>}", Report),
-    _kind("CLOSE", "{string,string}", Close),
-    _kind("LOG_LEVEL", "{string}", LogLevel),
-    _kind("ROUTE", "{string,string}", Route),
-)
-"""The kinds; a kind's number on the wire is its place here, counted from 1."""
-
-_NUMBER = {definition.type: number for number, definition in enumerate(KINDS, 1)}
-
-
-def pack(message: Any) -> bytes:
-    """The frame of a control message."""
-    number = _NUMBER[type(message)]
-    preamble = _PREAMBLE.pack(_MAGIC, frames.VERSION, number, 0)
-    return b"".join((preamble, *KINDS[number - 1].encode(message)))
-
-
-def unpack(raw: Buffer) -> Any:
-    """The control message in a frame.
-
-    Raises:
-        FrameError: The bytes are no control message of this protocol version.
-        CodecError: The payload does not fit its kind.
-    """
-    view = memoryview(raw)
-    if len(view) < _PREAMBLE.size:
-        text = f"a control frame of {len(view)} bytes has no whole preamble"
-        raise FrameError(text)
-    magic, version, number, _ = _PREAMBLE.unpack_from(view)
-    if magic != _MAGIC:
-        text = "a control frame does not start with RUNE"
-        raise FrameError(text)
-    if version != frames.VERSION:
-        text = f"a control frame has protocol version {version}, this is {frames.VERSION}"
-        raise FrameError(text)
-    if not 1 <= number <= len(KINDS):
-        text = f"a control frame has the unknown kind {number}"
-        raise FrameError(text)
-    return KINDS[number - 1].decode(view[_PREAMBLE.size :])

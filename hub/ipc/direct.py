@@ -8,19 +8,15 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import sys
 from collections.abc import Callable
 from typing import Any
 
 import zmq
 
 from hub.errors import CodecError, FrameError
-from hub.ipc import control, sockets
+from hub.ipc import control, control_frames, neighbours, sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.loop import Loop
-
-available = sys.platform == "linux"
-"""Whether this system has sockets with names but without files (unix(7), abstract)."""
 
 _QUEUE = 1000
 _BATCH = 64
@@ -54,19 +50,20 @@ class DirectDoor:
             loop: Serves it.
             complaints: Counts what is malformed.
         """
-        self.address = f"ipc://@rune-{number:x}"
+        self.address = f"{neighbours.PLACE}{number:x}"
         self._asked = asked
         self._loop = loop
         self._complaints = complaints
         self._socket = sockets.make(context, zmq.ROUTER, _QUEUE)
         self._socket.router_handover = True
+        sockets.keep_to_ourselves(self._socket)
         self._socket.bind(self.address)
         self._send = sockets.sender(self._socket)
         self._file = loop.register(self._socket, self._receive)
 
     def answer(self, asker: bytes, message: Any, attached: bytes | None) -> None:
         """Send an answer; if the asker is gone, nobody misses it."""
-        packed = control.pack(message)
+        packed = control_frames.pack(message)
         self._loop.touch(self._file)
         with contextlib.suppress(zmq.Again):
             self._send(asker, sockets.MORE)
@@ -88,7 +85,7 @@ class DirectDoor:
             except zmq.Again:
                 return False
             try:
-                message = control.unpack(parts[1])
+                message = control_frames.unpack(parts[1])
                 if len(parts) != 3 or not isinstance(message, control.Query):
                     text = f"{len(parts)} parts came directly that are no query"
                     raise FrameError(text)
@@ -142,7 +139,7 @@ class DirectWay:
 
     def ask(self, query: control.Query, frame: bytes) -> bool:
         """Send a query; False if there is no connection yet, or none any more."""
-        packed = control.pack(query)
+        packed = control_frames.pack(query)
         self._loop.touch(self._file)
         try:
             self._send(packed, sockets.MORE)
@@ -175,7 +172,7 @@ class DirectWay:
             except zmq.Again:
                 return False
             try:
-                message = control.unpack(parts[0])
+                message = control_frames.unpack(parts[0])
             except (FrameError, CodecError) as error:
                 self._complaints.count("malformed control frame", str(error))
                 continue

@@ -8,8 +8,12 @@ Small messages of one name that are published in a burst share a frame: its payl
 (4 bytes) and for each its stamp, its payload's length (8 and 4 bytes), the payload, and NUL bytes
 up to a multiple of 8. Their sequence numbers follow the one in the header.
 
-The topic is the message's name. A large payload may lie in a ring of shared memory instead; then
-the topic is `@` and the name, and what is sent is a descriptor of the place.
+The topic is the message's name; `!` and the name if its publisher reaches nobody directly. A large
+payload may lie in a ring of shared memory instead; then the topic is `@` and the name, and what is
+sent is a descriptor of the place.
+
+What goes directly to a neighbour needs no topic of its own: a train is one ZeroMQ frame with
+several of these frames in it, behind a `*`.
 """
 
 from __future__ import annotations
@@ -22,7 +26,7 @@ from hub.errors import FrameError
 from hub.ipc.codegen import ENCAPSULATION, Buffer
 from hub.ipc.definition import MAX_NAME_LENGTH
 
-VERSION = 2
+VERSION = 3
 """Protocol version; peers with another one are refused."""
 
 MAX_FRAME = 4 << 20
@@ -34,10 +38,14 @@ several payloads, or several descriptors, that were published at once."""
 RING_KINDS = (IN_RING, NO_RING, RING_BATCH)
 """Those that travel under the topic of descriptors."""
 
+FAR, RING = b"!", b"@"
+"""What stands before the name in a topic: of who sends nothing directly, and of descriptors."""
+
 _HEADER = struct.Struct("<HHIQQqI")
 _ITEM = struct.Struct("<qI")
 _COUNT = struct.Struct("<I")
 HEADER_SIZE = _HEADER.size
+_TRAIN = b"*"
 _LITTLE_ENDIAN = ENCAPSULATION["<"]
 MAX_TOPIC = MAX_NAME_LENGTH + 1
 
@@ -64,14 +72,14 @@ class Frame(NamedTuple):
     payload: memoryview
 
 
-def topic(name: str, *, in_ring: bool = False) -> bytes:
-    """The filter that selects exactly the messages of this name."""
-    return (b"@" if in_ring else b"") + name.encode("ascii") + b"\0"
+def topic(name: str, kind: bytes = b"") -> bytes:
+    """The filter that selects exactly the messages of this name; `kind` is FAR, RING or empty."""
+    return kind + name.encode("ascii") + b"\0"
 
 
-def prefix(name: str, *, in_ring: bool = False) -> bytes:
+def prefix(name: str, kind: bytes = b"") -> bytes:
     """What stands before the header."""
-    raw = topic(name, in_ring=in_ring)
+    raw = topic(name, kind)
     return raw + bytes(-len(raw) % 8)
 
 
@@ -98,6 +106,7 @@ class FlatFrames:
     Attributes:
         pack: (publisher, sequence, stamp_ns, values) -> a whole frame.
         pack_item: (stamp_ns, values) -> one message of a batch.
+        length: Of a payload [bytes].
     """
 
     def __init__(self, prefix: bytes, fingerprint: int, letters: str) -> None:
@@ -114,7 +123,7 @@ class FlatFrames:
         item = struct.Struct(f"<qI4s{letters}{padding}x")
         self._body = struct.Struct("<4s" + letters)
         self._item = item
-        self._length = length
+        self.length = length
 
         def pack(publisher: int, sequence: int, stamp_ns: int, values: tuple[Any, ...]) -> bytes:
             return whole(
@@ -138,7 +147,7 @@ class FlatFrames:
 
     def values(self, payload: memoryview) -> tuple[Any, ...] | None:
         """The numbers in a payload; None if it is not laid out as we do it."""
-        if len(payload) != self._length or bytes(payload[:4]) != _LITTLE_ENDIAN:
+        if len(payload) != self.length or bytes(payload[:4]) != _LITTLE_ENDIAN:
             return None
         return self._body.unpack(payload)[1:]
 
@@ -150,7 +159,7 @@ class FlatFrames:
         if _COUNT.unpack_from(payload)[0] != len(items):
             return None
         for item in items:
-            if item[1] != self._length or item[2] != _LITTLE_ENDIAN:
+            if item[1] != self.length or item[2] != _LITTLE_ENDIAN:
                 return None
         return [(item[0], item[3:]) for item in items]
 
@@ -195,6 +204,36 @@ def items(payload: memoryview) -> list[tuple[int, memoryview]]:
     return found
 
 
+def train(whole: Sequence[bytes]) -> bytes:
+    """Several frames, first to last, as one that goes to a neighbour."""
+    parts = [_TRAIN]
+    for frame in whole:
+        parts += (_COUNT.pack(len(frame)), frame)
+    return b"".join(parts)
+
+
+def is_train(raw: bytes) -> bool:
+    """Whether these are several frames."""
+    return raw[:1] == _TRAIN
+
+
+def carriages(raw: bytes) -> list[bytes]:
+    """The frames of a train.
+
+    Raises:
+        FrameError: It is damaged.
+    """
+    found, at, length = [], len(_TRAIN), len(raw)
+    while at + _COUNT.size <= length:
+        start = at + _COUNT.size
+        at = start + _COUNT.unpack_from(raw, at)[0]
+        found.append(raw[start:at])
+    if at != length:
+        text = f"a train of {length} bytes ends inside a frame"
+        raise FrameError(text)
+    return found
+
+
 def count(payload: memoryview) -> int:
     """How many messages a batch says it holds."""
     return int(_COUNT.unpack_from(payload)[0]) if len(payload) >= _COUNT.size else 0
@@ -219,7 +258,8 @@ def unpack(raw: Buffer) -> Frame:
     if len(view) < start + HEADER_SIZE or any(view[length_of_topic:start]):
         text = f"a frame of {len(view)} bytes has no whole header"
         raise FrameError(text)
-    name = bytes(view[:length_of_topic]).decode("ascii", "replace").removeprefix("@")
+    name = bytes(view[:length_of_topic]).decode("ascii", "replace")
+    name = name[1:] if name[0] in "!@" else name
     if not name.isidentifier() or len(name) > MAX_NAME_LENGTH:
         text = f"a frame starts with {name[:20]!r}, which is no message name"
         raise FrameError(text)
@@ -227,7 +267,7 @@ def unpack(raw: Buffer) -> Frame:
     if version != VERSION:
         text = f"a frame of {name} has protocol version {version}, this is {VERSION}"
         raise FrameError(text)
-    if kind > RING_BATCH or (kind in RING_KINDS) != (view[0] == ord("@")):
+    if kind > RING_BATCH or (kind in RING_KINDS) != (view[:1] == RING):
         text = f"a frame of {name} is of kind {kind}, which its topic does not carry"
         raise FrameError(text)
     payload = view[start + HEADER_SIZE :]

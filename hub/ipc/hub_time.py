@@ -11,6 +11,8 @@ from __future__ import annotations
 
 import functools
 import hashlib
+import os
+import sys
 import time
 from collections import deque
 from collections.abc import Callable
@@ -34,6 +36,23 @@ def this_machine() -> int:
     except OSError:
         return 0
     return int.from_bytes(hashlib.blake2b(boot, digest_size=8).digest(), "little")
+
+
+@functools.cache
+def this_neighbourhood() -> int:
+    """A number for all processes that reach this one through abstract Unix sockets, or 0.
+
+    They run on this machine, in this network namespace and as this user: whatever else could
+    connect is refused.
+    """
+    try:
+        network = Path("/proc/self/ns/net").stat().st_ino
+    except OSError:
+        return 0
+    if not (sys.platform == "linux" and this_machine()):
+        return 0
+    text = f"{this_machine()} {network} {os.getuid()}"
+    return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=8).digest(), "little")
 
 
 class HubTime:

@@ -102,6 +102,9 @@ class Inlet:
         self._fingerprint = definition.fingerprint
         self._name = definition.name
         self._start = len(frames.prefix(definition.name))
+        self._starts = {
+            kind[0]: len(frames.prefix(definition.name, kind)) for kind in (frames.FAR, frames.RING)
+        }
         self._flat: frames.FlatFrames | None = None
         self.build: Callable[[tuple[Any, ...]], Any] | None = None
 
@@ -136,8 +139,8 @@ class Inlet:
             FrameError: It is no frame of ours.
             CodecError: It is in another format.
         """
-        start = self._start
-        if raw[0] == 64 or len(raw) < start + frames.HEADER_SIZE:
+        start = self._starts.get(raw[0], self._start)
+        if len(raw) < start + frames.HEADER_SIZE:
             frame = frames.unpack(raw)
             payload, kind = frame.payload, frame.kind
             publisher, sequence, stamp = frame.publisher, frame.sequence, frame.stamp_ns
@@ -146,7 +149,12 @@ class Inlet:
             header = frames.read_header(raw, start)
             version, kind, publisher, fingerprint, sequence, stamp, length = header
             payload = memoryview(raw)[start + frames.HEADER_SIZE :]
-            if version != frames.VERSION or length != len(payload) or kind in frames.RING_KINDS:
+            in_ring = raw[:1] == frames.RING
+            if (
+                version != frames.VERSION
+                or length != len(payload)
+                or (kind in frames.RING_KINDS) != in_ring
+            ):
                 frames.unpack(raw)  # says what is wrong
         if fingerprint != self._fingerprint:
             text = f"{self._name} came in another format"

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import math
 import struct
 import threading
 from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
-from hub.ipc import frames, ring, sockets
+from hub.ipc import control, frames, ring, sockets
 from hub.ipc.codegen import Buffer
 from hub.ipc.complaints import Complaints
 from hub.ipc.connection import Connection
 from hub.ipc.definition import MessageDefinition, Plane
+from hub.ipc.deliveries import Take, Takers
 
 _HOLD_S = 2.0
 """Central says that somebody has subscribed; his subscription must have come after this [s]."""
@@ -28,25 +30,25 @@ _UNFIT = (struct.error, AttributeError, TypeError, ValueError, OverflowError)
 
 
 class Batch:
-    """Messages of one outlet that wait to be sent together; used under its lock.
+    """Messages that wait to be sent together; used under its lock.
 
     Attributes:
         lock: Guards it, and the sockets.
-        items: The messages.
-        outlet: Whose they are.
-        first: Sequence number of the first.
-        since: When it began to wait [s].
+        runs: The messages, those of one outlet that follow each other together: the outlet, the
+            sequence number of the first, and each.
+        count: How many messages wait.
+        since: When the first began to wait [s].
+        previous: When the last one was published, whether it waits or not [s].
         called: Whether the thread that sends what waits is on its way.
     """
 
-    __slots__ = ("called", "first", "items", "lock", "outlet", "since")
+    __slots__ = ("called", "count", "lock", "previous", "runs", "since")
 
     def __init__(self) -> None:
         self.lock = threading.Lock()
-        self.items: list[bytes] = []
-        self.outlet: Outlet | None = None
-        self.first = 0
-        self.since = 0.0
+        self.runs: list[tuple[Outlet, int, list[bytes]]] = []
+        self.count = 0
+        self.since = self.previous = 0.0
         self.called = False
 
 
@@ -56,11 +58,14 @@ class Ways(Protocol):
     connection: Connection
     clock: Callable[[], float]
     complaints: Complaints
-    local: bool
+    near: bool
     batch: Batch
 
-    def send(self, plane: Plane, name: str, frame: bytes) -> None:
-        """Send on a plane, behind what waits to be sent."""
+    def send(self, outlet: Outlet, frame: bytes) -> None:
+        """Send to all who want an outlet's message itself, behind what waits to be sent."""
+
+    def send_place(self, outlet: Outlet, frame: bytes) -> None:
+        """Send to all who want a descriptor."""
 
     def send_batch(self) -> None:
         """Send what waits; the lock is held."""
@@ -69,7 +74,7 @@ class Ways(Protocol):
         """Have what waits sent in a moment."""
 
     def is_wanted(self, topic: bytes) -> bool:
-        """Whether somebody subscribes to the topic."""
+        """Whether somebody at central subscribes to the topic."""
 
 
 class Outlet:
@@ -77,6 +82,8 @@ class Outlet:
 
     Attributes:
         definition: The message.
+        takers: The neighbours that it goes to.
+        topic: What others subscribe to at central.
     """
 
     def __init__(self, definition: MessageDefinition[Any], ways: Ways) -> None:
@@ -87,13 +94,12 @@ class Outlet:
         self._batch = ways.batch
         self._clock = ways.clock
         self._plane = definition.plane
-        self._prefix = frames.prefix(definition.name)
-        self._ring_prefix = frames.prefix(definition.name, in_ring=True)
-        self._topics = [frames.topic(definition.name)]
-        if definition.plane is Plane.PICTURE:
-            self._topics.append(frames.topic(definition.name, in_ring=True))
+        self.takers = Takers()
+        self._ring_prefix = frames.prefix(definition.name, frames.RING)
         self._sequence = 0
-        self._previous = self._emitted = 0.0
+        self._emitted = 0.0
+        self._told, self._told_at, self._bytes = 0, ways.clock(), 0
+        self._published = -math.inf
         # Commands never wait for others; of pictures only descriptors do.
         self._burst = _BURST_S if definition.plane is Plane.STATE else 0.0
         self._most = _BATCH_ITEMS if definition.plane is Plane.STATE else _BATCH_DESCRIPTORS
@@ -103,11 +109,11 @@ class Outlet:
         self._held: deque[tuple[int, int, bytes]] | None = None
         self._open = False
         self._open_by = 0.0
-        letters = definition.flat_letters
-        self._flat = None
-        if letters is not None and definition.plane is not Plane.PICTURE:
-            self._flat = frames.FlatFrames(self._prefix, definition.fingerprint, letters)
+        self._flat: frames.FlatFrames | None = None
+        self._flat_length = 0
+        if definition.flat_letters is not None:
             self._take_apart = definition.flat_values
+        self._address()
 
     @property
     def unanswered(self) -> bool:
@@ -129,13 +135,13 @@ class Outlet:
         if flat is None or not self._open:
             self.publish_payload(self.definition.encode(value), measured)
             return
-        now = self._clock()
+        now, batch = self._clock(), self._batch
         when = now if measured is None else measured
         stamp = int((when + self._hub_time.offset) * 1e9)
         sequence = self._sequence + 1
         try:
             values = self._take_apart(value)
-            if now - self._previous < self._burst:
+            if now - batch.previous < self._burst:
                 frame, burst = flat.pack_item(stamp, values), True
             else:
                 frame = flat.pack(self._connection.publisher, sequence, stamp, values)
@@ -144,12 +150,13 @@ class Outlet:
             self.publish_payload(self.definition.encode(value), measured)
             return
         self._sequence = sequence
-        self._previous = now
+        self._published = batch.previous = now
+        self._bytes += self._flat_length
         self._last, self._last_is_item = frame, burst
         if burst:
             self._join(sequence, frame, now)
         else:
-            self._ways.send(self._plane, self.definition.name, frame)
+            self._ways.send(self, frame)
 
     def publish_payload(self, payload: Sequence[Buffer], measured: float | None) -> None:
         """Send a payload, given in pieces, to all who subscribe."""
@@ -157,7 +164,9 @@ class Outlet:
         when = now if measured is None else measured
         stamp = int((when + self._hub_time.offset) * 1e9)
         self._sequence += 1
-        if self._open and now - self._previous < self._burst:
+        self._published = now
+        self._bytes += sum(memoryview(piece).nbytes for piece in payload)
+        if self._open and now - self._batch.previous < self._burst:
             item = frames.pack_item(stamp, payload)
             if len(item) <= _MAX_ITEM:
                 self._last, self._last_is_item = item, True
@@ -168,13 +177,13 @@ class Outlet:
             self._hold(stamp, payload)
         else:
             self._emit(self._sequence, stamp, payload)
-        self._previous = now
+        self._batch.previous = now
 
     def advertised(self, *, subscribed: bool, now: float) -> None:
         """Central has noted us; if somebody has subscribed, we wait for the subscription itself."""
         if self._held is None:
             return
-        if not subscribed or self._wanted():
+        if not subscribed or self._ways.is_wanted(self.topic):
             self._release()
         else:
             self._open_by = now + _HOLD_S
@@ -186,11 +195,12 @@ class Outlet:
             if late:
                 text = f"{self.definition.name}: a subscription was announced and did not come"
                 self._ways.complaints.count("subscription missing", text)
-            if late or self._wanted():
+            if late or self._ways.is_wanted(self.topic):
                 self._release()
 
     def begin(self) -> None:
         """A central that does not know us: nothing is sent before it says who has subscribed."""
+        self._address()
         self._open_by = 0.0
         self._open = False
         self._held = deque(maxlen=sockets.QUEUE[self._plane])
@@ -199,6 +209,22 @@ class Outlet:
         """Central is gone; what waited for it would be old."""
         self._held = None
         self._open = False
+        self.takers = Takers()
+
+    def report(self, now: float) -> control.Published | None:
+        """What was published since the last time; None if nothing."""
+        messages, over_s = self._sequence - self._told, now - self._told_at
+        self._told, self._told_at = self._sequence, now
+        if not messages:
+            return None
+        size, self._bytes = self._bytes, 0
+        return control.Published(
+            name=self.definition.name,
+            messages=messages,
+            bytes=size,
+            over_s=over_s,
+            silent_s=now - self._published,
+        )
 
     def last(self) -> bytes | None:
         """The last message as a frame with its payload; None if there is none any more."""
@@ -217,13 +243,19 @@ class Outlet:
             return None if found is None else self._frame(sequence, stamp, [found])
         return self._frame(sequence, stamp, [kept])
 
-    def batch(self, first: int, items: Sequence[bytes]) -> tuple[Plane, bytes]:
-        """Several messages, the first of which has the number `first`: which way, and the frame."""
+    def run(self, first: int, items: Sequence[bytes]) -> tuple[bytes, tuple[Take, ...], bytes]:
+        """Several messages, the first of which has the number `first`.
+
+        Returns:
+            A frame for them; which neighbours take it; and under which topic others do, if any may.
+        """
         payload = frames.batch(items)
         if self._plane is not Plane.PICTURE:
-            return self._plane, self._frame(first, 0, payload, kind=frames.BATCH)
+            frame = self._frame(first, 0, payload, kind=frames.BATCH)
+            return frame, self.takers.whole, self.topic
         kind, prefix = frames.RING_BATCH, self._ring_prefix
-        return Plane.STATE, self._frame(first, 0, payload, kind=kind, prefix=prefix)
+        frame = self._frame(first, 0, payload, kind=kind, prefix=prefix)
+        return frame, self.takers.in_ring, b""
 
     def close(self) -> None:
         """Free the ring."""
@@ -231,23 +263,31 @@ class Outlet:
             self._ring.close()
             self._ring = None
 
+    def _address(self) -> None:
+        """Whom our frames are for: by neighbours they are told apart from those of others."""
+        kind = b"" if self._ways.near else frames.FAR
+        name, letters = self.definition.name, self.definition.flat_letters
+        self.topic, self._prefix = frames.topic(name, kind), frames.prefix(name, kind)
+        if letters is not None and self._plane is not Plane.PICTURE:
+            self._flat = frames.FlatFrames(self._prefix, self.definition.fingerprint, letters)
+            self._flat_length = self._flat.length
+
     def _join(self, sequence: int, item: bytes, now: float) -> None:
         """Send one message together with those that follow at once."""
         batch = self._batch
         with batch.lock:
-            items = batch.items
-            if not items or batch.outlet is not self:
-                if items:
-                    self._ways.send_batch()
-                batch.outlet, batch.first, batch.since = self, sequence, now
-                if not batch.called:
-                    self._ways.call_courier()
-            items.append(item)
-            if len(items) >= self._most or now - batch.since > BATCH_S:
+            runs = batch.runs
+            if runs and runs[-1][0] is self:
+                runs[-1][2].append(item)
+            else:
+                if not runs:
+                    batch.since = now
+                    if not batch.called:
+                        self._ways.call_courier()
+                runs.append((self, sequence, [item]))
+            batch.count += 1
+            if batch.count >= self._most or now - batch.since > BATCH_S:
                 self._ways.send_batch()
-
-    def _wanted(self) -> bool:
-        return any(self._ways.is_wanted(topic) for topic in self._topics)
 
     def _hold(self, stamp: int, payload: Sequence[Buffer]) -> None:
         held = self._held
@@ -267,15 +307,14 @@ class Outlet:
             self._emit(sequence, stamp, [payload])
 
     def _emit(self, sequence: int, stamp: int, payload: Sequence[Buffer]) -> None:
-        ways, picture = self._ways, self._plane is Plane.PICTURE
-        if picture and self._open and ways.is_wanted(self._topics[1]):
+        if self.takers.in_ring:
             self._emit_in_ring(sequence, stamp, payload)
-            if not ways.is_wanted(self._topics[0]):
+            if not self.takers.whole and not self._ways.is_wanted(self.topic):
                 return
         frame = self._frame(sequence, stamp, payload)
         self._last, self._last_is_item = frame, False
         if self._open:
-            ways.send(self._plane, self.definition.name, frame)
+            self._ways.send(self, frame)
 
     def _emit_in_ring(self, sequence: int, stamp: int, payload: Sequence[Buffer]) -> None:
         place = self._write(payload)
@@ -291,11 +330,11 @@ class Outlet:
                 self._join(sequence, frames.pack_item(stamp, [descriptor]), now)
                 return
         frame = self._frame(sequence, stamp, (descriptor,), kind=kind, prefix=self._ring_prefix)
-        self._ways.send(Plane.STATE, self.definition.name, frame)
+        self._ways.send_place(self, frame)
 
     def _write(self, payload: Sequence[Buffer]) -> ring.Place | None:
         """Put it into the ring; None if there is none that takes it."""
-        if not self._ways.local:
+        if not ring.available:
             return None
         length = sum(memoryview(piece).nbytes for piece in payload)
         if self._ring is None or length > self._ring.capacity:

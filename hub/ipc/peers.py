@@ -60,7 +60,7 @@ class Peer:
         publishes: Names of the messages it publishes.
         subscribes: Names of the messages it subscribes to.
         watches: Whether it is told who comes and goes.
-        machine: Number of its machine; 0 if it did not say.
+        near: Whether others of central's neighbourhood reach it directly.
         doors: Where it can be asked directly, by message name.
         routed: Whom central told of these doors, and for which message.
     """
@@ -77,7 +77,7 @@ class Peer:
     publishes: set[str] = field(default_factory=set)
     subscribes: set[str] = field(default_factory=set)
     watches: bool = False
-    machine: int = 0
+    near: bool = False
     doors: dict[str, str] = field(default_factory=dict)
     routed: set[tuple[Peer, str]] = field(default_factory=set)
 

@@ -18,10 +18,11 @@ from typing import Any
 
 import zmq
 
-from hub.ipc import control, frames, ring, sockets
+from hub.ipc import control, frames, sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.connection import Connection
 from hub.ipc.definition import MessageDefinition, Plane
+from hub.ipc.deliveries import Deliveries, Take
 from hub.ipc.loop import Loop
 from hub.ipc.outlet import BATCH_S, Batch, Outlet
 from hub.ipc.security import Action, demand
@@ -31,9 +32,9 @@ _MAX_FILTERS = 1 << 16
 _MARK = b"~"
 
 
-def mark(name: str, token: str) -> bytes:
-    """What a subscriber subscribes to behind the message `name` itself; nobody publishes it."""
-    return _MARK + frames.topic(name) + token.encode("ascii")
+def mark(topic: bytes, token: str) -> bytes:
+    """What a subscriber subscribes to behind a topic itself; nobody publishes it."""
+    return _MARK + topic + token.encode("ascii")
 
 
 class Outlets:
@@ -43,7 +44,7 @@ class Outlets:
         connection: Where central is told.
         clock: Monotonic time [s].
         complaints: Where failures are counted.
-        local: Whether central is on this machine, so that rings can be used.
+        near: Whether we are a neighbour of others.
         batch: What waits to be sent.
     """
 
@@ -57,7 +58,8 @@ class Outlets:
         self.connection = connection
         self.clock = loop.clock
         self.complaints = complaints
-        self.local = False
+        self.near = False
+        self._deliveries = Deliveries(context, complaints)
         self._context = context
         self._loop = loop
         self.batch = Batch()
@@ -65,14 +67,14 @@ class Outlets:
         self._files: dict[Plane, int] = {}
         self._sends: dict[Plane, Callable[[bytes, int], Any]] = {}
         self._filters: set[bytes] = set()
-        self._marks: dict[str, set[str]] = {}
+        self._marks: dict[bytes, set[str]] = {}
         self._outlets: dict[str, Outlet] = {}
         self._courier = _Courier(self.batch, self.flush)
 
     @property
     def pending(self) -> bool:
         """Whether messages of a burst wait to be sent."""
-        return bool(self.batch.items)
+        return bool(self.batch.runs)
 
     @property
     def holding(self) -> bool:
@@ -97,10 +99,10 @@ class Outlets:
                 self._advertise(outlet)
         return outlet
 
-    def connect(self, addresses: Sequence[str], *, local: bool) -> None:
+    def connect(self, addresses: Sequence[str], *, near: bool) -> None:
         """Connect to a central that does not know us: where each plane goes in."""
         self.disconnect()
-        self.local = local and ring.available
+        self.near = near
         for plane, address in zip(sockets.PLANES, addresses, strict=True):
             if not self.connection.may_publish(plane):
                 continue
@@ -126,7 +128,9 @@ class Outlets:
         for file in self._files.values():
             self._loop.unregister(file)
         with self.batch.lock:
-            self.batch.items.clear()
+            self.batch.runs.clear()
+            self.batch.count = 0
+            self._deliveries.close(linger_ms)
             for socket in self._sockets.values():
                 socket.close(linger_ms)
             self._sockets.clear()
@@ -149,26 +153,59 @@ class Outlets:
         if outlet is not None:
             outlet.advertised(subscribed=message.subscribed, now=self.clock())
 
+    def subscriber(self, message: control.Subscriber) -> None:
+        """Central tells of a neighbour that subscribes, or does so no longer."""
+        outlet = self._outlets.get(message.name)
+        with self.batch.lock:
+            if self.batch.runs:
+                self.send_batch()
+            if not message.inbox:
+                self._deliveries.forget(message.name, message.subscriber)
+            elif outlet is None or not self._deliveries.note(message, outlet.definition.plane):
+                return
+            for each in self._outlets.values() if not message.name else [outlet]:
+                if each is not None:
+                    each.takers = self._deliveries.takers(each.definition.name)
+        if message.token:
+            self.connection.tell(control.Ready(token=message.token))
+
+    def reports(self) -> tuple[control.Published, ...]:
+        """What was published by each outlet since the last time."""
+        now = self.clock()
+        made = (outlet.report(now) for outlet in self._outlets.values())
+        return tuple(report for report in made if report is not None)
+
     def last(self, name: str) -> bytes | None:
         """The last message of this name, as a frame."""
         outlet = self._outlets.get(name)
         return None if outlet is None else outlet.last()
 
-    def send(self, plane: Plane, name: str, frame: bytes) -> None:
-        """Send on a plane, behind what waits to be sent; never waits itself."""
+    def send(self, outlet: Outlet, frame: bytes) -> None:
+        """Send to all who want an outlet's message itself, behind what waits; never waits."""
         with self.batch.lock:
-            if self.batch.items:
+            if self.batch.runs:
                 self.send_batch()
-            self._send(plane, name, frame)
+            for take in outlet.takers.whole:
+                self._hand(take, frame)
+            if outlet.topic in self._filters:
+                self._send(outlet, frame)
+
+    def send_place(self, outlet: Outlet, frame: bytes) -> None:
+        """Send to all who want a descriptor, behind what waits; never waits."""
+        with self.batch.lock:
+            if self.batch.runs:
+                self.send_batch()
+            for take in outlet.takers.in_ring:
+                self._hand(take, frame)
 
     def flush(self) -> None:
         """Send what waits; any thread may call this."""
         with self.batch.lock:
-            if self.batch.items:
+            if self.batch.runs:
                 self.send_batch()
 
     def is_wanted(self, topic: bytes) -> bool:
-        """Whether somebody subscribes to the topic."""
+        """Whether somebody at central subscribes to the topic."""
         return topic in self._filters
 
     def check(self) -> None:
@@ -180,23 +217,36 @@ class Outlets:
 
     def send_batch(self) -> None:
         """Send what waits; the lock is held."""
-        outlet, items = self.batch.outlet, self.batch.items
-        if outlet is not None:
-            plane, frame = outlet.batch(self.batch.first, items)
-            self._send(plane, outlet.definition.name, frame)
-        items.clear()
+        runs, self.batch.runs, self.batch.count = self.batch.runs, [], 0
+        trains: dict[Take, list[bytes]] = {}
+        for outlet, first, items in runs:
+            frame, takers, topic = outlet.run(first, items)
+            for take in takers:
+                trains.setdefault(take, []).append(frame)
+            if topic in self._filters:
+                self._send(outlet, frame)
+        for take, whole in trains.items():
+            self._hand(take, whole[0] if len(whole) == 1 else frames.train(whole))
 
     def call_courier(self) -> None:
         """Have what waits sent in a moment."""
         self._courier.call()
 
-    def _send(self, plane: Plane, name: str, frame: bytes) -> None:
+    def _hand(self, take: Take, frame: bytes) -> None:
+        try:
+            take(frame, sockets.NOBLOCK)
+        except zmq.Again:
+            self.complaints.count("queue full", "a subscriber on this machine is behind")
+
+    def _send(self, outlet: Outlet, frame: bytes) -> None:
+        plane = outlet.definition.plane
         send = self._sends.get(plane)
         if send is None:
             return
         try:
             send(frame, sockets.NOBLOCK)
         except zmq.Again:
+            name = outlet.definition.name
             self.complaints.count("not sent", f"{name}: no connection to central")
         self._loop.touch(self._files[plane])
 
@@ -208,7 +258,7 @@ class Outlets:
     def _advertise(self, outlet: Outlet) -> None:
         name = outlet.definition.name
         self.connection.tell(control.Advertise(name=name))
-        for token in self._marks.get(name, ()):
+        for token in self._marks.get(outlet.topic[:-1], ()):
             self.connection.tell(control.Ready(token=token))
 
     def _receive(self, socket: sockets.Socket) -> bool:
@@ -240,16 +290,19 @@ class Outlets:
         return came
 
     def _marked(self, topic: bytes, *, on: bool) -> None:
-        name, _, token = topic[1:].decode("ascii", "replace").partition("\0")
+        wanted, _, raw = topic[1:].partition(b"\0")
+        token = raw.decode("ascii", "replace")
         if not on:
-            self._marks.get(name, set()).discard(token)
-            if name in self._marks and not self._marks[name]:
-                del self._marks[name]
+            self._marks.get(wanted, set()).discard(token)
+            if wanted in self._marks and not self._marks[wanted]:
+                del self._marks[wanted]
             return
         if len(self._marks) < _MAX_FILTERS:
-            self._marks.setdefault(name, set()).add(token)
-        ours = token.startswith(f"{self.connection.publisher}.")
-        if name in self._outlets or ours:
+            self._marks.setdefault(wanted, set()).add(token)
+        outlet = self._outlets.get(wanted.removeprefix(frames.FAR).decode("ascii", "replace"))
+        # What a neighbour subscribes to at central is not what we send; it has an inbox for that.
+        sent = outlet is not None and outlet.topic[:-1] == wanted
+        if sent or token.startswith(f"{self.connection.publisher}."):
             self.connection.tell(control.Ready(token=token))
 
 

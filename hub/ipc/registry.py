@@ -5,6 +5,7 @@ Each call says what happened and returns the control messages to send.
 
 from __future__ import annotations
 
+import itertools
 import logging
 import secrets
 from collections.abc import Callable, Iterable
@@ -12,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from hub.errors import HubError, NotAllowedError
-from hub.ipc import control, frames, permissions
+from hub.ipc import control, frames, listing, permissions
 from hub.ipc.codec import compiled
 from hub.ipc.codegen import Buffer
 from hub.ipc.complaints import Complaints
@@ -20,10 +21,11 @@ from hub.ipc.confirmations import Confirmations
 from hub.ipc.control import Change
 from hub.ipc.definition import MAX_NAME_LENGTH
 from hub.ipc.description import from_listing
-from hub.ipc.hub_time import this_machine
+from hub.ipc.hub_time import this_machine, this_neighbourhood
+from hub.ipc.neighbours import Neighbours
 from hub.ipc.peers import Caller, Crowd, Outgoing, Peer
 from hub.ipc.routes import Routes
-from hub.ipc.security import demand
+from hub.ipc.security import LOCAL, demand
 from hub.ipc.shortcuts import Shortcuts
 from hub.ipc.traffic import Traffic
 
@@ -36,8 +38,6 @@ MAX_NAMES = 4096
 MAX_TOKEN = 160
 MAX_LISTED = 1 << 20
 """All definitions' texts together [characters]; the list of them must fit into one frame."""
-MAX_LISTED_NAMES = 1000
-"""What a listing says of one peer's publications and so on [characters]."""
 SILENCE_S = 1.7
 """A peer that has not been heard for this long is gone [s]."""
 LEVELS = {
@@ -80,6 +80,7 @@ class Registry:
         self._confirmations = Confirmations()
         self._routes = Routes(self._candidates, complaints)
         self._shortcuts = Shortcuts()
+        self._neighbours = Neighbours()
         # Not from 1: a module that does not know yet that central was started again still sends
         # under its old number, which must not be another's new one.
         self._publishers = secrets.randbits(31)
@@ -135,15 +136,14 @@ class Registry:
         answer = permissions.refusal(message, text)
         return [Outgoing(identity=peer.identity, message=answer)] if answer else []
 
-    def broadcast(self, frame: frames.Frame, size: int) -> bool:
-        """A broadcast of `size` bytes passed; whether nothing was wrong with it."""
+    def broadcast(self, frame: frames.Frame) -> bool:
+        """A broadcast passed; whether nothing was wrong with it."""
         definition = self._definitions.get(frame.name)
         if definition is None:
             self._complaints.count("undefined message", f"{frame.name} is not defined")
         elif definition.fingerprint != frame.fingerprint:
             self._complaints.count("wrong format", f"{frame.name} came in another format")
         else:
-            definition.traffic.passed(frame, size, self._clock())
             return True
         return False
 
@@ -185,7 +185,7 @@ class Registry:
                 pid=message.pid,
                 bearer=caller.bearer,
                 client=message.client,
-                machine=message.machine,
+                near=caller.bearer is LOCAL and message.neighbourhood == this_neighbourhood() != 0,
                 publisher=self._publishers,
                 heard=self._clock(),
             )
@@ -198,6 +198,7 @@ class Registry:
             machine=this_machine(),
             sent=message.sent,
             hub_time=self._clock(),
+            near=known.near,
             ports=caller.ports,
             paths=caller.paths,
         )
@@ -282,11 +283,12 @@ class Registry:
         del attached
         if not self._admit(peer, message.name, peer.publishes):
             return []
-        told = self._join(self._publishing, Change.PUBLISHERS, peer, message.name)
-        answer = control.Advertised(
-            name=message.name, subscribed=self._subscribing.count(message.name) > 0
-        )
-        return [Outgoing(identity=peer.identity, message=answer), *told]
+        name = message.name
+        told = self._join(self._publishing, Change.PUBLISHERS, peer, name)
+        direct = self._neighbours.advertise(peer, name)
+        others = self._subscribing.count(name) - len(direct)
+        answer = control.Advertised(name=name, subscribed=others > 0)
+        return [*direct, Outgoing(identity=peer.identity, message=answer), *told]
 
     def _subscribe(
         self, peer: Peer, message: control.Subscribe, attached: Buffer | None
@@ -296,8 +298,9 @@ class Registry:
         if not self._admit(peer, message.name, peer.subscribes, undefined=True):
             return []
         told = self._join(self._subscribing, Change.SUBSCRIBERS, peer, message.name)
+        publishers = list(self._publishing.of(message.name))
+        told += self._neighbours.subscribe(peer, message, publishers)
         if 0 < len(message.token) <= MAX_TOKEN:
-            publishers = self._publishing.of(message.name)
             told += self._confirmations.begin(peer, message.token, publishers)
         return told
 
@@ -305,7 +308,9 @@ class Registry:
         self, peer: Peer, message: control.Unsubscribe, attached: Buffer | None
     ) -> list[Outgoing]:
         del attached
-        return self._leave(self._subscribing, Change.SUBSCRIBERS, peer, message.name)
+        name = message.name
+        told = self._neighbours.unsubscribe(peer, name, self._publishing.of(name))
+        return told + self._leave(self._subscribing, Change.SUBSCRIBERS, peer, name)
 
     def _ready(self, peer: Peer, message: control.Ready, attached: Buffer | None) -> list[Outgoing]:
         del attached
@@ -393,10 +398,14 @@ class Registry:
     def _report(
         self, peer: Peer, message: control.Report, attached: Buffer | None
     ) -> list[Outgoing]:
-        del peer, attached
-        for entry in message.received:
-            if entry.name in self._definitions:
-                self._definitions[entry.name].traffic.reported(entry)
+        del attached
+        for had in message.received:
+            if had.name in self._definitions:
+                self._definitions[had.name].traffic.received(had)
+        for sent in message.published:
+            if sent.name in peer.publishes:
+                traffic = self._definitions[sent.name].traffic
+                traffic.published(peer.publisher, sent, self._clock())
         return []
 
     def _close(self, peer: Peer, message: control.Close, attached: Buffer | None) -> list[Outgoing]:
@@ -421,14 +430,18 @@ class Registry:
 
     def _list(self, peer: Peer, message: control.List, attached: Buffer | None) -> list[Outgoing]:
         del message, attached
-        definitions = tuple(self._definition_entry(known) for known in self._definitions.values())
-        peers = tuple(self._peer_entry(other) for other in self._peers.values())
+        now = self._clock()
+        definitions = tuple(
+            listing.definition(known.entry, known.traffic, now)
+            for known in self._definitions.values()
+        )
+        peers = tuple(listing.peer(other, now) for other in self._peers.values())
         dropped = tuple(
             control.Count(reason=reason, count=count)
             for reason, count in self._complaints.counts.items()
         )
-        listing = control.Listing(
-            uptime_s=self._clock() - self._begun,
+        answer = control.Listing(
+            uptime_s=now - self._begun,
             level=logging.getLevelName(_logger.getEffectiveLevel()).lower(),
             definition_count=len(definitions),
             definitions=definitions,
@@ -437,31 +450,7 @@ class Registry:
             dropped_count=len(dropped),
             dropped=dropped,
         )
-        return [Outgoing(identity=peer.identity, message=listing)]
-
-    def _definition_entry(self, known: _Definition) -> control.Define:
-        traffic = known.traffic
-        return replace(
-            known.entry,
-            messages=traffic.messages,
-            bytes=traffic.bytes,
-            lost=traffic.lost,
-            expired=traffic.expired,
-            oldest_s=traffic.oldest,
-            silent_s=traffic.silent(self._clock()),
-        )
-
-    def _peer_entry(self, peer: Peer) -> control.Peer:
-        return control.Peer(
-            name=peer.name,
-            pid=peer.pid,
-            publisher=peer.publisher,
-            role=peer.bearer.role.value,
-            silent_s=self._clock() - peer.heard,
-            handles=_listed(peer.handles),
-            publishes=_listed(peer.publishes),
-            subscribes=_listed(peer.subscribes),
-        )
+        return [Outgoing(identity=peer.identity, message=answer)]
 
     def _ping(self, peer: Peer, message: control.Ping, attached: Buffer | None) -> list[Outgoing]:
         del attached
@@ -479,6 +468,8 @@ class Registry:
         if self._names.get(peer.name) is peer:
             del self._names[peer.name]
         outgoing = self._shortcuts.drop(peer)
+        wanted = (self._publishing.of(name) for name in peer.subscribes)
+        outgoing += self._neighbours.drop(peer, itertools.chain.from_iterable(wanted))
         for crowd, change in (
             (self._publishing, Change.PUBLISHERS),
             (self._subscribing, Change.SUBSCRIBERS),
@@ -489,9 +480,3 @@ class Registry:
         outgoing += self._confirmations.drop(peer)
         outgoing += self._routes.drop(peer, self._clock())
         return outgoing + self._tell(Change.DISCONNECTED, peer)
-
-
-def _listed(names: set[str]) -> str:
-    """Names for a listing, which has to fit into a frame."""
-    text = " ".join(sorted(names))
-    return text if len(text) <= MAX_LISTED_NAMES else text[:MAX_LISTED_NAMES].rpartition(" ")[0]

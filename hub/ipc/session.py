@@ -6,14 +6,13 @@ import collections
 from typing import Any
 
 from hub.errors import HubError, NotAllowedError, RedefinedMessageError
-from hub.ipc import control, description, direct, frames, sockets
+from hub.ipc import control, description, frames, neighbours, sockets
 from hub.ipc.answering import Answers
 from hub.ipc.complaints import Complaints
 from hub.ipc.connection import LOST_S, Connection
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.direct import DirectDoor, DirectWay
 from hub.ipc.directory import Directory
-from hub.ipc.hub_time import this_machine
 from hub.ipc.keys import ClientKeys
 from hub.ipc.loop import Loop
 from hub.ipc.publishing import Outlets
@@ -47,6 +46,7 @@ class Session:
         loop: Loop,
         complaints: Complaints,
         keys: ClientKeys | None,
+        near: bool,
     ) -> None:
         self.refused: dict[str, HubError] = {}
         self.directory: Directory | None = None
@@ -66,6 +66,7 @@ class Session:
             loop=loop,
             complaints=complaints,
             keys=keys,
+            near=near,
         )
         self.outlets = Outlets(context, loop, self.connection, complaints)
         self.inlets = Inlets(context, loop, self.connection, complaints)
@@ -130,10 +131,9 @@ class Session:
             self._confirmed.clear()
             self.refused.clear()
             addresses = self.connection.addresses(message)
-            local = message.machine == this_machine() != 0
-            self.outlets.connect(addresses[0::2], local=local)
-            self.inlets.connect(addresses[1::2], local=local, same_run=same_run)
-            self._open_door(local=local)
+            self.outlets.connect(addresses[0::2], near=message.near)
+            self.inlets.connect(addresses[1::2], near=message.near, same_run=same_run)
+            self._open_door(near=message.near)
         for definition in self._definitions.values():
             self.connection.tell(description.to_listing(definition))
         if anew:
@@ -154,7 +154,7 @@ class Session:
     def close(self) -> None:
         """Free everything."""
         self._close_ways()
-        self._open_door(local=False)
+        self._open_door(near=False)
         self.outlets.close()
         self.inlets.disconnect()
         self.connection.close()
@@ -180,6 +180,8 @@ class Session:
             self.outlets.advertised(message)
         elif isinstance(message, control.Subscribed):
             self.inlets.subscribed(message)
+        elif isinstance(message, control.Subscriber):
+            self.outlets.subscriber(message)
         elif self.directory is not None and self.directory.told(message):
             return
         elif isinstance(message, control.Refused):
@@ -187,9 +189,9 @@ class Session:
             self.refused[message.subject] = kind(message.text)
             self._complaints.count("refused by central", message.text)
 
-    def _open_door(self, *, local: bool) -> None:
-        """Be asked directly if central is on this machine, and only then."""
-        if local and direct.available and self._door is None:
+    def _open_door(self, *, near: bool) -> None:
+        """Be asked directly as a neighbour, and only then."""
+        if near and self._door is None:
             self._door = DirectDoor(
                 self.connection.client,
                 self.answers.answer_directly,
@@ -197,7 +199,7 @@ class Session:
                 loop=self._loop,
                 complaints=self._complaints,
             )
-        elif not local and self._door is not None:
+        elif not near and self._door is not None:
             self._door.close()
             self._door = None
         self.answers.open_door(self._door)
@@ -205,7 +207,7 @@ class Session:
     def _route(self, message: control.Route) -> None:
         """Central says where queries of a name may go, or that they may no longer."""
         way = next((w for w in self.questions.ways() if w.address == message.address), None)
-        if way is None and message.address.startswith("ipc://@rune-"):
+        if way is None and neighbours.is_place(message.address):
             way = DirectWay(
                 message.address,
                 answered=self.told,
@@ -231,9 +233,17 @@ class Session:
         """What is to be done every second or so."""
         self._next_check = now + _CHECK_S
         self.outlets.check()
-        reports = self.inlets.reports()[:_REPORT_ENTRIES]
-        if reports and self.connection.publisher:
-            self.connection.tell(control.Report(count=len(reports), received=reports))
+        received = self.inlets.reports()[:_REPORT_ENTRIES]
+        published = self.outlets.reports()[:_REPORT_ENTRIES]
+        if (received or published) and self.connection.publisher:
+            self.connection.tell(
+                control.Report(
+                    received_count=len(received),
+                    received=received,
+                    published_count=len(published),
+                    published=published,
+                )
+            )
 
     def pack(self, definition: MessageDefinition[Any], value: Any, measured: float) -> bytes:
         """The frame of a message in a query or an answer; these are counted apart."""

@@ -5,11 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from hub.ipc import control
-from hub.ipc.hub_time import this_machine
+from hub.ipc.neighbours import is_place
 from hub.ipc.peers import Outgoing, Peer
-from hub.ipc.security import LOCAL
-
-_MAX_ADDRESS = 100
 
 
 class Shortcuts:
@@ -20,14 +17,14 @@ class Shortcuts:
 
     def open(self, handler: Peer, message: control.Handle) -> None:
         """`handler` can be asked directly."""
-        if _on_this_machine(handler) and 0 < len(message.address) <= _MAX_ADDRESS:
+        if handler.near and is_place(message.address):
             handler.doors[message.name] = message.address
 
     def offer(self, asker: Peer, handler: Peer, name: str) -> list[Outgoing]:
         """Tell `asker` of the door, if both can use it and it does not know."""
         address = handler.doors.get(name, "")
         known = (asker, name) in handler.routed
-        if not address or known or asker is handler or not _on_this_machine(asker):
+        if not address or known or asker is handler or not asker.near:
             return []
         handler.routed.add((asker, name))
         route = control.Route(name=name, address=address)
@@ -48,7 +45,3 @@ class Shortcuts:
         """`peer` is gone; who asked it directly asks through central."""
         names = {name for _, name in peer.routed}
         return [each for name in sorted(names) for each in self.close(peer, name)]
-
-
-def _on_this_machine(peer: Peer) -> bool:
-    return peer.bearer is LOCAL and peer.machine == this_machine() != 0

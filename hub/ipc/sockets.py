@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from typing import Any
 
@@ -39,7 +40,7 @@ def make(context: Context, kind: int, queue: int, keys: ClientKeys | None = None
     made.linger = 0
     made.sndhwm = made.rcvhwm = queue
     made.maxmsgsize = MAX_FRAME
-    if kind not in (zmq.SUB, zmq.DEALER):
+    if kind not in (zmq.SUB, zmq.DEALER, zmq.PUSH, zmq.PULL):
         # libzmq 4.3.5 aborts the process when a socket with heartbeats is read again after its
         # queue was full for longer than the timeout. So only sockets that are always read, or only
         # written to, have them; a client sees by its own pings that central has gone.
@@ -70,6 +71,23 @@ def make_plane(context: Context, kind: int, plane: Plane, keys: ClientKeys | Non
     if plane is Plane.PICTURE:
         made.sndbuf = made.rcvbuf = _PICTURE_BUFFER
     return made
+
+
+def make_inbox(context: Context, kind: int, plane: Plane) -> Socket:
+    """What neighbours send to directly, by its plane: PULL to receive, PUSH to send."""
+    made = make(context, kind, QUEUE[plane])
+    if kind == zmq.PUSH:
+        made.reconnect_ivl = -1  # central says where somebody is to be found anew
+    else:
+        keep_to_ourselves(made)
+    if plane is Plane.PICTURE:
+        made.sndbuf = made.rcvbuf = _PICTURE_BUFFER
+    return made
+
+
+def keep_to_ourselves(socket: Socket) -> None:
+    """Let nobody connect but this user: an abstract Unix socket has no permissions of its own."""
+    socket.setsockopt(zmq.IPC_FILTER_UID, os.getuid())
 
 
 def sender(socket: Socket) -> Callable[[bytes, int], Any]:

@@ -14,6 +14,7 @@ from hub.ipc import control, frames, publishing, ring, sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.connection import Connection
 from hub.ipc.definition import MessageDefinition, Plane
+from hub.ipc.inbox import Inbox
 from hub.ipc.inlet import Arrival, Handler, Inlet, Source
 from hub.ipc.loop import Loop
 from hub.ipc.reception import Reception
@@ -22,6 +23,11 @@ _BATCH = 256
 _SLICE_S = 0.005
 """After so long of handling, what has come meanwhile is looked at: it may be more urgent [s]."""
 _MAX_RINGS = 8
+
+
+def _topics(name: str) -> list[bytes]:
+    """What stands before the NUL of a frame of this message."""
+    return [frames.topic(name, kind)[:-1] for kind in (b"", frames.FAR, frames.RING)]
 
 
 class _Opened:
@@ -64,31 +70,33 @@ class Inlets:
         self._complaints = complaints
         self._sockets: dict[Plane, sockets.Socket] = {}
         self._files: dict[Plane, int] = {}
+        self._inboxes: dict[Plane, Inbox] = {}
         self._inlets: dict[str, Inlet] = {}
         self._topics: dict[bytes, Inlet] = {}
         self._under_way: dict[str, Inlet] = {}
         self._tokens = 0
         self._waits = 0
         self._opened: list[_Opened] = []
+        self._carriages: deque[bytes] = deque()
         self._queues: dict[int, deque[_Opened]] = {0: deque()}
         self._rings: OrderedDict[tuple[int, int, int], ring.RingReader] = OrderedDict()
-        self._local = False
+        self._near = False
         self._where: dict[Plane, str] = {}
 
     @property
     def pending(self) -> bool:
         """Whether messages were taken from the sockets and not handed on yet."""
-        return self._waits > 0 or bool(self._opened)
+        return self._waits > 0 or bool(self._opened) or bool(self._carriages)
 
     @property
     def standing(self) -> bool:
         """Whether every subscription has reached everybody who publishes its message."""
         return bool(self._sockets) and not self._under_way
 
-    def connect(self, addresses: Sequence[str], *, local: bool, same_run: bool) -> None:
+    def connect(self, addresses: Sequence[str], *, near: bool, same_run: bool) -> None:
         """Connect to a central that does not know us: where each plane comes out."""
         self.disconnect()
-        self._local = local and ring.available
+        self._near = near
         self._where = dict(zip(sockets.PLANES, addresses, strict=True))
         # Commands first: they must not wait behind a burst of states.
         for plane in (Plane.COMMAND, Plane.STATE, Plane.PICTURE):
@@ -96,16 +104,15 @@ class Inlets:
         for inlet in self._inlets.values():
             if not same_run:  # else what was missed meanwhile shows in the numbers
                 inlet.forget()
-            inlet.in_ring = self._local and inlet.definition.plane is Plane.PICTURE
+            inlet.in_ring = self._may_ring(inlet.definition)
 
     def drop_pictures(self) -> None:
         """Connect the plane of pictures anew: what lies there is old."""
         if Plane.PICTURE in self._sockets:
-            self._loop.unregister(self._files[Plane.PICTURE])
-            self._sockets.pop(Plane.PICTURE).close(0)
+            self._disconnect(Plane.PICTURE)
             self._connect(Plane.PICTURE)
             for inlet in self._inlets.values():
-                if self._plane(inlet) is Plane.PICTURE:
+                if inlet.definition.plane is Plane.PICTURE:
                     self._ask_for(inlet)
 
     def _connect(self, plane: Plane) -> None:
@@ -113,6 +120,8 @@ class Inlets:
         sockets.connect(socket, self._where[plane])
         self._sockets[plane] = socket
         self._files[plane] = self._loop.register(socket, functools.partial(self._take, socket))
+        if self._near:
+            self._inboxes[plane] = Inbox(self._context, self._loop, plane, self._take)
 
     def subscribe_all(self) -> None:
         """Subscribe anew, at a central that knows the definitions now."""
@@ -121,13 +130,18 @@ class Inlets:
 
     def disconnect(self) -> None:
         """Central is gone; what was taken is still handed on."""
-        for plane, socket in self._sockets.items():
-            self._loop.unregister(self._files[plane])
-            socket.close(0)
-        self._sockets.clear()
+        for plane in tuple(self._sockets):
+            self._disconnect(plane)
         self._under_way.clear()
         while self._rings:
             self._rings.popitem()[1].close()
+
+    def _disconnect(self, plane: Plane) -> None:
+        self._loop.unregister(self._files[plane])
+        self._sockets.pop(plane).close(0)
+        inbox = self._inboxes.pop(plane, None)
+        if inbox is not None:
+            inbox.close()
 
     def subscribe(
         self,
@@ -143,9 +157,9 @@ class Inlets:
         new = inlet is None
         if inlet is None:
             inlet = self._inlets[definition.name] = Inlet(definition)
-            inlet.in_ring = self._local and definition.plane is Plane.PICTURE
-            for in_ring in (False, True):
-                self._topics[frames.topic(definition.name, in_ring=in_ring)[:-1]] = inlet
+            inlet.in_ring = self._may_ring(definition)
+            for topic in _topics(definition.name):
+                self._topics[topic] = inlet
         inlet.add(handler, raw=raw)
         if queue is not None:
             inlet.limit = queue
@@ -166,8 +180,8 @@ class Inlets:
         if inlet.handlers:
             return
         del self._inlets[name]
-        for in_ring in (False, True):
-            del self._topics[frames.topic(name, in_ring=in_ring)[:-1]]
+        for topic in _topics(name):
+            del self._topics[topic]
         if self._sockets:
             self._filter(inlet, on=False)
             self._stands(inlet.token)
@@ -184,10 +198,16 @@ class Inlets:
 
     def turn(self) -> None:
         """Hand on what waits."""
-        while self._opened:
-            self._hand_out(self._opened[-1])
+        self._finish()
         if self._waits:
             self._hand_on()
+
+    def _finish(self) -> None:
+        """Hand on what was begun: a handler that raised or listened itself has left it so."""
+        while self._opened:
+            self._hand_out(self._opened[-1])
+        while self._carriages:
+            self._take_frame(self._carriages.popleft())
 
     def accept(self, frame: frames.Frame) -> None:
         """Hand on a message that came another way, such as the last value that was asked for."""
@@ -208,14 +228,22 @@ class Inlets:
 
     def _ask_for(self, inlet: Inlet) -> None:
         """Subscribe, and have central say when nothing can be missed any more."""
-        name = inlet.definition.name
+        definition = inlet.definition
         self._under_way.pop(inlet.token, None)
         self._tokens += 1
         inlet.token = f"{self._connection.publisher}.{self._tokens}"
         self._under_way[inlet.token] = inlet
         self._filter(inlet, on=True)
-        self._connection.tell(control.Subscribe(name=name, token=inlet.token))
-        if not self._connection.may_publish(self._plane(inlet)):
+        inbox = self._inboxes.get(Plane.STATE if inlet.in_ring else definition.plane)
+        self._connection.tell(
+            control.Subscribe(
+                name=definition.name,
+                token=inlet.token,
+                inbox=inbox.address if inbox else "",
+                in_ring=inlet.in_ring,
+            )
+        )
+        if not self._connection.may_publish(definition.plane):
             # Who only listens cannot see its own mark come back.
             self._connection.tell(control.Ready(token=inlet.token))
 
@@ -224,22 +252,28 @@ class Inlets:
         inlet = self._under_way.pop(token, None)
         if inlet is not None:
             inlet.token = ""
-            plane = self._plane(inlet)
-            self._sockets[plane].unsubscribe(publishing.mark(inlet.definition.name, token))
+            plane = inlet.definition.plane
+            for topic in self._filters(inlet):
+                self._sockets[plane].unsubscribe(publishing.mark(topic, token))
             self._loop.touch(self._files[plane])
 
-    def _plane(self, inlet: Inlet) -> Plane:
-        # Descriptors are small; they do not need the short queues that pictures have.
-        return Plane.STATE if inlet.in_ring else inlet.definition.plane
+    def _may_ring(self, definition: MessageDefinition[Any]) -> bool:
+        return self._near and ring.available and definition.plane is Plane.PICTURE
 
     def _filter(self, inlet: Inlet, *, on: bool) -> None:
-        plane = self._plane(inlet)
+        plane = inlet.definition.plane
         socket = self._sockets[plane]
         self._loop.touch(self._files[plane])
         change = socket.subscribe if on else socket.unsubscribe
-        change(frames.topic(inlet.definition.name, in_ring=inlet.in_ring))
-        if on:
-            socket.subscribe(publishing.mark(inlet.definition.name, inlet.token))
+        for topic in self._filters(inlet):
+            change(topic)
+            if on:
+                socket.subscribe(publishing.mark(topic, inlet.token))
+
+    def _filters(self, inlet: Inlet) -> list[bytes]:
+        """What comes from central: what neighbours send only if we are none."""
+        kinds = (frames.FAR,) if self._near else (frames.FAR, b"")
+        return [frames.topic(inlet.definition.name, kind) for kind in kinds]
 
     def _go_plain(self, inlet: Inlet, why: str) -> None:
         """Ask for the payloads themselves from now on."""
@@ -256,33 +290,48 @@ class Inlets:
         What is kept in full and has no priority is handed on as it is read, as long as nothing
         waits; all else when everything was read, since something newer or more urgent may come.
         """
-        receive, topics = socket.recv, self._topics
+        self._finish()
+        receive = socket.recv
         end = self._clock() + _SLICE_S
         for _ in range(_BATCH):
             try:
                 raw = receive(zmq.NOBLOCK)
             except zmq.Again:
                 return False
-            inlet = topics.get(raw[: raw.find(b"\0")])
-            if inlet is None:
-                self._strange(raw)
-                continue
-            try:
-                arrival = inlet.read(raw)
-            except FrameError as error:
-                self._complaints.count("malformed frame", str(error))
-                continue
-            except CodecError as error:
-                self._complaints.count("wrong format", str(error))
-                continue
+            if frames.is_train(raw):
+                self._take_train(raw)
+            else:
+                self._take_frame(raw)
+            if self._clock() > end:
+                return True
+        return True
+
+    def _take_train(self, raw: bytes) -> None:
+        try:
+            carriages = frames.carriages(raw)
+        except FrameError as error:
+            self._complaints.count("malformed frame", str(error))
+            return
+        self._carriages += carriages
+        self._finish()
+
+    def _take_frame(self, raw: bytes) -> None:
+        inlet = self._topics.get(raw[: raw.find(b"\0")])
+        if inlet is None:
+            self._strange(raw)
+            return
+        try:
+            arrival = inlet.read(raw)
+        except FrameError as error:
+            self._complaints.count("malformed frame", str(error))
+        except CodecError as error:
+            self._complaints.count("wrong format", str(error))
+        else:
             if inlet.limit is None and inlet.priority == 0 and not self._waits:
                 self._opened.append(_Opened(inlet, arrival))
                 self._hand_out(self._opened[-1])
-                if self._clock() > end:
-                    return True
             else:
                 self._put(inlet, arrival)
-        return True
 
     def _put(self, inlet: Inlet, arrival: Arrival) -> None:
         """Let messages wait; a limit lets the oldest of their publisher go."""

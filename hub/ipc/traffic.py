@@ -1,4 +1,4 @@
-"""What central counts of the broadcasts that pass: messages, bytes, and what subscribers missed."""
+"""What central knows of each message's broadcasts: what was published, and what was missed."""
 
 from __future__ import annotations
 
@@ -6,22 +6,30 @@ import math
 from collections import deque
 from dataclasses import dataclass, field
 
-from hub.errors import FrameError
-from hub.ipc import control, frames
-from hub.ipc.ring import Place
+from hub.ipc import control
 
 _MAX_PUBLISHERS = 1024
 _MAX_JUMP = 1 << 24
+_MAX_BYTES = 1 << 40
 _RECENT_REPORTS = 16
+_LATELY_S = 3.0
+"""What a publisher last told counts for so long; it tells every second while it publishes [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Rate:
+    until: float
+    messages_per_s: float
+    bytes_per_s: float
 
 
 @dataclass(slots=True)
 class Traffic:
-    """The broadcasts of one message.
+    """The broadcasts of one message, as publishers and subscribers report them.
 
     Attributes:
         messages: How many.
-        bytes: How long together, with what went through shared memory [bytes].
+        bytes: Of their payloads.
         lost: How many subscribers missed, by the sequence numbers.
         expired: How many subscribers dropped because they were too old.
     """
@@ -31,44 +39,36 @@ class Traffic:
     lost: int = 0
     expired: int = 0
     _seen: float = -math.inf
-    _sequences: dict[int, int] = field(default_factory=dict)
+    _rates: dict[int, _Rate] = field(default_factory=dict)
     _oldest: deque[float] = field(default_factory=lambda: deque(maxlen=_RECENT_REPORTS))
 
-    def passed(self, frame: frames.Frame, size: int, now: float) -> None:
-        """A copy of a broadcast of `size` bytes was seen.
-
-        Under a flood central sees a part of the broadcasts only; their sequence numbers tell how
-        many there were.
-        """
-        if frame.kind == frames.NO_RING:
+    def published(self, publisher: int, entry: control.Published, now: float) -> None:
+        """A publisher told what it has broadcast; nonsense is left out."""
+        if entry.messages > _MAX_JUMP or entry.bytes > _MAX_BYTES:
             return
-        try:
-            size += _in_ring(frame)
-        except FrameError:
+        if not (0.0 < entry.over_s < math.inf and 0.0 <= entry.silent_s < math.inf):
             return
-        several = frame.kind in (frames.BATCH, frames.RING_BATCH)
-        held = frames.count(frame.payload) if several else 1
-        newest = frame.sequence + held - 1
-        last = self._sequences.get(frame.publisher, frame.sequence - 1)
-        count = newest - last
-        if count > _MAX_JUMP:  # a damaged number; it counts for itself
-            count = held = 1
-        elif count <= 0:  # it goes both ways, or its publisher begins again
-            count = 0
-        elif len(self._sequences) >= _MAX_PUBLISHERS:
-            self._sequences.clear()
-        self._sequences[frame.publisher] = max(last, newest)
-        self.messages += count
-        self.bytes += count * size // max(held, 1)
-        self._seen = now
+        self.messages += entry.messages
+        self.bytes += entry.bytes
+        self._seen = max(self._seen, now - entry.silent_s)
+        if len(self._rates) >= _MAX_PUBLISHERS:
+            self._rates.clear()
+        self._rates[publisher] = _Rate(
+            now + _LATELY_S, entry.messages / entry.over_s, entry.bytes / entry.over_s
+        )
 
-    def reported(self, entry: control.Received) -> None:
+    def received(self, entry: control.Received) -> None:
         """A subscriber told what it has had; nonsense is left out."""
         if max(entry.lost, entry.expired) > _MAX_JUMP or not 0.0 <= entry.oldest_s < math.inf:
             return
         self.lost += entry.lost
         self.expired += entry.expired
         self._oldest.append(entry.oldest_s)
+
+    def rate(self, now: float) -> tuple[float, float]:
+        """Messages and bytes lately, of all publishers together [1/s]."""
+        current = [rate for rate in self._rates.values() if rate.until > now]
+        return sum(r.messages_per_s for r in current), sum(r.bytes_per_s for r in current)
 
     def silent(self, now: float) -> float:
         """Time since the last broadcast [s]; infinite if there was none."""
@@ -78,16 +78,3 @@ class Traffic:
     def oldest(self) -> float:
         """Largest age that subscribers told of lately [s]."""
         return max(self._oldest, default=0.0)
-
-
-def _in_ring(frame: frames.Frame) -> int:
-    """How long the payloads in shared memory are that a frame describes [bytes].
-
-    Raises:
-        FrameError: It describes none.
-    """
-    if frame.kind == frames.IN_RING:
-        return Place.unpack(frame.payload).length
-    if frame.kind == frames.RING_BATCH:
-        return sum(Place.unpack(each).length for _, each in frames.items(frame.payload))
-    return 0

@@ -18,6 +18,7 @@ from collections.abc import Callable
 import zmq
 
 from hub.ipc import control, frames
+from hub.ipc.control_frames import pack
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.description import to_listing
 from tests.soak import vocabulary as v
@@ -52,7 +53,7 @@ def control_frames() -> list[bytes]:
         control.Defined(name=v.EVENT.name),
         control.Refused(subject="x", error="NameTakenError", text="no"),
     ]
-    return [control.pack(message) for message in said]
+    return [pack(message) for message in said]
 
 
 def spoil(raw: bytes, chance: random.Random, *, keep: int = 0) -> bytes:

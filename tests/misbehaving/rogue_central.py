@@ -17,6 +17,7 @@ import zmq
 
 from hub.errors import HubError
 from hub.ipc import control
+from hub.ipc.control_frames import pack, unpack
 from tests.misbehaving.bad_frames import control_frames, good_frame, spoil
 from tests.soak import vocabulary as v
 
@@ -36,7 +37,7 @@ class RogueCentral:
         self._ports = tuple(other.bind_to_random_port("tcp://127.0.0.1") for other in self._others)
         self._definitions = [v.BROADCASTS[name] for name in names]
         self._client = b""
-        self._said = [*control_frames(), control.pack(self._welcome()), _listing()]
+        self._said = [*control_frames(), pack(self._welcome()), _listing()]
         self.sent: collections.Counter[str] = collections.Counter()
 
     @property
@@ -48,15 +49,18 @@ class RogueCentral:
         while self._router.poll(0):
             identity, *body = self._router.recv_multipart()
             try:
-                message = control.unpack(body[0])
+                message = unpack(body[0])
             except HubError:
                 continue
             if isinstance(message, control.Hello):
                 self._client = identity
-                self._router.send_multipart([identity, control.pack(self._welcome())])
+                self._router.send_multipart([identity, pack(self._welcome())])
             elif isinstance(message, control.Ping):
                 self._router.send_multipart(
-                    [identity, control.pack(control.Pong(epoch=5, sent=message.sent, hub_time=0.0))]
+                    [
+                        identity,
+                        pack(control.Pong(epoch=5, sent=message.sent, hub_time=0.0)),
+                    ]
                 )
         return bool(self._client)
 
@@ -94,7 +98,7 @@ class RogueCentral:
 
 def _listing() -> bytes:
     empty = {"definition_count": 0, "definitions": (), "peer_count": 0, "peers": ()}
-    return control.pack(control.Listing(**empty, dropped_count=0, dropped=()))
+    return pack(control.Listing(**empty, dropped_count=0, dropped=()))
 
 
 def _say(figures: object) -> None:

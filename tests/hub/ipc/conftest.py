@@ -24,8 +24,10 @@ T = TypeVar("T")
 class Peer:
     """A client, served by a thread of its own; faults of its handlers are collected."""
 
-    def __init__(self, name: str, endpoint: str, keys: ClientKeys | None = None) -> None:
-        self.client = Client(name, endpoint, keys=keys)
+    def __init__(
+        self, name: str, endpoint: str, keys: ClientKeys | None = None, *, near: bool = True
+    ) -> None:
+        self.client = Client(name, endpoint, keys=keys, near=near)
         self.faults: list[Exception] = []
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._serve, name=f"peer-{name}", daemon=True)
@@ -110,11 +112,14 @@ def central(wanted_endpoint: str) -> Iterator[Central]:
 
 @pytest.fixture
 def peers() -> Iterator[Callable[[str, str], Peer]]:
-    """Makes peers: name, endpoint."""
+    """Makes peers: name, endpoint.
+
+    Over ipc:// their messages pass central by, as they do by default; over tcp:// all goes through.
+    """
     made: list[Peer] = []
 
     def make(name: str, endpoint: str) -> Peer:
-        made.append(Peer(name, endpoint))
+        made.append(Peer(name, endpoint, near=endpoint.startswith("ipc")))
         return made[-1]
 
     yield make

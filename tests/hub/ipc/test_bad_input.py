@@ -15,7 +15,7 @@ import pytest
 import zmq
 
 from hub.gcm.catalog import MESSAGES
-from hub.ipc import control, frames
+from hub.ipc import control, control_frames, frames
 from hub.ipc.central import Central
 from hub.ipc.description import to_listing
 from tests.hub.ipc import vocabulary as v
@@ -262,7 +262,7 @@ def test_plain_dealers_with_random_and_cut_control_frames(
     plain: Plain,
 ) -> None:
     randomness = random.Random(2)
-    hello = control.pack(control.Hello(name="rubbish", pid=1))
+    hello = control_frames.pack(control.Hello(name="rubbish", pid=1))
     sent = 0
     for _ in range(10):
         dealer = plain(zmq.DEALER, "control")
@@ -301,14 +301,21 @@ def test_peer_that_says_hello_and_then_nonsense(
         control.Failure(number=2**32 - 1, error="HubError", text="x" * 100_000),
         control.Query(number=1, name="T_Nobody", timeout_s=float("nan")),
         control.Welcome(
-            publisher=1, epoch=1, machine=1, sent=0.0, hub_time=0.0, ports=(1,) * 6, paths=("",) * 6
+            publisher=1,
+            epoch=1,
+            machine=1,
+            sent=0.0,
+            hub_time=0.0,
+            near=True,
+            ports=(1,) * 6,
+            paths=("",) * 6,
         ),
         control.Pong(epoch=1, sent=0.0, hub_time=0.0),
     ]
     for message in said:
-        dealer.send(control.pack(message))
-    dealer.send_multipart([control.pack(control.Query(number=2, name="T_Ask", timeout_s=5.0)),
-                           b"no frame"])  # fmt: skip
+        dealer.send(control_frames.pack(message))
+    query = control.Query(number=2, name="T_Ask", timeout_s=5.0)
+    dealer.send_multipart([control_frames.pack(query), b"no frame"])
     for reason, count in {
         "refused definition": 1,
         "refused name": 2,
@@ -320,7 +327,7 @@ def test_peer_that_says_hello_and_then_nonsense(
 
     def failures() -> dict[int, str]:
         while dealer.poll(0):
-            answers.append(control.unpack(dealer.recv_multipart()[0]))
+            answers.append(control_frames.unpack(dealer.recv_multipart()[0]))
         return {a.number: a.error for a in answers if isinstance(a, control.Failure)}
 
     until(lambda: len(failures()) == 2, 5.0)
@@ -334,7 +341,7 @@ def test_frames_of_another_protocol_version_are_counted(
     plain: Plain,
 ) -> None:
     dealer = plain(zmq.DEALER, "control")
-    hello = bytearray(control.pack(control.Hello(name="future", pid=1)))
+    hello = bytearray(control_frames.pack(control.Hello(name="future", pid=1)))
     hello[4] += 1
     dealer.send(bytes(hello))
     until(lambda: dropped("malformed control frame") == 1, 5.0)

@@ -11,8 +11,9 @@ import pytest
 import zmq
 
 from hub.errors import HandlerDiedError, NoHandlerError, QueryError
-from hub.ipc import control, direct
+from hub.ipc import control, control_frames
 from hub.ipc.central import Central
+from hub.ipc.hub_time import this_neighbourhood
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Peer
 from tests.hub.ipc.vocabulary import Number
@@ -20,7 +21,10 @@ from tests.waiting import until
 
 Connect = Callable[[str], Peer]
 
-pytestmark = pytest.mark.skipif(not direct.available, reason="this system has no such sockets")
+pytestmark = [
+    pytest.mark.skipif(not this_neighbourhood(), reason="this system has no such sockets"),
+    pytest.mark.parametrize("wanted_endpoint", ["ipc"], indirect=True),
+]
 
 
 def _ask(peer: Peer, number: int = 1) -> int:
@@ -186,7 +190,7 @@ def test_rubbish_at_the_door_is_counted_and_harms_nobody(
     asker, handler = connect("asker"), _responding(connect("handler"))
     _on_the_short_way(asker, central)
     chance = random.Random(1)
-    good = control.pack(control.Query(number=1, name="T_Ask", timeout_s=1.0))
+    good = control_frames.pack(control.Query(number=1, name="T_Ask", timeout_s=1.0))
     context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
     with context, context.socket(zmq.DEALER) as rogue:
         rogue.linger = 0
@@ -196,11 +200,11 @@ def test_rubbish_at_the_door_is_counted_and_harms_nobody(
             rogue.send_multipart([cut] if number % 2 else [chance.randbytes(30), b"x"])
         rogue.send_multipart([good, b"no frame"])
         rogue.send_multipart([good] * 9)
-        rogue.send_multipart([control.pack(control.Bye()), b""])
+        rogue.send_multipart([control_frames.pack(control.Bye()), b""])
         complaints = handler.client.complaints.counts
         until(lambda: complaints["malformed control frame"] >= 302, 5.0)
         assert rogue.poll(5000)
-        assert isinstance(control.unpack(rogue.recv_multipart()[0]), control.Failure)
+        assert isinstance(control_frames.unpack(rogue.recv_multipart()[0]), control.Failure)
     assert _ask(asker, 5) == 5
     assert not handler.faults
     assert threading.active_count() < 50

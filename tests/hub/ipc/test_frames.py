@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import struct
 from typing import Any
 
@@ -10,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.errors import CodecError, FrameError
-from hub.ipc import control, frames
+from hub.ipc import control_frames, frames
 from hub.ipc.codec import compiled
 from tests.hub.ipc.trees import values_of
 
@@ -56,7 +57,7 @@ def test_members_start_at_a_multiple_of_eight_after_any_name(length: int) -> Non
 
 def test_frame_has_the_documented_layout() -> None:
     assert _frame("GCM_Stop", b"\0\1\0\0") == (
-        b"GCM_Stop" + bytes(8) + struct.pack("<HHIQQqI", 2, 0, 1, 2, 3, 4, 4) + b"\0\1\0\0"
+        b"GCM_Stop" + bytes(8) + struct.pack("<HHIQQqI", 3, 0, 1, 2, 3, 4, 4) + b"\0\1\0\0"
     )
 
 
@@ -74,7 +75,7 @@ def test_frame_cut_anywhere_is_refused() -> None:
         frames.unpack(raw + b"\0")
 
 
-@pytest.mark.parametrize("version", [0, 1, 3, 256, 65535])
+@pytest.mark.parametrize("version", [0, 1, 2, 256, 65535])
 def test_frame_of_another_version_is_refused_by_its_number(version: int) -> None:
     raw = bytearray(_frame())
     raw[8:10] = struct.pack("<H", version)
@@ -106,7 +107,7 @@ def test_any_bytes_are_a_frame_or_refused(raw: bytes, rest: bytes) -> None:
 
 @st.composite
 def _control_messages(draw: st.DrawFn) -> Any:
-    kind = draw(st.sampled_from(control.KINDS))
+    kind = draw(st.sampled_from(control_frames.KINDS))
     return kind.decode(b"".join(compiled(kind.format).encode(draw(values_of(kind.tree)))))
 
 
@@ -114,18 +115,18 @@ def _control_messages(draw: st.DrawFn) -> Any:
 def test_control_message_comes_back_and_is_refused_when_cut(
     message: Any, data: st.DataObject
 ) -> None:
-    raw = control.pack(message)
-    assert repr(control.unpack(raw)) == repr(message)
+    raw = control_frames.pack(message)
+    assert repr(control_frames.unpack(raw)) == repr(message)
     with pytest.raises((FrameError, CodecError)):
-        control.unpack(raw[: data.draw(st.integers(0, len(raw) - 1))])
+        control_frames.unpack(raw[: data.draw(st.integers(0, len(raw) - 1))])
 
 
 @given(st.binary(max_size=80), st.integers(0, 255))
 def test_any_bytes_are_a_control_message_or_refused(raw: bytes, kind: int) -> None:
-    for each in (raw, b"RUNE\2" + bytes([kind, 0, 0]) + raw, b"RUNE\2" + bytes([kind, 0, 0])
+    for each in (raw, b"RUNE\3" + bytes([kind, 0, 0]) + raw, b"RUNE\3" + bytes([kind, 0, 0])
                  + b"\0\1\0\0" + raw):  # fmt: skip
         try:
-            control.unpack(each)
+            control_frames.unpack(each)
         except (FrameError, CodecError):
             continue
 
@@ -134,22 +135,22 @@ def test_any_bytes_are_a_control_message_or_refused(raw: bytes, kind: int) -> No
     ("raw", "reason"),
     [
         (b"", "no whole preamble"),
-        (b"RUNE\2\1\0", "no whole preamble"),
+        (b"RUNE\3\1\0", "no whole preamble"),
         (b"RUNA\2\1\0\0", "does not start with RUNE"),
         (b"RUNE\1\1\0\0", "version 1"),
-        (b"RUNE\2\0\0\0", "unknown kind 0"),
-        (b"RUNE\2\x60\0\0", "unknown kind 96"),
+        (b"RUNE\3\0\0\0", "unknown kind 0"),
+        (b"RUNE\3\x60\0\0", "unknown kind 96"),
     ],
 )
 def test_wrong_control_preamble_is_refused_with_the_reason(raw: bytes, reason: str) -> None:
     with pytest.raises(FrameError, match=reason):
-        control.unpack(raw)
+        control_frames.unpack(raw)
 
 
 def test_topic_of_a_descriptor_carries_descriptors_alone() -> None:
     def made(kind: int, *, in_ring: bool) -> bytes:
         return frames.pack(
-            frames.prefix("Message", in_ring=in_ring),
+            frames.prefix("Message", frames.RING if in_ring else b""),
             publisher=1,
             fingerprint=2,
             sequence=3,
@@ -163,6 +164,34 @@ def test_topic_of_a_descriptor_carries_descriptors_alone() -> None:
     for kind, in_ring in ((frames.INLINE, True), (frames.IN_RING, False), (5, False)):
         with pytest.raises(FrameError, match="topic does not carry"):
             frames.unpack(made(kind, in_ring=in_ring))
+
+
+@given(st.lists(st.binary(max_size=40), max_size=9), st.integers(1, 5))
+def test_frames_of_a_train_come_back_and_a_damaged_one_is_refused(
+    whole: list[bytes], cut: int
+) -> None:
+    raw = frames.train(whole)
+    assert frames.is_train(raw)
+    assert frames.carriages(raw) == whole
+    if raw[:-cut] and raw[:-cut] != b"*":
+        with contextlib.suppress(FrameError):
+            assert frames.carriages(raw[:-cut]) == whole[: len(frames.carriages(raw[:-cut]))]
+    with pytest.raises(FrameError, match="ends inside a frame"):
+        frames.carriages(raw + b"\xff" * 4)
+
+
+@pytest.mark.parametrize("kind", [b"", frames.FAR])
+def test_a_topic_says_whether_its_publisher_has_neighbours(kind: bytes) -> None:
+    raw = frames.pack(
+        frames.prefix("Message", kind),
+        publisher=1,
+        fingerprint=2,
+        sequence=3,
+        stamp_ns=4,
+        payload=[b"x"],
+    )
+    assert raw.startswith(frames.topic("Message", kind))
+    assert frames.unpack(raw).name == "Message"
 
 
 @given(st.lists(st.tuples(st.integers(-(2**63), 2**63 - 1), st.binary(max_size=40)), max_size=9))

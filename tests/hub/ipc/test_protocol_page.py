@@ -8,7 +8,17 @@ from pathlib import Path
 import pytest
 
 from hub.gcm.catalog import MESSAGES
-from hub.ipc import connection, control, description, frames, registry, routes, security, sockets
+from hub.ipc import (
+    connection,
+    control_frames,
+    description,
+    frames,
+    listing,
+    registry,
+    routes,
+    security,
+    sockets,
+)
 from hub.ipc import format as formats
 
 _PAGE = (Path(__file__).parents[3] / "docs" / "protocol.md").read_text()
@@ -23,7 +33,7 @@ def _rows(title: str) -> list[list[str]]:
 
 def test_control_kinds_and_formats_are_those_of_the_code() -> None:
     rows = [(int(kind), name, text) for kind, name, _, text in _rows("Control messages")]
-    assert rows == [(n, kind.name, kind.format) for n, kind in enumerate(control.KINDS, 1)]
+    assert rows == [(n, kind.name, kind.format) for n, kind in enumerate(control_frames.KINDS, 1)]
 
 
 def test_messages_of_the_vocabulary_are_those_of_the_catalog() -> None:
@@ -63,7 +73,7 @@ def test_every_primitive_is_in_the_table_of_formats() -> None:
         f"| queries under way | {routes.MAX_QUERIES:,} |",
         f"answers, each | {registry.MAX_NAMES:,} |",
         f"| time central remembers a query | {routes.MAX_QUERY_S:g} s |",
-        f"cut at {registry.MAX_LISTED_NAMES:,} characters",
+        f"cut at {listing.MAX_NAMES:,} characters",
         "holds {} frames (state), {} (command) or {} (picture)".format(*sockets.QUEUE.values()),
     ],
 )

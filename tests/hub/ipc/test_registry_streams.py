@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import logging
+from typing import Any
 
 import pytest
 
-from hub.ipc import control, frames
-from hub.ipc.codec import compiled
+from hub.ipc import control, control_frames
 from hub.ipc.control import Advertise, Change, Presence, Ready, Subscribe, Subscribed
-from hub.ipc.ring import Place
 from tests.hub.ipc.test_registry import Bench
 
 FORMAT = "{int}"
@@ -158,54 +157,71 @@ def test_closed_module_is_told_by_whom_and_forgotten(bench: Bench) -> None:
     assert refused.error == "UnknownModuleError"
 
 
-def _frame(sequence: int, publisher: int = 1, kind: int = 0, payload: bytes = b"") -> frames.Frame:
-    fingerprint = compiled(FORMAT).fingerprint
-    return frames.Frame("M", kind, publisher, fingerprint, sequence, 1, memoryview(payload))
+def _report(*entries: control.Received | control.Published) -> control.Report:
+    received = tuple(entry for entry in entries if isinstance(entry, control.Received))
+    published = tuple(entry for entry in entries if isinstance(entry, control.Published))
+    return control.Report(
+        received_count=len(received),
+        received=received,
+        published_count=len(published),
+        published=published,
+    )
 
 
-def test_messages_that_central_did_not_look_at_are_counted_by_their_numbers(bench: Bench) -> None:
-    for frame in (_frame(5), _frame(6), _frame(16), _frame(3, publisher=2)):
-        bench.registry.broadcast(frame, 10)
+def _published(messages: int = 20, size: int = 400, **more: Any) -> control.Published:
+    known = {"name": "M", "over_s": 2.0, "silent_s": 0.1}
+    return control.Published(messages=messages, bytes=size, **(known | more))
+
+
+def test_what_publishers_tell_is_listed_with_its_rate_while_it_is_new(bench: Bench) -> None:
+    for module in ("a", "b"):
+        bench.say(module, Advertise(name="M"))
+        bench.say(module, _report(_published()))
     (entry,) = bench.listing("a").definitions
-    assert (entry.messages, entry.bytes) == (13, 130)
-    bench.registry.broadcast(_frame(16), 10)
-    assert bench.listing("a").definitions[0].messages == 13
-
-
-def test_every_message_of_a_batch_and_bytes_in_shared_memory_count(bench: Bench) -> None:
-    batch = b"".join(frames.batch([frames.pack_item(1, [b"1234"])] * 5))
-    bench.registry.broadcast(_frame(1, kind=frames.BATCH, payload=batch), 100)
-    place = Place(process=1, file=2, ring=3, generation=4, start=0, length=1000)
-    bench.registry.broadcast(_frame(6, kind=frames.IN_RING, payload=place.pack()), 50)
-    bench.registry.broadcast(_frame(7, kind=frames.IN_RING, payload=b"rubbish"), 50)
+    assert (entry.messages, entry.bytes) == (40, 800)
+    assert (entry.messages_per_s, entry.bytes_per_s) == (20.0, 400.0)
+    assert entry.silent_s == pytest.approx(0.1)
+    bench.now += 1.0
+    bench.say("a", _report(_published(5, 50, over_s=1.0)))
     (entry,) = bench.listing("a").definitions
-    assert (entry.messages, entry.bytes) == (6, 1150)
+    assert (entry.messages, entry.messages_per_s, entry.bytes_per_s) == (45, 15.0, 250.0)
+    for _ in range(4):  # said in steps: who is silent for long is gone
+        bench.now += 1.0
+        bench.say("a", control.Ping(epoch=0))
+    (entry,) = bench.listing("a").definitions
+    assert (entry.messages, entry.messages_per_s) == (45, 0.0)
+
+
+def test_only_who_publishes_a_message_counts_it(bench: Bench) -> None:
+    bench.say("a", _report(_published()))
+    assert bench.listing("a").definitions[0].messages == 0
 
 
 def test_what_subscribers_tell_is_listed(bench: Bench) -> None:
     received = control.Received(name="M", received=10, lost=2, expired=1, oldest_s=0.5)
     for _ in range(2):
-        bench.say("a", control.Report(count=1, received=(received,)))
+        bench.say("a", _report(received))
     unknown = control.Received(name="X", received=1, lost=1, expired=1, oldest_s=1.0)
-    bench.say("a", control.Report(count=1, received=(unknown,)))
+    bench.say("a", _report(unknown))
     (entry,) = bench.listing("a").definitions
     assert (entry.lost, entry.expired, entry.oldest_s) == (4, 2, 0.5)
     assert entry.silent_s == float("inf")
 
 
 def test_counts_survive_nonsense(bench: Bench) -> None:
-    huge = 2**64 - 1
-    for frame in (_frame(1), _frame(huge), _frame(2), _frame(huge, publisher=9)):
-        bench.registry.broadcast(frame, 10)
-    batch = b"\xff" * 8
-    bench.registry.broadcast(_frame(3, publisher=5, kind=frames.BATCH, payload=batch), 10)
-    for lost, oldest in ((huge, 1.0), (1, float("nan")), (1, float("inf")), (1, -1.0)):
+    huge, nan, inf = 2**64 - 1, float("nan"), float("inf")
+    bench.say("a", Advertise(name="M"))
+    bench.say("a", _report(_published(huge), _published(1, huge)))
+    for wrong in (nan, inf, -1.0):
+        bench.say("a", _report(_published(over_s=wrong), _published(silent_s=wrong)))
+    bench.say("a", _report(_published(over_s=0.0)))
+    for lost, oldest in ((huge, 1.0), (1, nan), (1, inf), (1, -1.0)):
         received = control.Received(name="M", received=1, lost=lost, expired=0, oldest_s=oldest)
-        bench.say("a", control.Report(count=1, received=(received,)))
+        bench.say("a", _report(received))
     listing = bench.listing("a")
-    assert control.unpack(control.pack(listing)) == listing
-    assert listing.definitions[0].messages < 10
-    assert listing.definitions[0].lost == 0
+    assert control_frames.unpack(control_frames.pack(listing)) == listing
+    (entry,) = listing.definitions
+    assert (entry.messages, entry.bytes, entry.lost) == (0, 0, 0)
 
 
 def test_log_level_is_set_and_an_unknown_one_is_not(bench: Bench) -> None:

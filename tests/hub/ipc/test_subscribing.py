@@ -264,6 +264,7 @@ def _picture(number: int, size: int = 57_600) -> v.Picture:
 
 
 @pytest.mark.skipif(not ring.available, reason="this system has no anonymous files")
+@pytest.mark.parametrize("wanted_endpoint", ["ipc"], indirect=True)
 def test_picture_goes_through_shared_memory_and_is_a_copy_of_its_own(connect: Connect) -> None:
     one, other = connect("one"), connect("other")
     received = other.collect(v.RING_PICTURE)
@@ -283,13 +284,18 @@ def test_picture_goes_through_shared_memory_and_is_a_copy_of_its_own(connect: Co
 
 
 @pytest.mark.skipif(not ring.available, reason="this system has no anonymous files")
+@pytest.mark.parametrize("wanted_endpoint", ["ipc"], indirect=True)
 @pytest.mark.parametrize("who", ["publisher", "subscriber"])
 def test_picture_comes_the_plain_way_where_there_is_no_shared_memory(
     connect: Connect, who: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     one, other, third = connect("one"), connect("other"), connect("third")
     if who == "publisher":
-        one.client._outlets.local = False
+
+        def full(length: int) -> None:
+            raise OSError(length)
+
+        monkeypatch.setattr(ring, "RingWriter", full)
     else:
 
         def gone(place: object) -> None:
@@ -314,6 +320,7 @@ def test_picture_comes_the_plain_way_where_there_is_no_shared_memory(
 
 
 @pytest.mark.skipif(not ring.available, reason="this system has no anonymous files")
+@pytest.mark.parametrize("wanted_endpoint", ["ipc"], indirect=True)
 def test_subscriber_that_was_busy_gets_the_newest_picture_and_counts_the_others(
     connect: Connect, central: Central
 ) -> None:

@@ -26,6 +26,7 @@ STREAM = MessageDefinition(name="T_Stream", format="{int}", type=Number, rate_hz
 OTHER_STREAM = MessageDefinition(name="T_Stream", format="{double}", type=Number)
 STREAM_LONGER_NAME = MessageDefinition(name="T_Stream2", format="{int}", type=Number)
 LOG = MessageDefinition(name="T_Log", format="{int}", type=Number, keep=Keep.ALL)
+LOG_TOO = MessageDefinition(name="T_LogToo", format="{int}", type=Number, keep=Keep.ALL)
 EVENT = MessageDefinition(
     name="T_Event", format="{int}", type=Number, keep=Keep.ALL, plane=Plane.COMMAND
 )

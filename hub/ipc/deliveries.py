@@ -1,0 +1,116 @@
+"""Which neighbours a client's messages go to directly, and the sockets to their inboxes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import zmq
+
+from hub.ipc import control, neighbours, sockets
+from hub.ipc.complaints import Complaints
+from hub.ipc.definition import Plane
+
+Take = Callable[[bytes, int], Any]
+"""Sends a frame to one neighbour; the number is of flags."""
+
+
+class Takers(NamedTuple):
+    """Who takes one message.
+
+    Attributes:
+        whole: Those who want the message itself.
+        in_ring: Those who want a descriptor of shared memory.
+    """
+
+    whole: tuple[Take, ...] = ()
+    in_ring: tuple[Take, ...] = ()
+
+
+class _Want(NamedTuple):
+    inbox: str
+    in_ring: bool
+
+
+class _Way:
+    """The socket to one inbox.
+
+    Attributes:
+        take: Sends to it.
+        names: The messages that go there.
+    """
+
+    def __init__(self, socket: sockets.Socket) -> None:
+        self._socket = socket
+        self.take = sockets.sender(socket)
+        self.names: set[str] = set()
+
+    def close(self, linger_ms: int) -> None:
+        self._socket.close(linger_ms)
+
+
+class Deliveries:
+    """The ways to all inboxes; not to be used by two threads at once."""
+
+    def __init__(self, context: sockets.Context, complaints: Complaints) -> None:
+        self._context = context
+        self._complaints = complaints
+        self._ways: dict[str, _Way] = {}
+        self._wants: dict[str, dict[int, _Want]] = {}
+
+    def note(self, message: control.Subscriber, plane: Plane) -> bool:
+        """A neighbour subscribes to a message of `plane`; False if there is no way to it."""
+        self._forget(message.name, message.subscriber)
+        way = self._way(message.inbox, Plane.STATE if message.in_ring else plane)
+        if way is None:
+            return False
+        way.names.add(message.name)
+        want = _Want(message.inbox, message.in_ring)
+        self._wants.setdefault(message.name, {})[message.subscriber] = want
+        self._tidy()
+        return True
+
+    def forget(self, name: str, subscriber: int) -> None:
+        """It subscribes to the message no longer; to no message if there is no name."""
+        for each in [name] if name else list(self._wants):
+            self._forget(each, subscriber)
+        self._tidy()
+
+    def takers(self, name: str) -> Takers:
+        """Who takes a message."""
+        wants = self._wants.get(name, {}).values()
+        return Takers(
+            whole=tuple(self._ways[want.inbox].take for want in wants if not want.in_ring),
+            in_ring=tuple(self._ways[want.inbox].take for want in wants if want.in_ring),
+        )
+
+    def close(self, linger_ms: int) -> None:
+        """Close all ways; what was just sent gets `linger_ms` to leave."""
+        self._wants.clear()
+        while self._ways:
+            self._ways.popitem()[1].close(linger_ms)
+
+    def _forget(self, name: str, subscriber: int) -> None:
+        wants = self._wants.get(name, {})
+        want = wants.pop(subscriber, None)
+        if want is not None and all(want.inbox != other.inbox for other in wants.values()):
+            self._ways[want.inbox].names.discard(name)
+
+    def _tidy(self) -> None:
+        for inbox in [inbox for inbox, way in self._ways.items() if not way.names]:
+            self._ways.pop(inbox).close(0)
+
+    def _way(self, inbox: str, plane: Plane) -> _Way | None:
+        if inbox in self._ways:
+            return self._ways[inbox]
+        if not neighbours.is_place(inbox):
+            self._complaints.count("malformed control frame", f"an inbox at {inbox[:80]!r}")
+            return None
+        try:
+            socket = sockets.make_inbox(self._context, zmq.PUSH, plane)
+            socket.connect(inbox)
+        except zmq.ZMQError as error:
+            self._complaints.count("no way to a subscriber", str(error))
+            return None
+        way = self._ways[inbox] = _Way(socket)
+        return way

@@ -1,0 +1,47 @@
+"""Where neighbours send one client's messages to directly, past central."""
+
+from __future__ import annotations
+
+import functools
+import secrets
+from collections.abc import Callable
+
+import zmq
+
+from hub.ipc import neighbours, sockets
+from hub.ipc.definition import Plane
+from hub.ipc.loop import Loop
+
+
+class Inbox:
+    """The inbox of one plane.
+
+    Attributes:
+        address: Where publishers connect.
+    """
+
+    def __init__(
+        self,
+        context: sockets.Context,
+        loop: Loop,
+        plane: Plane,
+        take: Callable[[sockets.Socket], bool],
+    ) -> None:
+        """Open.
+
+        Args:
+            context: The client's.
+            loop: Serves it.
+            plane: What it is for.
+            take: Reads what has come; whether there may be more.
+        """
+        self.address = f"{neighbours.PLACE}{plane.value}-{secrets.token_hex(8)}"
+        self._loop = loop
+        self._socket = sockets.make_inbox(context, zmq.PULL, plane)
+        self._socket.bind(self.address)
+        self._file = loop.register(self._socket, functools.partial(take, self._socket))
+
+    def close(self) -> None:
+        """Close; what lies in it is forgotten."""
+        self._loop.unregister(self._file)
+        self._socket.close(0)
