@@ -36,7 +36,8 @@ _logger = logging.getLogger(__name__)
 
 _LISTEN_S = 1.0
 _BATCH = 256
-_CONTROL_QUEUE = 1000
+_CONTROL_QUEUE, _CONTROL_BACKLOG = 1000, 20_000
+"""Control messages that wait from one peer and for one: a new one is told much at once."""
 _LOOK_S = 0.1
 _TRIM_S = 5.0
 _LOOKING_S, _LOOKING_CLOSER_S = 1e-3, 20e-3
@@ -146,7 +147,7 @@ class Central:
             path.unlink(missing_ok=True)
 
     def _bind(self, wanted: Sequence[security.TcpEndpoint | security.IpcEndpoint]) -> None:
-        router = sockets.make(self._context, zmq.ROUTER, _CONTROL_QUEUE)
+        router = self._control_socket(zmq.ROUTER)
         router.router_mandatory = True
         # Without it libzmq 4.3.5 loses memory with each stranger that claims a taken identity.
         router.router_handover = True
@@ -182,6 +183,11 @@ class Central:
                 self._files += [Path(endpoint.path), *map(Path, rest)]
         send = sockets.sender(router)
         self._doors = [Door(router=router, send=send, ports=tuple(ports), paths=tuple(paths))]
+
+    def _control_socket(self, kind: int) -> sockets.Socket:
+        made = sockets.make(self._context, kind, _CONTROL_QUEUE)
+        made.sndhwm = _CONTROL_BACKLOG
+        return made
 
     def _monitor(self, socket: sockets.Socket) -> sockets.Socket:
         return socket.get_monitor_socket(_WATCHED)
@@ -220,7 +226,7 @@ class Central:
 
         def make(kind: int, plane: str) -> sockets.Socket:
             if plane == security.CONTROL:
-                return sockets.make(self._context, kind, _CONTROL_QUEUE)
+                return self._control_socket(kind)
             return sockets.make_plane(self._context, kind, Plane(plane))
 
         inner = {plane.value: _inner(plane) for plane in sockets.PLANES}
@@ -363,7 +369,9 @@ class Central:
                     send(packed, sockets.MORE)
                     send(bytes(message.attached), sockets.NOBLOCK)
             except zmq.Again:
+                # Without this one it would take something for true that is not: it begins anew.
                 self.complaints.count("queue full", "a peer does not read its control messages")
+                pending += self._registry.unreachable(message.identity)
             except zmq.ZMQError as error:
                 if error.errno != errno.EHOSTUNREACH:
                     raise

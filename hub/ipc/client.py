@@ -41,9 +41,9 @@ _logger = logging.getLogger(__name__)
 T = TypeVar("T")
 R = TypeVar("R")
 
-_LAST_S = _MAX_SOCKETS = 4096
+_MAX_SOCKETS = 4096
 """One for each plane and subscriber on this machine, and a few."""
-_ATTEND_S = 2.0
+_LAST_S = _ATTEND_S = 2.0
 
 
 def _never() -> bool:

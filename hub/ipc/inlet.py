@@ -85,6 +85,7 @@ class Inlet:
         lost: Messages that did not come, by the sequence numbers.
         expired: Messages that came too old.
         oldest: Largest age since the last report [s].
+        flat: Reads a flat format from a neighbour; None of any other.
     """
 
     def __init__(self, definition: MessageDefinition[Any]) -> None:
@@ -105,7 +106,7 @@ class Inlet:
         self._starts = {
             kind[0]: len(frames.prefix(definition.name, kind)) for kind in (frames.FAR, frames.RING)
         }
-        self._flat: frames.FlatFrames | None = None
+        self.flat: frames.FlatFrames | None = None
         self.build: Callable[[tuple[Any, ...]], Any] | None = None
 
     def add(self, handler: Handler, *, raw: bool) -> None:
@@ -113,10 +114,10 @@ class Inlet:
         self.handlers.append((handler, raw))
         letters = self.definition.flat_letters
         if letters is None or any(raw for _, raw in self.handlers):
-            self._flat = None
+            self.flat = None
         else:
             prefix = frames.prefix(self._name)
-            self._flat = frames.FlatFrames(prefix, self._fingerprint, letters)
+            self.flat = frames.FlatFrames(prefix, self._fingerprint, letters)
             self.build = self.definition.build_flat
 
     def forget(self) -> None:
@@ -160,10 +161,10 @@ class Inlet:
             text = f"{self._name} came in another format"
             raise CodecError(text)
         if kind == frames.INLINE:
-            message = (self._flat and self._flat.values(payload)) or payload
+            message = (self.flat and self.flat.values(payload)) or payload
             return Arrival(publisher, sequence, kind, [(stamp, message)])
         if kind == frames.BATCH:
-            messages: Any = self._flat.items(payload) if self._flat else None
+            messages: Any = self.flat.items(payload) if self.flat else None
             if messages is None:
                 messages = frames.items(payload)
             return Arrival(publisher, sequence, frames.INLINE, messages)

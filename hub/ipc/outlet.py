@@ -35,18 +35,20 @@ class Batch:
     Attributes:
         lock: Guards it, and the sockets.
         runs: The messages, those of one outlet that follow each other together: the outlet, the
-            sequence number of the first, and each.
+            sequence number of the first, and each; or the outlet, 0 and a whole frame.
         count: How many messages wait.
         since: When the first began to wait [s].
         previous: When the last one was published, whether it waits or not [s].
+        latest: Whose message was the last one: one by one, frames of their own cost less.
         called: Whether the thread that sends what waits is on its way.
     """
 
-    __slots__ = ("called", "count", "lock", "previous", "runs", "since")
+    __slots__ = ("called", "count", "latest", "lock", "previous", "runs", "since")
 
     def __init__(self) -> None:
         self.lock = threading.Lock()
         self.runs: list[tuple[Outlet, int, list[bytes]]] = []
+        self.latest: Outlet | None = None
         self.count = 0
         self.since = self.previous = 0.0
         self.called = False
@@ -141,20 +143,24 @@ class Outlet:
         sequence = self._sequence + 1
         try:
             values = self._take_apart(value)
-            if now - batch.previous < self._burst:
-                frame, burst = flat.pack_item(stamp, values), True
+            burst = now - batch.previous < self._burst
+            item = burst and batch.latest is self
+            if item:
+                frame = flat.pack_item(stamp, values)
             else:
                 frame = flat.pack(self._connection.publisher, sequence, stamp, values)
-                burst = False
         except _UNFIT:  # the other way says in our own words what is wrong, or takes it
             self.publish_payload(self.definition.encode(value), measured)
             return
         self._sequence = sequence
         self._published = batch.previous = now
         self._bytes += self._flat_length
-        self._last, self._last_is_item = frame, burst
-        if burst:
+        self._last, self._last_is_item = frame, item
+        batch.latest = self
+        if item:
             self._join(sequence, frame, now)
+        elif burst:
+            self._join_frame(frame, now)
         else:
             self._ways.send(self, frame)
 
@@ -244,11 +250,13 @@ class Outlet:
         return self._frame(sequence, stamp, [kept])
 
     def run(self, first: int, items: Sequence[bytes]) -> tuple[bytes, tuple[Take, ...], bytes]:
-        """Several messages, the first of which has the number `first`.
+        """Several messages, the first of which has the number `first`, or a frame that is whole.
 
         Returns:
             A frame for them; which neighbours take it; and under which topic others do, if any may.
         """
+        if first == 0:
+            return items[0], self.takers.whole, self.topic
         payload = frames.batch(items)
         if self._plane is not Plane.PICTURE:
             frame = self._frame(first, 0, payload, kind=frames.BATCH)
@@ -277,17 +285,33 @@ class Outlet:
         batch = self._batch
         with batch.lock:
             runs = batch.runs
-            if runs and runs[-1][0] is self:
+            if runs and runs[-1][0] is self and runs[-1][1]:
                 runs[-1][2].append(item)
             else:
-                if not runs:
-                    batch.since = now
-                    if not batch.called:
-                        self._ways.call_courier()
+                self._begin(now)
                 runs.append((self, sequence, [item]))
-            batch.count += 1
-            if batch.count >= self._most or now - batch.since > BATCH_S:
-                self._ways.send_batch()
+            self._grow(now)
+
+    def _join_frame(self, frame: bytes, now: float) -> None:
+        """Send a whole frame together with others that follow at once."""
+        batch = self._batch
+        with batch.lock:
+            self._begin(now)
+            batch.runs.append((self, 0, [frame]))
+            self._grow(now)
+
+    def _begin(self, now: float) -> None:
+        batch = self._batch
+        if not batch.runs:
+            batch.since = now
+            if not batch.called:
+                self._ways.call_courier()
+
+    def _grow(self, now: float) -> None:
+        batch = self._batch
+        batch.count += 1
+        if batch.count >= self._most or now - batch.since > BATCH_S:
+            self._ways.send_batch()
 
     def _hold(self, stamp: int, payload: Sequence[Buffer]) -> None:
         held = self._held

@@ -219,10 +219,14 @@ class Outlets:
         """Send what waits; the lock is held."""
         runs, self.batch.runs, self.batch.count = self.batch.runs, [], 0
         trains: dict[Take, list[bytes]] = {}
+        before: tuple[Take, ...] = ()
+        loading: list[list[bytes]] = []
         for outlet, first, items in runs:
             frame, takers, topic = outlet.run(first, items)
-            for take in takers:
-                trains.setdefault(take, []).append(frame)
+            if takers is not before:
+                before, loading = takers, [trains.setdefault(take, []) for take in takers]
+            for train in loading:
+                train.append(frame)
             if topic in self._filters:
                 self._send(outlet, frame)
         for take, whole in trains.items():

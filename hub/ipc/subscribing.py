@@ -30,6 +30,9 @@ def _topics(name: str) -> list[bytes]:
     return [frames.topic(name, kind)[:-1] for kind in (b"", frames.FAR, frames.RING)]
 
 
+_new = tuple.__new__
+
+
 class _Opened:
     """Messages of one publisher on their way to the handlers.
 
@@ -66,6 +69,7 @@ class Inlets:
         self._context = context
         self._loop = loop
         self._connection = connection
+        self._hub_time = connection.hub_time
         self._clock = loop.clock
         self._complaints = complaints
         self._sockets: dict[Plane, sockets.Socket] = {}
@@ -218,13 +222,15 @@ class Inlets:
         if frame.sequence <= source.arrived:
             return
         source.arrived = frame.sequence
-        now = self._clock()
-        stamp = frame.stamp_ns * 1e-9 - self._connection.hub_time.offset
-        how = Reception(frame.publisher, frame.sequence, 0, max(0.0, now - stamp), min(stamp, now))
-        source.handed_on = frame.sequence
-        value = inlet.definition.decode(frame.payload)
-        for handler, raw in inlet.handlers:
-            handler(frame.payload if raw else value, how)
+        self._deliver(
+            inlet,
+            source,
+            frame.kind,
+            frame.publisher,
+            frame.sequence,
+            frame.stamp_ns,
+            frame.payload,
+        )
 
     def _ask_for(self, inlet: Inlet) -> None:
         """Subscribe, and have central say when nothing can be missed any more."""
@@ -320,6 +326,15 @@ class Inlets:
         if inlet is None:
             self._strange(raw)
             return
+        at_once = inlet.limit is None and inlet.priority == 0 and not self._waits
+        if at_once and inlet.flat is not None and (found := inlet.flat.unpack(raw)):
+            _, publisher, _, sequence, stamp_ns, _ = found[:6]
+            source = inlet.source(publisher)
+            if self._arrived(inlet, source, sequence):
+                self._deliver(
+                    inlet, source, frames.INLINE, publisher, sequence, stamp_ns, found[6:]
+                )
+            return
         try:
             arrival = inlet.read(raw)
         except FrameError as error:
@@ -327,7 +342,7 @@ class Inlets:
         except CodecError as error:
             self._complaints.count("wrong format", str(error))
         else:
-            if inlet.limit is None and inlet.priority == 0 and not self._waits:
+            if at_once:
                 self._opened.append(_Opened(inlet, arrival))
                 self._hand_out(self._opened[-1])
             else:
@@ -383,13 +398,11 @@ class Inlets:
                 if self._clock() > end:
                     return
 
-    def _hand_out(self, opened: _Opened) -> None:  # noqa: C901 - each message passes, no calls here
+    def _hand_out(self, opened: _Opened) -> None:
         """Hand messages to their handlers; after one that raises, the rest comes later."""
         inlet, source, publisher, kind = opened.inlet, opened.source, opened.publisher, opened.kind
         if inlet is None:
             return
-        clock, offset, build = self._clock, self._connection.hub_time.offset, inlet.build
-        lifespan, new = inlet.lifespan_s, tuple.__new__
         for stamp_ns, message in opened.messages:
             sequence = opened.sequence
             opened.sequence = sequence + 1
@@ -398,31 +411,44 @@ class Inlets:
                     source.arrived = sequence
                 elif not self._arrived(inlet, source, sequence):
                     continue
-            now = clock()
-            measured = stamp_ns * 1e-9 - offset
-            age = now - measured
-            if age < 0.0:
-                age, measured = 0.0, now
-            if age > inlet.oldest:
-                inlet.oldest = age
-            if age > lifespan:
-                inlet.expired += 1
-                self._complaints.count("too old", f"{inlet.definition.name} is {age:.2f} s old")
-                continue
-            if build is not None and message.__class__ is tuple:
-                value = build(message)
-            else:
-                message, value = self._decoded(inlet, kind, message)  # noqa: PLW2901
-                if message is None:
-                    continue
-            missed = sequence - source.handed_on - 1 if source.handed_on else 0
-            source.handed_on = sequence
-            inlet.received += 1
-            how = new(Reception, (publisher, sequence, missed, age, measured))
-            for handler, raw in inlet.handlers:
-                handler(message if raw else value, how)
+            self._deliver(inlet, source, kind, publisher, sequence, stamp_ns, message)
         if opened in self._opened:  # not if a handler listened, and so had the rest handed out
             self._opened.remove(opened)
+
+    def _deliver(
+        self,
+        inlet: Inlet,
+        source: Source,
+        kind: int,
+        publisher: int,
+        sequence: int,
+        stamp_ns: int,
+        message: Any,
+    ) -> None:
+        """Hand one message to its handlers, unless it is too old or cannot be read."""
+        now = self._clock()
+        measured = stamp_ns * 1e-9 - self._hub_time.offset
+        age = now - measured
+        if age < 0.0:
+            age, measured = 0.0, now
+        if age > inlet.oldest:
+            inlet.oldest = age
+        if age > inlet.lifespan_s:
+            inlet.expired += 1
+            self._complaints.count("too old", f"{inlet.definition.name} is {age:.2f} s old")
+            return
+        if message.__class__ is tuple and inlet.build is not None:
+            value = inlet.build(message)
+        else:
+            message, value = self._decoded(inlet, kind, message)
+            if message is None:
+                return
+        missed = sequence - source.handed_on - 1 if source.handed_on else 0
+        source.handed_on = sequence
+        inlet.received += 1
+        how = _new(Reception, (publisher, sequence, missed, age, measured))
+        for handler, raw in inlet.handlers:
+            handler(message if raw else value, how)
 
     def _decoded(self, inlet: Inlet, kind: int, message: Any) -> tuple[Any, Any]:
         """The payload and its value; None twice if it is not there or is none."""
