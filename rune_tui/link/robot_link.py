@@ -5,6 +5,7 @@ Nobody is called from here: the console reads `state` when it wants to, and hand
 
 from __future__ import annotations
 
+import dataclasses
 import logging
 import os
 import threading
@@ -13,13 +14,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
-from hub.errors import CodecError, HubError, NoHandlerError, NotAllowedError, QueryError
+from hub.errors import CodecError, HubError, NoHandlerError, QueryError
 from hub.gcm import navigation, rle, vision
 from hub.gcm.capability import Capability
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.keys import read_client_keys
 from hub.ipc.reception import Reception
+from hub.ipc.security import Action, may
 from rune_tui.layout.spec import RobotSpec
 from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
 
@@ -70,13 +72,16 @@ class RobotLink:
         self._ask_at = 0.0
         self._numbers = 0
         self._stopping = threading.Event()
+        own_keys = read_client_keys(keys) if keys else None
         self._client = Client(
-            f"rune-{os.getpid()}-{spec.name}",
-            hub or spec.hub,
-            clock=clock,
-            keys=read_client_keys(keys) if keys else None,
+            f"rune-{os.getpid()}-{spec.name}", hub or spec.hub, clock=clock, keys=own_keys
         )
-        link = LinkState(phase=LinkPhase.CONNECTING, since=clock(), endpoint=self._client.endpoint)
+        link = LinkState(
+            phase=LinkPhase.CONNECTING,
+            since=clock(),
+            endpoint=self._client.endpoint,
+            may_command=own_keys is None or may(own_keys.role, Action.PUBLISH_COMMAND),
+        )
         self._state = RobotState(name=spec.name, link=link)
         self._subscribe(set(wanted))
         self._thread = threading.Thread(target=self._run, name=f"link-{spec.name}", daemon=True)
@@ -97,16 +102,13 @@ class RobotLink:
         self._thread.join()
 
     def send(self, definition: MessageDefinition[T], value: T) -> None:
-        """Publish to the robot; lost while there is no connection, so that nothing old arrives."""
-        measured = self._clock()
+        """Publish a command to the robot, if the operator's key allows that.
 
-        def publish() -> None:
-            try:
-                self._client.publish(definition, value, measured=measured)
-            except NotAllowedError as error:
-                self._set_link(self._state.link.phase, str(error))
-
-        self._client.post(publish)
+        It is lost while there is no connection, so that nothing old arrives.
+        """
+        if self._state.link.may_command:
+            measured = self._clock()
+            self._client.post(lambda: self._client.publish(definition, value, measured=measured))
 
     def want_pictures(self, size: tuple[int, int] | None) -> None:
         """Ask for pictures of this width and height [pixels]; None: for none."""
@@ -122,8 +124,9 @@ class RobotLink:
             client.subscribe(navigation.ROBOT_STATE, self._store("navigation"))
         if wanted & {Capability.VIS_PTZ, Capability.VIS_VID}:
             client.subscribe(vision.CAMERA_STATE, self._store("camera"))
-        # Defined before they are used, so that a stop is on its way as soon as it is wanted.
-        client.define(navigation.VELOCITY_COMMAND, navigation.STOP, vision.CAMERA_COMMAND)
+        if self._state.link.may_command:
+            # Defined before they are used, so that a stop is on its way as soon as it is wanted.
+            client.define(navigation.VELOCITY_COMMAND, navigation.STOP, vision.CAMERA_COMMAND)
         if self._pictures_wanted:
             client.every(_REQUEST_CHECK_S, self._ask_for_picture)
 
@@ -153,7 +156,9 @@ class RobotLink:
     def _note_phase(self) -> None:
         link = self._state.link
         if self._client.connected:
-            phase, detail = LinkPhase.CONNECTED, link.detail
+            # What a failed request said holds until one succeeds, what a lost link said ends here.
+            known = link.detail if link.phase is LinkPhase.CONNECTED else ""
+            phase, detail = LinkPhase.CONNECTED, known
         elif link.phase is LinkPhase.CONNECTING:
             phase, detail = LinkPhase.CONNECTING, str(self._client.refusal or "")
         else:
@@ -165,7 +170,7 @@ class RobotLink:
         link = self._state.link
         if (phase, detail) != (link.phase, link.detail):
             since = link.since if phase is link.phase else self._clock()
-            changed = LinkState(phase=phase, since=since, endpoint=link.endpoint, detail=detail)
+            changed = dataclasses.replace(link, phase=phase, since=since, detail=detail)
             self._state = self._state.with_(link=changed)
 
     def _ask_for_picture(self) -> None:

@@ -71,12 +71,14 @@ class LinkState:
         since: When that began, on the console's monotonic clock [s].
         endpoint: Where the hub is.
         detail: One sentence on the last failure; empty when there is none.
+        may_command: Whether the operator's key allows to drive and stop the robot.
     """
 
     phase: LinkPhase
     since: float
     endpoint: str
     detail: str = ""
+    may_command: bool = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

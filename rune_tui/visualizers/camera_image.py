@@ -51,6 +51,6 @@ class CameraImage:
 
 def _explanation(robot: RobotState, now: float) -> str:
     trouble = link_trouble(robot, now)
-    if trouble:
-        return f"{trouble}. {robot.link.detail}" if robot.link.detail else trouble
-    return "" if robot.picture else f"waiting for the first picture from {robot.name}"
+    if not trouble and robot.picture is None:
+        trouble = f"waiting for the first picture from {robot.name}"
+    return f"{trouble}; {robot.link.detail}" if trouble and robot.link.detail else trouble

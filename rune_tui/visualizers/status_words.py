@@ -59,6 +59,7 @@ def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     return (
         Part(robot.name, 8),
         _link(robot, state.now),
+        *_permission(robot),
         *_motion(robot, state.now),
         *_camera(robot),
         *_picture_age(robot, state.now),
@@ -73,6 +74,11 @@ def _link(robot: RobotState, now: float) -> Part:
     if robot.link.phase is LinkPhase.CONNECTING:
         return Part(f"connecting {seconds}", 9, Mood.WARNING)
     return Part(f"LINK LOST {seconds}", 9, Mood.ALARM)
+
+
+def _permission(robot: RobotState) -> Iterator[Part]:
+    if not robot.link.may_command:
+        yield Part("OBSERVER: this key may watch, not drive or stop", 8, Mood.WARNING)
 
 
 def _motion(robot: RobotState, now: float) -> Iterator[Part]:

@@ -60,9 +60,9 @@ def test_a_lost_link_is_said_in_words_over_the_picture_or_instead(made, draw, pi
 
 
 def test_the_last_failure_is_told(made, draw) -> None:
-    link = made.link(LinkPhase.LOST, detail="The hub refused the key.")
+    link = made.link(LinkPhase.LOST, detail="the hub refused the name")
     canvas = draw(NAME, made.robot(link=link), (50, 20))
-    assert text(canvas).endswith("retrying, 3 s. The hub refused the key.")
+    assert text(canvas).endswith("retrying, 3 s; the hub refused the name")
 
 
 def test_a_link_not_made_yet_is_called_connecting(made, draw) -> None:

@@ -127,6 +127,13 @@ def test_a_link_that_is_not_there_is_named(made, draw, phase, words) -> None:
     assert "no robot state yet" in text
 
 
+@pytest.mark.parametrize("phase", list(LinkPhase))
+def test_an_observer_is_called_one_on_any_link_even_where_room_is_short(made, draw, phase) -> None:
+    robot = made.robot(link=made.link(phase, may_command=False))
+    assert "OBSERVER: this key may watch, not drive or stop" in line(draw(NAME, robot, (80, 2)))
+    assert "OBSERVER" not in line(draw(NAME, made.robot(link=made.link(phase)), (200, 2)))
+
+
 @pytest.mark.parametrize("width", range(1, 90))
 def test_where_room_is_short_whole_parts_go_and_the_gravest_stays(made, draw, width) -> None:
     robot = made.robot(link=made.link(LinkPhase.LOST))

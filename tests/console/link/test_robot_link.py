@@ -1,0 +1,115 @@
+"""The link to a robot's hub, against a real central: what the operator learns of it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, closing
+from pathlib import Path
+
+import pytest
+
+from hub.gcm import navigation
+from hub.ipc.central import Central
+from hub.ipc.keyring import Keyring
+from hub.ipc.security import Role
+from rune_tui.layout.loader import load_layout
+from rune_tui.layout.spec import LayoutSpec
+from rune_tui.link.robot_link import RobotLink
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import LinkPhase
+from rune_tui.view import View
+from tests.waiting import until
+
+LAYOUT = """<rune run="1">
+  <robot name="magellan" hub="{hub}">
+    <capability name="VIS_VID" interval_ms="66"/>
+    <capability name="NAV_STATE"/>
+    <capability name="NAV_MOVE"/>
+  </robot>
+  <view xsize="120" ysize="20">
+    <viewport name="camera" robot="magellan" xpos="0" ypos="0" xsize="120" ysize="18">
+      <visualizer function="visualizeCameraImage" message="GCM_Common_Image"/>
+    </viewport>
+    <viewport name="status" robot="magellan" xpos="0" ypos="18" xsize="120" ysize="2">
+      <visualizer function="visualizeStatus" message="GCM_RobotState"/>
+    </viewport>
+  </view>
+</rune>
+"""
+WATCHES = "OBSERVER: this key may watch, not drive or stop"
+
+
+class Desk:
+    """A hub without a robot, and consoles at it."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._keyring = Keyring(folder / "keys")
+        self.central = Central(
+            [f"ipc://{folder}/central"], gateway="tcp://127.0.0.1:0", keyring=self._keyring
+        )
+        self._opened = ExitStack()
+        self._opened.callback(self.central.close)
+
+    def layout(self, endpoint: str) -> LayoutSpec:
+        path = self._folder / "layout.xml"
+        path.write_text(LAYOUT.format(hub=endpoint))
+        return load_layout(path)
+
+    def link(self, role: Role | None) -> RobotLink:
+        """A started link: with a key of this role, or on the hub's machine without one."""
+        endpoint = self.central.endpoints[1 if role else 0]
+        keys = self._keyring.make(f"one-{role.value}", role) if role else None
+        (robot,) = self.layout(endpoint).robots
+        link = RobotLink(robot, keys=keys)
+        link.start()
+        self._opened.enter_context(closing(link))
+        return link
+
+    def screen(self, link: RobotLink) -> str:
+        """What stands on the screen, rows one after the other."""
+        view = View(self.layout(self.central.endpoints[0]).view)
+        view.resize(120, 10)
+        cells = view.render({"magellan": link.state}, ConsoleState(now=time.monotonic()))
+        assert cells is not None
+        return "\n".join("".join(chr(g or 32) for g in row) for row in cells.glyphs.tolist())
+
+    def close(self) -> None:
+        self._opened.close()
+
+
+@pytest.fixture
+def desk(tmp_path: Path) -> Iterator[Desk]:
+    with closing(Desk(tmp_path)) as opened:
+        yield opened
+
+
+def _connected(link: RobotLink) -> None:
+    until(lambda: link.state.link.phase is LinkPhase.CONNECTED, 10.0)
+
+
+def test_an_observer_is_told_so_before_and_after_it_presses_keys(desk: Desk) -> None:
+    link = desk.link(Role.OBSERVE)
+    assert WATCHES in desk.screen(link)
+    _connected(link)
+    assert WATCHES in desk.screen(link)
+    link.send(navigation.STOP, navigation.Stop(reason="the test"))
+    link.send(navigation.VELOCITY_COMMAND, navigation.Twist.planar(0.1, 0.0))
+    done: list[None] = []
+    link._client.post(lambda: done.append(None))
+    until(lambda: done, 5.0)
+    assert WATCHES in desk.screen(link)
+
+
+@pytest.mark.parametrize("role", [None, Role.OPERATE, Role.MODULE])
+def test_who_may_drive_reads_nothing_of_keys(desk: Desk, role: Role | None) -> None:
+    link = desk.link(role)
+    _connected(link)
+    assert "OBSERVER" not in desk.screen(link)
+
+
+def test_a_robot_without_pictures_is_not_waited_for_in_silence(desk: Desk) -> None:
+    link = desk.link(None)
+    link.want_pictures((64, 48))
+    until(lambda: "the robot sends no pictures" in desk.screen(link), 10.0)
