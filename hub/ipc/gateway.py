@@ -192,7 +192,8 @@ class Gateway:
             else:
                 self._complaints.count(
                     f"bad handshake at the gateway's {place}",
-                    "a peer has no key, or another hub's, or does not speak this protocol",
+                    "a peer left before it was over, or has no key, or another hub's, "
+                    "or does not speak this protocol",
                 )
         return ended
 

@@ -230,6 +230,17 @@ def test_what_is_no_handshake_leaves_the_place_open_to_others(hub: StandIn, plac
     assert hub.outcome(KINDS[place], place, keys) == "in"
 
 
+def test_who_leaves_in_the_middle_of_the_handshake_is_not_said_to_have_a_wrong_key(
+    hub: StandIn,
+) -> None:
+    with socket.create_connection(("127.0.0.1", hub.port("control"))) as raw:
+        raw.sendall(b"\xff" + bytes(8) + b"\x7f")
+    reason = "bad handshake at the gateway's control"
+    until(lambda: hub.complaints.counts[reason] == 1, 10.0)
+    (line,) = (line for line in hub.logged if reason in line)
+    assert "left before it was over, or has no key" in line
+
+
 def test_nobody_gets_in_while_nobody_decides(tmp_path: Path) -> None:
     with standing_in(tmp_path / "keys", serving=False) as hub:
         client = hub.remote(zmq.DEALER, "control", hub.keys(Role.MODULE))
