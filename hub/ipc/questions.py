@@ -61,26 +61,28 @@ class Questions:
         self._waiting: dict[int, Question] = {}
         self._last = 0
         self._ways: dict[str, DirectWay] = {}
+        # Nothing ends by time before this [s]: so most turns need not look at every question.
+        self._earliest = math.inf
 
     def ask(self, question: Question, frame: bytes | None) -> None:
         """Ask with a message's frame, or without one for the last value of the message.
 
         It is not kept for a central that is away: who asks is told so at the next `expire`.
         """
-        self._last = self._last % 0xFFFF_FFFF + 1
-        self._waiting[self._last] = question
+        self._last = number = self._last % 0xFFFF_FFFF + 1
+        self._waiting[number] = question
+        if question.deadline < self._earliest:
+            self._earliest = question.deadline
+        if frame is None:
+            last = control.Last(number=number, name=question.name, timeout_s=question.timeout)
+            self._ask_central(question, last, None)
+            return
+        query = control.Query(number=number, name=question.name, timeout_s=question.timeout)
         way = self._ways.get(question.name)
-        if way is not None and frame is not None:
-            direct = control.Query(
-                number=self._last, name=question.name, timeout_s=question.timeout
-            )
-            if way.ask(direct, frame):
-                question.way, question.frame = way, frame
-                return
-        kind = control.Last if frame is None else control.Query
-        query = kind(number=self._last, name=question.name, timeout_s=question.timeout)
-        if not self._connection.publisher or not self._connection.tell(query, frame):
-            question.unsent, question.deadline = True, -math.inf
+        if way is not None and way.ask(query, frame):
+            question.way, question.frame = way, frame
+        else:
+            self._ask_central(question, query, frame)
 
     def ask_and_wait(
         self, name: str, frame: bytes | None, timeout: float, listen: Callable[[float], None]
@@ -92,15 +94,7 @@ class Questions:
         """
         answers: list[frames.Frame] = []
         failures: list[QueryError] = []
-        question = Question(
-            name=name,
-            read=lambda answer: answer,
-            timeout=timeout,
-            deadline=self._clock() + timeout,
-            answered=lambda answer, _: answers.append(answer),
-            failed=failures.append,
-        )
-        self.ask(question, frame)
+        self._ask_for_frame(name, frame, timeout, answers.append, failures.append)
         while not answers and not failures:
             listen(0.1)
         if failures:
@@ -109,15 +103,33 @@ class Questions:
 
     def ask_last(self, name: str, timeout: float, answered: Callable[[frames.Frame], None]) -> None:
         """Ask for the last value of a message; if there is none, what comes next will do."""
+        self._ask_for_frame(name, None, timeout, answered, lambda _: None)
+
+    def _ask_for_frame(
+        self,
+        name: str,
+        frame: bytes | None,
+        timeout: float,
+        answered: Callable[[frames.Frame], None],
+        failed: Callable[[QueryError], None],
+    ) -> None:
+        """Ask, and hand on the answer's frame as it is."""
         question = Question(
             name=name,
             read=lambda answer: answer,
             timeout=timeout,
             deadline=self._clock() + timeout,
             answered=lambda answer, _: answered(answer),
-            failed=lambda _: None,
+            failed=failed,
         )
-        self.ask(question, None)
+        self.ask(question, frame)
+
+    def _ask_central(
+        self, question: Question, message: control.Query | control.Last, frame: bytes | None
+    ) -> None:
+        if not self._connection.publisher or not self._connection.tell(message, frame):
+            question.unsent, question.deadline = True, -math.inf
+            self._earliest = -math.inf
 
     def follow(self, name: str, way: DirectWay | None) -> DirectWay | None:
         """Ask for this name on this way from now on, or through central; the way it went before."""
@@ -145,32 +157,35 @@ class Questions:
                 query = control.Query(
                     number=number, name=name, timeout_s=max(question.deadline - now, 1e-3)
                 )
-                if not self._connection.publisher or not self._connection.tell(
-                    query, question.frame
-                ):
-                    question.unsent, question.deadline = True, -math.inf
+                self._ask_central(question, query, question.frame)
 
     def due(self, otherwise: float) -> float:
-        """When the first one ends by time [s]; `otherwise` if there is none."""
-        return min((question.deadline for question in self._waiting.values()), default=otherwise)
+        """When to look for those whose time has run out [s], not later than `otherwise`."""
+        return min(otherwise, self._earliest)
 
     def expire(self, now: float, endpoint: str) -> None:
         """End those whose time has run out at `now` [s]."""
+        if now <= self._earliest:
+            return
         for number in [n for n, question in self._waiting.items() if question.deadline < now]:
-            question = self._waiting.pop(number)
+            question = self._waiting.pop(number, None)
+            if question is None:
+                continue  # what another was told made us listen, and so ended this one too
             if question.unsent:
                 text = f"the query {question.name} was not sent: no hub answers at {endpoint}"
                 question.failed(QueryError(text))
             else:
                 text = f"no answer to the query {question.name} in {question.timeout:g} s"
                 question.failed(QueryTimeoutError(text))
+        self._earliest = min((each.deadline for each in self._waiting.values()), default=math.inf)
 
     def end_all(self, why: str) -> None:
         """Central does not know, or not any more, what we asked it."""
         for number in list(self._waiting):
-            question = self._waiting.pop(number)
-            text = f"the query {question.name} ended without an answer: {why}"
-            question.failed(QueryError(text))
+            question = self._waiting.pop(number, None)
+            if question is not None:
+                text = f"the query {question.name} ended without an answer: {why}"
+                question.failed(QueryError(text))
 
     def conclude(
         self,
@@ -182,6 +197,8 @@ class Questions:
         question = self._waiting.pop(message.number, None)
         if question is None:
             return False
+        if not self._waiting:
+            self._earliest = math.inf
         if isinstance(message, control.Failure) or attached is None:
             text = message.text if isinstance(message, control.Failure) else "an empty answer"
             kind = getattr(hub.errors, getattr(message, "error", ""), HandlerFailedError)
