@@ -9,7 +9,7 @@ import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from hub.errors import HubError, UndefinedMessageError
 from hub.gcm.catalog import BY_NAME
@@ -21,6 +21,8 @@ from hub.ipc.description import from_listing
 from hub.ipc.keys import read_client_keys
 from hub.ipc.reception import Reception, decode
 from hub.toml_tables import nearest
+
+T = TypeVar("T")
 
 _ANSWER_S = 2.0
 _BETWEEN_S = 0.05
@@ -74,7 +76,7 @@ def echo(client: Client, name: str, *, count: int, as_json: bool) -> int:
     def show(value: Any, reception: Reception) -> None:  # noqa: ANN401 - any message
         nonlocal shown
         shown += 1
-        _show(value, as_json=as_json, reception=reception)
+        _show(definition, value, as_json=as_json, reception=reception)
 
     client.subscribe(definition, show)
     while count == 0 or shown < count:
@@ -133,8 +135,8 @@ def query(
     definition = find(client, name)
     value = values.value_from_text(definition, assignments)
     frame = client.query_frame(definition, value, timeout=timeout)
-    answer = decode(find(client, frame.name), frame)
-    _show(answer, as_json=as_json, reception=None)
+    answered = find(client, frame.name)
+    _show(answered, decode(answered, frame), as_json=as_json, reception=None)
     return 0
 
 
@@ -161,11 +163,13 @@ def _serve_for(client: Client, seconds: float) -> None:
         client.listen(0.05)
 
 
-def _show(value: Any, *, as_json: bool, reception: Reception | None) -> None:  # noqa: ANN401
+def _show(
+    definition: MessageDefinition[T], value: T, *, as_json: bool, reception: Reception | None
+) -> None:
     if as_json:
-        _put(json.dumps(values.plain(value)))
+        _put(json.dumps(values.plain(value, definition.tree)))
         return
-    for line in values.lines(value):
+    for line in values.lines(value, definition.tree):
         _put(line)
     if reception is not None:
         _put(f"--- {reception.sequence}")

@@ -6,11 +6,13 @@ import json
 import sys
 import time
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from hub.inspection import values
 from hub.inspection.commands import find
 from hub.ipc import control
 from hub.ipc.client import Client
+from hub.ipc.definition import MessageDefinition
 from hub.ipc.reception import Reception
 
 _ANSWER_S = 2.0
@@ -52,24 +54,25 @@ def log(client: Client, names: Sequence[str], *, with_data: bool, count: int) ->
     publishers: dict[int, str] = {}
     written = 0
 
-    def note(name: str) -> Callable[[object, Reception], None]:
+    def note(definition: MessageDefinition[Any]) -> Callable[[object, Reception], None]:
         def write(value: object, how: Reception) -> None:
             nonlocal written
             written += 1
             clock = time.strftime("%H:%M:%S", time.localtime())
             publisher = publishers.get(how.publisher, f"number {how.publisher}")
             _put(
-                f"{clock} {name} {{{how.sequence}}} from {publisher}, "
+                f"{clock} {definition.name} {{{how.sequence}}} from {publisher}, "
                 f"{how.age * 1e3:.1f} ms old, {how.missed} missed"
             )
             if with_data:
-                for line in values.lines(value):
+                for line in values.lines(value, definition.tree):
                     _put(f"    {line}")
 
         return write
 
     for name in names:
-        client.subscribe(find(client, name), note(name))
+        definition = find(client, name)
+        client.subscribe(definition, note(definition))
 
     def learn() -> None:
         listing = client.directory.listing(_ANSWER_S)

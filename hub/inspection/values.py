@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import enum
+import itertools
 import json
 import math
 from collections.abc import Iterator, Sequence
@@ -13,6 +14,7 @@ import numpy as np
 
 from hub.errors import CodecError
 from hub.ipc import format as formats
+from hub.ipc.codegen import DTYPES
 from hub.ipc.definition import MessageDefinition
 from hub.toml_tables import nearest
 
@@ -39,16 +41,39 @@ def value_from_text(definition: MessageDefinition[Any], assignments: Sequence[st
     return value
 
 
-def plain(value: Any) -> Any:  # noqa: ANN401 - any value of any message
-    """The value as JSON knows it: mappings, lists, numbers, text; NaN and infinity as text."""
+def plain(value: Any, tree: formats.Format | None = None) -> Any:  # noqa: ANN401 - any message
+    """A message as JSON knows it: mappings, lists, numbers, text; NaN and infinity as text.
+
+    A linked list becomes a list of its nodes without the self pointer, because JSON cannot nest as
+    deep as a list is long; a message that is one itself has the field "nodes", as in its schema.
+
+    Args:
+        value: The message.
+        tree: Its format; to be given if that can hold linked lists.
+
+    Raises:
+        CodecError: A linked list is longer than one can be, or runs in a circle.
+    """
+    told = _plain(value, tree)
+    return {"nodes": told} if isinstance(told, list) else told
+
+
+def lines(value: Any, tree: formats.Format | None = None) -> Iterator[str]:  # noqa: ANN401 - any
+    """A message for people: a line a field, inner fields indented; arguments as for `plain`."""
+    yield from _lines(plain(value, tree), "")
+
+
+def _plain(value: Any, tree: formats.Format | None) -> Any:  # noqa: ANN401 - any part of a message
+    inner = tree.target if isinstance(tree, formats.Pointer) else tree
+    if isinstance(inner, formats.Struct) and inner.next_place is not None:
+        return [_members(node, inner) for node in _nodes(value, inner.next_place)]
     if dataclasses.is_dataclass(value):
-        return {
-            field.name: plain(getattr(value, field.name)) for field in dataclasses.fields(value)
-        }
+        return _members(value, inner)
     if isinstance(value, np.ndarray):
-        return plain(value.tolist())
+        return _plain(value.tolist(), None)
     if isinstance(value, (list, tuple)):
-        return [plain(item) for item in value]
+        element = getattr(inner, "element", None)
+        return [_plain(item, element) for item in value]
     if isinstance(value, enum.IntEnum):
         return value.name
     if isinstance(value, float) and not math.isfinite(value):
@@ -56,9 +81,26 @@ def plain(value: Any) -> Any:  # noqa: ANN401 - any value of any message
     return value
 
 
-def lines(value: Any) -> Iterator[str]:  # noqa: ANN401 - any value
-    """The value for people: a line a field, inner fields indented."""
-    yield from _lines(plain(value), "")
+def _members(value: Any, tree: formats.Format | None) -> dict[str, Any]:  # noqa: ANN401
+    """The fields of a dataclass, but for a self pointer."""
+    nodes = tree.members if isinstance(tree, formats.Struct) else itertools.repeat(None)
+    return {
+        field.name: _plain(getattr(value, field.name), node)
+        for field, node in zip(dataclasses.fields(value), nodes, strict=False)
+        if not isinstance(node, formats.SelfPointer)
+    }
+
+
+def _nodes(first: Any, next_place: int) -> Iterator[Any]:  # noqa: ANN401 - any node or None
+    """The nodes of a linked list, first to last."""
+    for _ in range(formats.MAX_NODES):
+        if first is None:
+            return
+        yield first
+        first = getattr(first, dataclasses.fields(first)[next_place].name)
+    if first is not None:
+        text = f"a list longer than {formats.MAX_NODES} nodes, or one that runs in a circle"
+        raise CodecError(text)
 
 
 def _lines(members: dict[str, Any], indent: str) -> Iterator[str]:
@@ -87,7 +129,7 @@ def _zero(node: formats.Format) -> Any:  # noqa: ANN401 - the value of any forma
     if isinstance(node, formats.Struct):
         return [_zero(member) for member in node.members]
     if isinstance(node, formats.FixedArray):
-        return np.array([_zero(node.element)] * node.count).reshape(node.dimensions)
+        return _zeros(node)
     if isinstance(node, formats.VariableArray):
         return []
     if isinstance(node, (formats.Pointer, formats.SelfPointer)):
@@ -97,6 +139,13 @@ def _zero(node: formats.Format) -> Any:  # noqa: ANN401 - the value of any forma
     if isinstance(node, formats.Primitive) and node.name in ("float", "double"):
         return 0.0
     return False if node == formats.Primitive("boolean") else 0
+
+
+def _zeros(node: formats.FixedArray) -> Any:  # noqa: ANN401 - an array or a list
+    """Arrays of numbers in their shape, others flat, as a codec wants them."""
+    if isinstance(node.element, formats.Primitive) and node.element.name in DTYPES:
+        return np.zeros(node.dimensions, DTYPES[node.element.name])
+    return [_zero(node.element)] * node.count
 
 
 def _assigned(value: Any, path: list[str], text: str, where: str) -> Any:  # noqa: ANN401

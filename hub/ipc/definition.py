@@ -160,6 +160,9 @@ class MessageDefinition(Generic[T]):
     def decode(self, payload: Buffer) -> T:
         """The value in `payload`; arrays are read-only views of it.
 
+        A linked list comes as its first node and is nested as deep as it is long, up to
+        `format.MAX_NODES`: follow it in a loop, because its repr and == are recursive.
+
         Raises:
             CodecError: The bytes are no message of this definition.
         """

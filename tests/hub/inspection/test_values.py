@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import json
 import math
+from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from hub.errors import CodecError
 from hub.gcm import navigation, vision
 from hub.gcm.catalog import MESSAGES
 from hub.inspection.values import lines, plain, value_from_text
+from hub.ipc import format as formats
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.description import from_listing, to_listing
+from tests.hub.ipc.ros_shape import definition_of
+from tests.hub.ipc.trees import structs, values_of
 
 
 def test_fields_left_out_are_zero_for_every_message_of_the_vocabulary() -> None:
@@ -95,3 +101,69 @@ def test_long_arrays_are_cut() -> None:
     shown = [line for line in lines(image) if line.startswith("data")]
     assert shown == ["data: []"]
     assert np.all([len(line) < 500 for line in shown])
+
+
+CHAIN = definition_of(formats.parse("{int,*!}"))
+ROUTES = definition_of(formats.parse("{*{{int,int},*!},uint,<{*!,string}:2>,double}"))
+
+
+def _chain(length: int) -> Any:
+    first = None
+    for number in range(length, 0, -1):
+        first = (number, first)
+    return CHAIN.build(first)
+
+
+def test_a_linked_list_is_a_list_of_its_nodes() -> None:
+    one, two = ((1, 2), None), ((1, 2), ((3, 4), None))
+    routes = ROUTES.build((two, 2, ((None, "x"), ((None, "z"), "y")), 0.5))
+    assert plain(routes, ROUTES.tree) == {
+        "a0": [{"b0": {"c0": 1, "c1": 2}}, {"b0": {"c0": 3, "c1": 4}}],
+        "a1": 2,
+        "a2": [[{"b1": "x"}], [{"b1": "y"}, {"b1": "z"}]],
+        "a3": 0.5,
+    }
+    assert plain(ROUTES.build((one, 0, (), 0.5)), ROUTES.tree)["a0"] == [{"b0": {"c0": 1, "c1": 2}}]
+    assert plain(ROUTES.build((None, 0, (), 0.5)), ROUTES.tree)["a0"] == []
+
+
+def test_a_message_that_is_a_list_has_the_field_nodes_as_in_its_schema() -> None:
+    assert plain(_chain(2), CHAIN.tree) == {"nodes": [{"a0": 1}, {"a0": 2}]}
+    assert list(lines(_chain(2), CHAIN.tree)) == ['nodes: [{"a0": 1}, {"a0": 2}]']
+
+
+@pytest.mark.parametrize("length", [1, 900, 2000, formats.MAX_NODES])
+def test_a_list_as_long_as_any_can_be_sent_read_and_shown(length: int) -> None:
+    payload = b"".join(CHAIN.encode(_chain(length)))
+    back = CHAIN.decode(payload)
+    assert b"".join(CHAIN.encode(back)) == payload
+    told = json.loads(json.dumps(plain(back, CHAIN.tree)))
+    assert [node["a0"] for node in told["nodes"]] == list(range(1, length + 1))
+    (line,) = lines(back, CHAIN.tree)
+    assert len(line) < 2000
+
+
+def test_a_longer_list_or_one_in_a_circle_is_refused() -> None:
+    first = _chain(formats.MAX_NODES)
+    longer = type(first)(a0=0, a1=first)
+    for work in (CHAIN.encode, lambda value: plain(value, CHAIN.tree)):
+        with pytest.raises(
+            CodecError, match="longer than 10000 nodes, or one that runs in a circle"
+        ):
+            work(longer)
+
+
+@given(st.data())
+def test_every_value_of_every_format_is_json_and_lines(data: st.DataObject) -> None:
+    definition = definition_of(data.draw(structs()))
+    value = definition.build(data.draw(values_of(definition.tree)))
+    text = json.dumps(plain(value, definition.tree), allow_nan=False)
+    assert "\n" not in text
+    assert all(line.isprintable() for line in lines(value, definition.tree))
+
+
+@given(st.data())
+def test_every_format_has_a_value_of_zeros(data: st.DataObject) -> None:
+    definition = definition_of(data.draw(structs()))
+    value = value_from_text(definition, [])
+    assert b"".join(definition.encode(value))
