@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import abc
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal
@@ -48,7 +49,7 @@ def packed(letter: str) -> Packed:
     return letter, struct.calcsize("<" + letter)
 
 
-class Generator:
+class Generator(abc.ABC):
     """What writer and reader generation share: lines, constants, and the position as far as known.
 
     `self.offset` is the position behind the encapsulation header while it is the same for all
@@ -78,9 +79,9 @@ class Generator:
         generated: Callable[[Any], Any] = self.names["generated"]
         return generated
 
+    @abc.abstractmethod
     def body(self) -> None:
         """Generate the whole of it."""
-        raise NotImplementedError
 
     def emit(self, line: str) -> None:
         """Add one line."""
