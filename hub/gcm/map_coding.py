@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.errors import CodecError
+from hub.gcm.runs import cut_runs, run_ends
 
 MAX_CELLS = 1 << 24
 """Cells of the largest map that is coded or decoded."""
@@ -48,8 +49,8 @@ def encode(cells: _Map) -> _Coded:
         text = f"cells of {cells.dtype} in shape {cells.shape} are no map"
         raise CodecError(text)
     flat = np.ascontiguousarray(cells).reshape(-1)
-    ends = np.append(np.flatnonzero(flat[1:] != flat[:-1]), flat.size - 1)
-    way, raw = _RUNS, _run_bytes(flat, ends)
+    lengths, levels = cut_runs(flat, run_ends(flat), _LONGEST)
+    way, raw = _RUNS, lengths.astype("<u2").tobytes() + levels.tobytes()
     if len(raw) > flat.size:
         way, raw = _CELLS, flat.tobytes()
     return np.frombuffer(bytes([way]) + zlib.compress(raw, _LEVEL[way]), np.uint8)
@@ -76,18 +77,6 @@ def decode(coded: _Coded, height: int, width: int) -> _Map:
         raise CodecError(text)
     cells = np.frombuffer(raw, np.int8, runs, 2 * runs)
     return np.repeat(cells, lengths).reshape(height, width)
-
-
-def _run_bytes(flat: _Map, ends: npt.NDArray[np.intp]) -> bytes:
-    lengths, cells = np.diff(ends, prepend=-1), flat[ends]
-    if lengths.max() > _LONGEST:
-        pieces = -(-lengths // _LONGEST)
-        last = np.cumsum(pieces) - 1
-        rest = lengths - (pieces - 1) * _LONGEST
-        cells = np.repeat(cells, pieces)
-        lengths = np.full(len(cells), _LONGEST)
-        lengths[last] = rest
-    return lengths.astype("<u2").tobytes() + cells.tobytes()
 
 
 def _inflated(stream: bytes, most: int) -> bytes:

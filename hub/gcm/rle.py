@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.errors import CodecError
+from hub.gcm.runs import cut_runs, run_ends
 
 _RAW, _ROWS, _ABOVE = 0, 1, 2
 _LONGEST = 255
@@ -47,7 +48,7 @@ def encode(pixels: _Pixels, *, quality: int = 100) -> _Pixels:
         pixels = _quantised(pixels, quality)
     flat = _packed(pixels)
     ways = [(_ROWS, flat), (_ABOVE, _with_row_above(flat))]
-    runs = [(way, image, _run_ends(image)) for way, image in ways]
+    runs = [(way, image, run_ends(image.reshape(-1))) for way, image in ways]
     way, image, ends = min(runs, key=lambda candidate: len(candidate[2]))
     coded = _run_bytes(way, image.reshape(-1), ends, channels)
     if len(coded) <= pixels.size:
@@ -104,24 +105,10 @@ def _with_row_above(flat: npt.NDArray[np.uint32]) -> npt.NDArray[np.uint32]:
     return combined
 
 
-def _run_ends(image: npt.NDArray[np.uint32]) -> npt.NDArray[np.intp]:
-    """Index of the last pixel of each run, in reading order."""
-    flat = image.reshape(-1)
-    return np.append(np.flatnonzero(flat[1:] != flat[:-1]), flat.size - 1)
-
-
 def _run_bytes(
     way: int, flat: npt.NDArray[np.uint32], ends: npt.NDArray[np.intp], channels: int
 ) -> _Pixels:
-    lengths = np.diff(ends, prepend=-1)
-    values = flat[ends]
-    if lengths.max() > _LONGEST:
-        pieces = -(-lengths // _LONGEST)
-        last = np.cumsum(pieces) - 1
-        rest = lengths - (pieces - 1) * _LONGEST
-        values = np.repeat(values, pieces)
-        lengths = np.full(len(values), _LONGEST)
-        lengths[last] = rest
+    lengths, values = cut_runs(flat, ends, _LONGEST)
     coded = np.empty(1 + len(lengths) * (1 + channels), np.uint8)
     coded[0] = way
     coded[1 : 1 + len(lengths)] = lengths
