@@ -6,8 +6,9 @@
 from __future__ import annotations
 
 import abc
+import contextlib
 import struct
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -86,6 +87,14 @@ class Generator(abc.ABC):
     def emit(self, line: str) -> None:
         """Add one line."""
         self.lines.append("    " * self.indent + line)
+
+    @contextlib.contextmanager
+    def block(self, head: str) -> Iterator[None]:
+        """Lines that belong under a `for` or an `if`."""
+        self.emit(head)
+        self.indent += 1
+        yield
+        self.indent -= 1
 
     def fresh(self, stem: str) -> str:
         """A name that is not in use."""

@@ -136,12 +136,10 @@ class _Reader(Generator):
         self.go_dynamic()
         nodes = self.fresh("v")
         self.emit(f"{nodes} = []")
-        self.emit(f"for _ in range({count}):")
-        self.indent += 1
-        item = self.read_members(node)
-        self.flush()
-        self.emit(f"{nodes}.append({item})")
-        self.indent -= 1
+        with self.block(f"for _ in range({count}):"):
+            item = self.read_members(node)
+            self.flush()
+            self.emit(f"{nodes}.append({item})")
         self.emit(f"{nodes} = linked({nodes}, {node.next_place})")
         return nodes
 
@@ -178,12 +176,10 @@ class _Reader(Generator):
             return local
         self.go_dynamic()
         self.emit(f"{local} = []")
-        self.emit(f"for _ in range({count}):")
-        self.indent += 1
-        item = self.read(element)
-        self.flush()
-        self.emit(f"{local}.append({item})")
-        self.indent -= 1
+        with self.block(f"for _ in range({count}):"):
+            item = self.read(element)
+            self.flush()
+            self.emit(f"{local}.append({item})")
         return local
 
     def read_numbers(
@@ -219,12 +215,10 @@ class _Reader(Generator):
         self.go_dynamic()
         local = self.fresh("v")
         self.emit(f"{local} = None")
-        self.emit(f"if {count} == 1:")
-        self.indent += 1
-        target = self.read(node.target)
-        self.flush()
-        self.emit(f"{local} = {target}")
-        self.indent -= 1
+        with self.block(f"if {count} == 1:"):
+            target = self.read(node.target)
+            self.flush()
+            self.emit(f"{local} = {target}")
         self.emit(f"elif {count}:")
         self.emit(f"    refuse(f'a pointer to {{{count}}} values')")
         return local

@@ -110,11 +110,9 @@ class _Writer(Generator):
         self.run.append((packed("I"), f"len({nodes})"))
         self.flush()
         self.go_dynamic()
-        self.emit(f"for {item} in {nodes}:")
-        self.indent += 1
-        self.write_members(node, item)
-        self.flush()
-        self.indent -= 1
+        with self.block(f"for {item} in {nodes}:"):
+            self.write_members(node, item)
+            self.flush()
 
     def write_string(self, value: str) -> None:
         local = self.fresh("t")
@@ -141,11 +139,9 @@ class _Writer(Generator):
         self.emit(f"{items} = {value}")
         self.emit(f"check({items}, {count})")
         self.go_dynamic()
-        self.emit(f"for {item} in {items}:")
-        self.indent += 1
-        self.write(element, item)
-        self.flush()
-        self.indent -= 1
+        with self.block(f"for {item} in {items}:"):
+            self.write(element, item)
+            self.flush()
 
     def write_small_array(
         self, element: formats.Primitive, value: str, count: int, dimensions: tuple[int, ...]
@@ -178,16 +174,14 @@ class _Writer(Generator):
             self.offset += gap + int(count) * dtype.itemsize
             return
         self.go_dynamic()
-        self.emit(f"if {local}.size:")
-        self.indent += 1
-        if dtype.itemsize > 1:
-            self.emit(f"gap = -at % {dtype.itemsize}")
-            self.emit("put(pad[gap])")
-            self.emit(f"at += gap + {local}.nbytes")
-        else:
-            self.emit(f"at += {local}.nbytes")
-        self.emit(f"put({local}.data)")
-        self.indent -= 1
+        with self.block(f"if {local}.size:"):
+            if dtype.itemsize > 1:
+                self.emit(f"gap = -at % {dtype.itemsize}")
+                self.emit("put(pad[gap])")
+                self.emit(f"at += gap + {local}.nbytes")
+            else:
+                self.emit(f"at += {local}.nbytes")
+            self.emit(f"put({local}.data)")
 
     def write_pointer(self, node: formats.Pointer, value: str) -> None:
         if isinstance(node.target, formats.Struct) and node.target.next_place is not None:
@@ -198,11 +192,9 @@ class _Writer(Generator):
         self.run.append((packed("I"), f"{local} is not None"))
         self.flush()
         self.go_dynamic()
-        self.emit(f"if {local} is not None:")
-        self.indent += 1
-        self.write(node.target, local)
-        self.flush()
-        self.indent -= 1
+        with self.block(f"if {local} is not None:"):
+            self.write(node.target, local)
+            self.flush()
 
 
 def _array(

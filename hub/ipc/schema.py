@@ -46,21 +46,7 @@ _ROS = {
     "boolean": "bool",
     "string": "string",
 }
-_IDL = {
-    "byte": "int8",
-    "ubyte": "uint8",
-    "char": "uint8",
-    "short": "int16",
-    "ushort": "uint16",
-    "int": "int32",
-    "uint": "uint32",
-    "long": "int64",
-    "ulong": "uint64",
-    "float": "float",
-    "double": "double",
-    "boolean": "boolean",
-    "string": "string",
-}
+_IDL = _ROS | {"float": "float", "double": "double", "boolean": "boolean"}
 _FIELD_NAME = re.compile(r"[a-z](?:_?[a-z0-9])*", re.ASCII)
 _ROS_TYPE = re.compile(r"([a-z]\w*)/msg/([A-Z][A-Za-z0-9]*)", re.ASCII)
 
