@@ -13,9 +13,12 @@ from dataclasses import dataclass
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.names import canonical_key
 
-FIRST_HOLD_S = 0.6
-LEAST_HOLD_S = 0.15
-REPEAT_FACTOR = 2.5
+_FIRST_HOLD_S = 0.6
+"""How long a first press holds, and the longest that anything holds [s]."""
+_LEAST_HOLD_S = 0.15
+"""How long a repeat holds at least [s]."""
+_REPEAT_FACTOR = 2.5
+"""How many repeat intervals a repeat holds."""
 _REPEATS_MEASURED = 6
 _BURST_S = 0.01
 """Repeats closer than this came together over a slow line and say nothing of the rate [s]."""
@@ -48,23 +51,7 @@ class KeyboardHold:
     longest of these intervals counts, because a slow line delivers repeats in bursts.
     """
 
-    def __init__(
-        self,
-        *,
-        first_hold_s: float = FIRST_HOLD_S,
-        least_hold_s: float = LEAST_HOLD_S,
-        repeat_factor: float = REPEAT_FACTOR,
-    ) -> None:
-        """Set the holding times.
-
-        Args:
-            first_hold_s: How long a first press holds, and the longest that anything holds [s].
-            least_hold_s: How long a repeat holds at least [s].
-            repeat_factor: How many repeat intervals a repeat holds.
-        """
-        self._first_hold_s = first_hold_s
-        self._least_hold_s = min(least_hold_s, first_hold_s)
-        self._repeat_factor = repeat_factor
+    def __init__(self) -> None:
         self._holds: dict[str, _Hold] = {}
         self._intervals: deque[float] = deque(maxlen=_REPEATS_MEASURED)
 
@@ -79,7 +66,7 @@ class KeyboardHold:
         due = self.expire(now)
         hold = self._holds.get(key)
         if hold is None:
-            self._holds[key] = _Hold(last=now, deadline=now + self._first_hold_s)
+            self._holds[key] = _Hold(last=now, deadline=now + _FIRST_HOLD_S)
             return (*due, ControlEvent(key=key, pressed=True))
         # From press to first repeat is the keyboard's delay, which says nothing of its rate.
         if hold.repeats and now - hold.last >= _BURST_S:
@@ -104,12 +91,7 @@ class KeyboardHold:
         self._holds.clear()
         return released
 
-    def next_deadline(self) -> float | None:
-        """When `expire` has something to do next; None while nothing is held."""
-        return min((hold.deadline for hold in self._holds.values()), default=None)
-
     def _repeat_hold(self) -> float:
         if not self._intervals:
-            return self._first_hold_s
-        wanted = self._repeat_factor * max(self._intervals)
-        return min(self._first_hold_s, max(self._least_hold_s, wanted))
+            return _FIRST_HOLD_S
+        return min(_FIRST_HOLD_S, max(_LEAST_HOLD_S, _REPEAT_FACTOR * max(self._intervals)))

@@ -15,8 +15,6 @@ Colour = tuple[int, int, int, int]
 REPLACEMENT = "?"
 """Stands for every character that a terminal would not show in exactly one cell."""
 
-CLEAR: Colour = (0, 0, 0, 0)
-
 _DROPPED = frozenset({"Mn", "Me"})
 # Not told by Python's tables: Hangul vowels and final consonants join the syllable before them;
 # symbols that Unicode 16 made wide, and regional indicators, which terminals pair into flags.

@@ -11,7 +11,6 @@ from typing import Final
 from rune_tui.raster.canvas import Colour
 
 WHITE: Final[Colour] = (240, 240, 240, 255)
-GREY: Final[Colour] = (150, 155, 160, 255)
 BLACK: Final[Colour] = (0, 0, 0, 255)
 PANEL: Final[Colour] = (24, 28, 34, 255)
 WARNING: Final[Colour] = (255, 176, 0, 255)
