@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
-from hub.errors import HubError, UndefinedMessageError
+from hub.errors import CentralUnreachableError, HubError, UndefinedMessageError
 from hub.gcm.catalog import BY_NAME
 from hub.inspection import values
 from hub.ipc import control
@@ -39,8 +39,15 @@ def connect(endpoint: str, command: str, keys: Path | None) -> Client:
     client = Client(name, endpoint, keys=read_client_keys(keys) if keys else None)
     try:
         client.wait_connected(_ANSWER_S)
-    except HubError:
+    except HubError as error:
         client.close()
+        if keys and isinstance(error, CentralUnreachableError):
+            # A refused handshake looks to the client like a hub that is not there.
+            text = (
+                f"no hub answers at {client.endpoint} to the key in {keys}; is that its "
+                "gateway's port, and does `rune-hub keys list` show the key on the robot?"
+            )
+            raise CentralUnreachableError(text) from error
         raise
     return client
 

@@ -38,7 +38,10 @@ def list_all(keys: Keyring, *, as_json: bool) -> int:
     Raises:
         KeyFileError: The list is damaged or open to others.
     """
-    for holder in keys.holders():
+    holders = keys.holders()
+    if not holders and not as_json:
+        _put(f"no keys in {keys.folder}; make one with: rune-hub keys make NAME --role ROLE")
+    for holder in holders:
         if as_json:
             shown = {"name": holder.name, "role": holder.role.value, "public": holder.public}
             _put(json.dumps(shown))

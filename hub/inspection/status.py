@@ -8,12 +8,14 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from hub.errors import NotAllowedError
 from hub.inspection import values
 from hub.inspection.commands import find
 from hub.ipc import control
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.reception import Reception
+from hub.ipc.security import Role
 
 _ANSWER_S = 2.0
 
@@ -93,9 +95,16 @@ def close(client: Client, name: str) -> int:
 
 
 def log_level(client: Client, level: str) -> int:
-    """Set from which level on central logs."""
+    """Set from which level on central logs.
+
+    Raises:
+        NotAllowedError: The client's key is not one of the robot's own modules.
+    """
     client.directory.set_log_level(level)
     now = client.directory.listing(_ANSWER_S).level
+    if now != level:
+        text = f"the hub still logs from {now} on; to change that needs a key made with --role "
+        raise NotAllowedError(text + Role.MODULE.value)
     _put(f"central logs from {now} on")
     return 0
 

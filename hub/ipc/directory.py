@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from hub.errors import UnknownModuleError
+from hub.errors import NotAllowedError, UnknownModuleError
 from hub.ipc import control
 from hub.ipc.connection import Connection
 
@@ -34,6 +34,7 @@ class Directory:
         self._attend = attend
         self._silence = f"the hub at {endpoint} does not answer"
         self._listings: list[control.Listing] = []
+        self._closing: str | None = None
         self._closings: dict[str, control.Close | control.Refused] = {}
         self._watchers: list[Callable[[control.Presence], None]] = []
 
@@ -83,15 +84,21 @@ class Directory:
 
         Raises:
             UnknownModuleError: There is none.
+            NotAllowedError: Our key does not let us close modules.
             CentralUnreachableError: Central did not answer within `timeout` [s].
         """
         self._attend()
         self._closings.pop(name, None)
+        self._closing = name
         self._connection.tell(control.Close(name=name))
-        self._wait(lambda: name in self._closings, timeout, self._silence)
+        try:
+            self._wait(lambda: name in self._closings, timeout, self._silence)
+        finally:
+            self._closing = None
         outcome = self._closings.pop(name)
         if isinstance(outcome, control.Refused):
-            raise UnknownModuleError(outcome.text)
+            forbidden = outcome.error == NotAllowedError.__name__
+            raise (NotAllowedError if forbidden else UnknownModuleError)(outcome.text)
 
     def set_log_level(self, level: str) -> None:
         """Have central log from this level on: debug, info, warning or error."""
@@ -107,7 +114,9 @@ class Directory:
             self._listings.append(message)
         elif isinstance(message, control.Close):
             self._closings[message.name] = message
-        elif isinstance(message, control.Refused) and message.error == UnknownModuleError.__name__:
+        elif isinstance(message, control.Refused) and (
+            message.error == UnknownModuleError.__name__ or message.subject == self._closing
+        ):
             self._closings[message.subject] = message
         else:
             return False
