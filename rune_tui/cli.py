@@ -22,6 +22,8 @@ _DEMO_LAYOUT = "demo"
 _DEMO_ROBOT = "magellan"
 _PICTURE_ENDINGS = (".txt", ".svg", ".png")
 _LOG_BYTES = 1_000_000
+_LONGEST_NAME = 64
+"""Letters of a shipped layout's name at most; what is longer is a path."""
 _CONSOLE_LIBRARIES = ("textual", "rich", "PIL", "lxml", "platformdirs")
 
 
@@ -83,12 +85,11 @@ def _demo(options: argparse.Namespace) -> int:
 
 def _check(options: argparse.Namespace) -> int:
     from rune_tui.errors import LayoutError
-    from rune_tui.layout.loader import load_layout
 
     code = ExitCode.OK
     for path in options.layouts:
         try:
-            load_layout(path)
+            _load(path)
         except LayoutError as error:
             sys.stderr.write(f"{error}\n")
             code = ExitCode.USAGE
@@ -113,7 +114,11 @@ def _shot(options: argparse.Namespace) -> int:
         if options.demo:
             hub = stack.enter_context(DemoHub(_DEMO_ROBOT, _log_to_file())).endpoint()
         answered = shot.take(
-            layout, _links(layout, hub), size=options.size, seconds=options.seconds, path=path
+            layout,
+            _links(layout, hub, options.keys),
+            size=options.size,
+            seconds=options.seconds,
+            path=path,
         )
     if answered:
         return ExitCode.OK
@@ -132,7 +137,8 @@ def _load(name_or_path: str) -> LayoutSpec:
     from rune_tui.layout.loader import load_layout
 
     path = Path(name_or_path)
-    if not path.exists() and path.suffix == "":
+    bare = path.suffix == "" and path.name == name_or_path and len(name_or_path) <= _LONGEST_NAME
+    if bare and not path.exists():
         here = Path(__file__).parent
         for folder in (here / "layouts", here.parent / "layouts"):
             if (folder / f"{name_or_path}.xml").is_file():
@@ -209,21 +215,23 @@ def _parser() -> argparse.ArgumentParser:
     version = importlib.metadata.version("robot-user-nexus")
     parser.add_argument("--version", action="version", version=f"rune {version}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    layout_help = "a layout file, or the name of a shipped layout"
+    keys_help = "your key's file, for a hub on another machine"
     hub_help = "HOST, HOST:PORT or tcp://HOST:PORT instead of the layout's hub"
 
     run = commands.add_parser("run", help="open the console with a layout")
-    run.add_argument("layout", help="a layout file, or the name of a shipped layout")
+    run.add_argument("layout", help=layout_help)
     run.add_argument("--hub", default="", help=hub_help)
-    run.add_argument("--keys", type=Path, help="your key's file, for a hub on another machine")
+    run.add_argument("--keys", type=Path, help=keys_help)
 
     demo = commands.add_parser("demo", help="open the console on a simulated robot")
     demo.add_argument("layout", nargs="?", default=_DEMO_LAYOUT, help="default: %(default)s")
 
     check = commands.add_parser("check", help="report all that is wrong with layout files")
-    check.add_argument("layouts", nargs="+", metavar="LAYOUT", help="layout files")
+    check.add_argument("layouts", nargs="+", metavar="LAYOUT", help=layout_help)
 
     shot = commands.add_parser("shot", help="draw a picture of a layout without a terminal")
-    shot.add_argument("layout", help="a layout file, or the name of a shipped layout")
+    shot.add_argument("layout", help=layout_help)
     shot.add_argument("-o", "--output", type=Path, required=True, help="FILE.txt, .svg or .png")
     shot.add_argument(
         "--size", type=_size, default=(120, 40), metavar="COLUMNSxROWS", help="default: 120x40"
@@ -231,5 +239,6 @@ def _parser() -> argparse.ArgumentParser:
     shot.add_argument("--seconds", type=_seconds, default=3.0, help="watch so long (%(default)s)")
     source = shot.add_mutually_exclusive_group()
     source.add_argument("--hub", default="", help=hub_help)
+    shot.add_argument("--keys", type=Path, help=keys_help)
     source.add_argument("--demo", action="store_true", help="on a simulated robot of its own")
     return parser

@@ -82,8 +82,8 @@ def _read_text(path: Path, shown: str) -> str:
         with path.open("rb") as file:
             data = file.read(LARGEST_FILE + 1)
     except FileNotFoundError as error:
-        message = "there is no such file; check the path, the layouts that come with Rune are in "
-        raise _refusal(shown, message + "layouts/") from error
+        message = "there is no such file; check the path, or name a layout that comes with Rune, "
+        raise _refusal(shown, message + "such as demo") from error
     except PermissionError as error:
         raise _refusal(shown, "the file may not be read; check its permissions") from error
     except OSError as error:

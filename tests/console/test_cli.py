@@ -1,0 +1,49 @@
+"""`rune` as a person types it, where it needs no terminal."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from hub.ipc.central import Central
+from hub.ipc.keyring import Keyring
+from hub.ipc.security import Role
+from rune_tui.cli import ExitCode, main
+
+
+@pytest.mark.parametrize("name", ["demo", "minimal"])
+def test_a_shipped_layout_is_checked_by_its_name_from_anywhere(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["check", name]) is ExitCode.OK
+    assert capsys.readouterr().out == f"{name}: ok\n"
+
+
+def test_a_layout_that_is_not_there_is_no_reason_to_look_for_a_folder(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["check", str(tmp_path / "demo.xml")]) is ExitCode.USAGE
+    said = capsys.readouterr().err
+    assert "there is no such file" in said
+    assert "such as demo" in said
+
+
+@pytest.mark.parametrize("path", ["a" * 300, "a" * 5000, "nowhere/demo", "a\0b", "demo.xm"])
+def test_what_is_no_path_of_a_file_is_said_to_be_none(
+    path: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["check", path]) is ExitCode.USAGE
+    assert capsys.readouterr().err.endswith("\n")
+
+
+def test_a_picture_is_drawn_of_a_robot_behind_a_gateway(tmp_path: Path) -> None:
+    keyring = Keyring(tmp_path / "keys")
+    central = Central([f"ipc://{tmp_path}/c"], gateway="tcp://127.0.0.1:0", keyring=keyring)
+    with closing(central):
+        picture = tmp_path / "shot.txt"
+        where = ["--hub", central.endpoints[1], "--keys", str(keyring.make("one", Role.OBSERVE))]
+        assert main(["shot", "demo", *where, "--seconds", "1.5", "-o", str(picture)]) == ExitCode.OK
+        assert "OBSERVER: this key may watch" in picture.read_text("utf-8")
