@@ -114,7 +114,8 @@ def _lines(members: dict[str, Any], indent: str) -> Iterator[str]:
 
 def _shown(member: Any) -> str:  # noqa: ANN401 - any member
     if isinstance(member, float):
-        return f"{member:.6g}"
+        # A time of day has ten digits before the point, and those behind it count.
+        return f"{member:.3f}" if 1e6 <= abs(member) < 1e12 else f"{member:.6g}"
     if isinstance(member, list):
         shown = ", ".join(_shown(item) for item in member[:_LONGEST_ARRAY])
         more = f", ... {len(member)} in all" if len(member) > _LONGEST_ARRAY else ""

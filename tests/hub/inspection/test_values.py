@@ -92,6 +92,11 @@ def test_lines_are_one_a_field_and_indent_inner_ones() -> None:
     ]
 
 
+def test_lines_show_a_time_of_day_to_the_millisecond() -> None:
+    state = value_from_text(navigation.DRIVE_STATE, ["stamp=1795255732.1234"])
+    assert next(lines(state)) == "stamp: 1795255732.123"
+
+
 def test_lines_show_no_control_characters() -> None:
     assert list(lines(navigation.Stop(reason="\x1b[2J"))) == ["reason: '\\x1b[2J'"]
 
