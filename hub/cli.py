@@ -6,6 +6,7 @@ import argparse
 import contextlib
 import enum
 import importlib.metadata
+import io
 import logging
 import os
 import sys
@@ -32,6 +33,8 @@ class ExitCode(enum.IntEnum):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run `rune-hub`; returns the exit code."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # messages hold text of any kind
     options = _parser().parse_args(arguments)
     start_logging("hub", logging.INFO if options.command == "run" else logging.WARNING)
     try:

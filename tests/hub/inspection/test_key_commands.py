@@ -49,6 +49,13 @@ def test_folder_can_be_named(tmp_path: Path) -> None:
     assert not default_folder().exists()
 
 
+def test_what_the_terminal_cannot_show_is_spelt_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONIOENCODING", "ascii")
+    assert "gr\\xf6\\xdfe" in said("list", "--folder", str(tmp_path / "größe"))
+
+
 @pytest.mark.parametrize(
     "arguments",
     [
