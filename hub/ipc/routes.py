@@ -60,10 +60,16 @@ class Routes:
         self._complaints = complaints
         self._routes: dict[int, _Route] = {}
         self._busy: Counter[Peer] = Counter()
+        self._owed: dict[Peer, set[int]] = {}
         self._last = 0
 
     def ask(self, asker: Peer, query: Asked, attached: Buffer | None, now: float) -> list[Outgoing]:
-        """Send a query to the handler with the fewest under way."""
+        """Send a query to the handler with the fewest under way.
+
+        What a handler has let run out since its last answer in time counts as under way. Nobody
+        else is asked the same meanwhile: a slow handler is at work, and what it does would be done
+        twice.
+        """
         if len(self._routes) >= MAX_QUERIES:
             text = f"{MAX_QUERIES} queries are under way, {query.name[:80]} is one too many"
             return [_failure(asker, query.number, "NoHandlerError", text)]
@@ -87,9 +93,11 @@ class Routes:
         """Hand an answer on to who asked."""
         route = self._routes.get(answer.number)
         if route is None or route.handler is not handler:
+            self._owed.get(handler, set()).discard(answer.number)
             self._complaints.count("late answer", f"from {handler.name}, nobody waits for it")
             return []
         self._end(route)
+        self._owed.pop(handler, None)
         handed_on = replace(answer, number=route.number)
         return [Outgoing(identity=route.asker.identity, message=handed_on, attached=attached)]
 
@@ -97,6 +105,11 @@ class Routes:
         """Forget what nobody waits for any more; the askers keep their own time."""
         for route in [route for route in self._routes.values() if route.deadline < now]:
             self._end(route)
+            detail = f"{route.handler.name} let {route.query.name} run out"
+            self._complaints.count("unanswered query", detail)
+            owed = self._owed.setdefault(route.handler, set())
+            if len(owed) < MAX_QUERIES:
+                owed.add(route.query.number)
 
     def drop(self, peer: Peer, now: float) -> list[Outgoing]:
         """`peer` is gone: others take over what it was asked, or who asked is told at once."""
@@ -108,6 +121,7 @@ class Routes:
                 self._end(route)
                 outgoing.append(self._take_over(route, now))
         del self._busy[peer]
+        self._owed.pop(peer, None)
         return outgoing
 
     def _take_over(self, route: _Route, now: float) -> Outgoing:
@@ -121,7 +135,10 @@ class Routes:
         return self._send(replace(route, handler=successor, query=left), route.attached)
 
     def _choose(self, query: Asked) -> Peer | None:
-        return min(self._candidates(query), key=lambda peer: self._busy[peer], default=None)
+        def burden(peer: Peer) -> int:
+            return self._busy[peer] + len(self._owed.get(peer, ()))
+
+        return min(self._candidates(query), key=burden, default=None)
 
     def _send(self, route: _Route, attached: Buffer | None) -> Outgoing:
         self._routes[route.query.number] = route
