@@ -25,6 +25,9 @@ from tests.soak import vocabulary as v
 
 _BURST_S = 0.005
 _DEALERS = 4
+_OWN = MessageDefinition(name="S_Rogue", format=v.ASK.format, type=v.Sample)
+"""What the attacker answers. Whoever says that it answers the good queries is asked some of them,
+as central trusts the machine's own programs; wrong frames are meant to be wrong, not a lie."""
 
 
 def good_frame(definition: MessageDefinition[v.Sample], number: int) -> bytes:
@@ -44,8 +47,9 @@ def control_frames() -> list[bytes]:
     said = [
         control.Hello(name="rubbish", pid=1),
         to_listing(v.EVENT),
-        control.Handle(name=v.ASK.name),
-        control.Query(number=1, name=v.EVENT.name, timeout_s=1.0),
+        to_listing(_OWN),
+        control.Handle(name=_OWN.name),
+        control.Query(number=1, name=_OWN.name, timeout_s=1.0),
         control.Response(number=1),
         control.Failure(number=1, error="QueryError", text="no"),
         control.Ping(epoch=1),

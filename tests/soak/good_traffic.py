@@ -76,6 +76,7 @@ class GoodTraffic:
             "good_lost": losses,
             "latencies": latencies,
             "queries_failed": int((failed[:, SENT] >= self._started_ns).sum()),
+            "failures": summaries["asker"].get("failures", {}),
             "connections_lost": cut,
             "central_before": asdict(self.before),
             "central_after": asdict(after),
