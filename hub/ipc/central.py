@@ -22,7 +22,7 @@ import zmq
 import zmq.utils.monitor
 
 from hub.errors import CodecError, EndpointError, FrameError, HubError, NotAllowedError
-from hub.ipc import control_frames, frames, memory, security, sockets
+from hub.ipc import control_frames, descriptors, frames, memory, security, sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.definition import Plane
 from hub.ipc.gateway import Gateway
@@ -49,7 +49,7 @@ _HANDSHAKE_FAILURES = (
     zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL,
     zmq.EVENT_HANDSHAKE_FAILED_AUTH,
 )
-_WATCHED = zmq.EVENT_DISCONNECTED | zmq.EVENT_HANDSHAKE_SUCCEEDED | sum(_HANDSHAKE_FAILURES)
+_WATCHED = zmq.EVENT_ACCEPTED | zmq.EVENT_DISCONNECTED | sum(_HANDSHAKE_FAILURES)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,8 +101,10 @@ class Central:
             KeyFileError: The keys for the gateway cannot be used.
         """
         memory.keep_heap()
+        descriptors.allow_many()
         self.complaints = Complaints(_logger, clock)
         self._clock = clock
+        self._reserve = descriptors.Reserve(self.complaints)
         # The second thread is for the gateway: strangers take no time from local modules.
         self._context: sockets.Context = zmq.Context(2 if gateway else 1)
         self._stopping = threading.Event()
@@ -284,13 +286,16 @@ class Central:
             except zmq.Again:
                 return False
             event = zmq.utils.monitor.parse_monitor_message(raw)
+            descriptor = int(event["value"])
             if event["event"] in _HANDSHAKE_FAILURES:
                 self.complaints.count(
                     f"bad handshake on {where}",
                     "a peer left in the middle of it, or does not speak this protocol",
                 )
-            elif event["event"] == zmq.EVENT_DISCONNECTED and where == "control":
-                self._send(self._registry.disconnected(int(event["value"])))
+            elif event["event"] == zmq.EVENT_ACCEPTED:
+                self._reserve.admit(descriptor, where)
+            elif where == "control":
+                self._send(self._registry.disconnected(descriptor))
 
     def _told_to_end(self) -> bool:
         # Looking at it also clears what ZeroMQ itself signals through its descriptor.

@@ -17,12 +17,14 @@ import zmq.utils.monitor
 
 from hub.errors import EndpointError
 from hub.ipc.complaints import Complaints
+from hub.ipc.descriptors import BEYOND, Reserve
 from hub.ipc.keyring import Keyring
 from hub.ipc.keys import KeyPair
 from hub.ipc.security import CONTROL, TcpEndpoint
 from hub.ipc.zap import Gatekeeper
 
 _FAILED = zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL | zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL
+_WATCHED = _FAILED | zmq.EVENT_ACCEPTED | zmq.EVENT_DISCONNECTED
 _BATCH = 256
 _RELAY_QUEUE = 200
 """Room between two proxies of this process, which only fills while one of them gets no time."""
@@ -68,6 +70,7 @@ class Gateway:
             KeyFileError: The hub's keys cannot be used.
         """
         self._complaints = complaints
+        self._reserve = Reserve(complaints, part=BEYOND)  # strangers leave some to local modules
         self._made: list[_Socket] = []
         self._steering: list[_Socket] = []
         self._threads: list[threading.Thread] = []
@@ -160,8 +163,7 @@ class Gateway:
         # Without this ZeroMQ lets everybody in while nobody answers for the domain.
         socket.setsockopt(zmq.ZAP_ENFORCE_DOMAIN, 1)
         socket.affinity = self._affinity
-        events = _FAILED | (zmq.EVENT_DISCONNECTED if place == CONTROL else 0)
-        self._monitors[socket.get_monitor_socket(events)] = place
+        self._monitors[socket.get_monitor_socket(_WATCHED)] = place
 
     def _relay(
         self, context: zmq.Context[_Socket], place: str, outer: _Socket, inner: _Socket
@@ -187,8 +189,12 @@ class Gateway:
             except zmq.Again:
                 break
             event = zmq.utils.monitor.parse_monitor_message(raw)
+            descriptor = int(event["value"])
             if event["event"] == zmq.EVENT_DISCONNECTED:
-                ended.append(int(event["value"]))
+                if place == CONTROL:
+                    ended.append(descriptor)
+            elif event["event"] == zmq.EVENT_ACCEPTED:
+                self._reserve.admit(descriptor, f"the gateway's {place}")
             else:
                 self._complaints.count(
                     f"bad handshake at the gateway's {place}",
