@@ -25,6 +25,7 @@ from hub.errors import CodecError, EndpointError, FrameError, HubError, NotAllow
 from hub.ipc import control_frames, descriptors, frames, memory, security, sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.definition import Plane
+from hub.ipc.floods import FloodWatch
 from hub.ipc.gateway import Gateway
 from hub.ipc.keyring import Keyring
 from hub.ipc.loop import Loop
@@ -142,8 +143,8 @@ class Central:
         self._stopping.set()
         for thread in self._threads:
             thread.join()
-        for steering in self._steering:
-            steering.close()
+        for socket in (*self._steering, *self._proxied):
+            socket.close(0)
         self._context.destroy(linger=0)
         for path in self._files:
             path.unlink(missing_ok=True)
@@ -158,15 +159,19 @@ class Central:
         self._tap.subscribe(b"")
         self._told = self._steered("control")
         self._proxies: list[Callable[[], None]] = []
+        self._proxied: list[sockets.Socket] = []
+        self._floods: dict[str, FloodWatch] = {}
         ends = [router]
         for plane in sockets.PLANES:
             inward = sockets.make_plane(self._context, zmq.XSUB, plane)
             outward = sockets.make_plane(self._context, zmq.XPUB, plane)
+            sockets.take_turns(outward)
             for end, address in zip((inward, outward), _inner(plane), strict=True):
                 end.bind(address)
             ends += [inward, outward]
             self._monitors[self._monitor(inward)] = f"{plane.value} in"
-            self._monitors[self._monitor(outward)] = f"{plane.value} out"
+            self._monitors[self._monitor(outward)] = where = f"{plane.value} out"
+            self._floods[where] = FloodWatch(outward, where, self.complaints)
             self._proxies.append(self._proxy(plane, inward, outward))
         self.endpoints: list[str] = []
         self._files: list[Path] = []
@@ -206,9 +211,8 @@ class Central:
 
         def forward() -> None:
             zmq.proxy_steerable(inward, outward, copies, told)
-            for socket in (inward, outward, copies, told):
-                socket.close(0)
 
+        self._proxied += [inward, outward, copies, told]
         forward.__name__ = f"central-{name}"
         return forward
 
@@ -258,6 +262,7 @@ class Central:
             loop.register(polled, functools.partial(self._serve_gateway, polled))
         loop.register(self._told, self._told_to_end)
         loop.every(_LOOK_S, self._look)
+        loop.every(_LOOK_S, self._look_for_floods)
         loop.every(_TRIM_S, memory.give_back)
         loop.every(_LOOK_S, lambda: self._send(self._registry.expire()))
         while not self._stopping.is_set():
@@ -294,8 +299,18 @@ class Central:
                 )
             elif event["event"] == zmq.EVENT_ACCEPTED:
                 self._reserve.admit(descriptor, where)
+                if where in self._floods:
+                    self._floods[where].connected(descriptor)
+            elif where in self._floods:
+                self._floods[where].disconnected(descriptor)
             elif where == "control":
                 self._send(self._registry.disconnected(descriptor))
+
+    def _look_for_floods(self) -> None:
+        for watch in self._floods.values():
+            watch.look()
+        if self._gateway is not None:
+            self._gateway.look()
 
     def _told_to_end(self) -> bool:
         # Looking at it also clears what ZeroMQ itself signals through its descriptor.

@@ -16,8 +16,10 @@ import zmq
 import zmq.utils.monitor
 
 from hub.errors import EndpointError
+from hub.ipc import sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.descriptors import BEYOND, Reserve
+from hub.ipc.floods import FloodWatch
 from hub.ipc.keyring import Keyring
 from hub.ipc.keys import KeyPair
 from hub.ipc.security import CONTROL, TcpEndpoint
@@ -75,6 +77,7 @@ class Gateway:
         self._steering: list[_Socket] = []
         self._threads: list[threading.Thread] = []
         self._monitors: dict[_Socket, str] = {}
+        self._floods: dict[str, FloodWatch] = {}
         keys = keyring.hub_keys()
         keyring.holders()  # a list that cannot be read is said now, not at the first handshake
         # First of all: there is no moment in which a secure socket has nobody to ask.
@@ -108,6 +111,11 @@ class Gateway:
             if monitor in ready:
                 ended += self._watch(monitor, place)
         return ended
+
+    def look(self) -> None:
+        """Look for floods of subscriptions; to be called ten times a second or so."""
+        for flood in self._floods.values():
+            flood.look()
 
     def close(self) -> None:
         """End the relays, and free the ports."""
@@ -147,6 +155,10 @@ class Gateway:
                 (f"{plane} out", zmq.XPUB, zmq.XSUB, outward),
             ):
                 outer = secure(outer_kind, plane, place)
+                if outer_kind == zmq.XPUB:
+                    sockets.take_turns(outer)
+                    where = f"the gateway's {place}"
+                    self._floods[place] = FloodWatch(outer, where, self._complaints)
                 ends.append(outer)
                 relays.append((place, outer, inner(inner_kind, plane, address)))
         ports = _bind_in_a_row(ends, endpoint)
@@ -189,12 +201,16 @@ class Gateway:
             except zmq.Again:
                 break
             event = zmq.utils.monitor.parse_monitor_message(raw)
-            descriptor = int(event["value"])
+            descriptor, flood = int(event["value"]), self._floods.get(place)
             if event["event"] == zmq.EVENT_DISCONNECTED:
-                if place == CONTROL:
+                if flood is not None:
+                    flood.disconnected(descriptor)
+                elif place == CONTROL:
                     ended.append(descriptor)
             elif event["event"] == zmq.EVENT_ACCEPTED:
                 self._reserve.admit(descriptor, f"the gateway's {place}")
+                if flood is not None:
+                    flood.connected(descriptor)
             else:
                 self._complaints.count(
                     f"bad handshake at the gateway's {place}",

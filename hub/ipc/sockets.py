@@ -28,6 +28,7 @@ _PICTURE_BUFFER = 64 << 10
 """Kernel buffers of the picture plane [bytes]: what lies in them is old before it is seen."""
 _SUBSCRIPTIONS = 1 << 16
 """Subscriptions that may be under way at once; they are messages too and must not be dropped."""
+_TAKEN_AT_ONCE = 16
 
 
 def make(context: Context, kind: int, queue: int, keys: ClientKeys | None = None) -> Socket:
@@ -88,6 +89,16 @@ def make_inbox(context: Context, kind: int, plane: Plane) -> Socket:
 def keep_to_ourselves(socket: Socket) -> None:
     """Let nobody connect but this user: an abstract Unix socket has no permissions of its own."""
     socket.setsockopt(zmq.IPC_FILTER_UID, os.getuid())
+
+
+def take_turns(outward: Socket) -> None:
+    """Have central's XPUB take few subscriptions of each connection at once, and messages between.
+
+    ZeroMQ takes in all that have come before it looks at messages again. What has no room waits at
+    the subscriber, where it is not lost. Only for sockets that a proxy reads at any time: at a
+    client's, a full queue for as long as its module is busy would end the process (see `make`).
+    """
+    outward.rcvhwm = _TAKEN_AT_ONCE
 
 
 def sender(socket: Socket) -> Callable[[bytes, int], Any]:

@@ -132,6 +132,18 @@ def connect(address: str) -> socket.socket:
     return made
 
 
+def subscriber(address: str) -> socket.socket:
+    """A raw connection that has shaken hands as a subscriber; what it sends now is taken."""
+    made = connect(address)
+    made.settimeout(5.0)
+    made.sendall(greeting() + ready(b"SUB"))
+    # Not before the other side is ready as well: it would take messages for a bad handshake.
+    made.recv(64, socket.MSG_WAITALL)
+    _, length = made.recv(2, socket.MSG_WAITALL)
+    made.recv(length, socket.MSG_WAITALL)
+    return made
+
+
 class Attack:
     """One attack; some connections are held half open, the oldest are let go."""
 
