@@ -165,7 +165,6 @@ class Central:
         for plane in sockets.PLANES:
             inward = sockets.make_plane(self._context, zmq.XSUB, plane)
             outward = sockets.make_plane(self._context, zmq.XPUB, plane)
-            sockets.take_turns(outward)
             for end, address in zip((inward, outward), _inner(plane), strict=True):
                 end.bind(address)
             ends += [inward, outward]

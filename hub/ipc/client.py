@@ -91,7 +91,7 @@ class Client:
         self._own_loop = loop is None
         self._clock = clock = self.loop.clock
         self.complaints = Complaints(_logger, clock)
-        self._context: sockets.Context = zmq.Context()
+        self._context: sockets.Context = zmq.Context(2)
         self._context.max_sockets = _MAX_SOCKETS
         self._ready_outlets: dict[MessageDefinition[Any], Outlet] = {}
         self._session = Session(

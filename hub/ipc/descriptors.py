@@ -33,8 +33,8 @@ def allow_many() -> None:
 def hang_up(descriptor: int) -> None:
     """End a connection that stays ZeroMQ's to close.
 
-    Only what comes in is ended. If both ways were, the system would tell ZeroMQ of it even while
-    the connection's queue is full, and a heartbeat that is due just then would end the process.
+    Only what comes in is ended: if both ways were, the system would tell ZeroMQ of it even while
+    the connection's queue is full, which it does not expect.
     """
     with contextlib.suppress(OSError):  # it has gone by itself
         connection = socket.socket(fileno=descriptor)

@@ -2,7 +2,7 @@
 
 ZeroMQ (4.3.5) takes any number of subscriptions from a connection, hands each on to all publishers,
 and takes all of them back at once when the connection ends. It tells how many there are, and not
-whose. But central takes them in so slowly (`sockets.take_turns`) that a flood piles up in front of
+whose. But central takes them in so slowly (see `sockets`) that a flood piles up in front of
 it, and how much waits is known of each connection.
 """
 

@@ -16,7 +16,6 @@ import zmq
 import zmq.utils.monitor
 
 from hub.errors import EndpointError
-from hub.ipc import sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.descriptors import BEYOND, Reserve
 from hub.ipc.floods import FloodWatch
@@ -156,7 +155,6 @@ class Gateway:
             ):
                 outer = secure(outer_kind, plane, place)
                 if outer_kind == zmq.XPUB:
-                    sockets.take_turns(outer)
                     where = f"the gateway's {place}"
                     self._floods[place] = FloodWatch(outer, where, self._complaints)
                 ends.append(outer)

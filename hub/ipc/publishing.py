@@ -27,7 +27,7 @@ from hub.ipc.loop import Loop
 from hub.ipc.outlet import BATCH_S, Batch, Outlet
 from hub.ipc.security import Action, demand
 
-_AT_ONCE = 1024
+_AT_ONCE = 128
 _MAX_FILTERS = 1 << 16
 _MARK = b"~"
 

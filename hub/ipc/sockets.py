@@ -29,30 +29,29 @@ _PICTURE_BUFFER = 64 << 10
 _SUBSCRIPTIONS = 1 << 16
 """Subscriptions that may be under way at once; they are messages too and must not be dropped."""
 _TAKEN_AT_ONCE = 16
+_NEIGHBOURS_THREAD = 0b10
+"""A client's second thread is for neighbours: what floods central's proxies does not delay them."""
 
 
 def make(context: Context, kind: int, queue: int, keys: ClientKeys | None = None) -> Socket:
     """A socket with the bus's options, and a client's keys if it has some.
 
-    Heartbeats free the connections of a dead peer; that it is dead, its missing pings have told
-    before. Queues are bounded; closing never waits.
+    Queues are bounded; closing never waits. What frees the connections of a dead peer is the
+    system's own keep-alive; that it is dead, its missing pings have told before. ZeroMQ's
+    heartbeats would do it too, but libzmq 4.3.5 aborts the process when one is due while a
+    connection's queue has been full for a while, or when it ends just then.
     """
     made = context.socket(kind)
     made.linger = 0
     made.sndhwm = made.rcvhwm = queue
     made.maxmsgsize = MAX_FRAME
-    if kind not in (zmq.SUB, zmq.DEALER, zmq.PUSH, zmq.PULL):
-        # libzmq 4.3.5 aborts the process when a socket with heartbeats is read again after its
-        # queue was full for longer than the timeout. So only sockets that are always read, or only
-        # written to, have them; a client sees by its own pings that central has gone.
-        made.heartbeat_ivl = 2000
-        made.heartbeat_timeout = 5000
-        made.heartbeat_ttl = 8000
     made.reconnect_ivl = 50
     made.reconnect_ivl_max = 250
     made.connect_timeout = 3000
     made.handshake_ivl = 3000
     made.tcp_keepalive = 1
+    made.tcp_keepalive_idle, made.tcp_keepalive_intvl, made.tcp_keepalive_cnt = 4, 2, 2
+    made.tcp_maxrt = 8000  # the same, while something is under way
     if kind in (zmq.XPUB, zmq.DEALER):
         # Nothing may be kept for a central that is not there: it would be old when it comes.
         made.immediate = True
@@ -65,10 +64,12 @@ def make_plane(context: Context, kind: int, plane: Plane, keys: ClientKeys | Non
     """A socket of one plane: XSUB and XPUB at central, at a client XPUB to send, SUB to receive."""
     made = make(context, kind, QUEUE[plane], keys)
     # Subscriptions run against the messages, so the other queue of each socket holds only them.
+    # ZeroMQ takes in all that have come before it looks at messages again, so few are let in at
+    # once; what has no room waits where it comes from and is not lost.
     if kind in (zmq.SUB, zmq.XSUB):
         made.sndhwm = _SUBSCRIPTIONS
     else:
-        made.rcvhwm = _SUBSCRIPTIONS
+        made.rcvhwm = _TAKEN_AT_ONCE
     if plane is Plane.PICTURE:
         made.sndbuf = made.rcvbuf = _PICTURE_BUFFER
     return made
@@ -81,6 +82,7 @@ def make_inbox(context: Context, kind: int, plane: Plane) -> Socket:
         made.reconnect_ivl = -1  # central says where somebody is to be found anew
     else:
         keep_to_ourselves(made)
+    made.affinity = _NEIGHBOURS_THREAD
     if plane is Plane.PICTURE:
         made.sndbuf = made.rcvbuf = _PICTURE_BUFFER
     return made
@@ -89,16 +91,6 @@ def make_inbox(context: Context, kind: int, plane: Plane) -> Socket:
 def keep_to_ourselves(socket: Socket) -> None:
     """Let nobody connect but this user: an abstract Unix socket has no permissions of its own."""
     socket.setsockopt(zmq.IPC_FILTER_UID, os.getuid())
-
-
-def take_turns(outward: Socket) -> None:
-    """Have central's XPUB take few subscriptions of each connection at once, and messages between.
-
-    ZeroMQ takes in all that have come before it looks at messages again. What has no room waits at
-    the subscriber, where it is not lost. Only for sockets that a proxy reads at any time: at a
-    client's, a full queue for as long as its module is busy would end the process (see `make`).
-    """
-    outward.rcvhwm = _TAKEN_AT_ONCE
 
 
 def sender(socket: Socket) -> Callable[[bytes, int], Any]:

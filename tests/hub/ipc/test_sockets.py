@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import socket
+import struct
 import subprocess
 import sys
 
 import zmq
 
 from hub.ipc import sockets
+from tests.misbehaving import bad_connections
 
 # Reads a little, pauses with a full queue for longer than any heartbeat timeout, and reads again.
 SLOW_READER = """
@@ -36,3 +39,43 @@ def test_a_reader_that_paused_with_a_full_queue_lives_on() -> None:
                 sender.send(bytes(20_000))
             sender.poll(20)
     assert reader.returncode == 0
+
+
+# Lets subscriptions pile up for a while, as a busy module does, and then takes them.
+BUSY_PUBLISHER = """
+import sys, time, zmq
+from hub.ipc import sockets
+from hub.ipc.definition import Plane
+with zmq.Context() as context:
+    publisher = sockets.make_plane(context, zmq.XPUB, Plane.STATE)
+    port = publisher.bind_to_random_port("tcp://127.0.0.1")
+    print(port, flush=True)
+    taken = 0
+    for _ in range(8):
+        time.sleep(0.5)
+        while publisher.poll(0):
+            publisher.recv()
+            taken += 1
+        publisher.send(b"x")
+    print(taken, flush=True)
+    publisher.close(0)
+"""
+
+
+def test_a_publisher_lives_on_when_flooding_subscribers_reset_their_connections() -> None:
+    child = subprocess.Popen(
+        [sys.executable, "-c", BUSY_PUBLISHER], stdout=subprocess.PIPE, text=True
+    )
+    assert child.stdout is not None
+    port = child.stdout.readline().strip()
+    while child.poll() is None:
+        try:
+            with bad_connections.subscriber(port) as raw:
+                raw.settimeout(0.05)
+                raw.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+                raw.sendall(b"".join(b"\0\x08\1%07d" % number for number in range(100_000)))
+        except OSError:
+            continue
+    assert child.returncode == 0
+    assert int(child.stdout.read()) >= 16
+    child.stdout.close()
