@@ -6,7 +6,6 @@ import contextlib
 import json
 import logging
 import os
-import resource
 import shutil
 import signal
 import sys
@@ -27,7 +26,6 @@ _logger = logging.getLogger(__name__)
 
 _STDIN = 0
 _PERIOD_S = 0.02
-_DESCRIPTORS = 16_384
 _IN_ORDER_S = 0.25
 """Time in which modules are told to stop one after the other [s]."""
 _FOLDER = "rune-hub-{pid}-"
@@ -68,7 +66,6 @@ class Daemon:
             signal.signal(number, lambda *_: self._stop.set())
         if stop_with_stdin:
             threading.Thread(target=self._wait_for_end_of_stdin, daemon=True).start()
-        _allow_descriptors()
         folder = _socket_folder()
         try:
             local = f"ipc://{folder}/central"
@@ -158,14 +155,6 @@ class Daemon:
         except (OSError, ValueError, AttributeError) as error:
             # Whoever started us does not listen; the robot is served all the same.
             _logger.warning("cannot say %r on standard output: %s", event, error)
-
-
-def _allow_descriptors() -> None:
-    """Have as many as the system gives: each client of central takes seven."""
-    _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
-    wanted = _DESCRIPTORS if most == resource.RLIM_INFINITY else min(_DESCRIPTORS, most)
-    with contextlib.suppress(ValueError, OSError):
-        resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, most))
 
 
 def _socket_folder() -> Path:

@@ -31,9 +31,9 @@ as central trusts the machine's own programs; wrong frames are meant to be wrong
 
 
 def good_frame(definition: MessageDefinition[v.Sample], number: int) -> bytes:
-    """A whole frame of a publisher that central never had."""
+    """A whole frame of a publisher that central never had, as one that is nobody's neighbour."""
     return frames.pack(
-        frames.prefix(definition.name),
+        frames.prefix(definition.name, frames.FAR),
         publisher=7,
         fingerprint=definition.fingerprint,
         sequence=number + 1,
@@ -49,6 +49,18 @@ def control_frames() -> list[bytes]:
         to_listing(v.EVENT),
         to_listing(_OWN),
         control.Handle(name=_OWN.name),
+        control.Advertise(name=_OWN.name),
+        control.Subscribe(name=v.EVENT.name, token="", inbox="ipc://@rune-rubbish"),
+        control.Subscriber(name="", subscriber=1),
+        control.Subscriber(
+            name=v.EVENT.name, subscriber=1, inbox="ipc://@rune-rubbish", token="1.1"
+        ),
+        control.Report(
+            received_count=1,
+            received=(control.Received(name="x", received=1, lost=1, expired=1, oldest_s=1.0),),
+            published_count=1,
+            published=(control.Published(name="x", messages=1, bytes=1, over_s=1.0, silent_s=0.0),),
+        ),
         control.Query(number=1, name=_OWN.name, timeout_s=1.0),
         control.Response(number=1),
         control.Failure(number=1, error="QueryError", text="no"),
@@ -132,7 +144,7 @@ class Attack:
         chance = self._chance
         definition = chance.choice(self._definitions)
         # With the name whole most of the time, as without a subscriber it would not be sent.
-        keep = len(definition.name) + 1 if chance.random() < 0.9 else 0
+        keep = len(definition.name) + 2 if chance.random() < 0.9 else 0
         raw = spoil(good_frame(definition, number), chance, keep=keep)
         plane = definition.plane.value
         self._publishers[plane].send(raw)

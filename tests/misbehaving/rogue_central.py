@@ -69,7 +69,7 @@ class RogueCentral:
         chance = self._chance
         if number % 2:
             definition = chance.choice(self._definitions)
-            keep = len(definition.name) + 1
+            keep = len(definition.name) + 2
             raw = spoil(good_frame(definition, number), chance, keep=keep)
             place = ("state", "command", "picture").index(definition.plane.value)
             self._others[2 * place + 1].send(raw)
