@@ -381,12 +381,8 @@ class Central:
             send, packed = self._doors[number].send, control_frames.pack(message.message)
             self._loop.touch(self._routers[number])
             try:
-                send(message.identity[1:], sockets.MORE)
-                if message.attached is None:
-                    send(packed, sockets.NOBLOCK)
-                else:
-                    send(packed, sockets.MORE)
-                    send(bytes(message.attached), sockets.NOBLOCK)
+                attached = [] if message.attached is None else [bytes(message.attached)]
+                sockets.send_parts(send, [message.identity[1:], packed, *attached])
             except zmq.Again:
                 # Without this one it would take something for true that is not: it begins anew.
                 self.complaints.count("queue full", "a peer does not read its control messages")

@@ -13,10 +13,11 @@ import zmq
 import zmq.utils.monitor
 
 import hub.errors
-from hub.errors import CodecError, FrameError, HubError
-from hub.ipc import control, control_frames, sockets
+from hub.errors import HubError
+from hub.ipc import control, sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.definition import Plane
+from hub.ipc.dialogue import Dialogue
 from hub.ipc.hub_time import HubTime, this_neighbourhood
 from hub.ipc.keys import ClientKeys
 from hub.ipc.loop import Loop
@@ -27,7 +28,6 @@ _logger = logging.getLogger(__name__)
 PING_S = 0.5
 LOST_S = 1.5
 """Central has not answered for this long: the connection counts as lost [s]."""
-_BATCH = 256
 _QUEUE = 10_000
 """Control messages under way; a client that comes back says all it does at once."""
 _WATCHED = zmq.EVENT_HANDSHAKE_SUCCEEDED | zmq.EVENT_DISCONNECTED
@@ -123,19 +123,10 @@ class Connection:
 
     def tell(self, message: Any, attached: bytes | None = None) -> bool:
         """Send a control message; False if there is no connection now."""
-        packed = control_frames.pack(message)
-        self._loop.touch(self._file)
-        try:
-            if attached is None:
-                self._send(packed, sockets.NOBLOCK)
-            else:
-                self._send(packed, sockets.MORE)
-                self._send(attached, sockets.NOBLOCK)
-        except zmq.Again:
-            if self.publisher:
-                self._complaints.count("not sent", "there is no connection to central now")
-            return False
-        return True
+        told = self._dialogue.tell(message, attached)
+        if not told and self.publisher:
+            self._complaints.count("not sent", "there is no connection to central now")
+        return told
 
     def turn(self) -> None:
         """Say what is due."""
@@ -152,7 +143,7 @@ class Connection:
     def start_over(self, why: str) -> None:
         """Connect anew; whatever is queued either way would arrive too late."""
         self._lose(why)
-        self._shut(0)
+        self._dialogue.close()
         self._attempt = 1
         self._open()
 
@@ -160,7 +151,7 @@ class Connection:
         """Say goodbye."""
         if self.publisher:
             self.tell(control.Bye())
-        self._shut(linger_ms=200 if self.publisher else 0)
+        self._dialogue.close(200 if self.publisher else 0)
 
     def _open(self) -> None:
         patience = _LONGEST_S
@@ -168,23 +159,20 @@ class Connection:
             round_trip = 2 * self.hub_time.uncertainty
             patience = min(_LONGEST_S, max(_SHORTEST_S, 4 * round_trip))
         self._attempt += 1
-        self._socket = sockets.make(self._context, zmq.DEALER, _QUEUE, self.keys)
-        self._socket.connect_timeout = int(patience * 1e3)
-        self._socket.reconnect_ivl_max = 100
-        self._send = sockets.sender(self._socket)
-        self._monitor = self._socket.get_monitor_socket(_WATCHED)
-        sockets.connect(self._socket, self._endpoint)
-        self._file = self._loop.register(self._socket, self._receive)
-        self._monitor_file = self._loop.register(self._monitor, self._watch)
+        made = sockets.make(self._context, zmq.DEALER, _QUEUE, self.keys)
+        made.connect_timeout = int(patience * 1e3)
+        made.reconnect_ivl_max = 100
+        self._dialogue = Dialogue(
+            made,
+            told=self._told,
+            events=_WATCHED,
+            happened=self._happened,
+            loop=self._loop,
+            complaints=self._complaints,
+            address=self._endpoint,
+        )
         self._reopen = self._clock() + _STAY_S
         self._next_ping = 0.0
-
-    def _shut(self, linger_ms: int) -> None:
-        self._loop.unregister(self._file)
-        self._loop.unregister(self._monitor_file)
-        self._socket.disable_monitor()
-        self._monitor.close(0)
-        self._socket.close(linger_ms)
 
     def _keep_alive(self) -> None:
         now = self._clock()
@@ -196,7 +184,7 @@ class Connection:
         elif self.publisher:
             self.tell(control.Ping(epoch=self._joined[0], sent=now))
         elif now >= self._reopen:
-            self._shut(0)
+            self._dialogue.close()
             self._open()
         else:
             self._hello()
@@ -214,46 +202,20 @@ class Connection:
             )
         )
 
-    def _watch(self) -> bool:
-        """The socket's own events: a central that comes back is greeted at once."""
-        while True:
-            try:
-                raw = self._monitor.recv_multipart(zmq.NOBLOCK)
-            except zmq.Again:
-                return False
-            event = zmq.utils.monitor.parse_monitor_message(raw)["event"]
-            if event == zmq.EVENT_DISCONNECTED:
-                self._lose("the connection ended")
-            elif self.publisher == 0 and not self.closed:
-                self._hello()
+    def _happened(self, event: int) -> None:
+        """Something with the connection itself: a central that comes back is greeted at once."""
+        if event == zmq.EVENT_DISCONNECTED:
+            self._lose("the connection ended")
+        elif self.publisher == 0 and not self.closed:
+            self._hello()
 
     def _lose(self, why: str) -> None:
         if self.publisher:
             self.publisher = 0
             self._owner.lost(f"the hub at {self._endpoint} is gone: {why}")
 
-    def _receive(self) -> bool:
-        socket = self._socket
-        for _ in range(_BATCH):
-            try:
-                parts = socket.recv_multipart(zmq.NOBLOCK)
-            except zmq.Again:
-                return False
-            try:
-                message = control_frames.unpack(parts[0])
-            except (FrameError, CodecError) as error:
-                self._complaints.count("malformed control frame", str(error))
-                continue
-            self._heard = self._clock()
-            self._handle(message, parts[1] if len(parts) > 1 else None)
-            if socket is not self._socket:
-                return False
-            if not sockets.readable(socket):
-                self._loop.settle(self._file)
-                return False
-        return True
-
-    def _handle(self, message: Any, attached: bytes | None) -> None:
+    def _told(self, message: Any, attached: bytes | None) -> None:
+        self._heard = self._clock()
         if isinstance(message, control.Welcome):
             self._welcome(message)
         elif isinstance(message, control.Pong):

@@ -7,7 +7,6 @@ those who ask, and their next queries go there. When the way ends, everything go
 from __future__ import annotations
 
 import contextlib
-import functools
 from collections.abc import Callable
 from typing import Any
 
@@ -16,6 +15,7 @@ import zmq
 from hub.errors import CodecError, FrameError
 from hub.ipc import control, control_frames, neighbours, sockets
 from hub.ipc.complaints import Complaints
+from hub.ipc.dialogue import Dialogue
 from hub.ipc.loop import Loop
 
 _QUEUE = 1000
@@ -65,13 +65,9 @@ class DirectDoor:
         """Send an answer; if the asker is gone, nobody misses it."""
         packed = control_frames.pack(message)
         self._loop.touch(self._file)
+        parts = [asker, packed] if attached is None else [asker, packed, attached]
         with contextlib.suppress(zmq.Again):
-            self._send(asker, sockets.MORE)
-            if attached is None:
-                self._send(packed, sockets.NOBLOCK)
-            else:
-                self._send(packed, sockets.MORE)
-                self._send(attached, sockets.NOBLOCK)
+            sockets.send_parts(self._send, parts)
 
     def close(self) -> None:
         """Close; who asks notices at once."""
@@ -127,60 +123,26 @@ class DirectWay:
         self.address = address
         self.names: set[str] = set()
         self._answered = answered
-        self._loop = loop
-        self._complaints = complaints
-        self._socket = sockets.make(context, zmq.DEALER, _QUEUE)
-        self._socket.reconnect_ivl = -1
-        self._send = sockets.sender(self._socket)
-        self._monitor = self._socket.get_monitor_socket(zmq.EVENT_DISCONNECTED)
-        sockets.connect(self._socket, address)
-        self._file = loop.register(self._socket, self._receive)
-        self._monitor_file = loop.register(self._monitor, functools.partial(self._watch, lost))
+        made = sockets.make(context, zmq.DEALER, _QUEUE)
+        made.reconnect_ivl = -1
+        self._dialogue = Dialogue(
+            made,
+            told=self._told,
+            events=zmq.EVENT_DISCONNECTED,
+            happened=lambda _: lost(self),
+            loop=loop,
+            complaints=complaints,
+            address=address,
+        )
 
     def ask(self, query: control.Query, frame: bytes) -> bool:
         """Send a query; False if there is no connection yet, or none any more."""
-        packed = control_frames.pack(query)
-        self._loop.touch(self._file)
-        try:
-            self._send(packed, sockets.MORE)
-            self._send(frame, sockets.NOBLOCK)
-        except zmq.Again:
-            return False
-        return True
+        return self._dialogue.tell(query, frame)
 
     def close(self) -> None:
         """Close."""
-        self._loop.unregister(self._file)
-        self._loop.unregister(self._monitor_file)
-        self._socket.disable_monitor()
-        self._monitor.close(0)
-        self._socket.close(0)
+        self._dialogue.close()
 
-    def _watch(self, lost: Callable[[DirectWay], None]) -> bool:
-        try:
-            self._monitor.recv_multipart(zmq.NOBLOCK)
-        except zmq.Again:
-            return False
-        lost(self)
-        return False
-
-    def _receive(self) -> bool:
-        socket = self._socket
-        for _ in range(_BATCH):
-            try:
-                parts = socket.recv_multipart(zmq.NOBLOCK)
-            except zmq.Again:
-                return False
-            try:
-                message = control_frames.unpack(parts[0])
-            except (FrameError, CodecError) as error:
-                self._complaints.count("malformed control frame", str(error))
-                continue
-            if isinstance(message, (control.Response, control.Failure)):
-                self._answered(message, parts[1] if len(parts) > 1 else None)
-            if socket.closed:
-                return False
-            if not sockets.readable(socket):
-                self._loop.settle(self._file)
-                return False
-        return True
+    def _told(self, message: Any, attached: bytes | None) -> None:
+        if isinstance(message, (control.Response, control.Failure)):
+            self._answered(message, attached)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import zmq
@@ -97,6 +97,17 @@ def sender(socket: Socket) -> Callable[[bytes, int], Any]:
     """The socket's `send` for plain bytes; what pyzmq adds to it in Python is for other kinds."""
     send: Callable[[bytes, int], Any] = zmq.backend.Socket.send.__get__(socket)
     return send
+
+
+def send_parts(send: Callable[[bytes, int], Any], parts: Sequence[bytes]) -> None:
+    """Send the parts of one message.
+
+    Raises:
+        zmq.Again: There is no room, or nobody to send it to.
+    """
+    for part in parts[:-1]:
+        send(part, MORE)
+    send(parts[-1], NOBLOCK)
 
 
 def readable(socket: Socket) -> bool:
