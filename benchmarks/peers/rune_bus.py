@@ -58,8 +58,13 @@ def definitions(job: Job) -> list[MessageDefinition]:
     ]
 
 
+def published(job: Job) -> int:
+    """How many of the messages are sent in turn; the others are only defined and subscribed to."""
+    return job.options.get("published", job.options.get("definitions", 1))
+
+
 def connected(name: str, job: Job) -> Client:
-    client = Client(name, job.endpoint)
+    client = Client(name, job.endpoint, near=job.options.get("near", True))
     client.wait_connected(_CONNECT_S)
     return client
 
@@ -90,7 +95,8 @@ def send(job: Job) -> None:
 
 
 def _sender(client: Client, messages: list[MessageDefinition], job: Job) -> Callable[[int], None]:
-    publish, only, count, size = client.publish, messages[0], len(messages), job.size
+    publish, only, size = client.publish, messages[0], job.size
+    count = published(job)
     if size != 48:
         data = np.random.default_rng(1).integers(0, 256, size, dtype=np.uint8)
 
@@ -127,7 +133,7 @@ def receive(job: Job) -> None:
         take(*HEAD.unpack_from(value.data))
 
     if "definitions" in job.options:
-        missing = set(range(len(messages)))
+        missing = set(range(published(job)))
         for which, message in enumerate(messages):
             client.subscribe(message, _one_of_many(take, which, missing))
     else:
