@@ -83,6 +83,14 @@ def prefix(name: str, kind: bytes = b"") -> bytes:
     return raw + bytes(-len(raw) % 8)
 
 
+def size(payload: Iterable[Buffer]) -> int:
+    """How long the pieces are together [bytes]."""
+    length = 0
+    for piece in payload:
+        length += len(piece) if piece.__class__ is bytes else memoryview(piece).nbytes
+    return length
+
+
 def pack(
     prefix: bytes,
     *,
@@ -95,7 +103,7 @@ def pack(
 ) -> bytes:
     """One frame; `payload` is joined here, the only copy it sees."""
     parts = list(payload)
-    length = sum(part.nbytes if hasattr(part, "nbytes") else len(part) for part in parts)
+    length = size(parts)
     header = _HEADER.pack(VERSION, kind, publisher, fingerprint, sequence, stamp_ns, length)
     return b"".join((prefix, header, *parts))
 

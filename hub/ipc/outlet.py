@@ -171,14 +171,13 @@ class Outlet:
         stamp = int((when + self._hub_time.offset) * 1e9)
         self._sequence += 1
         self._published = now
-        self._bytes += sum(memoryview(piece).nbytes for piece in payload)
-        if self._open and now - self._batch.previous < self._burst:
+        length = frames.size(payload)
+        self._bytes += length
+        burst = now - self._batch.previous < self._burst and length <= _MAX_ITEM
+        if self._open and burst:
             item = frames.pack_item(stamp, payload)
-            if len(item) <= _MAX_ITEM:
-                self._last, self._last_is_item = item, True
-                self._join(self._sequence, item, now)
-            else:
-                self._emit(self._sequence, stamp, payload)
+            self._last, self._last_is_item = item, True
+            self._join(self._sequence, item, now)
         elif self._held is not None:
             self._hold(stamp, payload)
         else:
@@ -360,7 +359,7 @@ class Outlet:
         """Put it into the ring; None if there is none that takes it."""
         if not ring.available:
             return None
-        length = sum(memoryview(piece).nbytes for piece in payload)
+        length = frames.size(payload)
         if self._ring is None or length > self._ring.capacity:
             self.close()
             try:
