@@ -58,6 +58,10 @@ def _work(make_rig: Callable[..., Rig], tell: Callable[..., None], seconds: floa
         latencies={name: latency_ms(subscriber.received(name)) for name in _NAMES},
         memory_mb={name: seen[-1][name].memory_mb for name in processes},
         growth_mb=growth,
+        held={
+            name: [(look[name].descriptors, look[name].threads) for look in (seen[0], seen[-1])]
+            for name in processes
+        },
         dropped=rig.dropped(),
         bars={
             "no fault in a module": not summary["faults"],
