@@ -29,6 +29,8 @@ _PICTURE_BUFFER = 64 << 10
 _SUBSCRIPTIONS = 1 << 16
 """Subscriptions that may be under way at once; they are messages too and must not be dropped."""
 _TAKEN_AT_ONCE = 16
+_CONNECTING = 1024
+"""Publishers that may wait to be taken by an inbox: more than central has clients."""
 _NEIGHBOURS_THREAD = 0b10
 """A client's second thread is for neighbours: what floods central's proxies does not delay them."""
 
@@ -82,6 +84,8 @@ def make_inbox(context: Context, kind: int, plane: Plane) -> Socket:
         made.reconnect_ivl = -1  # central says where somebody is to be found anew
     else:
         keep_to_ourselves(made)
+        # A subscriber is perhaps held up when all its publishers connect, and they do so once.
+        made.backlog = _CONNECTING
     made.affinity = _NEIGHBOURS_THREAD
     if plane is Plane.PICTURE:
         made.sndbuf = made.rcvbuf = _PICTURE_BUFFER

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import os
 import random
+import signal
+import socket
 import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -18,6 +21,7 @@ from hub.ipc.central import Central
 from hub.ipc.control import Advertise, Advertised, Ready, Subscribe, Subscribed, Subscriber
 from hub.ipc.definition import Plane
 from hub.ipc.hub_time import this_neighbourhood
+from hub.ipc.registry import MAX_PEERS
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Peer
 from tests.hub.ipc.test_registry import Bench
@@ -332,3 +336,42 @@ def test_nothing_is_lost_while_subscribers_come_and_go(make: Make) -> None:
     one.call(lambda: None)
     until(lambda: len(received) == len(sent), 5.0)
     assert _values(received) == sent
+
+
+def _accepted_unseen() -> int:
+    """How many connections the system lets wait for a program that does not look."""
+    limit = Path("/proc/sys/net/core/somaxconn")
+    return int(limit.read_text()) if limit.exists() else 0
+
+
+@pytest.mark.skipif(_accepted_unseen() < MAX_PEERS, reason="the system lets fewer wait")
+def test_every_publisher_gets_a_connection_to_a_subscriber_that_is_held_up(
+    central: Central,
+) -> None:
+    """One that does not would not try again, and its messages would be lost for good."""
+    program = (
+        "import sys; from hub.ipc.client import Client; from tests.hub.ipc import vocabulary as v\n"
+        "client = Client('held up', sys.argv[1]); client.subscribe(v.LOG, print)\n"
+        "client.wait_subscribed(10.0)\n"
+        "print([inbox.address for inbox in client._inlets._inboxes.values()][0], flush=True)\n"
+        "sys.stdin.read()"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", program, central.endpoints[0]],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout is not None
+    address = process.stdout.readline().strip().removeprefix("ipc://@")
+    process.send_signal(signal.SIGSTOP)
+    connections = [socket.socket(socket.AF_UNIX) for _ in range(MAX_PEERS)]
+    try:
+        for each in connections:
+            each.settimeout(0.0)
+            each.connect("\0" + address)
+    finally:
+        process.kill()
+        process.communicate()
+        for each in connections:
+            each.close()
