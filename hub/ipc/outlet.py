@@ -233,6 +233,10 @@ class Outlet:
 
     def last(self) -> bytes | None:
         """The last message as a frame with its payload; None if there is none any more."""
+        frame = self._last_frame()
+        return None if frame is None or len(frame) > frames.MAX_FRAME else frame
+
+    def _last_frame(self) -> bytes | None:
         last = self._last
         if last is None:
             return None
@@ -336,7 +340,10 @@ class Outlet:
                 return
         frame = self._frame(sequence, stamp, payload)
         self._last, self._last_is_item = frame, False
-        if self._open:
+        if len(frame) > frames.MAX_FRAME:  # whoever gets that ends the connection
+            text = f"{self.definition.name}: {len(frame)} bytes; at most {frames.MAX_FRAME} can go"
+            self._ways.complaints.count("too long", text)
+        elif self._open:
             self._ways.send(self, frame)
 
     def _emit_in_ring(self, sequence: int, stamp: int, payload: Sequence[Buffer]) -> None:

@@ -13,13 +13,15 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import zmq
 
+from hub.errors import QueryError
 from hub.ipc import control, frames
 from hub.ipc.central import Central
 from hub.ipc.control import Advertise, Advertised, Ready, Subscribe, Subscribed, Subscriber
-from hub.ipc.definition import Plane
+from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.hub_time import this_neighbourhood
 from hub.ipc.registry import MAX_PEERS
 from tests.hub.ipc import vocabulary as v
@@ -375,3 +377,38 @@ def test_every_publisher_gets_a_connection_to_a_subscriber_that_is_held_up(
         process.communicate()
         for each in connections:
             each.close()
+
+
+LARGE = MessageDefinition(
+    name="T_Large", format="{string,uint,<ubyte:2>}", type=v.Picture, keep=Keep.ALL
+)
+
+
+def _large(size: int) -> v.Picture:
+    return v.Picture(name="", count=size, pixels=np.zeros(size, np.uint8))
+
+
+@pytest.mark.parametrize("where", ["near", "far"])
+def test_message_that_is_too_long_is_counted_and_the_next_ones_still_come(
+    make: Make, where: str
+) -> None:
+    one, other = (make(name, near=where == "near") for name in ("one", "other"))
+    received = other.collect(LARGE)
+    _stands(other)
+    for size in (frames.MAX_FRAME - 100, frames.MAX_FRAME, 10):
+        one.publish(LARGE, _large(size))
+        one.call(lambda: one.client.wait_published(5.0))
+    until(lambda: len(received) == 2, 5.0)
+    assert [value.count for value, _ in received] == [frames.MAX_FRAME - 100, 10]
+    assert [how.missed for _, how in received] == [0, 1]
+    assert one.client.complaints.counts == {"too long": 1}
+
+
+def test_last_value_that_is_too_long_for_a_frame_is_none(make: Make) -> None:
+    one, other = make("one"), make("other")
+    number = one.client._connection.publisher
+    one.publish(LARGE, _large(frames.MAX_FRAME))
+    one.call(lambda: one.client.wait_published(5.0))
+    with pytest.raises(QueryError):
+        other.call(lambda: other.client.last_value(LARGE, timeout=5.0))
+    assert one.client._connection.publisher == number
