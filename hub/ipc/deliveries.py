@@ -38,12 +38,14 @@ class _Way:
     Attributes:
         take: Sends to it.
         names: The messages that go there.
+        idle: Whether none went there when it was last looked at.
     """
 
     def __init__(self, socket: sockets.Socket) -> None:
         self._socket = socket
         self.take = sockets.sender(socket)
         self.names: set[str] = set()
+        self.idle = False
 
     def close(self, linger_ms: int) -> None:
         self._socket.close(linger_ms)
@@ -68,14 +70,28 @@ class Deliveries:
         way.names.add(message.name)
         want = _Want(message.inbox, message.in_ring)
         self._wants.setdefault(message.name, {})[message.subscriber] = want
-        self._tidy()
         return True
 
     def forget(self, name: str, subscriber: int) -> None:
-        """It subscribes to the message no longer; to no message if there is no name."""
-        for each in [name] if name else list(self._wants):
-            self._forget(each, subscriber)
-        self._tidy()
+        """It subscribes to the message no longer; if there is no name, it is gone.
+
+        As long as it is there its way stays open for a while. Would it subscribe again and get
+        another one, what still lies in the first would come behind what is sent later.
+        """
+        if name:
+            self._forget(name, subscriber)
+            return
+        inboxes = {self._forget(each, subscriber) for each in self._wants}
+        for inbox in inboxes & self._ways.keys():
+            if not self._ways[inbox].names:
+                self._close(inbox)
+
+    def tidy(self) -> None:
+        """Close the ways that were not needed last time either; to be called every second or so."""
+        for inbox, way in tuple(self._ways.items()):
+            if way.idle and not way.names:
+                self._close(inbox)
+            way.idle = not way.names
 
     def takers(self, name: str) -> Takers:
         """Who takes a message."""
@@ -92,16 +108,17 @@ class Deliveries:
         while self._ways:
             self._ways.popitem()[1].close(linger_ms)
 
-    def _forget(self, name: str, subscriber: int) -> None:
+    def _forget(self, name: str, subscriber: int) -> str:
+        """The subscriber takes the message no longer; at which inbox it did, if it did."""
         wants = self._wants.get(name, {})
         want = wants.pop(subscriber, None)
         if want is not None and all(want.inbox != other.inbox for other in wants.values()):
             self._ways[want.inbox].names.discard(name)
+        return want.inbox if want is not None else ""
 
-    def _tidy(self) -> None:
-        for inbox in [inbox for inbox, way in self._ways.items() if not way.names]:
-            self._ways.pop(inbox).close(0)
-            self._tuples.clear()
+    def _close(self, inbox: str) -> None:
+        self._ways.pop(inbox).close(0)
+        self._tuples.clear()
 
     def _way(self, inbox: str, plane: Plane) -> _Way | None:
         if inbox in self._ways:

@@ -156,17 +156,21 @@ class Outlets:
     def subscriber(self, message: control.Subscriber) -> None:
         """Central tells of a neighbour that subscribes, or does so no longer."""
         outlet = self._outlets.get(message.name)
+        noted = True
         with self.batch.lock:
             if self.batch.runs:
                 self.send_batch()
             if not message.inbox:
                 self._deliveries.forget(message.name, message.subscriber)
-            elif outlet is None or not self._deliveries.note(message, outlet.definition.plane):
-                return
+            else:
+                noted = outlet is not None and self._deliveries.note(
+                    message, outlet.definition.plane
+                )
+            # Also if there is no way to the subscriber: there may have been one before.
             for each in self._outlets.values() if not message.name else [outlet]:
                 if each is not None:
                     each.takers = self._deliveries.takers(each.definition.name)
-        if message.token:
+        if noted and message.token:
             self.connection.tell(control.Ready(token=message.token))
 
     def reports(self) -> tuple[control.Published, ...]:
@@ -211,6 +215,8 @@ class Outlets:
     def check(self) -> None:
         """Let nobody wait for ever; to be called every second or so."""
         self._look()
+        with self.batch.lock:
+            self._deliveries.tidy()
         for outlet in self._outlets.values():
             if outlet.unanswered and self.connection.publisher:
                 self._advertise(outlet)  # perhaps somebody has defined the message by now

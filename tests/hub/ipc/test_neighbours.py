@@ -176,6 +176,7 @@ def test_unsubscribed_and_departed_neighbours_get_no_more(make: Make) -> None:
     until(lambda: _takers(one) == 0, 5.0)
     one.publish(v.LOG, Number(value=2))
     assert _values(received) == _values(too) == [1]
+    until(lambda: not one.client._outlets._deliveries._ways, 10.0, "a way stayed open")
 
 
 def test_neighbour_that_never_reads_holds_up_nobody(make: Make) -> None:
@@ -412,3 +413,60 @@ def test_last_value_that_is_too_long_for_a_frame_is_none(make: Make) -> None:
     with pytest.raises(QueryError):
         other.call(lambda: other.client.last_value(LARGE, timeout=5.0))
     assert one.client._connection.publisher == number
+
+
+def test_publisher_that_finds_no_way_to_a_subscriber_publishes_to_the_others(make: Make) -> None:
+    one, other, third = make("one"), make("other"), make("third")
+    received, _ = other.collect(v.LOG), third.collect(v.LOG)
+    for each in (other, third):
+        _stands(each)
+    _open(one, v.LOG)
+    number = third.client._connection.publisher
+    nowhere = Subscriber(name="T_Log", subscriber=number, inbox="ipc:///nowhere")
+    one.call(lambda: one.client._outlets.subscriber(nowhere))
+    assert _takers(one) == 1
+    one.call(lambda: one.client._outlets.subscriber(Subscriber(name="", subscriber=number)))
+    one.publish(v.LOG, Number(value=1))
+    until(lambda: _values(received) == [-1, 1], 5.0)
+
+
+def test_who_subscribes_again_gets_everything_in_order(make: Make) -> None:
+    """What was sent before may still lie in the inbox then."""
+    one, other = make("one"), make("other")
+    received: list[int] = []
+    steps = [threading.Event() for _ in range(3)]
+
+    def handle(value: Number, how: Any) -> None:
+        del how
+        received.append(value.value)
+
+    def subscribe_again() -> None:
+        for step, work in zip(
+            steps,
+            (
+                lambda: other.client.unsubscribe(v.LOG),
+                lambda: other.client.subscribe(v.LOG, handle),
+                lambda: None,
+            ),
+            strict=True,
+        ):
+            step.wait(10.0)
+            work()
+
+    def publish(start: int) -> None:
+        for number in range(start, start + 200):
+            one.client.publish(v.LOG, Number(value=number))
+
+    other.call(lambda: other.client.subscribe(v.LOG, handle))
+    _stands(other)
+    _open(one, v.LOG)
+    other.client.post(subscribe_again)
+    one.call(lambda: publish(0))
+    for step, takers in zip(steps, (0, 1), strict=False):
+        step.set()
+        until(lambda takers=takers: _takers(one) == takers, 5.0)
+    one.call(lambda: publish(200))
+    steps[2].set()
+    until(lambda: received[-1:] == [399], 5.0)
+    assert received == sorted(set(received))
+    assert not other.client.complaints.counts
