@@ -447,8 +447,11 @@ class Inlets:
         source.handed_on = sequence
         inlet.received += 1
         how = _new(Reception, (publisher, sequence, missed, age, measured))
-        for handler, raw in inlet.handlers:
-            handler(message if raw else value, how)
+        handlers = inlet.handlers
+        for each in handlers:
+            if handlers is inlet.handlers or each in inlet.handlers:  # one may unsubscribe another
+                handler, raw = each
+                handler(message if raw else value, how)
 
     def _decoded(self, inlet: Inlet, kind: int, message: Any) -> tuple[Any, Any]:
         """The payload and its value; None twice if it is not there or is none."""

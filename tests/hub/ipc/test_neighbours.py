@@ -470,3 +470,26 @@ def test_who_subscribes_again_gets_everything_in_order(make: Make) -> None:
     until(lambda: received[-1:] == [399], 5.0)
     assert received == sorted(set(received))
     assert not other.client.complaints.counts
+
+
+def test_handler_that_another_one_unsubscribes_is_not_called_any_more(make: Make) -> None:
+    one, other = make("one"), make("other")
+    received: list[int] = []
+
+    def second(value: Number, how: Any) -> None:
+        del how
+        received.append(value.value)
+
+    def first(value: Number, how: Any) -> None:
+        del how
+        if value.value == 1:
+            other.client.unsubscribe(v.LOG, second)
+
+    for handler in (first, second):
+        other.call(lambda handler=handler: other.client.subscribe(v.LOG, handler))
+    third = other.collect(v.LOG)
+    _stands(other)
+    for number in range(3):
+        one.publish(v.LOG, Number(value=number))
+    until(lambda: _values(third) == [0, 1, 2], 5.0)
+    assert received == [0]
