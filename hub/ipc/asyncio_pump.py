@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 
-from hub.ipc.loop import Loop
+from hub.ipc.loop import Loop, Serve
 
 _LONGEST_S = 1.0
 
@@ -24,7 +24,7 @@ class AsyncioPump:
         """
         self._loop = loop
         self._asyncio = asyncio.get_running_loop()
-        self._watched: set[int] = set()
+        self._watched: dict[int, Serve] = {}
         self._timer: asyncio.Handle = self._asyncio.call_soon(self._turn)
         self._closed = False
         self._idle, self._since = 0.0, loop.clock()
@@ -33,7 +33,7 @@ class AsyncioPump:
         """Serve no longer; the clients are closed by who made them."""
         self._closed = True
         self._timer.cancel()
-        self._watch(set())
+        self._watch({})
 
     def _turn(self) -> None:
         """One turn of the loop, and when the next is due."""
@@ -45,14 +45,16 @@ class AsyncioPump:
             self._loop.serve(0.0, waited=min(now - self._since, self._idle))
         finally:  # a handler that raises is told to asyncio, and the others go on
             if not self._closed:
-                self._watch(set(self._loop.files()))
+                self._watch(self._loop.files())
                 # Also when there is more at once: asyncio's own work must have its turn between.
                 self._idle, self._since = self._loop.idle_for(_LONGEST_S), self._loop.clock()
                 self._timer = self._asyncio.call_later(self._idle, self._turn)
 
-    def _watch(self, files: set[int]) -> None:
-        for file in self._watched - files:
-            self._asyncio.remove_reader(file)
-        for file in files - self._watched:
-            self._asyncio.add_reader(file, self._turn)
+    def _watch(self, files: dict[int, Serve]) -> None:
+        for file, serve in self._watched.items():
+            if files.get(file) is not serve:
+                self._asyncio.remove_reader(file)
+        for file, serve in files.items():
+            if self._watched.get(file) is not serve:
+                self._asyncio.add_reader(file, self._turn)
         self._watched = files

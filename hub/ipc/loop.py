@@ -218,9 +218,13 @@ class Loop:
         """How long nobody has looked what came [s]."""
         return max(0.0, self.clock() - self._looked)
 
-    def files(self) -> tuple[int, ...]:
-        """The descriptors that are waited on, for a program with another loop around this one."""
-        return tuple(self._served)
+    def files(self) -> dict[int, Serve]:
+        """The descriptors that are waited on, for a program with another loop around this one.
+
+        A descriptor that is served by something else than before was closed, and its number was
+        given to another file: it has to be waited on anew.
+        """
+        return dict(self._served)
 
     def close(self) -> None:
         """Free the loop; posted work is forgotten."""

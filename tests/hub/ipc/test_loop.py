@@ -152,3 +152,42 @@ async def test_fault_of_a_handler_is_told_to_asyncio_and_the_pump_goes_on() -> N
     assert [type(fault) for fault in faults] == [ZeroDivisionError]
     pump.close()
     loop.close()
+
+
+async def test_pump_serves_a_new_file_that_has_the_number_of_a_closed_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("hub.ipc.asyncio_pump._LONGEST_S", 60.0)  # nothing else wakes it
+    loop, came = Loop(), asyncio.Event()
+    ends = list(os.pipe())
+
+    def read() -> None:
+        os.read(ends[0], 1)
+        came.set()
+
+    def replace() -> None:
+        before = tuple(ends)
+        loop.unwatch(before[0])
+        for end in before:
+            os.close(end)
+        ends[:] = os.pipe()
+        assert ends[0] == before[0]
+        loop.watch(ends[0], read)
+
+    loop.watch(ends[0], read)
+    pump = AsyncioPump(loop)
+    try:
+        for work in (lambda: None, replace):
+            done = asyncio.Event()
+            loop.post(work)
+            loop.post(done.set)
+            async with asyncio.timeout(5.0):
+                await done.wait()
+                came.clear()
+                os.write(ends[1], b"x")
+                await came.wait()
+    finally:
+        pump.close()
+        loop.close()
+        for end in ends:
+            os.close(end)
