@@ -6,7 +6,7 @@ import collections
 from typing import Any
 
 from hub.errors import HubError, NotAllowedError, RedefinedMessageError
-from hub.ipc import control, description, frames, neighbours, sockets
+from hub.ipc import control, description, descriptors, frames, neighbours, sockets
 from hub.ipc.answering import Answers
 from hub.ipc.complaints import Complaints
 from hub.ipc.connection import LOST_S, Connection
@@ -131,6 +131,9 @@ class Session:
             self._confirmed.clear()
             self.refused.clear()
             addresses = self.connection.addresses(message)
+            if message.near:
+                # Neighbours connect to us, and ZeroMQ ends a process that has no descriptor left.
+                descriptors.allow_many()
             self.outlets.connect(addresses[0::2], near=message.near)
             self.inlets.connect(addresses[1::2], near=message.near, same_run=same_run)
             self._open_door(near=message.near)

@@ -493,3 +493,32 @@ def test_handler_that_another_one_unsubscribes_is_not_called_any_more(make: Make
         one.publish(v.LOG, Number(value=number))
     until(lambda: _values(third) == [0, 1, 2], 5.0)
     assert received == [0]
+
+
+def test_subscriber_takes_more_neighbours_than_it_had_descriptors_for(make: Make) -> None:
+    """ZeroMQ would end its process."""
+    central = make("any").client.endpoint
+    program = (
+        "import resource, sys\n"
+        "_, most = resource.getrlimit(resource.RLIMIT_NOFILE)\n"
+        "resource.setrlimit(resource.RLIMIT_NOFILE, (60, most))\n"
+        "from hub.ipc.client import Client; from tests.hub.ipc import vocabulary as v\n"
+        "client = Client('poor', sys.argv[1])\n"
+        "client.subscribe(v.LOG, lambda number, _: print(number.value, flush=True))\n"
+        "client.wait_subscribed(10.0); print('stands', flush=True)\n"
+        "while True: client.listen(1.0)"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", program, central], stdout=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None
+    try:
+        assert process.stdout.readline() == "stands\n"
+        publishers = [make(f"publisher {number}") for number in range(30)]
+        for number, each in enumerate(publishers):
+            each.publish(v.LOG, Number(value=number))
+        came = {int(process.stdout.readline() or -1) for _ in publishers}
+        assert came == set(range(30))
+    finally:
+        process.kill()
+        process.communicate()
