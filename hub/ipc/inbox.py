@@ -18,6 +18,7 @@ class Inbox:
 
     Attributes:
         address: Where publishers connect.
+        take: Reads what has come; whether there may be more.
     """
 
     def __init__(
@@ -39,7 +40,8 @@ class Inbox:
         self._loop = loop
         self._socket = sockets.make_inbox(context, zmq.PULL, plane)
         self._socket.bind(self.address)
-        self._file = loop.register(self._socket, functools.partial(take, self._socket))
+        self.take = functools.partial(take, self._socket)
+        self._file = loop.register(self._socket, self.take)
 
     def close(self) -> None:
         """Close; what lies in it is forgotten."""

@@ -180,7 +180,8 @@ class Outlets:
         return tuple(report for report in made if report is not None)
 
     def last(self, name: str) -> bytes | None:
-        """The last message of this name, as a frame."""
+        """The last message of this name, as a frame; it does not overtake what waits to be sent."""
+        self.flush()
         outlet = self._outlets.get(name)
         return None if outlet is None else outlet.last()
 

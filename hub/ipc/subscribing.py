@@ -218,6 +218,10 @@ class Inlets:
         inlet = self._inlets.get(frame.name)
         if inlet is None:
             return
+        inbox = self._inbox(inlet)
+        if inbox is not None:
+            # What was sent before has come by now, and would be taken for repeated behind this.
+            inbox.take()
         source = inlet.source(frame.publisher)
         if frame.sequence <= source.arrived:
             return
@@ -240,7 +244,7 @@ class Inlets:
         inlet.token = f"{self._connection.publisher}.{self._tokens}"
         self._under_way[inlet.token] = inlet
         self._filter(inlet, on=True)
-        inbox = self._inboxes.get(Plane.STATE if inlet.in_ring else definition.plane)
+        inbox = self._inbox(inlet)
         self._connection.tell(
             control.Subscribe(
                 name=definition.name,
@@ -252,6 +256,9 @@ class Inlets:
         if not self._connection.may_publish(definition.plane):
             # Who only listens cannot see its own mark come back.
             self._connection.tell(control.Ready(token=inlet.token))
+
+    def _inbox(self, inlet: Inlet) -> Inbox | None:
+        return self._inboxes.get(Plane.STATE if inlet.in_ring else inlet.definition.plane)
 
     def _stands(self, token: str) -> None:
         """The mark of a subscription has done its work."""

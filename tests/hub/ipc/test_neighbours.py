@@ -18,7 +18,7 @@ import pytest
 import zmq
 
 from hub.errors import QueryError
-from hub.ipc import control, frames
+from hub.ipc import control, frames, sockets
 from hub.ipc.central import Central
 from hub.ipc.control import Advertise, Advertised, Ready, Subscribe, Subscribed, Subscriber
 from hub.ipc.definition import Keep, MessageDefinition, Plane
@@ -522,3 +522,26 @@ def test_subscriber_takes_more_neighbours_than_it_had_descriptors_for(make: Make
     finally:
         process.kill()
         process.communicate()
+
+
+def test_last_value_does_not_overtake_what_waits_in_the_inbox(make: Make) -> None:
+    one, other = make("one"), make("other")
+    received = other.collect(v.LOG)
+    _stands(other)
+    _open(one, v.LOG)
+
+    def publish() -> None:
+        for number in range(10):
+            one.client.publish(v.LOG, Number(value=number))
+
+    def held_up() -> None:
+        one.call(publish)
+        other.client.subscribe(v.LOG, lambda *_: None, last=True)
+        control_socket = other.client._connection._socket
+        until(lambda: sockets.readable(control_socket), 5.0, "no last value came")
+
+    until(lambda: received, 5.0)
+    other.call(held_up)
+    until(lambda: len(received) > 10, 5.0, lambda: str(_values(received)))
+    assert _values(received) == list(range(-1, 10))
+    assert not other.client.complaints.counts
