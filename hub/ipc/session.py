@@ -5,7 +5,7 @@ from __future__ import annotations
 import collections
 from typing import Any
 
-from hub.errors import HubError, NotAllowedError, RedefinedMessageError
+from hub.errors import CodecError, HubError, NotAllowedError, RedefinedMessageError
 from hub.ipc import control, description, descriptors, frames, neighbours, sockets
 from hub.ipc.answering import Answers
 from hub.ipc.complaints import Complaints
@@ -249,10 +249,14 @@ class Session:
             )
 
     def pack(self, definition: MessageDefinition[Any], value: Any, measured: float) -> bytes:
-        """The frame of a message in a query or an answer; these are counted apart."""
+        """The frame of a message in a query or an answer; these are counted apart.
+
+        Raises:
+            CodecError: The value does not fit the format, or is too long for a frame.
+        """
         payload = definition.encode(value)
         self._attached[definition.name] += 1
-        return frames.pack(
+        frame = frames.pack(
             frames.prefix(definition.name),
             publisher=self.connection.publisher,
             fingerprint=definition.fingerprint,
@@ -260,6 +264,12 @@ class Session:
             stamp_ns=int((measured + self.connection.hub_time.offset) * 1e9),
             payload=payload,
         )
+        if len(frame) > frames.MAX_FRAME:
+            text = (
+                f"{definition.name} of {len(frame)} bytes is too long; {frames.MAX_FRAME} are most"
+            )
+            raise CodecError(text)
+        return frame
 
     def _reception(self, frame: frames.Frame) -> Reception:
         now = self._clock()

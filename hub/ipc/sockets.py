@@ -80,11 +80,9 @@ def make_plane(context: Context, kind: int, plane: Plane, keys: ClientKeys | Non
 def make_inbox(context: Context, kind: int, plane: Plane) -> Socket:
     """What neighbours send to directly, by its plane: PULL to receive, PUSH to send."""
     made = make(context, kind, QUEUE[plane])
-    if kind == zmq.PUSH:
-        made.reconnect_ivl = -1  # central says where somebody is to be found anew
-    else:
+    if kind == zmq.PULL:
         keep_to_ourselves(made)
-        # A subscriber is perhaps held up when all its publishers connect, and they do so once.
+        # A subscriber is perhaps held up when all its publishers connect.
         made.backlog = _CONNECTING
     made.affinity = _NEIGHBOURS_THREAD
     if plane is Plane.PICTURE:

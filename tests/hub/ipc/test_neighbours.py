@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 import zmq
 
-from hub.errors import QueryError
+from hub.errors import CodecError, HandlerFailedError, QueryError
 from hub.ipc import control, frames, sockets
 from hub.ipc.central import Central
 from hub.ipc.control import Advertise, Advertised, Ready, Subscribe, Subscribed, Subscriber
@@ -537,7 +537,7 @@ def test_last_value_does_not_overtake_what_waits_in_the_inbox(make: Make) -> Non
     def held_up() -> None:
         one.call(publish)
         other.client.subscribe(v.LOG, lambda *_: None, last=True)
-        control_socket = other.client._connection._socket
+        control_socket = other.client._connection._dialogue._socket
         until(lambda: sockets.readable(control_socket), 5.0, "no last value came")
 
     until(lambda: received, 5.0)
@@ -545,3 +545,51 @@ def test_last_value_does_not_overtake_what_waits_in_the_inbox(make: Make) -> Non
     until(lambda: len(received) > 10, 5.0, lambda: str(_values(received)))
     assert _values(received) == list(range(-1, 10))
     assert not other.client.complaints.counts
+
+
+def test_way_to_a_neighbour_whose_connection_ended_is_made_anew(make: Make) -> None:
+    one = make("one")
+    one.publish(v.LOG, Number(value=0))
+    one.call(lambda: one.client.wait_published(5.0))
+    address = "ipc://@rune-state-0123456789abcdef"
+    context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
+    told = Subscriber(name="T_Log", subscriber=7, inbox=address)
+    for number in (1, 2):
+        inbox = context.socket(zmq.PULL)
+        until(lambda inbox=inbox: _bound(inbox, address), 5.0)
+        if number == 1:
+            one.call(lambda: one.client._outlets.subscriber(told))
+        until(
+            lambda inbox=inbox: inbox.poll(0),
+            5.0,
+            meanwhile=lambda: one.publish(v.LOG, Number(value=1)),
+        )
+        inbox.close(0)
+    context.destroy(linger=0)
+
+
+def _bound(socket: zmq.Socket[bytes], address: str) -> bool:
+    try:
+        socket.bind(address)
+    except zmq.ZMQError:
+        return False
+    return True
+
+
+def test_query_and_answer_that_are_too_long_fail_and_nothing_else_does(make: Make) -> None:
+    one, other = make("one"), make("other")
+    long = np.zeros(frames.MAX_FRAME, np.uint8)
+    long_answer = v.Picture(name="x", count=len(long), pixels=long)
+    other.call(lambda: other.client.respond(v.ASK, v.RING_PICTURE, lambda _: long_answer))
+    other.call(lambda: other.client.wait_defined(5.0))
+    for _ in range(3):
+        with pytest.raises(HandlerFailedError, match="too long"):
+            one.call(
+                lambda: one.client.query_response(
+                    v.ASK, Number(value=1), v.RING_PICTURE, timeout=5.0
+                )
+            )
+    with pytest.raises(CodecError, match="too long"):
+        one.call(lambda: one.client.query_response(v.RING_PICTURE, long_answer, v.ASK, timeout=5.0))
+    assert one.client.connected
+    assert other.client.connected
