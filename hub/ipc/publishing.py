@@ -18,7 +18,7 @@ from typing import Any
 
 import zmq
 
-from hub.ipc import control, frames, sockets
+from hub.ipc import control, frames, neighbours, sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.connection import Connection
 from hub.ipc.definition import MessageDefinition, Plane
@@ -60,6 +60,7 @@ class Outlets:
         self.complaints = complaints
         self.near = False
         self._deliveries = Deliveries(context, complaints)
+        self._unreached: list[control.Subscriber] = []
         self._context = context
         self._loop = loop
         self.batch = Batch()
@@ -138,6 +139,7 @@ class Outlets:
         self._files.clear()
         self._filters.clear()
         self._marks.clear()
+        self._unreached.clear()
 
     def close(self) -> None:
         """Send what waits, and free everything."""
@@ -157,6 +159,11 @@ class Outlets:
         """Central tells of a neighbour that subscribes, or does so no longer."""
         outlet = self._outlets.get(message.name)
         noted = True
+        self._unreached = [
+            each
+            for each in self._unreached
+            if each.subscriber != message.subscriber or message.name not in ("", each.name)
+        ]
         with self.batch.lock:
             if self.batch.runs:
                 self.send_batch()
@@ -170,7 +177,10 @@ class Outlets:
             for each in self._outlets.values() if not message.name else [outlet]:
                 if each is not None:
                     each.takers = self._deliveries.takers(each.definition.name)
-        if noted and message.token:
+        if not noted and outlet and neighbours.is_place(message.inbox):
+            if len(self._unreached) < _MAX_FILTERS:
+                self._unreached.append(message)
+        elif noted and message.token:
             self.connection.tell(control.Ready(token=message.token))
 
     def reports(self) -> tuple[control.Published, ...]:
@@ -218,6 +228,8 @@ class Outlets:
         self._look()
         with self.batch.lock:
             self._deliveries.tidy()
+        for message in self._unreached:  # perhaps there are descriptors again
+            self.subscriber(message)
         for outlet in self._outlets.values():
             if outlet.unanswered and self.connection.publisher:
                 self._advertise(outlet)  # perhaps somebody has defined the message by now

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import random
 import signal
@@ -593,3 +594,26 @@ def test_query_and_answer_that_are_too_long_fail_and_nothing_else_does(make: Mak
         one.call(lambda: one.client.query_response(v.RING_PICTURE, long_answer, v.ASK, timeout=5.0))
     assert one.client.connected
     assert other.client.connected
+
+
+def test_neighbour_that_could_not_be_reached_is_tried_again(
+    make: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    one, other = make("one"), make("other")
+    make_inbox = sockets.make_inbox
+    full = threading.Event()
+    full.set()
+
+    def without_descriptors(context: Any, kind: int, plane: Plane) -> Any:
+        if kind == zmq.PUSH and full.is_set():
+            raise zmq.ZMQError(errno.EMFILE)
+        return make_inbox(context, kind, plane)
+
+    monkeypatch.setattr(sockets, "make_inbox", without_descriptors)
+    _open(one, v.LOG)
+    received = other.collect(v.LOG)
+    until(lambda: one.client.complaints.counts["no way to a subscriber"], 5.0)
+    full.clear()
+    _stands(other)
+    one.publish(v.LOG, Number(value=5))
+    until(lambda: _values(received) == [5], 5.0)
