@@ -91,6 +91,7 @@ class RogueCentral:
             machine=0,
             sent=0.0,
             hub_time=0.0,
+            near=True,
             ports=self._ports,
             paths=("",) * 6,
         )
