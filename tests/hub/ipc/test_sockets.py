@@ -53,8 +53,8 @@ with zmq.Context() as context:
     print(port, flush=True)
     taken = 0
     for _ in range(8):
-        time.sleep(0.5)
-        for _ in range(1000):
+        time.sleep(0.25)
+        for _ in range(100):
             if publisher.poll(0):
                 publisher.recv()
                 taken += 1
@@ -72,11 +72,12 @@ def test_a_publisher_lives_on_when_flooding_subscribers_reset_their_connections(
         port = child.stdout.readline().strip()
         reset = struct.pack("ii", 1, 0)
         flood = b"".join(b"\0\x08\1%07d" % number for number in range(100_000))
-        while child.poll() is None:
+        for _ in range(20):
             # It may end, and with it the connection, at any time: also in the handshake.
             with contextlib.suppress(OSError, ValueError), bad_connections.subscriber(port) as raw:
                 raw.settimeout(0.05)
                 raw.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, reset)
                 raw.sendall(flood)
-        assert child.returncode == 0
-        assert int(child.stdout.read()) >= 16
+        taken = child.stdout.read()
+    assert child.returncode == 0
+    assert int(taken) >= 16
