@@ -8,10 +8,12 @@ address it ends the process. To unbind is no way out, as that ends all connectio
 from __future__ import annotations
 
 import contextlib
-import resource
 import socket
 
 from hub.ipc.complaints import Complaints
+
+with contextlib.suppress(ImportError):  # Windows has no such limits, and no neighbours
+    import resource
 
 _WANTED = 16_384
 LOCAL, BEYOND = 1 / 2, 3 / 8

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import os
 import re
 import secrets
 import stat
-from collections.abc import Iterator, Mapping
+import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -80,7 +80,7 @@ def read_private(path: Path, *, advice: str) -> dict[str, Any]:
     except FileNotFoundError as fault:
         raise KeyFileError(path, f"it is not there; {advice}") from fault
     except (OSError, ValueError) as fault:
-        raise KeyFileError(path, f"{_reason(fault)}; {advice}") from fault
+        raise KeyFileError(path, f"{reason_of(fault)}; {advice}") from fault
     if stat.S_ISREG(found.st_mode):  # what is no file, `load` refuses
         _demand_private(path, found, f"chmod 600 {path}")
     return load(path, lambda name, problems: _damaged(name, problems, advice))
@@ -118,7 +118,7 @@ def write_private(path: Path, text: str) -> None:
     except OSError as fault:
         with contextlib.suppress(OSError):
             beside.unlink(missing_ok=True)
-        reason = f"it cannot be written ({_reason(fault)}); make room or choose another --folder"
+        reason = f"it cannot be written ({reason_of(fault)}); make room or choose another --folder"
         raise KeyFileError(path, reason) from fault
 
 
@@ -132,32 +132,14 @@ def private_folder(folder: Path) -> None:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         found = folder.stat()
     except (OSError, ValueError) as fault:
-        reason = f"its folder cannot be made ({_reason(fault)}); choose another --folder"
+        reason = f"its folder cannot be made ({reason_of(fault)}); choose another --folder"
         raise KeyFileError(folder, reason) from fault
     _demand_private(folder, found, f"chmod 700 {folder}")
 
 
-@contextlib.contextmanager
-def alone_in(folder: Path) -> Iterator[None]:
-    """Make the folder if it is not there, and keep other writers out for a while.
-
-    Raises:
-        KeyFileError: The folder cannot be used.
-    """
-    private_folder(folder)
-    try:
-        descriptor = os.open(folder / "lock", os.O_RDWR | os.O_CREAT, 0o600)
-    except OSError as fault:
-        reason = f"it cannot be made ({_reason(fault)}); choose another --folder"
-        raise KeyFileError(folder / "lock", reason) from fault
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(descriptor)
-
-
 def _demand_private(path: Path, found: os.stat_result, remedy: str) -> None:
+    if sys.platform == "win32":  # who may read it is not in these bits
+        return
     if found.st_uid not in (os.geteuid(), 0):
         raise KeyFileError(path, "it belongs to another user; make it anew as yourself")
     if found.st_mode & (stat.S_IRWXG | stat.S_IRWXO):
@@ -169,5 +151,6 @@ def _damaged(name: str, problems: list[str], advice: str) -> KeyFileError:
     return KeyFileError(name, f"{shown}; {advice}")
 
 
-def _reason(fault: Exception) -> str:
+def reason_of(fault: Exception) -> str:
+    """What the system says is wrong."""
     return getattr(fault, "strerror", None) or str(fault)

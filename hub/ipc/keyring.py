@@ -7,8 +7,9 @@ holder) and `clients/NAME.toml` (the file to copy to that client's machine).
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -78,7 +79,7 @@ class Keyring:
         if key_files.is_there(self._hub):  # no lock, so that a folder nobody can write to will do
             key_files.private_folder(self.folder)
             return self._hub_keys()
-        with key_files.alone_in(self.folder):
+        with _alone_in(self.folder):
             return self._hub_keys()
 
     def holders(self) -> tuple[Holder, ...]:
@@ -110,7 +111,7 @@ class Keyring:
             text = f"no key can be called {name[:80]!r}; take 1 to 64 letters, digits, - and _"
             raise KeyNameError(text)
         path = self.folder / "clients" / f"{name}.toml"
-        with key_files.alone_in(self.folder):
+        with _alone_in(self.folder):
             holders = self.holders()
             if name in {holder.name for holder in holders}:
                 text = f"{name!r} has a key already; first say: rune-hub keys remove {name}"
@@ -136,7 +137,7 @@ class Keyring:
             KeyNameError: There is no such key.
             KeyFileError: A file cannot be used.
         """
-        with key_files.alone_in(self.folder):
+        with _alone_in(self.folder):
             holders = self.holders()
             names = [holder.name for holder in holders]
             if name not in names:
@@ -199,3 +200,23 @@ class Keyring:
         ]
         head = "# Who may connect from other machines; written by `rune-hub keys`.\n"
         key_files.write_private(self._list, head + "".join(tables))
+
+
+@contextlib.contextmanager
+def _alone_in(folder: Path) -> Iterator[None]:
+    """Make the folder if it is not there, and keep other writers out for a while.
+
+    Raises:
+        KeyFileError: The folder cannot be used.
+    """
+    key_files.private_folder(folder)
+    try:
+        descriptor = os.open(folder / "lock", os.O_RDWR | os.O_CREAT, 0o600)
+    except OSError as fault:
+        reason = f"it cannot be made ({key_files.reason_of(fault)}); choose another --folder"
+        raise KeyFileError(folder / "lock", reason) from fault
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)

@@ -14,7 +14,7 @@ processors too.
 
 from __future__ import annotations
 
-import fcntl
+import contextlib
 import mmap
 import os
 import re
@@ -26,6 +26,9 @@ from typing import NamedTuple
 from hub.errors import FrameError
 from hub.ipc.codegen import Buffer
 
+with contextlib.suppress(ImportError):  # Windows has neither this nor such files
+    import fcntl
+
 available = hasattr(os, "memfd_create")
 """Whether this system has such files."""
 
@@ -35,7 +38,7 @@ _PAYLOAD_AT = 12
 _PAGE = 4096
 _MOST_SLOTS, _FEWEST_SLOTS = 64, 4
 _MAX_RING = 64 << 20
-_SEALS = getattr(fcntl, "F_SEAL_SHRINK", 0) | getattr(fcntl, "F_SEAL_GROW", 0)
+_SEALS = fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW if available else 0
 _LINK = re.compile(r"/memfd:rune-ring( \(deleted\))?")
 
 

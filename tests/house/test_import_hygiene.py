@@ -32,3 +32,30 @@ def test_import_stays_light(statement: str, forbidden: set[str]) -> None:
     code = f"{statement}\nimport sys\nprint(*sorted({forbidden!r} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.split() == []
+
+
+_AS_ON_WINDOWS = """
+import importlib.abc, os, pathlib, sys
+
+class Missing(importlib.abc.MetaPathFinder):
+    def find_spec(self, name, path=None, target=None):
+        if name in {"fcntl", "resource", "termios", "tty", "pty", "pwd", "grp"}:
+            raise ModuleNotFoundError(name)
+
+# What the standard library itself needs here stays; what we import is looked for anew.
+import asyncio, subprocess
+for name in ("fcntl", "resource", "termios", "tty", "pty", "pwd", "grp"):
+    sys.modules.pop(name, None)
+del os.memfd_create
+sys.meta_path.insert(0, Missing())
+"""
+
+
+@pytest.mark.parametrize(
+    "statement",
+    ["import rune_tui.cli, rune_tui.app, rune_tui.link.robot_link", "import hub.ipc.client"],
+)
+def test_the_console_needs_nothing_that_only_unix_has(statement: str) -> None:
+    code = f"{_AS_ON_WINDOWS}\n{statement}\nprint('imported')"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.stdout == "imported\n", done.stderr[-2000:]
