@@ -11,6 +11,8 @@ from hub.ipc import control, neighbours, sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.definition import Plane
 
+_MAX_UNREACHED = 1 << 16
+
 Take = Callable[[bytes, int], Any]
 """Sends a frame to one neighbour; the number is of flags."""
 
@@ -60,12 +62,24 @@ class Deliveries:
         self._ways: dict[str, _Way] = {}
         self._wants: dict[str, dict[int, _Want]] = {}
         self._tuples: dict[tuple[Take, ...], tuple[Take, ...]] = {}
+        self._unreached: dict[tuple[str, int], control.Subscriber] = {}
+
+    @property
+    def unreached(self) -> tuple[control.Subscriber, ...]:
+        """Subscriptions of neighbours that there was no way to; to be noted again some time."""
+        return tuple(self._unreached.values())
 
     def note(self, message: control.Subscriber, plane: Plane) -> bool:
         """A neighbour subscribes to a message of `plane`; False if there is no way to it."""
         self._forget(message.name, message.subscriber)
+        if not neighbours.is_place(message.inbox):
+            where = f"an inbox at {message.inbox[:80]!r}"
+            self._complaints.count("malformed control frame", where)
+            return False
         way = self._way(message.inbox, Plane.STATE if message.in_ring else plane)
         if way is None:
+            if len(self._unreached) < _MAX_UNREACHED:
+                self._unreached[message.name, message.subscriber] = message
             return False
         way.names.add(message.name)
         want = _Want(message.inbox, message.in_ring)
@@ -81,7 +95,8 @@ class Deliveries:
         if name:
             self._forget(name, subscriber)
             return
-        inboxes = {self._forget(each, subscriber) for each in self._wants}
+        names = {*self._wants, *(each for each, _ in self._unreached)}
+        inboxes = {self._forget(each, subscriber) for each in names}
         for inbox in inboxes & self._ways.keys():
             if not self._ways[inbox].names:
                 self._close(inbox)
@@ -105,11 +120,13 @@ class Deliveries:
         """Close all ways; what was just sent gets `linger_ms` to leave."""
         self._wants.clear()
         self._tuples.clear()
+        self._unreached.clear()
         while self._ways:
             self._ways.popitem()[1].close(linger_ms)
 
     def _forget(self, name: str, subscriber: int) -> str:
         """The subscriber takes the message no longer; at which inbox it did, if it did."""
+        self._unreached.pop((name, subscriber), None)
         wants = self._wants.get(name, {})
         want = wants.pop(subscriber, None)
         if want is not None and all(want.inbox != other.inbox for other in wants.values()):
@@ -123,9 +140,6 @@ class Deliveries:
     def _way(self, inbox: str, plane: Plane) -> _Way | None:
         if inbox in self._ways:
             return self._ways[inbox]
-        if not neighbours.is_place(inbox):
-            self._complaints.count("malformed control frame", f"an inbox at {inbox[:80]!r}")
-            return None
         try:
             socket = sockets.make_inbox(self._context, zmq.PUSH, plane)
             socket.connect(inbox)

@@ -63,11 +63,8 @@ class Ways(Protocol):
     near: bool
     batch: Batch
 
-    def send(self, outlet: Outlet, frame: bytes) -> None:
-        """Send to all who want an outlet's message itself, behind what waits to be sent."""
-
-    def send_place(self, outlet: Outlet, frame: bytes) -> None:
-        """Send to all who want a descriptor."""
+    def send(self, outlet: Outlet, frame: bytes, *, place: bool = False) -> None:
+        """Send behind what waits to all who want an outlet's message itself, or its place."""
 
     def send_batch(self) -> None:
         """Send what waits; the lock is held."""
@@ -360,7 +357,7 @@ class Outlet:
                 self._join(sequence, frames.pack_item(stamp, [descriptor]), now)
                 return
         frame = self._frame(sequence, stamp, (descriptor,), kind=kind, prefix=self._ring_prefix)
-        self._ways.send_place(self, frame)
+        self._ways.send(self, frame, place=True)
 
     def _write(self, payload: Sequence[Buffer]) -> ring.Place | None:
         """Put it into the ring; None if there is none that takes it."""

@@ -18,7 +18,7 @@ from typing import Any
 
 import zmq
 
-from hub.ipc import control, frames, neighbours, sockets
+from hub.ipc import control, frames, sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.connection import Connection
 from hub.ipc.definition import MessageDefinition, Plane
@@ -60,7 +60,6 @@ class Outlets:
         self.complaints = complaints
         self.near = False
         self._deliveries = Deliveries(context, complaints)
-        self._unreached: list[control.Subscriber] = []
         self._context = context
         self._loop = loop
         self.batch = Batch()
@@ -139,7 +138,6 @@ class Outlets:
         self._files.clear()
         self._filters.clear()
         self._marks.clear()
-        self._unreached.clear()
 
     def close(self) -> None:
         """Send what waits, and free everything."""
@@ -158,29 +156,19 @@ class Outlets:
     def subscriber(self, message: control.Subscriber) -> None:
         """Central tells of a neighbour that subscribes, or does so no longer."""
         outlet = self._outlets.get(message.name)
-        noted = True
-        self._unreached = [
-            each
-            for each in self._unreached
-            if each.subscriber != message.subscriber or message.name not in ("", each.name)
-        ]
+        noted = False
         with self.batch.lock:
             if self.batch.runs:
                 self.send_batch()
             if not message.inbox:
                 self._deliveries.forget(message.name, message.subscriber)
-            else:
-                noted = outlet is not None and self._deliveries.note(
-                    message, outlet.definition.plane
-                )
+            elif outlet is not None:
+                noted = self._deliveries.note(message, outlet.definition.plane)
             # Also if there is no way to the subscriber: there may have been one before.
             for each in self._outlets.values() if not message.name else [outlet]:
                 if each is not None:
                     each.takers = self._deliveries.takers(each.definition.name)
-        if not noted and outlet and neighbours.is_place(message.inbox):
-            if len(self._unreached) < _MAX_FILTERS:
-                self._unreached.append(message)
-        elif noted and message.token:
+        if noted and message.token:
             self.connection.tell(control.Ready(token=message.token))
 
     def reports(self) -> tuple[control.Published, ...]:
@@ -195,23 +183,15 @@ class Outlets:
         outlet = self._outlets.get(name)
         return None if outlet is None else outlet.last()
 
-    def send(self, outlet: Outlet, frame: bytes) -> None:
-        """Send to all who want an outlet's message itself, behind what waits; never waits."""
+    def send(self, outlet: Outlet, frame: bytes, *, place: bool = False) -> None:
+        """Send behind what waits to all who want an outlet's message itself, or its place."""
         with self.batch.lock:
             if self.batch.runs:
                 self.send_batch()
-            for take in outlet.takers.whole:
+            for take in outlet.takers.in_ring if place else outlet.takers.whole:
                 self._hand(take, frame)
-            if outlet.topic in self._filters:
+            if not place and outlet.topic in self._filters:
                 self._send(outlet, frame)
-
-    def send_place(self, outlet: Outlet, frame: bytes) -> None:
-        """Send to all who want a descriptor, behind what waits; never waits."""
-        with self.batch.lock:
-            if self.batch.runs:
-                self.send_batch()
-            for take in outlet.takers.in_ring:
-                self._hand(take, frame)
 
     def flush(self) -> None:
         """Send what waits; any thread may call this."""
@@ -228,7 +208,8 @@ class Outlets:
         self._look()
         with self.batch.lock:
             self._deliveries.tidy()
-        for message in self._unreached:  # perhaps there are descriptors again
+            unreached = self._deliveries.unreached
+        for message in unreached:  # perhaps there are descriptors again
             self.subscriber(message)
         for outlet in self._outlets.values():
             if outlet.unanswered and self.connection.publisher:

@@ -19,6 +19,7 @@ import mmap
 import os
 import re
 import struct
+from collections import OrderedDict
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -38,6 +39,7 @@ _PAYLOAD_AT = 12
 _PAGE = 4096
 _MOST_SLOTS, _FEWEST_SLOTS = 64, 4
 _MAX_RING = 64 << 20
+_MAX_OPEN = 8
 _SEALS = fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW if available else 0
 _LINK = re.compile(r"/memfd:rune-ring( \(deleted\))?")
 
@@ -173,6 +175,32 @@ class RingReader:
         """Let go of the memory."""
         self._memory.release()
         self._map.close()
+
+
+class Readers:
+    """The rings of others that were read last."""
+
+    def __init__(self) -> None:
+        self._open: OrderedDict[tuple[int, int, int], RingReader] = OrderedDict()
+
+    def read(self, place: Place) -> memoryview | None:
+        """The payload; None if it was overwritten, or lies outside the ring.
+
+        Raises:
+            OSError: The ring is gone, belongs to another user or machine, or is no ring.
+        """
+        key = place[:3]
+        reader = self._open.get(key)
+        if reader is None:
+            reader = self._open[key] = RingReader(place)
+            if len(self._open) > _MAX_OPEN:
+                self._open.popitem(last=False)[1].close()
+        return reader.read(place)
+
+    def close(self) -> None:
+        """Let go of all of them."""
+        while self._open:
+            self._open.popitem()[1].close()
 
 
 def _copy(memory: memoryview, place: Place) -> memoryview | None:

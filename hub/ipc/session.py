@@ -100,7 +100,7 @@ class Session:
     @property
     def pending(self) -> bool:
         """Whether messages were taken and not handed on yet, or wait to be sent."""
-        return self.inlets.pending or self.outlets.pending
+        return self.inlets.arrivals.pending or self.outlets.pending
 
     def due(self, otherwise: float) -> float:
         """When we want to be served even if nothing comes [s]."""
@@ -111,7 +111,7 @@ class Session:
         """Do what is due."""
         if self.outlets.pending:
             self.outlets.flush()
-        self.inlets.turn()
+        self.inlets.arrivals.turn()
         self.connection.turn()
         self.questions.expire(now := self._clock(), self._endpoint)
         if now >= self._next_check:

@@ -90,10 +90,32 @@ class Peer:
         self.publish(definition, Number(value=-1))
         threading.Event().wait(0.005)
 
+    def stands(self) -> None:
+        """Wait until nothing is missed any more of what was subscribed to."""
+        self.call(lambda: self.client.wait_subscribed(5.0))
+
+    def open(self, *definitions: Any) -> None:
+        """Publish -1 of each, and wait until it has left."""
+        for each in definitions:
+            self.publish(each, Number(value=-1))
+        self.call(lambda: self.client.wait_published(5.0))
+
+    def takers(self, definition: MessageDefinition[Any]) -> int:
+        """How many neighbours take a message of ours."""
+        return len(self.client._outlets.of(definition).takers.whole)
+
     def close(self) -> None:
         self._stop.set()
         self.client.post(lambda: None)
         self._thread.join(10.0)
+
+
+Make = Callable[..., Peer]
+
+
+def values(received: list[Any]) -> list[int]:
+    """The numbers that came."""
+    return [value.value for value, _ in received]
 
 
 @pytest.fixture(params=["tcp", "ipc"])
@@ -131,3 +153,17 @@ def peers() -> Iterator[Callable[[str, str], Peer]]:
 def connect(central: Central, peers: Callable[[str, str], Peer]) -> Callable[[str], Peer]:
     """Makes peers that are connected to `central`: name."""
     return lambda name: peers(name, central.endpoints[0]).connect()
+
+
+@pytest.fixture
+def make(central: Central) -> Iterator[Make]:
+    """Makes connected peers: name, and whether they are near."""
+    made: list[Peer] = []
+
+    def make(name: str, *, near: bool = True) -> Peer:
+        made.append(Peer(name, central.endpoints[0], near=near))
+        return made[-1].connect()
+
+    yield make
+    for peer in made:
+        peer.close()

@@ -2,77 +2,27 @@
 
 from __future__ import annotations
 
-import errno
-import os
-import random
-import signal
-import socket
-import subprocess
-import sys
 import threading
-from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-import zmq
 
 from hub.errors import CodecError, HandlerFailedError, QueryError
-from hub.ipc import control, frames, sockets
-from hub.ipc.central import Central
-from hub.ipc.control import Advertise, Advertised, Ready, Subscribe, Subscribed, Subscriber
-from hub.ipc.definition import Keep, MessageDefinition, Plane
+from hub.ipc import frames, sockets
+from hub.ipc.definition import Keep, MessageDefinition
 from hub.ipc.hub_time import this_neighbourhood
-from hub.ipc.registry import MAX_PEERS
 from tests.hub.ipc import vocabulary as v
-from tests.hub.ipc.conftest import Peer
-from tests.hub.ipc.test_registry import Bench
+from tests.hub.ipc.conftest import Make, values
 from tests.hub.ipc.vocabulary import Number
 from tests.waiting import until
 
 pytestmark = pytest.mark.skipif(not this_neighbourhood(), reason="this system has no neighbours")
 
-Make = Callable[..., Peer]
-INBOX = "ipc://@rune-state-1"
-
 
 @pytest.fixture
 def wanted_endpoint() -> str:
     return "tcp://127.0.0.1:0"
-
-
-@pytest.fixture
-def make(central: Central) -> Iterator[Make]:
-    """Makes connected peers: name, and whether they are near."""
-    made: list[Peer] = []
-
-    def make(name: str, *, near: bool = True) -> Peer:
-        made.append(Peer(name, central.endpoints[0], near=near))
-        return made[-1].connect()
-
-    yield make
-    for peer in made:
-        peer.close()
-
-
-def _stands(peer: Peer) -> None:
-    peer.call(lambda: peer.client.wait_subscribed(5.0))
-
-
-def _open(peer: Peer, *definitions: Any) -> None:
-    """Publish -1 of each, and wait until it has left."""
-    for each in definitions:
-        peer.publish(each, Number(value=-1))
-    peer.call(lambda: peer.client.wait_published(5.0))
-
-
-def _values(received: list[Any]) -> list[int]:
-    return [value.value for value, _ in received]
-
-
-def _takers(peer: Peer, definition: Any = v.LOG) -> int:
-    return len(peer.client._outlets.of(definition).takers.whole)
 
 
 @pytest.mark.parametrize("first", ["publisher", "subscriber"])
@@ -89,22 +39,22 @@ def test_each_message_reaches_near_and_far_subscribers_once_from_near_and_far_pu
             peer.call(lambda peer=peer: peer.client.wait_published(5.0))
     received = [peer.collect(definition) for peer in subscribers]
     for peer in subscribers:
-        _stands(peer)
+        peer.stands()
     for start, peer in zip((0, 1000), publishers, strict=True):
         for number in range(200):
             peer.publish(definition, Number(value=start + number))
             expected.append(start + number)
     for each in received:
         until(lambda each=each: len(each) >= 400, 5.0)
-        assert sorted(_values(each)) == expected
+        assert sorted(values(each)) == expected
         assert all(how.missed == 0 for _, how in each)
-        assert [x for x in _values(each) if x < 1000] == expected[:200]
+        assert [x for x in values(each) if x < 1000] == expected[:200]
 
 
 def test_what_goes_to_neighbours_alone_is_not_sent_to_central(make: Make) -> None:
     one, other = make("one"), make("other")
     received = other.collect(v.LOG)
-    _stands(other)
+    other.stands()
     one.publish(v.LOG, Number(value=1))
     until(lambda: received, 5.0)
     outlet = one.client._outlets.of(v.LOG)
@@ -122,8 +72,8 @@ def test_messages_of_several_names_arrive_in_the_order_of_publishing(make: Make)
                 each, lambda value, _, name=each.name: received.append((name, value.value))
             )
         )
-    _stands(other)
-    _open(one, *names)
+    other.stands()
+    one.open(*names)
     sent = [(names[i % 2].name, i) for i in range(3000)]
 
     def publish() -> None:
@@ -151,8 +101,8 @@ def test_after_a_handler_that_raises_or_listens_the_rest_still_comes_in_order(ma
 
     for each in (v.LOG, v.LOG_TOO):
         other.call(lambda each=each: other.client.subscribe(each, handle))
-    _stands(other)
-    _open(one, v.LOG, v.LOG_TOO)
+    other.stands()
+    one.open(v.LOG, v.LOG_TOO)
 
     def publish() -> None:
         for i in range(500):
@@ -168,157 +118,23 @@ def test_unsubscribed_and_departed_neighbours_get_no_more(make: Make) -> None:
     one, other, third = make("one"), make("other"), make("third")
     received, too = other.collect(v.LOG), third.collect(v.LOG)
     for each in (other, third):
-        _stands(each)
+        each.stands()
     one.publish(v.LOG, Number(value=1))
     until(lambda: received and too, 5.0)
     other.call(lambda: other.client.unsubscribe(v.LOG))
-    until(lambda: _takers(one) == 1, 5.0)
+    until(lambda: one.takers(v.LOG) == 1, 5.0)
     third.close()
-    until(lambda: _takers(one) == 0, 5.0)
+    until(lambda: one.takers(v.LOG) == 0, 5.0)
     one.publish(v.LOG, Number(value=2))
-    assert _values(received) == _values(too) == [1]
+    assert values(received) == values(too) == [1]
     until(lambda: not one.client._outlets._deliveries._ways, 10.0, "a way stayed open")
-
-
-def test_neighbour_that_never_reads_holds_up_nobody(make: Make) -> None:
-    one, stuck, other = make("one"), make("stuck"), make("other")
-    stuck_got, received = stuck.collect(v.LOG), other.collect(v.LOG)
-    for each in (stuck, other):
-        _stands(each)
-    free = threading.Event()
-    stuck.client.post(lambda: free.wait(10.0))
-    for number in range(5000):
-        one.publish(v.LOG, Number(value=number))
-        if number % 500 == 499:
-            until(lambda n=number: len(received) == n + 1, 5.0)
-    free.set()
-    until(lambda: stuck_got, 5.0)
-    assert all(how.missed == 0 for _, how in received)
-
-
-def test_rubbish_in_an_inbox_is_counted_and_harms_nobody(make: Make) -> None:
-    one, other = make("one"), make("other")
-    received = other.collect(v.LOG)
-    one.publish_until(v.LOG, received)
-    context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
-    rogue = context.socket(zmq.PUSH)
-    rogue.connect(other.client._inlets._inboxes[Plane.STATE].address)
-    randomness = random.Random(3)
-    topic = frames.topic(v.LOG.name)
-    for _ in range(200):
-        raw = randomness.randbytes(randomness.randint(0, 200))
-        for each in (raw, topic + raw, b"*" + raw, b"@" + topic + raw, b"!" + topic + raw,
-                     frames.train([raw, topic + raw])):  # fmt: skip
-            rogue.send(each)
-    rogue.send_multipart([b"x"] * 1000)
-    counts = other.client.complaints.counts
-    until(lambda: counts["malformed frame"] > 1000, 5.0)
-    for number in range(100):
-        one.publish(v.LOG, Number(value=number))
-    until(lambda: [x for x in _values(received) if x >= 0] == list(range(100)), 5.0)
-    context.destroy(linger=0)
-
-
-@pytest.mark.skipif(os.getuid() != 0, reason="only root can be somebody else")
-def test_another_user_cannot_send_into_an_inbox(make: Make) -> None:
-    one, other = make("one"), make("other")
-    received = other.collect(v.LOG)
-    one.publish_until(v.LOG, received)
-    address = other.client._inlets._inboxes[Plane.STATE].address
-    program = (
-        "import os, sys, zmq; os.setgid(65534); os.setuid(65534)\n"
-        "push = zmq.Context().socket(zmq.PUSH); push.connect(sys.argv[1]); push.linger = 500\n"
-        "monitor = push.get_monitor_socket(zmq.EVENT_DISCONNECTED)\n"
-        "push.send(b'x' * 100); print(monitor.poll(5000))"
-    )
-    told = subprocess.run(
-        [sys.executable, "-c", program, address], capture_output=True, text=True, check=True
-    )
-    assert told.stdout.strip() == "1", "it was not turned away"
-    one.publish(v.LOG, Number(value=5))
-    until(lambda: 5 in _values(received), 5.0)
-    assert not other.client.complaints.counts
-
-
-@pytest.mark.parametrize(
-    "inbox", ["tcp://192.0.2.1:1", "ipc:///tmp/rune-x", "ipc://@rune-" + "x" * 100, "ipc://@other"]
-)
-def test_publisher_connects_to_nothing_but_inboxes(make: Make, inbox: str) -> None:
-    one = make("one")
-    one.publish(v.LOG, Number(value=1))
-    wrong = Subscriber(name="T_Log", subscriber=1, inbox=inbox)
-    one.call(lambda: one.client._outlets.subscriber(wrong))
-    assert _takers(one) == 0
-    assert one.client.complaints.counts["malformed control frame"] == 1
-
-
-@pytest.fixture
-def bench() -> Bench:
-    made = Bench()
-    for who in "abc":
-        hello = control.Hello(
-            name=f"module {who}", pid=1, neighbourhood=this_neighbourhood() if who != "c" else 7
-        )
-        assert made.answer(who, hello).near == (who != "c")
-    made.define("a", "M", "{int}")
-    return made
-
-
-def _number(bench: Bench, who: str) -> int:
-    return bench.registry._peers[who.encode()].publisher
-
-
-def test_publisher_is_told_of_neighbours_before_it_is_told_that_it_is_noted(bench: Bench) -> None:
-    bench.say("b", Subscribe(name="M", token="1.1", inbox=INBOX))
-    told, answer = bench.say("a", Advertise(name="M"))
-    assert told.message == Subscriber(name="M", subscriber=_number(bench, "b"), inbox=INBOX)
-    assert answer.message == Advertised(name="M", subscribed=False)
-    assert told.identity == answer.identity == b"a"
-    assert bench.answer("c", Advertise(name="M")) == Advertised(name="M", subscribed=True)
-
-
-def test_subscription_stands_when_the_publisher_has_noted_the_inbox(bench: Bench) -> None:
-    bench.say("a", Advertise(name="M"))
-    (told,) = bench.say("b", Subscribe(name="M", token="1.1", inbox=INBOX, in_ring=True))
-    assert told.identity == b"a"
-    assert (told.message.token, told.message.in_ring) == ("1.1", True)
-    bench.say("b", Ready(token="1.1"))
-    (stands,) = bench.say("a", Ready(token="1.1"))
-    assert (stands.identity, stands.message) == (b"b", Subscribed(token="1.1"))
-
-
-def test_publisher_is_told_once_of_a_neighbour_that_is_gone(bench: Bench) -> None:
-    bench.define("a", "N", "{int}")
-    for name in "MN":
-        bench.say("a", Advertise(name=name))
-        bench.say("b", Subscribe(name=name, token="", inbox=INBOX))
-    gone = Subscriber(name="", subscriber=_number(bench, "b"))
-    told = [out.message for out in bench.say("b", control.Bye()) if out.identity == b"a"]
-    assert told == [gone]
-    assert bench.answer("a", Advertise(name="M")) == Advertised(name="M", subscribed=False)
-
-
-def test_publisher_is_told_when_a_neighbour_unsubscribes(bench: Bench) -> None:
-    bench.say("a", Advertise(name="M"))
-    bench.say("b", Subscribe(name="M", token="", inbox=INBOX))
-    (told,) = bench.say("b", control.Unsubscribe(name="M"))
-    assert told.message == Subscriber(name="M", subscriber=_number(bench, "b"))
-    assert bench.say("b", control.Unsubscribe(name="M")) == []
-
-
-@pytest.mark.parametrize(("who", "inbox"), [("c", INBOX), ("b", "tcp://192.0.2.1:1"), ("b", "")])
-def test_inbox_of_a_stranger_or_elsewhere_is_told_nobody(
-    bench: Bench, who: str, inbox: str
-) -> None:
-    bench.say(who, Subscribe(name="M", token="", inbox=inbox))
-    assert bench.answer("a", Advertise(name="M")) == Advertised(name="M", subscribed=True)
 
 
 def test_nothing_is_lost_while_subscribers_come_and_go(make: Make) -> None:
     """The one that stays gets every message whatever the others do."""
     one, stays = make("one"), make("stays")
     received = stays.collect(v.LOG)
-    _stands(stays)
+    stays.stands()
     sent: list[int] = []
     stop = threading.Event()
 
@@ -333,52 +149,13 @@ def test_nothing_is_lost_while_subscribers_come_and_go(make: Make) -> None:
         passer_by = make(f"passer-by {number}")
         came = passer_by.collect(v.LOG)
         until(lambda came=came: len(came) > 10, 5.0)
-        values = _values(came)
-        assert values == list(range(values[0], values[0] + len(values)))
+        got = values(came)
+        assert got == list(range(got[0], got[0] + len(got)))
         passer_by.close()
     stop.set()
     one.call(lambda: None)
     until(lambda: len(received) == len(sent), 5.0)
-    assert _values(received) == sent
-
-
-def _accepted_unseen() -> int:
-    """How many connections the system lets wait for a program that does not look."""
-    limit = Path("/proc/sys/net/core/somaxconn")
-    return int(limit.read_text()) if limit.exists() else 0
-
-
-@pytest.mark.skipif(_accepted_unseen() < MAX_PEERS, reason="the system lets fewer wait")
-def test_every_publisher_gets_a_connection_to_a_subscriber_that_is_held_up(
-    central: Central,
-) -> None:
-    """One that does not would not try again, and its messages would be lost for good."""
-    program = (
-        "import sys; from hub.ipc.client import Client; from tests.hub.ipc import vocabulary as v\n"
-        "client = Client('held up', sys.argv[1]); client.subscribe(v.LOG, print)\n"
-        "client.wait_subscribed(10.0)\n"
-        "print([inbox.address for inbox in client._inlets._inboxes.values()][0], flush=True)\n"
-        "sys.stdin.read()"
-    )
-    process = subprocess.Popen(
-        [sys.executable, "-c", program, central.endpoints[0]],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-    )
-    assert process.stdout is not None
-    address = process.stdout.readline().strip().removeprefix("ipc://@")
-    process.send_signal(signal.SIGSTOP)
-    connections = [socket.socket(socket.AF_UNIX) for _ in range(MAX_PEERS)]
-    try:
-        for each in connections:
-            each.settimeout(0.0)
-            each.connect("\0" + address)
-    finally:
-        process.kill()
-        process.communicate()
-        for each in connections:
-            each.close()
+    assert values(received) == sent
 
 
 LARGE = MessageDefinition(
@@ -396,7 +173,7 @@ def test_message_that_is_too_long_is_counted_and_the_next_ones_still_come(
 ) -> None:
     one, other = (make(name, near=where == "near") for name in ("one", "other"))
     received = other.collect(LARGE)
-    _stands(other)
+    other.stands()
     for size in (frames.MAX_FRAME - 100, frames.MAX_FRAME, 10):
         one.publish(LARGE, _large(size))
         one.call(lambda: one.client.wait_published(5.0))
@@ -414,21 +191,6 @@ def test_last_value_that_is_too_long_for_a_frame_is_none(make: Make) -> None:
     with pytest.raises(QueryError):
         other.call(lambda: other.client.last_value(LARGE, timeout=5.0))
     assert one.client._connection.publisher == number
-
-
-def test_publisher_that_finds_no_way_to_a_subscriber_publishes_to_the_others(make: Make) -> None:
-    one, other, third = make("one"), make("other"), make("third")
-    received, _ = other.collect(v.LOG), third.collect(v.LOG)
-    for each in (other, third):
-        _stands(each)
-    _open(one, v.LOG)
-    number = third.client._connection.publisher
-    nowhere = Subscriber(name="T_Log", subscriber=number, inbox="ipc:///nowhere")
-    one.call(lambda: one.client._outlets.subscriber(nowhere))
-    assert _takers(one) == 1
-    one.call(lambda: one.client._outlets.subscriber(Subscriber(name="", subscriber=number)))
-    one.publish(v.LOG, Number(value=1))
-    until(lambda: _values(received) == [-1, 1], 5.0)
 
 
 def test_who_subscribes_again_gets_everything_in_order(make: Make) -> None:
@@ -459,13 +221,13 @@ def test_who_subscribes_again_gets_everything_in_order(make: Make) -> None:
             one.client.publish(v.LOG, Number(value=number))
 
     other.call(lambda: other.client.subscribe(v.LOG, handle))
-    _stands(other)
-    _open(one, v.LOG)
+    other.stands()
+    one.open(v.LOG)
     other.client.post(subscribe_again)
     one.call(lambda: publish(0))
     for step, takers in zip(steps, (0, 1), strict=False):
         step.set()
-        until(lambda takers=takers: _takers(one) == takers, 5.0)
+        until(lambda takers=takers: one.takers(v.LOG) == takers, 5.0)
     one.call(lambda: publish(200))
     steps[2].set()
     until(lambda: received[-1:] == [399], 5.0)
@@ -489,47 +251,18 @@ def test_handler_that_another_one_unsubscribes_is_not_called_any_more(make: Make
     for handler in (first, second):
         other.call(lambda handler=handler: other.client.subscribe(v.LOG, handler))
     third = other.collect(v.LOG)
-    _stands(other)
+    other.stands()
     for number in range(3):
         one.publish(v.LOG, Number(value=number))
-    until(lambda: _values(third) == [0, 1, 2], 5.0)
+    until(lambda: values(third) == [0, 1, 2], 5.0)
     assert received == [0]
-
-
-def test_subscriber_takes_more_neighbours_than_it_had_descriptors_for(make: Make) -> None:
-    """ZeroMQ would end its process."""
-    central = make("any").client.endpoint
-    program = (
-        "import resource, sys\n"
-        "_, most = resource.getrlimit(resource.RLIMIT_NOFILE)\n"
-        "resource.setrlimit(resource.RLIMIT_NOFILE, (60, most))\n"
-        "from hub.ipc.client import Client; from tests.hub.ipc import vocabulary as v\n"
-        "client = Client('poor', sys.argv[1])\n"
-        "client.subscribe(v.LOG, lambda number, _: print(number.value, flush=True))\n"
-        "client.wait_subscribed(10.0); print('stands', flush=True)\n"
-        "while True: client.listen(1.0)"
-    )
-    process = subprocess.Popen(
-        [sys.executable, "-c", program, central], stdout=subprocess.PIPE, text=True
-    )
-    assert process.stdout is not None
-    try:
-        assert process.stdout.readline() == "stands\n"
-        publishers = [make(f"publisher {number}") for number in range(30)]
-        for number, each in enumerate(publishers):
-            each.publish(v.LOG, Number(value=number))
-        came = {int(process.stdout.readline() or -1) for _ in publishers}
-        assert came == set(range(30))
-    finally:
-        process.kill()
-        process.communicate()
 
 
 def test_last_value_does_not_overtake_what_waits_in_the_inbox(make: Make) -> None:
     one, other = make("one"), make("other")
     received = other.collect(v.LOG)
-    _stands(other)
-    _open(one, v.LOG)
+    other.stands()
+    one.open(v.LOG)
 
     def publish() -> None:
         for number in range(10):
@@ -543,38 +276,9 @@ def test_last_value_does_not_overtake_what_waits_in_the_inbox(make: Make) -> Non
 
     until(lambda: received, 5.0)
     other.call(held_up)
-    until(lambda: len(received) > 10, 5.0, lambda: str(_values(received)))
-    assert _values(received) == list(range(-1, 10))
+    until(lambda: len(received) > 10, 5.0, lambda: str(values(received)))
+    assert values(received) == list(range(-1, 10))
     assert not other.client.complaints.counts
-
-
-def test_way_to_a_neighbour_whose_connection_ended_is_made_anew(make: Make) -> None:
-    one = make("one")
-    one.publish(v.LOG, Number(value=0))
-    one.call(lambda: one.client.wait_published(5.0))
-    address = "ipc://@rune-state-0123456789abcdef"
-    context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
-    told = Subscriber(name="T_Log", subscriber=7, inbox=address)
-    for number in (1, 2):
-        inbox = context.socket(zmq.PULL)
-        until(lambda inbox=inbox: _bound(inbox, address), 5.0)
-        if number == 1:
-            one.call(lambda: one.client._outlets.subscriber(told))
-        until(
-            lambda inbox=inbox: inbox.poll(0),
-            5.0,
-            meanwhile=lambda: one.publish(v.LOG, Number(value=1)),
-        )
-        inbox.close(0)
-    context.destroy(linger=0)
-
-
-def _bound(socket: zmq.Socket[bytes], address: str) -> bool:
-    try:
-        socket.bind(address)
-    except zmq.ZMQError:
-        return False
-    return True
 
 
 def test_query_and_answer_that_are_too_long_fail_and_nothing_else_does(make: Make) -> None:
@@ -594,26 +298,3 @@ def test_query_and_answer_that_are_too_long_fail_and_nothing_else_does(make: Mak
         one.call(lambda: one.client.query_response(v.RING_PICTURE, long_answer, v.ASK, timeout=5.0))
     assert one.client.connected
     assert other.client.connected
-
-
-def test_neighbour_that_could_not_be_reached_is_tried_again(
-    make: Make, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    one, other = make("one"), make("other")
-    make_inbox = sockets.make_inbox
-    full = threading.Event()
-    full.set()
-
-    def without_descriptors(context: Any, kind: int, plane: Plane) -> Any:
-        if kind == zmq.PUSH and full.is_set():
-            raise zmq.ZMQError(errno.EMFILE)
-        return make_inbox(context, kind, plane)
-
-    monkeypatch.setattr(sockets, "make_inbox", without_descriptors)
-    _open(one, v.LOG)
-    received = other.collect(v.LOG)
-    until(lambda: one.client.complaints.counts["no way to a subscriber"], 5.0)
-    full.clear()
-    _stands(other)
-    one.publish(v.LOG, Number(value=5))
-    until(lambda: _values(received) == [5], 5.0)

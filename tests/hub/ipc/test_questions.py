@@ -50,15 +50,20 @@ def ask(
     )
 
 
+def never_answers(peer: Peer) -> list[Any]:
+    """Has the peer asked; the replies that it owes."""
+    kept: list[Any] = []
+    peer.call(
+        lambda: peer.client.respond_later(v.ASK, v.ANSWER, lambda _, reply: kept.append(reply))
+    )
+    peer.call(lambda: peer.client.directory.listing(5.0))
+    return kept
+
+
 def test_a_long_query_does_not_keep_a_client_from_saying_that_it_lives(
     connect: Callable[[str], Peer],
 ) -> None:
-    one, other = connect("one"), connect("other")
-    kept: list[Any] = []
-    other.call(
-        lambda: other.client.respond_later(v.ASK, v.ANSWER, lambda _, reply: kept.append(reply))
-    )
-    other.call(lambda: other.client.directory.listing(5.0))
+    one, kept = connect("one"), never_answers(connect("other"))
     one.call(lambda: ask(one.client, 60.0, print))
     until(lambda: kept, 5.0)
 
@@ -73,11 +78,7 @@ def test_every_query_ends_at_its_own_time_in_whatever_order_they_were_asked(
     connect: Callable[[str], Peer],
 ) -> None:
     one, other = connect("one"), connect("other")
-    kept: list[Any] = []
-    other.call(
-        lambda: other.client.respond_later(v.ASK, v.ANSWER, lambda _, reply: kept.append(reply))
-    )
-    other.call(lambda: other.client.directory.listing(5.0))
+    kept = never_answers(other)
     ended: list[float] = []
     for timeout in (0.3, 0.1, 60.0, 0.2):
         one.call(lambda t=timeout: ask(one.client, t, lambda _, t=t: ended.append(t)))

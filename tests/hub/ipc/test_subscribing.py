@@ -301,7 +301,7 @@ def test_picture_comes_the_plain_way_where_there_is_no_shared_memory(
         def gone(place: object) -> None:
             raise FileNotFoundError(str(place))
 
-        monkeypatch.setattr(other.client._inlets, "_ring", gone)
+        monkeypatch.setattr(other.client._inlets.arrivals._rings, "read", gone)
     received, received_too = other.collect(v.RING_PICTURE), third.collect(v.RING_PICTURE)
     for each in (other, third):
         each.call(lambda each=each: each.client.wait_subscribed(5.0))
