@@ -42,10 +42,10 @@ def connect(endpoint: str, command: str, keys: Path | None) -> Client:
     except HubError as error:
         client.close()
         if keys and isinstance(error, CentralUnreachableError):
-            # A refused handshake looks to the client like a hub that is not there.
+            # To who has the key of another hub this one looks as if it were not there.
             text = (
                 f"no hub answers at {client.endpoint} to the key in {keys}; is that its "
-                "gateway's port, and does `rune-hub keys list` show the key on the robot?"
+                "gateway's port, and was the key made on that robot?"
             )
             raise CentralUnreachableError(text) from error
         raise

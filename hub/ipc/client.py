@@ -130,6 +130,7 @@ class Client:
 
         Raises:
             CentralUnreachableError: It did not within `timeout` [s].
+            NotAllowedError: It refuses our key.
             NameTakenError: Another live module has our name.
         """
         why = f"no hub answers at {self.endpoint}; is rune-hub running there?"

@@ -13,7 +13,7 @@ import zmq
 import zmq.utils.monitor
 
 import hub.errors
-from hub.errors import HubError
+from hub.errors import HubError, NotAllowedError
 from hub.ipc import control, sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.definition import Plane
@@ -30,7 +30,7 @@ LOST_S = 1.5
 """Central has not answered for this long: the connection counts as lost [s]."""
 _QUEUE = 10_000
 """Control messages under way; a client that comes back says all it does at once."""
-_WATCHED = zmq.EVENT_HANDSHAKE_SUCCEEDED | zmq.EVENT_DISCONNECTED
+_WATCHED = zmq.EVENT_HANDSHAKE_SUCCEEDED | zmq.EVENT_HANDSHAKE_FAILED_AUTH | zmq.EVENT_DISCONNECTED
 _SECOND_HELLO_S = 0.2
 """Who was refused asks once more, so soon, before it takes the answer [s]."""
 _STAY_S = 2.0
@@ -71,7 +71,7 @@ class Connection:
         publisher: Our number at central; 0 while it does not know us.
         hub_time: The hub's clock.
         keys: What we show central if it is on another machine.
-        refusal: Why central refused to connect us, if it did so twice.
+        refusal: Why central refused our key, or twice to connect us; None if it did not.
         closed: Who had central disconnect us, if somebody did.
     """
 
@@ -206,6 +206,12 @@ class Connection:
         """Something with the connection itself: a central that comes back is greeted at once."""
         if event == zmq.EVENT_DISCONNECTED:
             self._lose("the connection ended")
+        elif event == zmq.EVENT_HANDSHAKE_FAILED_AUTH and self.keys is not None:
+            text = (
+                f"the hub at {self._endpoint} refuses the key {self.keys.bearer.name!r}; "
+                "see on the robot with `rune-hub keys list` whether it has it, and in its log"
+            )
+            self.refusal = NotAllowedError(text)
         elif self.publisher == 0 and not self.closed:
             self._hello()
 

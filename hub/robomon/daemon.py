@@ -48,6 +48,7 @@ class Daemon:
         self._table = table
         self._as_json = as_json
         self._stop = threading.Event()
+        self._gateway = ""
         self._modules = [
             _Supervised(spec, RestartPolicy(spec.restart_limit, spec.restart_window_s))
             for spec in table.modules
@@ -75,6 +76,7 @@ class Daemon:
                 [f"tcp://127.0.0.1:{robot.port}", local], gateway=robot.gateway, keyring=keyring
             )
             try:
+                self._gateway = central.endpoints[-1] if robot.gateway else ""
                 self._say("listening", endpoint=central.endpoints[0])
                 self._serve(central, local)
             finally:
@@ -144,9 +146,12 @@ class Daemon:
         name = self._table.robot.name
         if self._as_json:
             pids = {m.spec.name: m.process.pid for m in self._modules if m.process}
-            said = json.dumps({"event": event, "robot": name, "hub": endpoint, "pids": pids})
+            gateway = {"gateway": self._gateway} if self._gateway else {}
+            facts = {"event": event, "robot": name, "hub": endpoint, "pids": pids}
+            said = json.dumps(facts | gateway)
         elif event == "listening":
-            said = f"{name}: hub at {endpoint}, starting {len(self._modules)} modules"
+            way_in = f", for holders of keys at {self._gateway}" if self._gateway else ""
+            said = f"{name}: hub at {endpoint}{way_in}, starting {len(self._modules)} modules"
         else:
             said = f"{name}: ready; Ctrl-C ends it"
         try:

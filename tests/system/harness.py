@@ -32,6 +32,7 @@ name = "magellan"
 kind = "simulated-magellan"
 [hub]
 port = {port}
+{gateway}
 [simulation]
 arena = "{arena}"
 seed = 7
@@ -51,9 +52,12 @@ _FRESH_S = 0.08
 class HubProcess:
     """`rune-hub run`, from start to end."""
 
-    def __init__(self, folder: Path, *, arena: str = "empty", port: int = 0) -> None:
+    def __init__(
+        self, folder: Path, *, arena: str = "empty", port: int = 0, gateway: str = ""
+    ) -> None:
+        """Start it; `gateway` is lines of the robot file's table of the hub."""
         robot = folder / "robot.toml"
-        robot.write_text(ROBOT_FILE.format(arena=arena, port=port))
+        robot.write_text(ROBOT_FILE.format(arena=arena, port=port, gateway=gateway))
         self.log = folder / "hub.log"
         with self.log.open("wb") as log:
             self.process = subprocess.Popen(
@@ -63,7 +67,8 @@ class HubProcess:
                 stderr=log,
             )
         try:
-            self.endpoint = self._said("listening")["hub"]
+            self.listening = self._said("listening")
+            self.endpoint = self.listening["hub"]
             self.pids: dict[str, int] = self._said("ready")["pids"]
         except BaseException:
             self.close()

@@ -18,6 +18,10 @@ import psutil
 import pytest
 
 from hub.gcm import navigation, vision
+from hub.ipc.client import Client
+from hub.ipc.keyring import Keyring
+from hub.ipc.keys import read_client_keys
+from hub.ipc.security import Role
 from tests.system.harness import ROBOT_FILE, HubProcess, Observer, family, gone
 from tests.waiting import until
 
@@ -203,7 +207,7 @@ def test_what_a_module_has_started_ends_with_it(tmp_path: Path) -> None:
 
 def test_a_log_that_nobody_reads_does_not_stop_the_hub(tmp_path: Path) -> None:
     robot = tmp_path / "robot.toml"
-    robot.write_text(ROBOT_FILE.format(arena="empty", port=0))
+    robot.write_text(ROBOT_FILE.format(arena="empty", port=0, gateway=""))
     unread, log = os.pipe()
     os.set_blocking(log, False)
     with contextlib.suppress(BlockingIOError):
@@ -241,3 +245,17 @@ def test_socket_folders_of_killed_daemons_are_swept(tmp_path: Path, runtime: Pat
     second = HubProcess(tmp_path)
     assert left not in list(runtime.iterdir())
     second.close()
+
+
+def test_says_where_holders_of_keys_from_elsewhere_connect(tmp_path: Path) -> None:
+    keys = tmp_path / "keys"
+    path = Keyring(keys).make("one", Role.OBSERVE)
+    lines = f'gateway = "tcp://127.0.0.1:0"\nkeys = "{keys}"'
+    hub = HubProcess(tmp_path, gateway=lines)
+    try:
+        with contextlib.closing(
+            Client("one", hub.listening["gateway"], keys=read_client_keys(path))
+        ) as client:
+            client.wait_connected(5.0)
+    finally:
+        hub.close()

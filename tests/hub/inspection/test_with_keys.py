@@ -65,11 +65,19 @@ def test_a_log_level_that_was_not_set_is_not_said_to_be(connect: Connect, role: 
     assert client.directory.listing(5.0).level == before
 
 
-def test_a_removed_key_is_one_of_the_reasons_given_for_silence(
+def test_who_has_a_removed_key_is_told_that_it_is_refused(
     central: Central, keyring: Keyring, tmp_path: Path
 ) -> None:
     copied = tmp_path / "copied.toml"
     keyring.make("gone", Role.OPERATE).rename(copied)
     keyring.remove("gone")
-    with pytest.raises(CentralUnreachableError, match=r"gateway.*rune-hub keys list"):
+    with pytest.raises(NotAllowedError, match=r"refuses the key 'gone'.*rune-hub keys list"):
         commands.connect(central.endpoints[1], "test", copied)
+
+
+def test_the_key_of_another_hub_is_one_of_the_reasons_given_for_silence(
+    central: Central, tmp_path: Path
+) -> None:
+    other = Keyring(tmp_path / "other").make("one", Role.OPERATE)
+    with pytest.raises(CentralUnreachableError, match="was the key made on that robot"):
+        commands.connect(central.endpoints[1], "test", other)

@@ -144,6 +144,8 @@ def test_removed_key_does_not_come_back(hub: Hub, tmp_path: Path) -> None:
     refused = "refused at the gateway's control: unknown key"
     until(lambda: hub.central.complaints.counts[refused], 5.0)
     until(lambda: hub.central.connected() == ("local",), 5.0)
+    until(lambda: isinstance(one.client.refusal, NotAllowedError), 5.0)
+    assert "refuses the key 'one'" in str(one.client.refusal)
     hub.local.call(lambda: hub.local.client.directory.listing(5.0))
 
 
