@@ -16,7 +16,7 @@ _ASKED = {
     control.Last: Action.QUERY,
     control.Watch: Action.PRESENCE,
     control.Close: Action.CLOSE_MODULE,
-    control.LogLevel: Action.CLOSE_MODULE,
+    control.LogLevel: Action.SET_LOG_LEVEL,
 }
 
 

@@ -42,6 +42,7 @@ class Action(enum.Enum):
     DEFINE = "define a new message"
     ANSWER = "answer queries"
     CLOSE_MODULE = "close modules"
+    SET_LOG_LEVEL = "set the log level"
 
 
 _OBSERVE = frozenset({Action.SUBSCRIBE, Action.LIST, Action.PRESENCE, Action.QUERY})

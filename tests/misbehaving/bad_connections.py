@@ -128,7 +128,11 @@ def connect(address: str) -> socket.socket:
         return socket.create_connection(("127.0.0.1", int(address)), 2.0)
     made = socket.socket(socket.AF_UNIX)
     made.settimeout(2.0)
-    made.connect(address)
+    try:
+        made.connect(address)
+    except OSError:
+        made.close()
+        raise
     return made
 
 

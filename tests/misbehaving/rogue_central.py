@@ -98,8 +98,18 @@ class RogueCentral:
 
 
 def _listing() -> bytes:
-    empty = {"definition_count": 0, "definitions": (), "peer_count": 0, "peers": ()}
-    return pack(control.Listing(**empty, dropped_count=0, dropped=()))
+    return pack(
+        control.Listing(
+            uptime_s=1.0,
+            level="info",
+            definition_count=0,
+            definitions=(),
+            peer_count=0,
+            peers=(),
+            dropped_count=0,
+            dropped=(),
+        )
+    )
 
 
 def _say(figures: object) -> None:

@@ -102,6 +102,12 @@ def test_rogue_central_cannot_hurt_its_client(
     _attack_client(make_rig, tell, FRAMES // 4, AT_MOST_S / 2)
 
 
+def test_ten_thousand_bad_frames_to_a_client(
+    make_rig: Callable[..., Rig], tell: Callable[..., None]
+) -> None:
+    _attack_client(make_rig, tell, 10_000, 3.0)
+
+
 def test_twenty_thousand_bad_frames_to_central(
     make_rig: Callable[..., Rig], tell: Callable[..., None]
 ) -> None:
