@@ -151,7 +151,8 @@ class Connection:
         """Say goodbye."""
         if self.publisher:
             self.tell(control.Bye())
-        self._dialogue.close(200 if self.publisher else 0)
+        linger_ms, self.publisher = 200 if self.publisher else 0, 0
+        self._dialogue.close(linger_ms)
 
     def _open(self) -> None:
         patience = _LONGEST_S

@@ -53,7 +53,9 @@ class Dialogue:
         self._monitor_file = loop.register(self._monitor, self._watch)
 
     def tell(self, message: Any, attached: bytes | None = None) -> bool:
-        """Send a control message; False if there is no connection now."""
+        """Send a control message; False if there is no connection now, or none any more."""
+        if self._socket.closed:
+            return False
         packed = control_frames.pack(message)
         self._loop.touch(self._file)
         try:

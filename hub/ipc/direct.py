@@ -62,7 +62,9 @@ class DirectDoor:
         self._file = loop.register(self._socket, self._receive)
 
     def answer(self, asker: bytes, message: Any, attached: bytes | None) -> None:
-        """Send an answer; if the asker is gone, nobody misses it."""
+        """Send an answer; if the asker is gone, or we are, nobody misses it."""
+        if self._socket.closed:
+            return
         packed = control_frames.pack(message)
         self._loop.touch(self._file)
         parts = [asker, packed] if attached is None else [asker, packed, attached]

@@ -11,7 +11,7 @@ import pytest
 from hub.errors import QueryError
 from hub.ipc.client import Client
 from tests.hub.ipc import vocabulary as v
-from tests.hub.ipc.conftest import Peer
+from tests.hub.ipc.conftest import Make, Peer
 from tests.hub.ipc.vocabulary import Number
 from tests.waiting import until
 
@@ -120,3 +120,21 @@ def test_a_failure_whose_callback_raises_lets_the_others_fail_too(lonely: Client
         lonely.listen(0.0)
     lonely.listen(0.0)
     assert len(failures) == 1
+
+
+@pytest.mark.parametrize("near", [True, False])
+def test_what_is_answered_or_sent_after_the_end_is_lost_and_raises_nothing(
+    make: Make, *, near: bool
+) -> None:
+    one, other = make("one"), make("other", near=near)
+    kept = never_answers(other)
+    for number in range(1, 4):  # the first through central, the last past it if that can be
+        one.call(lambda: ask(one.client, 60.0, print))
+        until(lambda number=number: len(kept) == number, 5.0)
+    other.close()
+    for reply in kept:
+        reply.answer(Number(value=1))
+        reply.fail("too late")
+    other.client.publish(v.LOG, Number(value=1))
+    other.client.subscribe(v.STREAM, print)
+    other.client.close()
