@@ -22,7 +22,7 @@ import zmq
 import zmq.utils.monitor
 
 from hub.errors import CodecError, EndpointError, FrameError, HubError, NotAllowedError
-from hub.ipc import control_frames, descriptors, frames, memory, security, sockets
+from hub.ipc import control, control_frames, descriptors, frames, memory, security, sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.definition import Plane
 from hub.ipc.floods import FloodWatch
@@ -317,6 +317,18 @@ class Central:
             self._stopping.set()
         return False
 
+    def _see_who_left(self) -> None:
+        """Take what was noticed of control connections up to now.
+
+        ZeroMQ tells of an end before it frees the descriptor, which the next connection may get.
+        """
+        for monitor, where in self._monitors.items():
+            if where == "control":
+                self._watch(monitor, where)
+        if self._gateway is not None:
+            for descriptor in self._gateway.ended():
+                self._send(self._registry.disconnected(descriptor))
+
     def _serve_gateway(self, polled: sockets.Socket) -> bool:
         if self._gateway is not None:
             for descriptor in self._gateway.serve({polled: zmq.POLLIN}):
@@ -341,6 +353,8 @@ class Central:
             except (FrameError, CodecError, NotAllowedError) as error:
                 self.complaints.count("malformed control frame", str(error))
                 continue
+            if isinstance(message, control.Hello):
+                self._see_who_left()  # or this one is taken for who had its descriptor before
             attached = body[1].buffer if len(body) == 2 else None
             # Two routers may give two connections the same identity.
             identity = bytes([number]) + parts[0].bytes

@@ -34,6 +34,7 @@ class Directory:
         self._attend = attend
         self._silence = f"the hub at {endpoint} does not answer"
         self._listings: list[control.Listing] = []
+        self._asked: Any = None
         self._closing: str | None = None
         self._closings: dict[str, control.Close | control.Refused] = {}
         self._watchers: list[Callable[[control.Presence], None]] = []
@@ -46,8 +47,7 @@ class Directory:
         """
         self._attend()
         self._listings.clear()
-        self._connection.tell(control.List())
-        self._wait(lambda: self._listings, timeout, self._silence)
+        self._ask(control.List(), lambda: self._listings, timeout)
         return self._listings[-1]
 
     def is_defined(self, name: str, timeout: float = 2.0) -> bool:
@@ -72,12 +72,14 @@ class Directory:
         Of those that are there already `listing` tells.
         """
         self._watchers.append(handler)
-        self.watch_again()
+        self.ask_again()
 
-    def watch_again(self) -> None:
-        """Central knows us anew: ask it again to be told."""
+    def ask_again(self) -> None:
+        """Central knows us anew, and not what we had asked."""
         if self._watchers and self._connection.publisher:
             self._connection.tell(control.Watch())
+        if self._asked is not None:
+            self._connection.tell(self._asked)
 
     def close_module(self, name: str, *, timeout: float) -> None:
         """Have central disconnect the module of this name for good.
@@ -90,9 +92,8 @@ class Directory:
         self._attend()
         self._closings.pop(name, None)
         self._closing = name
-        self._connection.tell(control.Close(name=name))
         try:
-            self._wait(lambda: name in self._closings, timeout, self._silence)
+            self._ask(control.Close(name=name), lambda: name in self._closings, timeout)
         finally:
             self._closing = None
         outcome = self._closings.pop(name)
@@ -104,6 +105,14 @@ class Directory:
         """Have central log from this level on: debug, info, warning or error."""
         self._attend()
         self._connection.tell(control.LogLevel(level=level))
+
+    def _ask(self, question: Any, answered: Callable[[], object], timeout: float) -> None:
+        self._connection.tell(question)
+        self._asked = question
+        try:
+            self._wait(answered, timeout, self._silence)
+        finally:
+            self._asked = None
 
     def told(self, message: Any) -> bool:
         """A control message came; whether it was meant for us."""

@@ -111,6 +111,14 @@ class Gateway:
                 ended += self._watch(monitor, place)
         return ended
 
+    def ended(self) -> list[int]:
+        """The descriptors of all control connections that ended up to now."""
+        ended: list[int] = []
+        for monitor, place in self._monitors.items():
+            while place == CONTROL and monitor.poll(0):
+                ended += self._watch(monitor, place)
+        return ended
+
     def look(self) -> None:
         """Look for floods of subscriptions; to be called ten times a second or so."""
         for flood in self._floods.values():

@@ -144,7 +144,7 @@ class Session:
             self.inlets.subscribe_all()
             self.answers.announce_all()
             if self.directory is not None:
-                self.directory.watch_again()
+                self.directory.ask_again()
 
     def lost(self, why: str) -> None:
         """Central is gone; nothing may wait for it, because it would be old when it comes."""

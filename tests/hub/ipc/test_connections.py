@@ -9,6 +9,7 @@ import threading
 from collections.abc import Callable
 from pathlib import Path
 
+import psutil
 import pytest
 
 from hub.errors import CentralUnreachableError, EndpointError, NameTakenError, QueryError
@@ -47,6 +48,43 @@ def test_second_client_of_a_name_is_refused_and_connects_when_the_first_leaves(
     first.close()
     until(lambda: second.client.connected, 5.0)
     assert second.client.refusal is None
+
+
+def test_newcomer_is_not_taken_for_who_had_its_descriptor_before(
+    central: Central, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Central learns late of connections that came and went, and early of the one that follows."""
+    passing = [_connect(central.endpoints[0]) for _ in range(40)]
+    busy, go = threading.Event(), threading.Event()
+    central._loop.post(lambda: (busy.set(), go.wait(10.0)))
+    assert busy.wait(5.0)
+    descriptors = psutil.Process().num_fds()
+    for each in passing:
+        each.shutdown(socket.SHUT_RDWR)  # central's end is closed, so only its descriptors are free
+    until(lambda: psutil.Process().num_fds() <= descriptors - len(passing), 5.0)
+    newcomer = Client("newcomer", central.endpoints[0])
+    hello, said = newcomer._connection._hello, threading.Event()
+    monkeypatch.setattr(newcomer._connection, "_hello", lambda: hello() and said.set())
+    until(said.is_set, 5.0, meanwhile=lambda: newcomer.listen(0.02))
+    go.set()
+    newcomer.wait_connected(5.0)
+    number = newcomer._connection.publisher
+    for _ in range(3):
+        newcomer.directory.listing(5.0)
+    assert newcomer._connection.publisher == number
+    newcomer.close()
+    for each in passing:
+        each.close()
+
+
+def _connect(endpoint: str) -> socket.socket:
+    """A connection that says nothing, and that was accepted."""
+    transport, _, address = endpoint.partition("://")
+    made = socket.socket(socket.AF_UNIX if transport == "ipc" else socket.AF_INET)
+    made.settimeout(5.0)
+    made.connect(address if transport == "ipc" else ("127.0.0.1", int(address.split(":")[1])))
+    assert made.recv(1), "ZeroMQ greets first"
+    return made
 
 
 def test_nobody_at_the_endpoint_is_told_with_what_to_do(peers: Make) -> None:
@@ -219,11 +257,11 @@ def test_close_leaves_no_threads_files_or_ports(lasting_endpoint: str, tmp_path:
 
     once()  # what libraries load at first use
     threads = {thread.ident for thread in threading.enumerate()}
-    descriptors = len(os.listdir("/proc/self/fd"))  # noqa: PTH208 - counts, does not read
+    descriptors = psutil.Process().num_fds()
     for _ in range(3):
         once()
     assert {thread.ident for thread in threading.enumerate()} == threads
-    assert len(os.listdir("/proc/self/fd")) == descriptors  # noqa: PTH208
+    assert psutil.Process().num_fds() == descriptors
     assert [path for path in tmp_path.iterdir() if "central" in path.name] == []
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 
 import pytest
@@ -115,3 +116,15 @@ def test_answer_may_be_given_later_and_from_a_timer(connect: Connect) -> None:
     other.call(lambda: other.client.directory.listing(5.0))
     ask = lambda: one.client.query_response(v.ASK, Number(value=1), v.ANSWER, timeout=5.0)  # noqa: E731
     assert one.call(ask) == Number(value=2)
+
+
+def test_question_is_asked_again_when_central_has_forgotten_who_asks(
+    connect: Connect, central: Central
+) -> None:
+    one = connect("one")
+    (peer,) = central._registry._peers.values()
+    forgotten = threading.Event()
+    central._loop.post(lambda: (central._registry._drop(peer, "a test"), forgotten.set()))
+    assert forgotten.wait(5.0)
+    listing = one.call(lambda: one.client.directory.listing(5.0))
+    assert [each.name for each in listing.peers] == ["one"]
