@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from hub.errors import CentralUnreachableError, HubError, QueryError
 from hub.ipc.security import DEFAULT_ENDPOINT, DEFAULT_PORT, Role
-from hub.logs import start_logging
+from hub.logs import LEVELS, start_logging
 
 if TYPE_CHECKING:
     from hub.ipc.client import Client
@@ -230,7 +230,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     close.add_argument("module", help="its name; `rune-hub list` shows all")
     level = commands.add_parser("log-level", parents=[look], help="how much central logs")
-    level.add_argument("level", choices=("debug", "info", "warning", "error"))
+    level.add_argument("level", choices=LEVELS)
     for command in (listing, echo, rate, query, state):
         command.add_argument("--json", action="store_true", help="JSON, one line a message")
     _add_keys(commands.add_parser("keys", help="who may connect from other machines"))

@@ -13,6 +13,9 @@ import sys
 import threading
 import time
 
+LEVELS = ("debug", "info", "warning", "error")
+"""What people call how much is logged."""
+
 _ROOM = 1000
 _LAST_WORDS_S = 0.5
 """How long the end of the process waits for the last lines to be written [s]."""

@@ -1,24 +1,35 @@
-"""What every module process does: connect, announce itself, keep alive, loop, stop.
+"""What every module process does: connect, announce itself, keep alive, obey, loop, stop.
 
-A module stops on SIGTERM and SIGINT. Started by a daemon, it also stops when the pipe on its
-standard input ends: the daemon holds the other end, so that no module outlives it, however it dies.
+A module stops on SIGTERM, SIGINT and the common command STOP. Started by a daemon, it also stops
+when the pipe on its standard input ends: the daemon holds the other end, so that no module outlives
+it, however it dies. RESTART has the process execute its own command again.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
+import dataclasses
+import json
 import logging
 import os
 import signal
-from collections.abc import Callable, Sequence
+import sys
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from hub.errors import CentralUnreachableError, HubError
-from hub.gcm.capability import Capability
+from hub.gcm.capability import Abilities
+from hub.gcm.common import COMMON_COMMAND, REQUEST_DATA, CommonCommand, RequestData
+from hub.gcm.common import CommonCommandKind as Kind
 from hub.gcm.supervision import MODULE_INFO, ModuleInfo
 from hub.ipc.client import Client
-from hub.logs import start_logging
+from hub.ipc.definition import MessageDefinition
+from hub.ipc.reception import Reception
+from hub.ipc.security import DEFAULT_ENDPOINT
+from hub.logs import LEVELS, start_logging
 from hub.robots.description import RobotDescription, read_description
 
 _logger = logging.getLogger(__name__)
@@ -34,12 +45,13 @@ class _Health:
 
     errors: int = 0
     stopping: bool = False
+    again: bool = False
 
 
 def run_module(
     name: str,
     purpose: str,
-    capabilities: Sequence[Capability],
+    abilities: Callable[[RobotDescription], Abilities],
     build: Callable[[Client, RobotDescription], Callable[[], None]],
     arguments: Sequence[str] | None = None,
 ) -> int:
@@ -48,7 +60,7 @@ def run_module(
     Args:
         name: Name at central.
         purpose: One sentence for --help.
-        capabilities: What the module can do.
+        abilities: What the module can do on a robot, and what it needs of others.
         build: Gets the connected client and the robot, subscribes and so on; returns what to call
             at the end, while the connection still stands.
         arguments: Command line; default the process's own.
@@ -56,59 +68,98 @@ def run_module(
     Returns:
         The exit code: 0 stopped, 2 a wrong robot file, 3 no hub.
     """
-    parser = argparse.ArgumentParser(prog=f"python -m hub.modules.{name}", description=purpose)
-    parser.add_argument("--hub", required=True, help="endpoint of central, tcp:// or ipc://")
-    parser.add_argument("--robot", required=True, type=Path, help="the robot file")
-    parser.add_argument(
-        "--stop-with-stdin", action="store_true", help="stop when standard input ends"
-    )
-    options = parser.parse_args(arguments)
+    options = _parser(name, purpose).parse_args(arguments)
     start_logging(name, logging.INFO)
+    health = _Health()
     try:
         robot, _ = read_description(options.robot)
-        client = Client(name, options.hub)
-    except HubError as error:
-        _logger.error("%s", error)
-        return 2
-    try:
-        file = _STDIN if options.stop_with_stdin else None
-        return _serve(client, capabilities, file, lambda: build(client, robot))
+        can = abilities(robot)
+        if options.describe:
+            sys.stdout.write(json.dumps(dataclasses.asdict(can)) + "\n")
+            return 0
+        with _connected(name, options.hub) as client:
+            file = _STDIN if options.stop_with_stdin else None
+            _serve(client, can, health, file, lambda: build(client, robot))
     except CentralUnreachableError as error:
         _logger.error("%s", error)
         return 3
     except HubError as error:
         _logger.error("%s", error)
         return 2
+    if health.again:
+        os.execv(sys.executable, [sys.executable, *sys.orig_argv[1:]])
+    return 0
+
+
+def publish_on_request(
+    client: Client, definition: MessageDefinition[Any], publish: Callable[[], None]
+) -> None:
+    """Call `publish` whenever somebody asks for this message to be published now."""
+
+    def requested(request: RequestData, reception: Reception) -> None:
+        del reception
+        if request.message == definition.name:
+            publish()
+
+    client.subscribe(REQUEST_DATA, requested)
+
+
+def _parser(name: str, purpose: str) -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog=f"python -m hub.modules.{name}",
+        description=purpose,
+        epilog="Exit codes: 0 stopped, 1 a fault, 2 wrong usage or robot file, 3 no hub.",
+    )
+    parser.add_argument("--robot", required=True, type=Path, help="the robot file")
+    parser.add_argument("--hub", default=DEFAULT_ENDPOINT, help="endpoint of central (%(default)s)")
+    parser.add_argument(
+        "--describe", action="store_true", help="say as JSON what it can do there, and end"
+    )
+    parser.add_argument(
+        "--stop-with-stdin", action="store_true", help="stop when standard input ends"
+    )
+    return parser
+
+
+@contextlib.contextmanager
+def _connected(name: str, endpoint: str) -> Iterator[Client]:
+    client = Client(name, endpoint)
+    try:
+        yield client
     finally:
         client.close()
 
 
 def _serve(
     client: Client,
-    capabilities: Sequence[Capability],
+    can: Abilities,
+    health: _Health,
     daemon_pipe: int | None,
     build: Callable[[], Callable[[], None]],
-) -> int:
-    health = _Health()
+) -> None:
     _stop_on_signals(client, health)
     if daemon_pipe is not None:
         _stop_with_daemon(client, health, daemon_pipe)
     finish = build()
-    client.wait_connected(_CONNECT_S, give_up=lambda: health.stopping)
-    client.wait_defined(_CONNECT_S, give_up=lambda: health.stopping)
 
     def announce() -> None:
         info = ModuleInfo(
             name=client.name,
             pid=os.getpid(),
             state="stopping" if health.stopping else "running",
-            capabilities=" ".join(capabilities),
+            capabilities=" ".join(can.provides),
+            needs=" ".join(can.needs),
             errors=health.errors,
         )
         client.publish(MODULE_INFO, info)
 
+    publish_on_request(client, MODULE_INFO, announce)
+    client.subscribe(COMMON_COMMAND, lambda command, _: _obey(client, health, announce, command))
+    client.wait_connected(_CONNECT_S, give_up=lambda: health.stopping)
+    client.wait_defined(_CONNECT_S, give_up=lambda: health.stopping)
     client.every(1.0 / MODULE_INFO.rate_hz, announce)
     if not health.stopping:
+        announce()
         _logger.info("ready")
     while not health.stopping and not client.closed_by:
         try:
@@ -118,8 +169,25 @@ def _serve(
             _logger.exception("the loop goes on after a fault")
     finish()
     announce()
-    _logger.info("stopped")
-    return 0
+    _logger.info("begins anew" if health.again else "stopped")
+
+
+def _obey(
+    client: Client, health: _Health, announce: Callable[[], None], command: CommonCommand
+) -> None:
+    """Carry out a common command, if it is for us."""
+    if command.module not in ("", client.name):
+        return
+    if command.command in (Kind.STOP, Kind.RESTART):
+        health.again = command.command is Kind.RESTART
+        health.stopping = True
+    elif command.command is Kind.LOG_LEVEL:
+        if command.argument not in LEVELS:
+            _logger.warning("there is no log level %.20r", command.argument)
+            return
+        logging.getLogger().setLevel(command.argument.upper())
+    elif command.command is not Kind.START:
+        announce()
 
 
 def _stop_on_signals(client: Client, health: _Health) -> None:

@@ -79,6 +79,14 @@ def numbers(count: int, low: float, high: float) -> Reader:
     return read
 
 
+def truth(value: object) -> bool:
+    """Read true or false."""
+    if not isinstance(value, bool):
+        reason = f"{shorten(value)} is neither true nor false"
+        raise RefusedError(reason)
+    return value
+
+
 def text(longest: int) -> Reader:
     """A text of 1 to `longest` characters."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+from dataclasses import dataclass
 
 
 class Capability(enum.StrEnum):
@@ -12,9 +13,13 @@ class Capability(enum.StrEnum):
         CON_REAL: Real-time control: keep-alives and screen updates of a console.
         VIS_VID: Pictures of the robot's main camera, on request.
         VIS_PTZ: Pan, tilt and zoom of that camera.
+        VIS_NIGHT: Pictures in the dark: gain, and the headlight where there is one.
         NAV_STATE: The robot's state: pose, velocities, range sensors, bumpers, battery.
         NAV_MOVE: Motion by velocity commands.
+        NAV_GOAL: Motion to points: go, follow waypoints, turn by an angle.
         PRO_MAP: A map made from range sensors and odometry.
+        PRO_POINTS: Interest points on the map: victims and landmarks.
+        AUT_PILOT: Autonomy: explore, wander, return, go, hold.
         DRV_BASE: The hardware's side of navigation: wheels and raw sensors.
         SIM_TRUTH: The simulator's ground truth.
     """
@@ -22,8 +27,25 @@ class Capability(enum.StrEnum):
     CON_REAL = "CON_REAL"
     VIS_VID = "VIS_VID"
     VIS_PTZ = "VIS_PTZ"
+    VIS_NIGHT = "VIS_NIGHT"
     NAV_STATE = "NAV_STATE"
     NAV_MOVE = "NAV_MOVE"
+    NAV_GOAL = "NAV_GOAL"
     PRO_MAP = "PRO_MAP"
+    PRO_POINTS = "PRO_POINTS"
+    AUT_PILOT = "AUT_PILOT"
     DRV_BASE = "DRV_BASE"
     SIM_TRUTH = "SIM_TRUTH"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Abilities:
+    """What a module can do on a given robot, and what it cannot do it without.
+
+    Attributes:
+        provides: Its capabilities.
+        needs: Capabilities of other modules that have to run before it is of use.
+    """
+
+    provides: tuple[Capability, ...]
+    needs: tuple[Capability, ...] = ()

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from hub.gcm import navigation, supervision, vision
+from hub.gcm import autonomy, common, mapping, navigation, supervision, vision
 from hub.ipc.definition import MessageDefinition
 
 MESSAGES: tuple[MessageDefinition[Any], ...] = (
+    *common.MESSAGES,
     *navigation.MESSAGES,
     *vision.MESSAGES,
+    *mapping.MESSAGES,
+    *autonomy.MESSAGES,
     *supervision.MESSAGES,
 )
 BY_NAME = {definition.name: definition for definition in MESSAGES}

@@ -1,7 +1,8 @@
 """Messages of motion and robot state, between console, navigation and driver.
 
-Frames after ROS REP 103 and 105: x forward, y left, angles counter-clockwise from x; poses are in
-`odom`, velocities in `base_link`.
+Frames after ROS REP 103 and 105: x forward, y left, angles counter-clockwise from x; velocities are
+in `base_link`. `odom` is dead reckoning, which drifts; `map` is `odom` corrected by landmarks, the
+same until the first correction.
 """
 
 from __future__ import annotations
@@ -95,6 +96,7 @@ class MotionState(enum.IntEnum):
         STOPPED: Somebody sent a stop; waits for a neutral command.
         NO_DRIVER: The driver does not report; nothing can move.
         WAITING: Nobody has commanded yet; waits for a neutral command.
+        GOING: Going to a point, or turning, by itself.
     """
 
     STANDING = 0
@@ -103,6 +105,19 @@ class MotionState(enum.IntEnum):
     STOPPED = 3
     NO_DRIVER = 4
     WAITING = 5
+    GOING = 6
+
+
+class Assistance(enum.IntEnum):
+    """Whether velocities that would lead into something are held back.
+
+    Attributes:
+        OFF: The robot follows the operator into walls.
+        ON: It stops before them.
+    """
+
+    OFF = 0
+    ON = 1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,9 +126,9 @@ class RobotState:
 
     Attributes:
         stamp: When it was measured [s since the epoch]; for records only.
-        x: Position in `odom` [m].
-        y: Position in `odom` [m].
-        theta: Heading in `odom` [rad], in (-pi, pi].
+        x: Position in `map` [m].
+        y: Position in `map` [m].
+        theta: Heading in `map` [rad], in (-pi, pi].
         linear: Measured forward velocity [m/s].
         angular: Measured turn rate [rad/s].
         commanded_linear: Forward velocity the wheels are told [m/s].
@@ -126,6 +141,8 @@ class RobotState:
         motion: What is done with velocity commands.
         refused: Velocity commands refused since the module started: late, out of order, not
             finite, or not from neutral.
+        assistance: Whether velocities that would lead into something are held back.
+        held_back: How much of the commanded velocity is held back now, 0 (nothing) to 1.
     """
 
     stamp: float
@@ -143,12 +160,14 @@ class RobotState:
     battery_fraction: float
     motion: MotionState
     refused: int
+    assistance: Assistance = Assistance.ON
+    held_back: float = 0.0
 
 
 ROBOT_STATE = MessageDefinition(
     name="GCM_RobotState",
     format="{double,double,double,double,double,double,double,double,[float:16],[float:16],"
-    "uint,float,float,{enum:5},uint}",
+    "uint,float,float,{enum:6},uint,{enum:1},float}",
     type=RobotState,
     rate_hz=20.0,
 )
@@ -215,6 +234,166 @@ STOP = MessageDefinition(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Point:
+    """A point on the ground.
+
+    Attributes:
+        x: In `map` [m].
+        y: In `map` [m].
+    """
+
+    x: float
+    y: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GoalCommand:
+    """Go to points, one after the other; no points: stand and forget them.
+
+    Attributes:
+        count: Number of points.
+        points: Where to, in `map`.
+        theta: Heading at the last one in `map` [rad]; NaN: any.
+        linear_limit: Fastest [m/s]; NaN: the robot's own limit.
+    """
+
+    count: int = 0
+    points: tuple[Point, ...] = ()
+    theta: float = float("nan")
+    linear_limit: float = float("nan")
+
+
+GOAL_COMMAND = MessageDefinition(
+    name="GCM_Goal_Command",
+    format="{int,<{double,double}:1>,double,double}",
+    type=GoalCommand,
+    keep=Keep.ALL,
+    plane=Plane.COMMAND,
+    lifespan_s=1.0,
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TurnCommand:
+    """Turn on the spot.
+
+    Attributes:
+        angle: By how much [rad], positive counter-clockwise; more than a whole turn is allowed.
+    """
+
+    angle: float = 0.0
+
+
+TURN_COMMAND = MessageDefinition(
+    name="GCM_Turn_Command",
+    format="{double}",
+    type=TurnCommand,
+    keep=Keep.ALL,
+    plane=Plane.COMMAND,
+    lifespan_s=1.0,
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AssistanceCommand:
+    """Switch the holding back of velocities that would lead into something."""
+
+    assistance: Assistance = Assistance.ON
+
+
+ASSISTANCE_COMMAND = MessageDefinition(
+    name="GCM_Assistance_Command",
+    format="{{enum:1}}",
+    type=AssistanceCommand,
+    keep=Keep.ALL,
+    plane=Plane.COMMAND,
+    lifespan_s=1.0,
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LandmarkCorrection:
+    """Correct the pose by a landmark whose place is known and that is seen now.
+
+    Attributes:
+        x: Where the landmark is, in `map` [m].
+        y: Where the landmark is, in `map` [m].
+        seen_x: Where it is seen from the robot, in `base_link` [m].
+        seen_y: Where it is seen from the robot, in `base_link` [m].
+    """
+
+    x: float
+    y: float
+    seen_x: float
+    seen_y: float
+
+
+LANDMARK_CORRECTION = MessageDefinition(
+    name="GCM_Landmark_Correction",
+    format="{double,double,double,double}",
+    type=LandmarkCorrection,
+    keep=Keep.ALL,
+    plane=Plane.COMMAND,
+    lifespan_s=1.0,
+)
+
+
+class Task(enum.IntEnum):
+    """What navigation does by itself, or how it ended.
+
+    Attributes:
+        NONE: It follows velocity commands only.
+        GOING: It goes to a point.
+        TURNING: It turns.
+        REACHED: It has done so.
+        BLOCKED: There is no way, or it made no headway.
+        CANCELLED: Somebody ended it: by a velocity command, a stop, or another task.
+    """
+
+    NONE = 0
+    GOING = 1
+    TURNING = 2
+    REACHED = 3
+    BLOCKED = 4
+    CANCELLED = 5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NavigationStatus:
+    """What navigation does by itself; when it changes and twice a second.
+
+    Attributes:
+        number: Counts the tasks since the module started.
+        task: What it does, or how it ended.
+        sender: Whose task it is or was: its number at central, as in frame headers.
+        driver: Who sends the velocity commands that are followed now; 0: nobody.
+        points_left: Points not yet reached.
+        distance_left: Length of the way that is left [m]; NaN: not known.
+        why: For people.
+        count: Points of `path`.
+        path: The planned way in `map`, from the robot to the goal; none if it has no map.
+    """
+
+    number: int
+    task: Task
+    sender: int
+    driver: int
+    points_left: int
+    distance_left: float
+    why: str
+    count: int
+    path: tuple[Point, ...]
+
+
+NAVIGATION_STATUS = MessageDefinition(
+    name="GCM_NavigationStatus",
+    format="{uint,{enum:5},uint,uint,int,double,string,int,<{double,double}:8>}",
+    type=NavigationStatus,
+    rate_hz=2.0,
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class GroundTruth:
     """Where a simulated robot really is; for tests and experiments, never for modules that drive.
 
@@ -250,4 +429,16 @@ GROUND_TRUTH = MessageDefinition(
     rate_hz=50.0,
 )
 
-MESSAGES = (VELOCITY_COMMAND, DRIVE_COMMAND, ROBOT_STATE, DRIVE_STATE, STOP, GROUND_TRUTH)
+MESSAGES = (
+    VELOCITY_COMMAND,
+    DRIVE_COMMAND,
+    ROBOT_STATE,
+    DRIVE_STATE,
+    STOP,
+    GOAL_COMMAND,
+    TURN_COMMAND,
+    ASSISTANCE_COMMAND,
+    LANDMARK_CORRECTION,
+    NAVIGATION_STATUS,
+    GROUND_TRUTH,
+)

@@ -1,10 +1,11 @@
-"""Messages between the modules and the daemon that runs them."""
+"""Messages between the modules, those who want their capabilities, and the daemon."""
 
 from __future__ import annotations
 
+import enum
 from dataclasses import dataclass
 
-from hub.ipc.definition import MessageDefinition
+from hub.ipc.definition import MessageDefinition, Plane
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -16,6 +17,7 @@ class ModuleInfo:
         pid: Process id on its machine.
         state: "running" or "stopping".
         capabilities: Names from `hub.gcm.capability`, separated by spaces.
+        needs: Capabilities of others that it needs, separated by spaces.
         errors: Exceptions its loop has logged since it started.
     """
 
@@ -23,11 +25,226 @@ class ModuleInfo:
     pid: int
     state: str
     capabilities: str
-    errors: int
+    needs: str = ""
+    errors: int = 0
 
 
 MODULE_INFO = MessageDefinition(
-    name="GCM_ModuleInfo", format="{string,int,string,string,uint}", type=ModuleInfo, rate_hz=1.0
+    name="GCM_ModuleInfo",
+    format="{string,int,string,string,string,uint}",
+    type=ModuleInfo,
+    rate_hz=1.0,
 )
 
-MESSAGES = (MODULE_INFO,)
+
+class ModulePhase(enum.IntEnum):
+    """What the daemon does with a module.
+
+    Attributes:
+        STOPPED: It does not run, as nobody wants it or somebody stopped it.
+        STARTING: Its process runs, and has not announced itself yet.
+        RUNNING: It announces itself.
+        STOPPING: It was asked to end.
+        WAITING: It ended by itself; it is started again after a pause.
+        FAILED: It ended too often and is given up until somebody starts it.
+    """
+
+    STOPPED = 0
+    STARTING = 1
+    RUNNING = 2
+    STOPPING = 3
+    WAITING = 4
+    FAILED = 5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModuleReport:
+    """What the daemon knows of one module.
+
+    Attributes:
+        name: Its name.
+        phase: What the daemon does with it.
+        pid: Process id; 0 while it does not run.
+        capabilities: What it can do, separated by spaces; it said so itself if `asked` is 1.
+        needs: What it needs of others, separated by spaces.
+        asked: 1 if it answered with its real capabilities, 0 if these are the robot file's hint.
+        always: 1 if it is to run always, 0 if on demand.
+        starts: How often it was started.
+        processor: Part of one processor that it takes; NaN when not known.
+        memory_mb: Resident memory [MB]; NaN when not known.
+        age_s: Time since it was started [s]; 0 while it does not run.
+        why: Why it is in this phase, for people.
+    """
+
+    name: str
+    phase: ModulePhase
+    pid: int
+    capabilities: str
+    needs: str
+    asked: int
+    always: int
+    starts: int
+    processor: float
+    memory_mb: float
+    age_s: float
+    why: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModuleReports:
+    """What the daemon knows of all modules; when it changes, on request, and each second.
+
+    Attributes:
+        robot: Name of the robot.
+        count: Number of modules.
+        modules: One each, in the order of the robot file.
+    """
+
+    robot: str
+    count: int
+    modules: tuple[ModuleReport, ...]
+
+
+MODULE_REPORTS = MessageDefinition(
+    name="GCM_Variable_ModuleInfo",
+    format="{string,int,<{string,{enum:5},int,string,string,ubyte,ubyte,int,float,float,float,"
+    "string}:2>}",
+    type=ModuleReports,
+    rate_hz=1.0,
+)
+
+
+class CapabilityPhase(enum.IntEnum):
+    """What can be expected of a capability.
+
+    Attributes:
+        AVAILABLE: A module could be started that has it.
+        STARTING: A module that has it is being started.
+        RUNNING: A module that has it runs.
+        UNAVAILABLE: Modules have it, and none of them can be started.
+    """
+
+    AVAILABLE = 0
+    STARTING = 1
+    RUNNING = 2
+    UNAVAILABLE = 3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CapabilityReport:
+    """One capability of the robot.
+
+    Attributes:
+        name: From `hub.gcm.capability`, or a module's own.
+        phase: What can be expected of it.
+        module: The module that provides it, or would; empty if none can.
+        modules: All modules that have it, separated by spaces.
+        wanted_by: Who wants it, separated by spaces.
+    """
+
+    name: str
+    phase: CapabilityPhase
+    module: str
+    modules: str
+    wanted_by: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CapabilityReports:
+    """What the robot can do; when it changes, on request, and each second.
+
+    Attributes:
+        robot: Name of the robot.
+        count: Number of capabilities.
+        capabilities: One each, in alphabetical order.
+    """
+
+    robot: str
+    count: int
+    capabilities: tuple[CapabilityReport, ...]
+
+
+CAPABILITY_REPORTS = MessageDefinition(
+    name="GCM_Common_Capabilities",
+    format="{string,int,<{string,{enum:3},string,string,string}:2>}",
+    type=CapabilityReports,
+    rate_hz=1.0,
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CapabilityWants:
+    """What a console or module wants to be available; holds for `LEASE_S`, so it is repeated.
+
+    Attributes:
+        holder: Who wants it; the name at central.
+        capabilities: All it wants, separated by spaces; empty gives up the others.
+    """
+
+    holder: str
+    capabilities: str
+
+
+LEASE_S = 3.0
+"""Time after which a want that is not repeated is given up [s]."""
+
+CAPABILITY_WANTS = MessageDefinition(
+    name="GCM_Capability_Wants",
+    format="{string,string}",
+    type=CapabilityWants,
+    rate_hz=1.0,
+)
+
+
+class ModuleOrder(enum.IntEnum):
+    """What is to be done with a module."""
+
+    START = 0
+    STOP = 1
+    RESTART = 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModuleCommand:
+    """Ask the daemon to do something with a module.
+
+    Attributes:
+        module: Its name.
+        order: What to do.
+    """
+
+    module: str = ""
+    order: ModuleOrder = ModuleOrder.START
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModuleResult:
+    """What the daemon says to a `ModuleCommand`.
+
+    Attributes:
+        done: 1 if it does so, 0 if it cannot.
+        text: What it does, or why not.
+    """
+
+    done: int
+    text: str
+
+
+MODULE_COMMAND = MessageDefinition(
+    name="GCM_Module_Command",
+    format="{string,{enum:2}}",
+    type=ModuleCommand,
+    plane=Plane.COMMAND,
+)
+MODULE_RESULT = MessageDefinition(
+    name="GCM_Module_Result", format="{ubyte,string}", type=ModuleResult
+)
+
+MESSAGES = (
+    MODULE_INFO,
+    MODULE_REPORTS,
+    CAPABILITY_REPORTS,
+    CAPABILITY_WANTS,
+    MODULE_COMMAND,
+    MODULE_RESULT,
+)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,9 +24,13 @@ class ImageCoding(enum.IntEnum):
 
     Attributes:
         RLE: Two-dimensional run-length coding, `hub.gcm.rle`.
+        JPEG: A JPEG file.
+        RAW: The values themselves, row by row.
     """
 
     RLE = 0
+    JPEG = 1
+    RAW = 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,17 +41,20 @@ class ImageRequest:
         kind: Grey or colour.
         width_px: Width wanted; the answer is never larger than the camera's.
         height_px: Height wanted; the answer is never larger than the camera's.
-        quality: 1 to 100; 100 is exact, less keeps fewer shades a channel.
+        quality: 1 to 100; for RLE 100 is exact and less keeps fewer shades a channel, for JPEG it
+            is the quality of the file.
+        coding: How the picture shall be coded.
     """
 
     kind: ImageKind = ImageKind.COLOUR
     width_px: int = 160
     height_px: int = 120
     quality: int = 60
+    coding: ImageCoding = ImageCoding.RLE
 
 
 IMAGE_REQUEST = MessageDefinition(
-    name="GCM_Image_Request", format="{{enum:1},int,int,int}", type=ImageRequest
+    name="GCM_Image_Request", format="{{enum:1},int,int,int,{enum:2}}", type=ImageRequest
 )
 
 
@@ -66,6 +74,11 @@ class CameraState:
         pan_limit: Largest pan to either side [rad].
         tilt_limit: Largest tilt up or down [rad].
         slewing: 1 while it still moves to where it was sent, else 0.
+        robot_x: Where the robot was then in `map` [m]; NaN when not known.
+        robot_y: Where the robot was then in `map` [m]; NaN when not known.
+        robot_theta: Its heading then in `map` [rad]; NaN when not known.
+        gain: How much brighter pictures are made than they come; 1 as they come.
+        headlight: Brightness of the headlight, 0 to 1; NaN where there is none.
     """
 
     stamp: float
@@ -79,9 +92,17 @@ class CameraState:
     pan_limit: float
     tilt_limit: float
     slewing: int
+    robot_x: float = math.nan
+    robot_y: float = math.nan
+    robot_theta: float = math.nan
+    gain: float = 1.0
+    headlight: float = math.nan
 
 
-_CAMERA_STATE = "{double,double,double,double,double,double,double,double,double,double,ubyte}"
+_CAMERA_STATE = (
+    "{double,double,double,double,double,double,double,double,double,double,ubyte,"
+    "double,double,double,float,float}"
+)
 
 CAMERA_STATE = MessageDefinition(
     name="GCM_CameraState", format=_CAMERA_STATE, type=CameraState, rate_hz=10.0
@@ -113,7 +134,7 @@ class Image:
 
 IMAGE = MessageDefinition(
     name="GCM_Common_Image",
-    format="{" + _CAMERA_STATE + ",{enum:0},int,int,int,uint,<ubyte:6>}",
+    format="{" + _CAMERA_STATE + ",{enum:2},int,int,int,uint,<ubyte:6>}",
     type=Image,
 )
 
@@ -158,4 +179,27 @@ CAMERA_COMMAND = MessageDefinition(
     lifespan_s=1.0,
 )
 
-MESSAGES = (IMAGE_REQUEST, IMAGE, CAMERA_STATE, CAMERA_COMMAND)
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NightCommand:
+    """See in the dark, or no longer.
+
+    Attributes:
+        on: 1: brighten pictures as they need it, and light the headlight; 0: neither.
+        headlight: Brightness of the headlight while on, 0 to 1; NaN leaves it.
+    """
+
+    on: int = 0
+    headlight: float = math.nan
+
+
+NIGHT_COMMAND = MessageDefinition(
+    name="GCM_Night_Command",
+    format="{ubyte,float}",
+    type=NightCommand,
+    keep=Keep.ALL,
+    plane=Plane.COMMAND,
+    lifespan_s=1.0,
+)
+
+MESSAGES = (IMAGE_REQUEST, IMAGE, CAMERA_STATE, CAMERA_COMMAND, NIGHT_COMMAND)

@@ -79,7 +79,7 @@ def load_robot_table(name_or_path: str) -> RobotTable:
 def _arena_problems(robot: RobotDescription) -> list[str]:
     from hub.sim.arena import load_arena
 
-    if robot.kind in KINDS and not robot.kind.startswith("simulated"):
+    if robot.kind in KINDS and not robot.simulated:
         return []
     try:
         load_arena(robot.arena)

@@ -28,6 +28,16 @@ class RobotDescription:
         angular_limit: Largest turn rate [rad/s].
         arena: Arena of a simulated robot: a shipped name, or a path.
         seed: Seed of the simulation.
+        linear_acceleration: Fastest change of the forward velocity, braking [m/s^2].
+        angular_acceleration: Fastest change of the turn rate, braking [rad/s^2].
+        radius: Of the circle around the robot's centre in which all of it lies [m].
+        margin: How far it keeps from obstacles besides [m].
+        camera_source: Where pictures come from: "robot" for the robot's own camera, or a device,
+            file or network address.
+        headlight: Whether it has one.
+        map_resolution: Edge of a cell of the map [m].
+        map_size: Extent of the map in both directions, the start in its middle [m].
+        map_folder: Where maps are saved; empty: the user's own folder of data.
         modules: The tables under [modules], not yet checked.
     """
 
@@ -41,7 +51,21 @@ class RobotDescription:
     angular_limit: float
     arena: str
     seed: int
+    linear_acceleration: float
+    angular_acceleration: float
+    radius: float
+    margin: float
+    camera_source: str
+    headlight: bool
+    map_resolution: float
+    map_size: float
+    map_folder: str
     modules: dict[str, Any]
+
+    @property
+    def simulated(self) -> bool:
+        """Whether its hardware is a simulation."""
+        return self.kind.startswith("simulated-")
 
 
 _TOP = {
@@ -57,6 +81,21 @@ _TABLES = {
     "limits": {
         "linear": toml.Key(toml.number(0.01, 3.0), 0.5, "linear_limit"),
         "angular": toml.Key(toml.number(0.01, 6.0), 1.0, "angular_limit"),
+        "linear_acceleration": toml.Key(toml.number(0.05, 20.0), 2.0),
+        "angular_acceleration": toml.Key(toml.number(0.1, 50.0), 4.0),
+    },
+    "body": {
+        "radius": toml.Key(toml.number(0.02, 5.0), 0.205),
+        "margin": toml.Key(toml.number(0.0, 1.0), 0.05),
+    },
+    "camera": {
+        "source": toml.Key(toml.text(1000), "robot", "camera_source"),
+        "headlight": toml.Key(toml.truth, default=True),
+    },
+    "mapping": {
+        "resolution": toml.Key(toml.number(0.01, 1.0), 0.05, "map_resolution"),
+        "size": toml.Key(toml.number(1.0, 1000.0), 40.0, "map_size"),
+        "folder": toml.Key(toml.text(1000), "", "map_folder"),
     },
     "simulation": {
         "arena": toml.Key(toml.text(200), "yellow"),

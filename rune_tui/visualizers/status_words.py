@@ -27,7 +27,9 @@ _MOTION = {
     MotionState.STOPPED: "STOPPED: a stop was sent",
     MotionState.NO_DRIVER: "NO DRIVER: cannot move",
     MotionState.WAITING: "WAITING for a neutral command",
+    MotionState.GOING: "GOING by itself",
 }
+_UNHINDERED = frozenset({MotionState.STANDING, MotionState.MOVING, MotionState.GOING})
 
 
 class Mood(enum.Enum):
@@ -89,7 +91,7 @@ def _motion(robot: RobotState, now: float) -> Iterator[Part]:
     navigation = robot.navigation.value
     if staleness(age) is not Staleness.FRESH:
         yield Part(f"STATE {age_text(age)} OLD", 9, Mood.ALARM)
-    halted = navigation.motion not in {MotionState.STANDING, MotionState.MOVING}
+    halted = navigation.motion not in _UNHINDERED
     yield Part(_MOTION[navigation.motion], 7, Mood.ALARM if halted else Mood.PLAIN)
     yield Part(
         f"{_signed(navigation.linear, 2)} m/s {_signed(math.degrees(navigation.angular), 0)}°/s", 6

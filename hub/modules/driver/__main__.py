@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 
 from hub.gcm import navigation
-from hub.gcm.capability import Capability
+from hub.gcm.capability import Abilities, Capability
 from hub.ipc.client import Client
 from hub.ipc.reception import Reception
 from hub.modules.driver.watchdog import CommandWatchdog
@@ -63,11 +63,16 @@ def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
     return finish
 
 
+def abilities(robot: RobotDescription) -> Abilities:
+    """What the driver can do on a robot."""
+    simulated = (Capability.SIM_TRUTH,) if robot.simulated else ()
+    return Abilities(provides=(Capability.DRV_BASE, *simulated))
+
+
 def main() -> int:
     """Run the process."""
     purpose = "Drives the robot's hardware: wheels, range sensors, bumpers, battery."
-    capabilities = (Capability.DRV_BASE, Capability.SIM_TRUTH)
-    return run_module("driver", purpose, capabilities, build)
+    return run_module("driver", purpose, abilities, build)
 
 
 if __name__ == "__main__":

@@ -7,12 +7,12 @@ import sys
 import time
 
 from hub.gcm import navigation
-from hub.gcm.capability import Capability
+from hub.gcm.capability import Abilities, Capability
 from hub.ipc.client import Client
 from hub.ipc.reception import Reception
 from hub.modules.navigation.speed_governor import SpeedGovernor
 from hub.robots.description import RobotDescription
-from hub.runtime import run_module
+from hub.runtime import publish_on_request, run_module
 
 _logger = logging.getLogger(__name__)
 
@@ -34,6 +34,7 @@ class Navigation:
         client.subscribe(navigation.VELOCITY_COMMAND, self._command)
         client.subscribe(navigation.DRIVE_STATE, self._report)
         client.define(navigation.DRIVE_COMMAND, navigation.ROBOT_STATE)
+        publish_on_request(client, navigation.ROBOT_STATE, self._publish_state)
         client.every(_CHECK_PERIOD, self._drive_if_changed)
         client.every(_COMMAND_PERIOD, self._drive)
         client.every(_STATE_PERIOD, self._publish_state)
@@ -101,12 +102,19 @@ def robot_state(
     )
 
 
+def abilities(robot: RobotDescription) -> Abilities:
+    """What navigation can do on a robot."""
+    del robot
+    return Abilities(
+        provides=(Capability.NAV_MOVE, Capability.NAV_STATE), needs=(Capability.DRV_BASE,)
+    )
+
+
 def main() -> int:
     """Run the process."""
     purpose = "Follows velocity commands, stops when they stop, and reports the robot's state."
-    capabilities = (Capability.NAV_MOVE, Capability.NAV_STATE)
     return run_module(
-        "navigation", purpose, capabilities, lambda client, robot: Navigation(client, robot).finish
+        "navigation", purpose, abilities, lambda client, robot: Navigation(client, robot).finish
     )
 
 

@@ -8,13 +8,13 @@ from collections.abc import Callable
 
 from hub.errors import HandlerFailedError
 from hub.gcm import navigation, rle, vision
-from hub.gcm.capability import Capability
+from hub.gcm.capability import Abilities, Capability
 from hub.ipc.client import Client
 from hub.ipc.reception import Reception
 from hub.modules.vision.picture import prepare
 from hub.robots.description import RobotDescription
 from hub.robots.registry import KINDS
-from hub.runtime import run_module
+from hub.runtime import publish_on_request, run_module
 
 _STEP_PERIOD = 0.02
 _STATE_PERIOD = 1.0 / vision.CAMERA_STATE.rate_hz
@@ -67,16 +67,22 @@ def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
     client.subscribe(vision.CAMERA_COMMAND, move)
     client.subscribe(navigation.GROUND_TRUTH, place)
     client.define(vision.CAMERA_STATE)
+    publish_on_request(client, vision.CAMERA_STATE, publish_state)
     client.every(_STEP_PERIOD, advance)
     client.every(_STATE_PERIOD, publish_state)
     return lambda: None
 
 
+def abilities(robot: RobotDescription) -> Abilities:
+    """What vision can do on a robot."""
+    needs = (Capability.SIM_TRUTH,) if robot.simulated else ()
+    return Abilities(provides=(Capability.VIS_VID, Capability.VIS_PTZ), needs=needs)
+
+
 def main() -> int:
     """Run the process."""
     purpose = "Answers image requests and moves the pan/tilt/zoom camera."
-    capabilities = (Capability.VIS_VID, Capability.VIS_PTZ)
-    return run_module("vision", purpose, capabilities, build)
+    return run_module("vision", purpose, abilities, build)
 
 
 if __name__ == "__main__":

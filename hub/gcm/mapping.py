@@ -1,0 +1,209 @@
+"""Messages of the map: the occupancy grid, and the interest points on it."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.ipc.definition import Keep, MessageDefinition, Plane
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MapRequest:
+    """Ask for the map, or a window of it.
+
+    Attributes:
+        x: Middle of the window in `map` [m]; NaN: the whole map.
+        y: Middle of the window in `map` [m].
+        width: Extent of the window along x [m].
+        height: Extent of the window along y [m].
+    """
+
+    x: float = float("nan")
+    y: float = float("nan")
+    width: float = 10.0
+    height: float = 10.0
+
+
+MAP_REQUEST = MessageDefinition(
+    name="GCM_Map_Request", format="{double,double,double,double}", type=MapRequest
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Map:
+    """An occupancy grid as nav_msgs/OccupancyGrid means it, coded by `hub.gcm.map_coding`.
+
+    Attributes:
+        stamp: When the newest measurement in it was made [s since the epoch].
+        resolution: Edge of a cell [m].
+        width_cells: Cells along x.
+        height_cells: Cells along y.
+        origin_x: Lower left corner of cell (0, 0) in `map` [m].
+        origin_y: Lower left corner of cell (0, 0) in `map` [m].
+        length: Bytes of `data`.
+        data: The coded cells, shape (length,); decoded: shape (height, width), row 0 at the lowest
+            y; -1 unknown, 0 free to 100 occupied.
+    """
+
+    stamp: float
+    resolution: float
+    width_cells: int
+    height_cells: int
+    origin_x: float
+    origin_y: float
+    length: int
+    data: npt.NDArray[np.uint8]
+
+
+MAP = MessageDefinition(
+    name="GCM_Common_Map",
+    format="{double,double,int,int,double,double,uint,<ubyte:7>}",
+    type=Map,
+)
+
+
+class PointKind(enum.IntEnum):
+    """What an interest point is."""
+
+    VICTIM = 0
+    LANDMARK = 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InterestPoint:
+    """Something found.
+
+    Attributes:
+        number: Unique on this robot; 0 lets the map choose one.
+        kind: What it is.
+        x: Where, in `map` [m].
+        y: Where, in `map` [m].
+        stamp: When it was marked [s since the epoch].
+        by: Who marked it.
+        note: In words.
+        length: Bytes of `thumbnail`.
+        thumbnail: A small picture of it as JPEG; none if empty. Shape (length,).
+    """
+
+    number: int = 0
+    kind: PointKind
+    x: float
+    y: float
+    stamp: float = 0.0
+    by: str = ""
+    note: str = ""
+    length: int = 0
+    thumbnail: npt.NDArray[np.uint8]
+
+
+_POINT = "{uint,{enum:1},double,double,double,string,string,uint,<ubyte:8>}"
+
+
+class PointAction(enum.IntEnum):
+    """What to do with an interest point.
+
+    Attributes:
+        MARK: Add it, or replace the one with its number.
+        REMOVE: Remove the one with its number.
+    """
+
+    MARK = 0
+    REMOVE = 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PointCommand:
+    """Change the interest points.
+
+    Attributes:
+        action: What to do.
+        point: With what; to remove one only its number counts.
+    """
+
+    action: PointAction = PointAction.MARK
+    point: InterestPoint
+
+
+POINT_COMMAND = MessageDefinition(
+    name="GCM_Point_Command",
+    format="{{enum:1}," + _POINT + "}",
+    type=PointCommand,
+    keep=Keep.ALL,
+    plane=Plane.COMMAND,
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InterestPoints:
+    """All interest points; when they change, on request, and every few seconds.
+
+    Attributes:
+        count: How many.
+        points: In the order of their numbers.
+    """
+
+    count: int
+    points: tuple[InterestPoint, ...]
+
+
+INTEREST_POINTS = MessageDefinition(
+    name="GCM_InterestPoints",
+    format="{int,<" + _POINT + ":1>}",
+    type=InterestPoints,
+    rate_hz=0.2,
+)
+
+
+class MapOrder(enum.IntEnum):
+    """What is to be done with the map.
+
+    Attributes:
+        SAVE: Write map and points to files.
+        LOAD: Read them from files; the grid and the points there are now are given up.
+        CLEAR: Begin anew.
+    """
+
+    SAVE = 0
+    LOAD = 1
+    CLEAR = 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MapCommand:
+    """Ask mapping to do something with the whole map.
+
+    Attributes:
+        order: What to do.
+        name: Name of the map's files, without folder and ending; empty takes a default.
+    """
+
+    order: MapOrder = MapOrder.SAVE
+    name: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MapResult:
+    """What mapping says to a `MapCommand`.
+
+    Attributes:
+        done: 1 if it did so, 0 if it could not.
+        text: What it did and where, or why not.
+    """
+
+    done: int
+    text: str
+
+
+MAP_COMMAND = MessageDefinition(
+    name="GCM_Map_Command",
+    format="{{enum:2},string}",
+    type=MapCommand,
+    plane=Plane.COMMAND,
+)
+MAP_RESULT = MessageDefinition(name="GCM_Map_Result", format="{ubyte,string}", type=MapResult)
+
+MESSAGES = (MAP_REQUEST, MAP, POINT_COMMAND, INTEREST_POINTS, MAP_COMMAND, MAP_RESULT)
