@@ -128,7 +128,15 @@ class _FileError(HubError, ValueError):
 
     def __init__(self, path: str, problems: Sequence[str]) -> None:
         self.problems = tuple(problems)
-        super().__init__("\n".join(f"{path}: {problem}" for problem in self.problems))
+        super().__init__("\n".join(path + _placed(problem) for problem in self.problems))
+
+
+def _placed(problem: str) -> str:
+    """What follows the name of the file, as compilers write it: ":12: sentence"."""
+    line, colon, rest = problem.removeprefix("line ").partition(": ")
+    if problem.startswith("line ") and colon and line.isdigit():
+        return f":{line}: {rest}"
+    return f": {problem}"
 
 
 class ArenaError(_FileError):

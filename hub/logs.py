@@ -32,7 +32,10 @@ class UnhurriedHandler(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Put the record's line into the queue, or count it as dropped."""
-        line = self.format(record) + "\n"
+        self.pass_on(self.format(record) + "\n")
+
+    def pass_on(self, line: str) -> None:
+        """Put a whole line into the queue, or count it as dropped."""
         if self._dropped:
             line = f"({self._dropped} lines dropped)\n{line}"
         try:
@@ -57,6 +60,13 @@ class UnhurriedHandler(logging.Handler):
             except (OSError, ValueError, AttributeError):
                 pass  # standard error is closed or full: there is nobody to tell
             self._queue.task_done()
+
+
+def pass_on(line: str) -> None:
+    """Write a line that another process has logged, as it is."""
+    for handler in logging.getLogger().handlers:
+        if isinstance(handler, UnhurriedHandler):
+            handler.pass_on(line)
 
 
 def start_logging(name: str, level: int) -> None:

@@ -6,6 +6,7 @@ Arenas and robots are such files; each says its keys as a table of `Key`, and th
 from __future__ import annotations
 
 import difflib
+import re
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -13,6 +14,10 @@ from pathlib import Path
 from typing import Any
 
 MAX_FILE_BYTES = 1_000_000
+TOP = "top of the file"
+"""What the place outside of all tables is called."""
+_HEADER = re.compile(r"\s*\[+\s*([^\[\]#]+?)\s*\]+\s*(?:#.*)?")
+_KEY = re.compile(r"""\s*(["']?)([\w-]+)\1\s*=""")
 
 Reader = Callable[[object], Any]
 REQUIRED: Any = object()
@@ -35,6 +40,30 @@ class Key:
     read: Reader
     default: Any = REQUIRED
     field: str = ""
+
+
+class Problems(list[str]):
+    """What is wrong with a file, a sentence each, which begins with its line where that is known.
+
+    A line is found by looking for headers of tables and keys at the beginning of lines, as people
+    write them; what stands inside of other values is not found.
+    """
+
+    def __init__(self, text: str = "") -> None:
+        super().__init__()
+        self._lines: dict[tuple[str, str], int] = {}
+        place = TOP
+        for number, line in enumerate(text.splitlines(), 1):
+            if header := _HEADER.fullmatch(line):
+                place = f"[{header[1]}]"
+                self._lines.setdefault((place, ""), number)
+            elif key := _KEY.match(line):
+                self._lines.setdefault((place, key[2]), number)
+
+    def add(self, place: str, text: str, key: str = "") -> None:
+        """Add a sentence about a place, or a key there."""
+        line = self._lines.get((place, key)) or self._lines.get((place, ""))
+        self.append((f"line {line}: " if line else "") + text)
 
 
 def number(low: float, high: float) -> Reader:
@@ -99,15 +128,33 @@ def text(longest: int) -> Reader:
     return read
 
 
-def texts(longest: int, most: int) -> Reader:
-    """A list of 1 to `most` texts, as a tuple."""
-    one = text(longest)
+def several(one: Reader, most: int) -> Reader:
+    """A list of 1 to `most` values that are read by `one`, as a tuple."""
 
-    def read(value: object) -> tuple[str, ...]:
+    def read(value: object) -> tuple[Any, ...]:
         if not isinstance(value, list) or not 1 <= len(value) <= most:
-            reason = f"{shorten(value)} is not a list of 1 to {most} texts"
+            reason = f"{shorten(value)} is not a list of 1 to {most} values"
             raise RefusedError(reason)
         return tuple(one(item) for item in value)
+
+    return read
+
+
+def variables(longest: int, most: int) -> Reader:
+    """A table of up to `most` environment variables, as pairs of name and text."""
+
+    def read(value: object) -> tuple[tuple[str, str], ...]:
+        if not isinstance(value, dict) or len(value) > most:
+            reason = f"{shorten(value)} is not a table of up to {most} variables"
+            raise RefusedError(reason)
+        for name, content in value.items():
+            if not (name.isascii() and name.isidentifier() and isinstance(content, str)):
+                reason = f"{shorten(name)} is no variable with a text"
+                raise RefusedError(reason)
+            if len(content) > longest or "\0" in content:
+                reason = f"the text of {shorten(name)} cannot be that of a variable"
+                raise RefusedError(reason)
+        return tuple(value.items())
 
     return read
 
@@ -142,8 +189,10 @@ def nearest(value: object, known: Iterable[str]) -> str:
     return f"; did you mean {near[0]!r}?" if near else ""
 
 
-def load(path: Path, error: Callable[[str, list[str]], Exception]) -> dict[str, Any]:
-    """What a TOML file holds.
+def load(
+    path: Path, error: Callable[[str, list[str]], Exception]
+) -> tuple[dict[str, Any], Problems]:
+    """What a TOML file holds, and where to put what is wrong with that: nothing yet.
 
     Args:
         path: The file.
@@ -167,7 +216,8 @@ def load(path: Path, error: Callable[[str, list[str]], Exception]) -> dict[str, 
     if len(raw) > MAX_FILE_BYTES:
         raise error(str(path), [f"is larger than {MAX_FILE_BYTES} bytes"])
     try:
-        return tomllib.loads(raw.decode())
+        text = raw.decode()
+        return tomllib.loads(text), Problems(text)
     except UnicodeDecodeError as fault:
         raise error(str(path), [f"is not UTF-8 text at byte {fault.start}"]) from fault
     except (tomllib.TOMLDecodeError, RecursionError, ValueError) as fault:
@@ -178,7 +228,7 @@ def read_table(
     keys: Mapping[str, Key],
     values: object,
     place: str,
-    problems: list[str],
+    problems: Problems,
     *,
     tables: Iterable[str] = (),
 ) -> dict[str, Any]:
@@ -188,13 +238,12 @@ def read_table(
     place as well and read elsewhere.
     """
     if not isinstance(values, dict):
-        problems.append(f"{place}: {shorten(values)} is not a table")
+        problems.add(place, f"{place}: {shorten(values)} is not a table")
         values = {}
-    problems += [
-        f"{place}: unknown key {shorten(name)}{nearest(name, [*keys, *tables])}"
-        for name in values
-        if name not in keys and name not in tables
-    ]
+    for name in values:
+        if name not in keys and name not in tables:
+            hint = nearest(name, [*keys, *tables])
+            problems.add(place, f"{place}: unknown key {shorten(name)}{hint}", name)
     fields: dict[str, Any] = {}
     for name, key in keys.items():
         field = key.field or name
@@ -203,7 +252,7 @@ def read_table(
             try:
                 fields[field] = key.read(values[name])
             except RefusedError as refused:
-                problems.append(f"{place}, key '{name}': {refused}")
+                problems.add(place, f"{place}, key '{name}': {refused}", name)
         elif key.default is REQUIRED:
-            problems.append(f"{place}: key '{name}' is missing")
+            problems.add(place, f"{place}: key '{name}' is missing")
     return fields

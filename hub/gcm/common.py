@@ -65,7 +65,12 @@ class RequestData:
 
 
 REQUEST_DATA = MessageDefinition(
-    name="GCM_Common_RequestData", format="{string}", type=RequestData, keep=Keep.ALL
+    name="GCM_Common_RequestData",
+    format="{string}",
+    type=RequestData,
+    keep=Keep.ALL,
+    plane=Plane.COMMAND,
+    lifespan_s=1.0,
 )
 
 MESSAGES = (COMMON_COMMAND, REQUEST_DATA)

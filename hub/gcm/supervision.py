@@ -192,7 +192,9 @@ CAPABILITY_WANTS = MessageDefinition(
     name="GCM_Capability_Wants",
     format="{string,string}",
     type=CapabilityWants,
+    plane=Plane.COMMAND,
     rate_hz=1.0,
+    lifespan_s=LEASE_S,
 )
 
 
@@ -240,6 +242,40 @@ MODULE_RESULT = MessageDefinition(
     name="GCM_Module_Result", format="{ubyte,string}", type=ModuleResult
 )
 
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LogRequest:
+    """Ask the daemon for what a module has written to its outputs.
+
+    Attributes:
+        module: Its name.
+        first: Number of the first line wanted, from 1; 0: the last `most` lines.
+        most: How many lines at most.
+    """
+
+    module: str = ""
+    first: int = 0
+    most: int = 100
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LogLines:
+    """Lines that a module has written; the daemon remembers the last thousand.
+
+    Attributes:
+        first: Number of the first of them; higher than asked for where older ones are forgotten.
+        next: Number of the line after the last of them.
+        text: The lines, each with its end.
+    """
+
+    first: int
+    next: int
+    text: str
+
+
+LOG_REQUEST = MessageDefinition(name="GCM_Log_Request", format="{string,uint,int}", type=LogRequest)
+LOG_LINES = MessageDefinition(name="GCM_Log", format="{uint,uint,string}", type=LogLines)
+
 MESSAGES = (
     MODULE_INFO,
     MODULE_REPORTS,
@@ -247,4 +283,6 @@ MESSAGES = (
     CAPABILITY_WANTS,
     MODULE_COMMAND,
     MODULE_RESULT,
+    LOG_REQUEST,
+    LOG_LINES,
 )

@@ -16,7 +16,7 @@ from zmq.utils import z85
 
 from hub.errors import KeyFileError
 from hub.ipc.security import Role
-from hub.toml_tables import Key, Reader, RefusedError, choice, load, read_table, shorten
+from hub.toml_tables import Key, Problems, Reader, RefusedError, choice, load, read_table, shorten
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", re.ASCII)
 _Z85 = re.compile(r"[0-9a-zA-Z.\-:+=^!/*?&<>()\[\]{}@%$#]{40}", re.ASCII)
@@ -83,7 +83,8 @@ def read_private(path: Path, *, advice: str) -> dict[str, Any]:
         raise KeyFileError(path, f"{reason_of(fault)}; {advice}") from fault
     if stat.S_ISREG(found.st_mode):  # what is no file, `load` refuses
         _demand_private(path, found, f"chmod 600 {path}")
-    return load(path, lambda name, problems: _damaged(name, problems, advice))
+    data, _ = load(path, lambda name, problems: _damaged(name, problems, advice))
+    return data
 
 
 def read_keys(
@@ -94,7 +95,7 @@ def read_keys(
     Raises:
         KeyFileError: Something is missing, unknown or malformed.
     """
-    problems: list[str] = []
+    problems = Problems()
     fields = read_table(keys, values, place, problems)
     if problems:
         raise _damaged(str(path), problems, advice)

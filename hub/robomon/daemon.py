@@ -11,34 +11,31 @@ import signal
 import sys
 import tempfile
 import threading
-import time
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
-from hub.errors import EndpointError, ModuleStartError
+from hub.errors import EndpointError
+from hub.gcm.supervision import ModulePhase
 from hub.ipc.central import Central
+from hub.ipc.client import Client
 from hub.ipc.keyring import Keyring, default_folder
-from hub.robomon.policy import RestartPolicy
-from hub.robomon.process import ModuleProcess
-from hub.robomon.table import ModuleSpec, RobotTable, hub_arguments
+from hub.robomon.keeper import Keeper
+from hub.robomon.outputs import LogFolder, Outputs
+from hub.robomon.policy import Supervisor
+from hub.robomon.process import adopt_orphans
+from hub.robomon.reporting import Reporting
+from hub.robomon.table import RobotTable, hub_arguments, robot_arguments
 
 _logger = logging.getLogger(__name__)
 
+NAME = "robomon"
+"""The daemon's own name at central."""
 _STDIN = 0
-_PERIOD_S = 0.02
-_IN_ORDER_S = 0.25
-"""Time in which modules are told to stop one after the other [s]."""
+_CONNECT_S = 10.0
+_LISTEN_S = 0.5
 _FOLDER = "rune-hub-{pid}-"
 _LONGEST_FOLDER = 60
 """Socket files have paths of about 100 bytes at most."""
-
-
-@dataclass(slots=True)
-class _Supervised:
-    spec: ModuleSpec
-    policy: RestartPolicy
-    process: ModuleProcess | None = None
-    start_at: float | None = 0.0
 
 
 class Daemon:
@@ -49,10 +46,8 @@ class Daemon:
         self._as_json = as_json
         self._stop = threading.Event()
         self._gateway = ""
-        self._modules = [
-            _Supervised(spec, RestartPolicy(spec.restart_limit, spec.restart_window_s))
-            for spec in table.modules
-        ]
+        self._wake: Callable[[], None] = lambda: None
+        self._supervisor = Supervisor(table.modules)
 
     def run(self, *, stop_with_stdin: bool) -> int:
         """Serve until SIGINT, SIGTERM, or the end of standard input if that is wanted.
@@ -64,94 +59,86 @@ class Daemon:
             EndpointError: The port is busy.
         """
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            signal.signal(number, lambda *_: self._stop.set())
+            signal.signal(number, lambda *_: self._end())
         if stop_with_stdin:
             threading.Thread(target=self._wait_for_end_of_stdin, daemon=True).start()
-        folder = _socket_folder()
-        try:
+        adopt_orphans()
+        robot = self._table.robot
+        with contextlib.ExitStack() as stack:
+            folder = stack.enter_context(_socket_folder())
             local = f"ipc://{folder}/central"
-            robot = self._table.robot
             keyring = Keyring(Path(robot.keys) if robot.keys else default_folder())
             central = Central(
                 [f"tcp://127.0.0.1:{robot.port}", local], gateway=robot.gateway, keyring=keyring
             )
-            try:
-                self._gateway = central.endpoints[-1] if robot.gateway else ""
-                self._say("listening", endpoint=central.endpoints[0])
-                self._serve(central, local)
-            finally:
-                self._end_modules()
-                central.close()
-        finally:
-            shutil.rmtree(folder, ignore_errors=True)
-        return 1 if any(m.process is None and m.start_at is None for m in self._modules) else 0
+            stack.callback(central.close)
+            self._gateway = central.endpoints[-1] if robot.gateway else ""
+            logs = stack.enter_context(contextlib.closing(LogFolder(robot.logs, robot.name)))
+            outputs = stack.enter_context(contextlib.closing(Outputs(logs.path)))
+            self._say("listening", central.endpoints[0], {})
+            client = stack.enter_context(contextlib.closing(Client(NAME, local)))
+            self._serve(client, outputs, local, central.endpoints[0])
+        lives = self._supervisor.lives.values()
+        return 1 if any(life.phase is ModulePhase.FAILED for life in lives) else 0
 
-    def _serve(self, central: Central, local: str) -> None:
-        arguments = hub_arguments(local, self._table.robot.path)
+    def _serve(self, client: Client, outputs: Outputs, local: str, endpoint: str) -> None:
+        self._wake = lambda: client.post(lambda: None)
+        client.wait_connected(_CONNECT_S)
+        robot_file = self._table.robot.path
+        reporting = Reporting(client, self._supervisor, outputs, self._table.robot.name)
+        keeper = Keeper(
+            self._supervisor,
+            client,
+            outputs,
+            arguments=hub_arguments(local, robot_file),
+            description_arguments=robot_arguments(robot_file),
+            changed=reporting.publish,
+        )
+        reporting.keeper = keeper
         ready = False
-        while not self._stop.is_set():
-            now = time.monotonic()
-            for module in self._modules:
-                self._look_after(module, arguments, now)
-            if not ready and set(central.connected()).issuperset(
-                m.spec.name for m in self._modules
-            ):
-                ready = True
-                self._say("ready", endpoint=central.endpoints[0])
-            self._stop.wait(_PERIOD_S)
-        _logger.info("stopping")
+        try:
+            keeper.look()
+            while not self._stop.is_set():
+                self._listen(client)
+                if not ready and self._all_run():
+                    ready = True
+                    self._say("ready", endpoint, keeper.pids)
+            _logger.info("stopping")
+        finally:
+            keeper.close()
 
-    def _look_after(self, module: _Supervised, arguments: list[str], now: float) -> None:
-        """See whether a module ended, and start it when its time has come."""
-        if module.process is not None and (code := module.process.exit_code()) is not None:
-            module.process.end()
-            module.process = None
-            module.start_at = module.policy.ended(now)
-            how = f"was ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
-            if module.start_at is None:
-                _logger.error("%s %s; it ended too often and is given up", module.spec.name, how)
-            else:
-                _logger.warning("%s %s; it is started again", module.spec.name, how)
-        if module.process is None and module.start_at is not None and now >= module.start_at:
-            try:
-                module.process = ModuleProcess(module.spec, arguments)
-                _logger.info("%s started (pid %d)", module.spec.name, module.process.pid)
-            except ModuleStartError as error:
-                _logger.error("%s", error)
-                module.start_at = module.policy.ended(now)
+    @staticmethod
+    def _listen(client: Client) -> None:
+        try:
+            client.listen(_LISTEN_S)
+        except Exception:  # a fault of ours must not stop the robot's modules
+            _logger.exception("the daemon goes on after a fault")
 
-    def _end_modules(self) -> None:
-        """Last started, first told: the driver is the last that can stop the wheels.
+    def _all_run(self) -> bool:
+        lives = self._supervisor.lives.values()
+        return all(life.phase is ModulePhase.RUNNING for life in lives if life.spec.always)
 
-        Each gets a moment to end before the next is told, but one that hangs delays the others no
-        longer than that: the robot must not drive on while somebody waits.
-        """
-        started = time.monotonic()
-        running = [m.process for m in reversed(self._modules) if m.process is not None]
-        for process in running:
-            process.ask_to_stop()
-            process.wait(started + _IN_ORDER_S - time.monotonic())
-        for process in running:
-            process.wait(started + process.spec.stop_timeout_s - time.monotonic())
-            process.end()
+    def _end(self) -> None:
+        self._stop.set()
+        self._wake()
 
     def _wait_for_end_of_stdin(self) -> None:
         with contextlib.suppress(OSError):  # it may be closed from the start
             while os.read(_STDIN, 4096):
                 pass
-        self._stop.set()
+        self._end()
 
-    def _say(self, event: str, endpoint: str) -> None:
+    def _say(self, event: str, endpoint: str, pids: Mapping[str, int]) -> None:
         """Tell whoever started us, on standard output."""
         name = self._table.robot.name
         if self._as_json:
-            pids = {m.spec.name: m.process.pid for m in self._modules if m.process}
             gateway = {"gateway": self._gateway} if self._gateway else {}
-            facts = {"event": event, "robot": name, "hub": endpoint, "pids": pids}
+            facts = {"event": event, "robot": name, "hub": endpoint, "pids": dict(pids)}
             said = json.dumps(facts | gateway)
         elif event == "listening":
+            count = sum(spec.always for spec in self._table.modules)
             way_in = f", for holders of keys at {self._gateway}" if self._gateway else ""
-            said = f"{name}: hub at {endpoint}{way_in}, starting {len(self._modules)} modules"
+            said = f"{name}: hub at {endpoint}{way_in}, starting {count} modules"
         else:
             said = f"{name}: ready; Ctrl-C ends it"
         try:
@@ -162,7 +149,8 @@ class Daemon:
             _logger.warning("cannot say %r on standard output: %s", event, error)
 
 
-def _socket_folder() -> Path:
+@contextlib.contextmanager
+def _socket_folder() -> Iterator[Path]:
     """A new folder for socket files; those of daemons that were killed are removed."""
     candidates = (os.environ.get("XDG_RUNTIME_DIR", ""), tempfile.gettempdir())
     usable = [c for c in candidates if c and len(c) <= _LONGEST_FOLDER and Path(c).is_dir()]
@@ -172,7 +160,11 @@ def _socket_folder() -> Path:
         if pid.isdigit() and not Path(f"/proc/{pid}").exists() and Path("/proc/self").exists():
             shutil.rmtree(old, ignore_errors=True)
     try:
-        return Path(tempfile.mkdtemp(prefix=_FOLDER.format(pid=os.getpid()), dir=parent))
+        made = Path(tempfile.mkdtemp(prefix=_FOLDER.format(pid=os.getpid()), dir=parent))
     except OSError as error:
         text = f"no folder for sockets can be made in {parent}: {error.strerror}"
         raise EndpointError(text) from error
+    try:
+        yield made
+    finally:
+        shutil.rmtree(made, ignore_errors=True)

@@ -1,27 +1,255 @@
-"""Whether and when a module that ended is started again; pure."""
+"""Which modules run: from what happened and the time to what is to be done; pure.
+
+A module runs if it is to run always, if somebody started it, if one of its capabilities is wanted,
+or if another that runs needs one. One that ended too often, or again soon after it ended, is
+replaced by another that can do the same, where there is one, and stays so until that one fails.
+"""
 
 from __future__ import annotations
 
-from collections import deque
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
-FIRST_DELAY_S = 0.1
-LONGEST_DELAY_S = 5.0
+from hub.gcm.supervision import CapabilityPhase, ModuleOrder, ModulePhase
+from hub.robomon.life import Deed, Life
+from hub.robomon.table import ModuleSpec
+from hub.robomon.wants import MAX_CAPABILITIES, Wants
+
+AWAY_S = 1.0
+"""A longer pause between two steps means that this process itself was away [s]."""
+STRANGER_S = 4.0
+"""Silence after which a module that the daemon did not start is forgotten [s]."""
+MAX_STRANGERS = 64
+_OVER_LIMIT_LOOKS = 3
+"""Looks in a row at which a module takes too much before it is started anew."""
 
 
-class RestartPolicy:
-    """The restarts of one module: at once, then after ever longer pauses, then no more."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stranger:
+    """A module that somebody else started.
 
-    def __init__(self, limit: int, window_s: float) -> None:
-        self._limit = limit
-        self._window_s = window_s
-        self._ends: deque[float] = deque()
+    Attributes:
+        pid: Process id on its machine.
+        provides: Its capabilities.
+        needs: What it needs of others.
+        heard: When it announced itself last [s].
+    """
 
-    def ended(self, now: float) -> float | None:
-        """The module ended at `now` [s]; when to start it again, None for never."""
-        while self._ends and self._ends[0] <= now - self._window_s:
-            self._ends.popleft()
-        if len(self._ends) >= self._limit:
+    pid: int
+    provides: frozenset[str]
+    needs: frozenset[str]
+    heard: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CapabilityView:
+    """What can be expected of a capability.
+
+    Attributes:
+        phase: That.
+        module: Who provides it, or would; empty if nobody can.
+        modules: All that have it.
+        wanted_by: Who wants it.
+    """
+
+    phase: CapabilityPhase
+    module: str
+    modules: tuple[str, ...]
+    wanted_by: tuple[str, ...]
+
+
+class Supervisor:
+    """All modules of a robot; every method that needs it gets the time [s].
+
+    Attributes:
+        lives: The modules by name, in the order of the robot file.
+        strangers: Modules that somebody else started, by name.
+        wants: Who wants which capabilities.
+    """
+
+    def __init__(self, specs: Sequence[ModuleSpec]) -> None:
+        self.lives = {spec.name: Life(spec) for spec in specs}
+        self.strangers: dict[str, Stranger] = {}
+        self.wants = Wants()
+        self._chosen: dict[str, str] = {}
+        self._replaced: dict[str, str] = {}
+        self._over: dict[str, int] = {}
+        self._stepped: float | None = None
+
+    def announced(
+        self, name: str, pid: int, provides: Iterable[str], needs: Iterable[str], now: float
+    ) -> None:
+        """A module says that it lives, and what it can do."""
+        can = frozenset(list(provides)[:MAX_CAPABILITIES])
+        lacks = frozenset(list(needs)[:MAX_CAPABILITIES])
+        life = self.lives.get(name)
+        if life is not None and life.has_process:
+            if life.announced(pid, now):
+                life.learned(can, lacks)
+        elif life is None and (name in self.strangers or len(self.strangers) < MAX_STRANGERS):
+            self.strangers[name] = Stranger(pid=pid, provides=can, needs=lacks, heard=now)
+
+    def used(self, name: str, memory_mb: float, now: float) -> None:
+        """A look at what a module takes."""
+        life = self.lives[name]
+        limit = life.spec.memory_limit_mb
+        over = self._over.get(name, 0) + 1 if 0.0 < limit < memory_mb else 0
+        self._over[name] = over
+        if over >= _OVER_LIMIT_LOOKS:
+            self._over[name] = 0
+            life.over_limit(f"takes {memory_mb:.0f} MB and may take {limit:g}", now)
+
+    def ordered(self, name: str, order: ModuleOrder, now: float) -> tuple[bool, str]:
+        """Somebody wants something done with a module; whether it is, and what or why not."""
+        life = self.lives.get(name)
+        if life is None:
+            known = ", ".join(self.lives)
+            return False, f"there is no module {name[:40]!r}; this robot has {known}"
+        if order is ModuleOrder.STOP:
+            life.told_to_stop(now)
+            return True, f"{name} is stopped, and stays so until somebody starts it"
+        self._replaced.pop(name, None)
+        if order is ModuleOrder.RESTART:
+            life.told_to_restart(now)
+            return True, f"{name} is started anew"
+        running = life.up
+        life.told_to_start()
+        return True, f"{name} runs already" if running else f"{name} is started"
+
+    def step(self, now: float) -> list[tuple[Life, Deed]]:
+        """What is to be done now, in order."""
+        if self._stepped is not None and now - self._stepped > AWAY_S:
+            for life in self.lives.values():
+                life.forgive(now)
+        self._stepped = now
+        self.strangers = {
+            name: one for name, one in self.strangers.items() if now - one.heard < STRANGER_S
+        }
+        wanted = self._plan(now)
+        deeds = []
+        for name, life in self.lives.items():
+            lacking = self._lacking(life) if name in wanted and not life.up else ()
+            deed = life.step(now, wanted=name in wanted, ready=not lacking)
+            if deed is not None:
+                deeds.append((life, deed))
+            elif lacking and life.phase is ModulePhase.STOPPED and not life.held:
+                life.why = f"waits for {' and '.join(lacking)}"
+        return deeds
+
+    def unasked(self) -> list[Life]:
+        """Modules that have not yet said what they can do, and do not run."""
+        return [
+            life
+            for life in self.lives.values()
+            if not life.asked and not life.has_process and life.spec.keep_alive_s > 0.0
+        ]
+
+    def capabilities(self, now: float) -> dict[str, CapabilityView]:
+        """Every capability that a module has or somebody wants, in alphabetical order."""
+        wants = self.wants.current(now)
+        names = set(wants).union(
+            *(life.provides for life in self.lives.values()),
+            *(one.provides for one in self.strangers.values()),
+        )
+        return {name: self._view(name, tuple(wants.get(name, ()))) for name in sorted(names)}
+
+    def _view(self, capability: str, wanted_by: tuple[str, ...]) -> CapabilityView:
+        others = [n for n, one in self.strangers.items() if capability in one.provides]
+        owners = [n for n, life in self.lives.items() if capability in life.provides]
+        life = self._provider(capability)
+        if others and not (life and life.phase is ModulePhase.RUNNING):
+            phase, module = CapabilityPhase.RUNNING, others[0]
+        elif life is None:
+            phase, module = CapabilityPhase.UNAVAILABLE, ""
+        else:
+            module = life.spec.name
+            phase = {
+                ModulePhase.RUNNING: CapabilityPhase.RUNNING,
+                ModulePhase.STARTING: CapabilityPhase.STARTING,
+                ModulePhase.WAITING: CapabilityPhase.STARTING,
+            }.get(life.phase, CapabilityPhase.AVAILABLE)
+        return CapabilityView(
+            phase=phase, module=module, modules=(*owners, *others), wanted_by=wanted_by
+        )
+
+    def _plan(self, now: float) -> set[str]:
+        """The modules that are to run."""
+        plan: set[str] = set()
+        for name, life in self.lives.items():
+            if life.pinned or (life.spec.always and not self._stands_back(name, life)):
+                self._include(life, plan)
+        for capability in self.wants.current(now):
+            if not self._from_outside(capability):
+                self._include(self._provider(capability), plan)
+        for name in self._replaced.values():
+            self._include(self.lives[name], plan)
+        return plan
+
+    def _include(self, life: Life | None, plan: set[str]) -> None:
+        """Add a module with all that it needs."""
+        if life is None or life.spec.name in plan:
+            return
+        plan.add(life.spec.name)
+        for need in life.needs:
+            if not self._from_outside(need):
+                self._include(self._provider(need), plan)
+
+    def _stands_back(self, name: str, life: Life) -> bool:
+        """Whether another does the work of a module that is to run always, as it cannot."""
+        replacement = self._replaced.get(name)
+        if replacement is not None:
+            spare = self.lives[replacement]
+            if spare.usable and not spare.troubled:
+                return True
+            del self._replaced[name]
+        if life.held or not (life.troubled or life.phase is ModulePhase.FAILED):
+            return False
+        for other, spare in self.lives.items():
+            able = other != name and spare.usable and not spare.troubled
+            if able and life.provides and spare.provides >= life.provides:
+                self._replaced[name] = other
+                life.why = f"{life.why.partition(';')[0]}; {other} does its work"
+                return True
+        return False
+
+    def _provider(self, capability: str) -> Life | None:
+        """The module that shall provide a capability: the one that did, if it still can."""
+        able = [
+            life
+            for name, life in self.lives.items()
+            if capability in life.provides and life.usable and name not in self._replaced
+        ]
+        sound = [life for life in able if not life.troubled] or able
+        if not sound:
             return None
-        delay = min(FIRST_DELAY_S * 2.0 ** len(self._ends), LONGEST_DELAY_S)
-        self._ends.append(now)
-        return now + delay
+        chosen = self.lives.get(self._chosen.get(capability, ""))
+        if chosen not in sound:
+            chosen = next((life for life in sound if life.up), sound[0])
+            self._chosen[capability] = chosen.spec.name
+        return chosen
+
+    def _from_outside(self, capability: str) -> bool:
+        return any(capability in one.provides for one in self.strangers.values())
+
+    def _lacking(self, life: Life) -> tuple[str, ...]:
+        """What a module needs and nobody provides yet; who needs it in turn is not waited for."""
+        return tuple(
+            need
+            for need in sorted(life.needs)
+            if not self._from_outside(need)
+            and not self._provides(self._provider(need))
+            and not self._depends(self._provider(need), life, set())
+        )
+
+    @staticmethod
+    def _provides(life: Life | None) -> bool:
+        return life is not None and life.phase is ModulePhase.RUNNING
+
+    def _depends(self, life: Life | None, on: Life, seen: set[str]) -> bool:
+        """Whether a module needs another, itself or through others."""
+        if life is None or life.spec.name in seen:
+            return False
+        if life is on:
+            return True
+        seen.add(life.spec.name)
+        return any(self._depends(self._provider(need), on, seen) for need in life.needs)

@@ -1,22 +1,101 @@
-"""One module's process: start it, see whether it lives, end it for certain."""
+"""Processes: start a module, see whether it lives and what it takes, end it for certain."""
 
 from __future__ import annotations
 
 import contextlib
+import ctypes
+import logging
 import os
 import signal
 import subprocess
-from collections.abc import Sequence
+import sys
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 
 from hub.errors import ModuleStartError
+from hub.robomon import guardian
 from hub.robomon.table import ModuleSpec
+
+_logger = logging.getLogger(__name__)
+
+_PR_SET_CHILD_SUBREAPER = 36
+
+
+class Guardian:
+    """The process that ends the modules if this one dies without doing so."""
+
+    def __init__(self) -> None:
+        self._groups: set[int] = set()
+        self._process = self._start()
+
+    @property
+    def pid(self) -> int:
+        """Its process id."""
+        return self._process.pid
+
+    def watch(self, group: int) -> None:
+        """End this process group when we die."""
+        self._groups.add(group)
+        self._tell(f"{group}\n")
+
+    def forget(self, group: int) -> None:
+        """This process group has ended."""
+        self._groups.discard(group)
+        self._tell(f"-{group}\n")
+
+    def close(self) -> None:
+        """Have it end."""
+        if self._process.stdin is not None:
+            with contextlib.suppress(OSError):
+                self._process.stdin.close()
+        self._process.wait()
+
+    def _start(self) -> subprocess.Popen[str]:
+        return subprocess.Popen(
+            [sys.executable, "-I", "-S", guardian.__file__],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            text=True,
+            start_new_session=True,
+        )
+
+    def _tell(self, line: str) -> None:
+        try:
+            self._write(line)
+        except OSError:
+            _logger.warning("the guardian of the modules was ended; another is started")
+            self._process.wait()
+            self._process = self._start()
+            with contextlib.suppress(OSError):
+                self._write("".join(f"{group}\n" for group in self._groups))
+
+    def _write(self, text: str) -> None:
+        if self._process.stdin is not None:
+            self._process.stdin.write(text)
+            self._process.stdin.flush()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Usage:
+    """What a process has taken.
+
+    Attributes:
+        processor_s: Processor time since it started [s].
+        memory_mb: Resident memory [MB].
+    """
+
+    processor_s: float
+    memory_mb: float
 
 
 class ModuleProcess:
-    """A running module.
+    """A running module, in a process group of its own.
 
     The daemon keeps the other end of the process's standard input; when the daemon dies, however
-    it dies, that pipe ends and the module stops by itself.
+    it dies, that pipe ends and the module stops by itself. What it writes to standard output and
+    standard error comes out of `output`.
     """
 
     def __init__(self, spec: ModuleSpec, arguments: Sequence[str]) -> None:
@@ -26,18 +105,29 @@ class ModuleProcess:
             ModuleStartError: The system cannot execute the command.
         """
         self.spec = spec
+        output, theirs = os.pipe()
         try:
             self._process = subprocess.Popen(
                 [*spec.command, *arguments],
                 stdin=subprocess.PIPE,
+                stdout=theirs,
+                stderr=theirs,
+                # Lines are wanted when they are written, not when a buffer is full.
+                env={"PYTHONUNBUFFERED": "1", **os.environ, **dict(spec.environment)},
                 # Its own group: Ctrl-C in the daemon's terminal is for the daemon alone, which
                 # ends the modules in order.
                 process_group=0,
             )
         except (OSError, ValueError) as error:
+            os.close(output)
             reason = getattr(error, "strerror", None) or error
-            text = f"module {spec.name} cannot be started: {spec.command[0]!r}: {reason}"
+            text = f"cannot be started: {spec.command[0]!r}: {reason}"
             raise ModuleStartError(text) from error
+        finally:
+            os.close(theirs)
+        self.output = output
+        if spec.nice:
+            self._renice()
 
     @property
     def pid(self) -> int:
@@ -48,10 +138,26 @@ class ModuleProcess:
         """How it ended (negative: by that signal); None while it runs."""
         return self._process.poll()
 
+    def usage(self) -> Usage | None:
+        """What it takes; None where the system does not say."""
+        try:
+            words = Path(f"/proc/{self.pid}/stat").read_text().rpartition(")")[2].split()
+        except OSError:
+            return None
+        return Usage(
+            processor_s=(int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK"),
+            memory_mb=int(words[21]) * os.sysconf("SC_PAGE_SIZE") / 1e6,
+        )
+
     def ask_to_stop(self) -> None:
         """Ask it to stop; returns at once."""
         if self._process.poll() is None:
             self._process.terminate()
+
+    def kill(self) -> None:
+        """Kill it and what it has started; returns at once."""
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(self._process.pid, signal.SIGKILL)
 
     def wait(self, seconds: float) -> bool:
         """Whether it ends within `seconds`."""
@@ -63,8 +169,38 @@ class ModuleProcess:
 
     def end(self) -> None:
         """Kill what still lives of it and of what it has started; returns when it is gone."""
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            os.killpg(self._process.pid, signal.SIGKILL)
+        self.kill()
         self._process.wait()
         if self._process.stdin is not None:
             self._process.stdin.close()
+
+    def _renice(self) -> None:
+        try:
+            os.setpriority(os.PRIO_PGRP, self.pid, self.spec.nice)
+        except OSError as error:
+            text = "module %s: its niceness cannot be changed by %d: %s"
+            _logger.warning(text, self.spec.name, self.spec.nice, error.strerror)
+
+
+def adopt_orphans() -> None:
+    """Become the parent of processes whose own parent ends; Linux only."""
+    with contextlib.suppress(OSError, AttributeError):
+        ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+
+
+def end_strays(known: Collection[int]) -> int:
+    """Kill children that we did not start: what ended modules have left behind.
+
+    Returns:
+        How many there were.
+    """
+    try:
+        found = Path(f"/proc/self/task/{os.getpid()}/children").read_text().split()
+    except OSError:
+        return 0
+    strays = [int(pid) for pid in found if int(pid) not in known]
+    for pid in strays:
+        with contextlib.suppress(OSError):
+            os.kill(pid, signal.SIGKILL)
+            os.waitpid(pid, os.WNOHANG)  # or the next time
+    return len(strays)

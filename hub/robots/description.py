@@ -24,6 +24,7 @@ class RobotDescription:
         port: TCP port of its central; 0 takes a free one.
         gateway: tcp:// address where machines with keys may connect; empty: none may.
         keys: Folder of the keys; empty: the user's own.
+        logs: Folder for folders of log files; empty: where the system has such files.
         linear_limit: Largest forward velocity [m/s].
         angular_limit: Largest turn rate [rad/s].
         arena: Arena of a simulated robot: a shipped name, or a path.
@@ -47,6 +48,7 @@ class RobotDescription:
     port: int
     gateway: str
     keys: str
+    logs: str
     linear_limit: float
     angular_limit: float
     arena: str
@@ -77,6 +79,7 @@ _TABLES = {
         "port": toml.Key(toml.whole_number(0, 65529), DEFAULT_PORT),
         "gateway": toml.Key(toml.text(100), ""),
         "keys": toml.Key(toml.text(200), ""),
+        "logs": toml.Key(toml.text(1000), ""),
     },
     "limits": {
         "linear": toml.Key(toml.number(0.01, 3.0), 0.5, "linear_limit"),
@@ -121,15 +124,14 @@ def find_robot_file(name_or_path: str) -> Path:
     raise RobotFileError(name_or_path, [problem + hint])
 
 
-def read_description(path: Path) -> tuple[RobotDescription, list[str]]:
+def read_description(path: Path) -> tuple[RobotDescription, toml.Problems]:
     """What the file says of the robot, and all that is wrong with it.
 
     Raises:
         RobotFileError: The file cannot be read or is not TOML.
     """
-    data = toml.load(path, RobotFileError)
-    problems: list[str] = []
-    fields = toml.read_table(_TOP, data, "top of the file", problems, tables=[*_TABLES, "modules"])
+    data, problems = toml.load(path, RobotFileError)
+    fields = toml.read_table(_TOP, data, toml.TOP, problems, tables=[*_TABLES, "modules"])
     for name, keys in _TABLES.items():
         fields |= toml.read_table(keys, data.get(name, {}), f"[{name}]", problems)
     modules = data.get("modules", {})

@@ -189,7 +189,8 @@ def read_arena_file(path: Path) -> ArenaSpec:
     Raises:
         ArenaError: It cannot be read, is not TOML, or has mistakes, which are all listed.
     """
-    spec, problems = check_arena(toml.load(path, ArenaError))
+    data, _ = toml.load(path, ArenaError)
+    spec, problems = check_arena(data)
     if spec is None:
         raise ArenaError(str(path), problems)
     return spec
@@ -197,7 +198,7 @@ def read_arena_file(path: Path) -> ArenaSpec:
 
 def check_arena(data: Mapping[str, Any]) -> tuple[ArenaSpec | None, list[str]]:
     """Turn what the file says into a spec; None and all problems where it has mistakes."""
-    problems: list[str] = []
+    problems = toml.Problems()
     known = [*_TOP, *_TABLES]
     problems += [
         f"unknown table or key {toml.shorten(name)}{toml.nearest(name, known)}"
@@ -218,7 +219,7 @@ def check_arena(data: Mapping[str, Any]) -> tuple[ArenaSpec | None, list[str]]:
     return (None if problems else ArenaSpec(**fields)), problems
 
 
-def _read_single(name: str, table: _Table, data: Mapping[str, Any], problems: list[str]) -> Any:  # noqa: ANN401 - the table's spec
+def _read_single(name: str, table: _Table, data: Mapping[str, Any], problems: toml.Problems) -> Any:  # noqa: ANN401 - the table's spec
     if name not in data and any(key.default is toml.REQUIRED for key in table.keys.values()):
         problems.append(f"table [{name}] is missing")
         return None
@@ -226,7 +227,7 @@ def _read_single(name: str, table: _Table, data: Mapping[str, Any], problems: li
 
 
 def _read_repeated(
-    place: str, table: _Table, value: object, problems: list[str]
+    place: str, table: _Table, value: object, problems: toml.Problems
 ) -> tuple[Any, ...]:
     """One spec for each table without mistakes."""
     if not isinstance(value, list):
@@ -239,7 +240,7 @@ def _read_repeated(
     return tuple(spec for spec in specs if spec is not None)
 
 
-def _read_spec(table: _Table, values: object, place: str, problems: list[str]) -> Any:  # noqa: ANN401 - the table's spec
+def _read_spec(table: _Table, values: object, place: str, problems: toml.Problems) -> Any:  # noqa: ANN401 - the table's spec
     before = len(problems)
     fields = toml.read_table(table.keys, values, place, problems)
     if table.spec is WallSpec:
@@ -252,7 +253,7 @@ def _read_spec(table: _Table, values: object, place: str, problems: list[str]) -
     return spec
 
 
-def _read_doorways(value: object, place: str, problems: list[str]) -> tuple[Any, ...]:
+def _read_doorways(value: object, place: str, problems: toml.Problems) -> tuple[Any, ...]:
     if not isinstance(value, list):
         problems.append(f"{place}, key 'doorways': {toml.shorten(value)} is not a list of tables")
         return ()
@@ -281,7 +282,7 @@ def _wall_problems(wall: WallSpec) -> Iterable[str]:
         reached = max(reached, right)
 
 
-def _check_names(fields: Mapping[str, Any], problems: list[str]) -> None:
+def _check_names(fields: Mapping[str, Any], problems: toml.Problems) -> None:
     """A name says which victim or landmark is meant, so it stands once."""
     for kind in ("victim", "landmark"):
         seen: set[str] = set()

@@ -1,0 +1,48 @@
+"""Ends the modules when the daemon dies without doing so, as by SIGKILL.
+
+A process of its own, started by the file's name, so that it is small and imports nothing of ours.
+On standard input it is told the process groups of the modules that run: "+123" and "-123" lines.
+When that ends, modules have a moment to stop by themselves; what is left of them is killed.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import sys
+import time
+
+GRACE_S = 1.0
+"""Time that modules have to stop by themselves when the daemon is gone [s]."""
+_LOOK_S = 0.05
+
+
+def _alive(group: int) -> bool:
+    try:
+        os.killpg(group, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        return True
+    return True
+
+
+def main() -> None:
+    """Wait until the daemon is gone, and clean up after it."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
+    groups: set[int] = set()
+    for line in sys.stdin:
+        group = int(line)
+        (groups.add if group > 0 else groups.discard)(abs(group))
+    end = time.monotonic() + GRACE_S
+    while any(map(_alive, groups)) and time.monotonic() < end:
+        time.sleep(_LOOK_S)
+    for group in groups:
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(group, signal.SIGKILL)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,171 @@
+"""The daemon on the bus: what it hears from modules and consoles, and what it tells them."""
+
+from __future__ import annotations
+
+import time
+
+from hub.errors import HandlerFailedError
+from hub.gcm import supervision
+from hub.gcm.common import COMMON_COMMAND, CommonCommand, CommonCommandKind
+from hub.gcm.supervision import ModulePhase
+from hub.ipc.client import Client
+from hub.ipc.control import Change, Presence
+from hub.ipc.reception import Reception
+from hub.robomon.keeper import BY_ROBOMON, Keeper
+from hub.robomon.life import Life
+from hub.robomon.outputs import REMEMBERED_LINES, Outputs
+from hub.robomon.policy import Supervisor
+from hub.runtime import publish_on_request
+
+_MOST_TEXT = 262_144
+"""Characters of log lines in one answer."""
+
+
+class Reporting:
+    """Connects the policy with the bus."""
+
+    def __init__(
+        self, client: Client, supervisor: Supervisor, outputs: Outputs, robot: str
+    ) -> None:
+        self._client = client
+        self._supervisor = supervisor
+        self._outputs = outputs
+        self._robot = robot
+        self._clock = time.monotonic
+        self._told: object = None
+        self.keeper: Keeper | None = None
+        client.define(supervision.MODULE_REPORTS, supervision.CAPABILITY_REPORTS, COMMON_COMMAND)
+        client.subscribe(supervision.MODULE_INFO, self._announced)
+        client.subscribe(supervision.CAPABILITY_WANTS, self._wanted)
+        client.subscribe(COMMON_COMMAND, self._commanded)
+        client.respond(supervision.MODULE_COMMAND, supervision.MODULE_RESULT, self._ordered)
+        client.respond(supervision.LOG_REQUEST, supervision.LOG_LINES, self._lines)
+        client.directory.watch(self._presence)
+        publish_on_request(client, supervision.MODULE_REPORTS, self._publish_modules)
+        publish_on_request(client, supervision.CAPABILITY_REPORTS, self._publish_capabilities)
+        client.every(1.0 / supervision.MODULE_REPORTS.rate_hz, self.publish)
+
+    def publish(self) -> None:
+        """Publish what is known of modules and capabilities."""
+        self._publish_modules()
+        self._publish_capabilities()
+
+    def _announced(self, info: supervision.ModuleInfo, reception: Reception) -> None:
+        del reception
+        self._supervisor.announced(
+            info.name, info.pid, info.capabilities.split(), info.needs.split(), self._clock()
+        )
+        self._look()
+
+    def _wanted(self, wants: supervision.CapabilityWants, reception: Reception) -> None:
+        capabilities = wants.capabilities.split()
+        now = self._clock()
+        self._supervisor.wants.renew(reception.publisher, wants.holder, capabilities, now)
+        self._look()
+
+    def _commanded(self, command: CommonCommand, reception: Reception) -> None:
+        """Somebody tells modules directly; their ends and starts are then meant."""
+        del reception
+        if command.argument == BY_ROBOMON:
+            return
+        for name, life in self._supervisor.lives.items():
+            if command.module in ("", name):
+                if command.command is CommonCommandKind.STOP:
+                    life.told_to_stop(self._clock())
+                elif command.command is CommonCommandKind.START:
+                    life.told_to_start()
+        self._look()
+
+    def _ordered(self, command: supervision.ModuleCommand) -> supervision.ModuleResult:
+        done, text = self._supervisor.ordered(command.module, command.order, self._clock())
+        self._look()
+        return supervision.ModuleResult(done=int(done), text=text)
+
+    def _lines(self, request: supervision.LogRequest) -> supervision.LogLines:
+        if request.module not in self._supervisor.lives:
+            known = ", ".join(self._supervisor.lives)
+            text = f"there is no module {request.module[:40]!r}; this robot has {known}"
+            raise HandlerFailedError(text)
+        most = max(0, min(request.most, REMEMBERED_LINES))
+        first, lines = self._outputs.recent(request.module, request.first, most)
+        room, taken = _MOST_TEXT, 0
+        for line in lines:
+            room -= len(line)
+            if room < 0:
+                break
+            taken += 1
+        text = "".join(lines[:taken])
+        return supervision.LogLines(first=first, next=first + taken, text=text)
+
+    def _presence(self, presence: Presence) -> None:
+        if presence.change is Change.DISCONNECTED:
+            self._supervisor.wants.gone(presence.module)
+
+    def _look(self) -> None:
+        if self.keeper is not None:
+            self.keeper.look()
+
+    def _publish_modules(self) -> None:
+        lives = self._supervisor.lives
+        now = self._clock()
+        reports = [self._report(name, life, now) for name, life in lives.items()]
+        reports += [
+            supervision.ModuleReport(
+                name=name,
+                phase=ModulePhase.RUNNING,
+                pid=stranger.pid,
+                capabilities=" ".join(sorted(stranger.provides)),
+                needs=" ".join(sorted(stranger.needs)),
+                asked=1,
+                always=0,
+                starts=0,
+                processor=float("nan"),
+                memory_mb=float("nan"),
+                age_s=0.0,
+                why="was started by somebody else",
+            )
+            for name, stranger in self._supervisor.strangers.items()
+            if name not in lives
+        ]
+        self._client.publish(
+            supervision.MODULE_REPORTS,
+            supervision.ModuleReports(
+                robot=self._robot, count=len(reports), modules=tuple(reports)
+            ),
+        )
+
+    def _report(self, name: str, life: Life, now: float) -> supervision.ModuleReport:
+        keeper = self.keeper
+        return supervision.ModuleReport(
+            name=name,
+            phase=life.phase,
+            pid=life.pid,
+            capabilities=" ".join(sorted(life.provides)),
+            needs=" ".join(sorted(life.needs)),
+            asked=int(life.asked),
+            always=int(life.spec.always),
+            starts=life.starts,
+            processor=keeper.processor(name) if keeper else float("nan"),
+            memory_mb=keeper.memory_mb(name) if keeper else float("nan"),
+            age_s=now - life.since if life.has_process else 0.0,
+            why=life.why,
+        )
+
+    def _publish_capabilities(self) -> None:
+        views = self._supervisor.capabilities(self._clock())
+        reports = tuple(
+            supervision.CapabilityReport(
+                name=name,
+                phase=view.phase,
+                module=view.module,
+                modules=" ".join(view.modules),
+                wanted_by=" ".join(view.wanted_by),
+            )
+            for name, view in views.items()
+        )
+        self._client.publish(
+            supervision.CAPABILITY_REPORTS,
+            supervision.CapabilityReports(
+                robot=self._robot, count=len(reports), capabilities=reports
+            ),
+        )

@@ -1,0 +1,62 @@
+"""Who wants which capabilities: leases that end when they are not renewed; pure."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from hub.gcm.supervision import LEASE_S
+
+MAX_HOLDERS = 256
+MAX_CAPABILITIES = 64
+MAX_NAME = 64
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Lease:
+    name: str
+    capabilities: frozenset[str]
+    until: float
+
+
+class Wants:
+    """The leases of all holders; every method gets the time [s].
+
+    Attributes:
+        refused: Wants that were not taken: of too many holders, or of what is no capability.
+    """
+
+    def __init__(self) -> None:
+        self._leases: dict[int, _Lease] = {}
+        self.refused = 0
+
+    def renew(self, holder: int, name: str, capabilities: Iterable[str], now: float) -> None:
+        """A holder, by its number at central, says all that it wants; nothing gives it up."""
+        wanted = frozenset(capabilities)
+        usable = all(each.isidentifier() and len(each) <= MAX_NAME for each in wanted)
+        full = len(self._leases) >= MAX_HOLDERS and holder not in self._leases
+        if not usable or len(wanted) > MAX_CAPABILITIES or full:
+            self.refused += 1
+        elif wanted:
+            shown = "".join(name.split())[:MAX_NAME] or "somebody"
+            self._leases[holder] = _Lease(name=shown, capabilities=wanted, until=now + LEASE_S)
+        else:
+            self._leases.pop(holder, None)
+
+    def gone(self, name: str) -> None:
+        """Who connected under this name has left."""
+        self._leases = {
+            holder: lease for holder, lease in self._leases.items() if lease.name != name
+        }
+
+    def current(self, now: float) -> dict[str, list[str]]:
+        """The wanted capabilities with the names of their holders."""
+        self._leases = {
+            holder: lease for holder, lease in self._leases.items() if now < lease.until
+        }
+        wanted: defaultdict[str, list[str]] = defaultdict(list)
+        for lease in self._leases.values():
+            for capability in sorted(lease.capabilities):
+                wanted[capability].append(lease.name)
+        return dict(wanted)
