@@ -43,6 +43,7 @@ class Life:
         asked: Whether it said so itself.
         held: Whether somebody stopped it: it is not started until somebody starts it.
         pinned: Whether somebody started it: it runs though nobody wants its capabilities.
+        replaced_by: The module that does its work, as it could not; empty if none does.
     """
 
     def __init__(self, spec: ModuleSpec) -> None:
@@ -57,6 +58,7 @@ class Life:
         self.asked = False
         self.held = False
         self.pinned = False
+        self.replaced_by = ""
         self._ends: deque[float] = deque()
         self._earlier: deque[int] = deque(maxlen=_REMEMBERED)
         self._heard = 0.0
@@ -87,6 +89,11 @@ class Life:
         """Whether it is to wait before it may try again, as it ended too soon before."""
         return self.phase is ModulePhase.WAITING and len(self._ends) > 1
 
+    @property
+    def sound(self) -> bool:
+        """Whether it runs, or can be started at once."""
+        return self.usable and not self.troubled
+
     def learned(self, provides: frozenset[str], needs: frozenset[str]) -> None:
         """It said itself what it can do."""
         self.provides, self.needs, self.asked = provides, needs, True
@@ -111,6 +118,12 @@ class Life:
             self._enter(ModulePhase.RUNNING, "announces itself")
         return True
 
+    def stand_back(self, other: str) -> None:
+        """Another does its work until that one cannot."""
+        self.replaced_by = other
+        phase = ModulePhase.STOPPED if self.phase is ModulePhase.WAITING else self.phase
+        self._enter(phase, f"{self.why.partition(';')[0]}; {other} does its work")
+
     def forgive(self, now: float) -> None:
         """We were away ourselves: nothing is known of the time since."""
         self._heard = max(self._heard, now)
@@ -122,20 +135,21 @@ class Life:
 
     def told_to_stop(self, now: float) -> None:
         """Somebody stops it; it is not started again by itself."""
-        self.held, self.pinned = True, False
+        self.held, self.pinned, self.replaced_by = True, False, ""
         if self.up:
             self._stop("was stopped by somebody", now, deliberate=True)
-        elif self.phase is ModulePhase.WAITING:
-            self._enter(ModulePhase.STOPPED, "was stopped by somebody")
+        elif self.phase is ModulePhase.STOPPING:
+            self._deliberate = True
         else:
-            self.why = "was stopped by somebody"
+            self._enter(ModulePhase.STOPPED, "was stopped by somebody")
 
     def told_to_start(self) -> None:
         """Somebody starts it; earlier failures are forgotten."""
+        self.replaced_by = ""
         self.held, self.pinned = False, not self.spec.always
         self._ends.clear()
         self._start_at = -math.inf
-        if self.phase in (ModulePhase.FAILED, ModulePhase.WAITING):
+        if not self.has_process:
             self._enter(ModulePhase.STOPPED, "is started by somebody")
 
     def told_to_restart(self, now: float) -> None:
@@ -165,7 +179,6 @@ class Life:
         """
         if wanted:
             self._wanted_until = now + self.spec.linger_s
-        self._look(now)
         if self.phase is ModulePhase.STOPPING:
             return self._escalate(now)
         if not wanted and now > self._wanted_until:
@@ -183,7 +196,7 @@ class Life:
             self._enter(ModulePhase.STOPPED, _UNWANTED)
         return None
 
-    def _look(self, now: float) -> None:
+    def look(self, now: float) -> None:
         """See whether it has been silent for too long."""
         if self.spec.keep_alive_s <= 0.0:
             return

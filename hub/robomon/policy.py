@@ -72,7 +72,6 @@ class Supervisor:
         self.strangers: dict[str, Stranger] = {}
         self.wants = Wants()
         self._chosen: dict[str, str] = {}
-        self._replaced: dict[str, str] = {}
         self._over: dict[str, int] = {}
         self._stepped: float | None = None
 
@@ -108,7 +107,6 @@ class Supervisor:
         if order is ModuleOrder.STOP:
             life.told_to_stop(now)
             return True, f"{name} is stopped, and stays so until somebody starts it"
-        self._replaced.pop(name, None)
         if order is ModuleOrder.RESTART:
             life.told_to_restart(now)
             return True, f"{name} is started anew"
@@ -125,10 +123,12 @@ class Supervisor:
         self.strangers = {
             name: one for name, one in self.strangers.items() if now - one.heard < STRANGER_S
         }
+        for life in self.lives.values():
+            life.look(now)
         wanted = self._plan(now)
         deeds = []
         for name, life in self.lives.items():
-            lacking = self._lacking(life) if name in wanted and not life.up else ()
+            lacking = self._lacking(life, wanted) if name in wanted and not life.up else ()
             deed = life.step(now, wanted=name in wanted, ready=not lacking)
             if deed is not None:
                 deeds.append((life, deed))
@@ -176,13 +176,14 @@ class Supervisor:
         """The modules that are to run."""
         plan: set[str] = set()
         for name, life in self.lives.items():
-            if life.pinned or (life.spec.always and not self._stands_back(name, life)):
+            stands_back = life.spec.always and self._stands_back(name, life)
+            if stands_back:
+                self._include(self.lives[life.replaced_by], plan)
+            elif life.pinned or life.spec.always:
                 self._include(life, plan)
         for capability in self.wants.current(now):
             if not self._from_outside(capability):
                 self._include(self._provider(capability), plan)
-        for name in self._replaced.values():
-            self._include(self.lives[name], plan)
         return plan
 
     def _include(self, life: Life | None, plan: set[str]) -> None:
@@ -190,36 +191,39 @@ class Supervisor:
         if life is None or life.spec.name in plan:
             return
         plan.add(life.spec.name)
+        if not life.usable or not self._possible(life, frozenset()):
+            return  # then nobody is to run for its sake
         for need in life.needs:
             if not self._from_outside(need):
                 self._include(self._provider(need), plan)
 
     def _stands_back(self, name: str, life: Life) -> bool:
         """Whether another does the work of a module that is to run always, as it cannot."""
-        replacement = self._replaced.get(name)
-        if replacement is not None:
-            spare = self.lives[replacement]
-            if spare.usable and not spare.troubled:
-                return True
-            del self._replaced[name]
-        if life.held or not (life.troubled or life.phase is ModulePhase.FAILED):
+        if life.replaced_by and self._could_do_it(self.lives[life.replaced_by], life):
+            return True
+        life.replaced_by = ""
+        if life.held or life.sound:
             return False
         for other, spare in self.lives.items():
-            able = other != name and spare.usable and not spare.troubled
-            if able and life.provides and spare.provides >= life.provides:
-                self._replaced[name] = other
-                life.why = f"{life.why.partition(';')[0]}; {other} does its work"
+            if other != name and self._could_do_it(spare, life):
+                life.stand_back(other)
                 return True
         return False
+
+    def _could_do_it(self, spare: Life, life: Life) -> bool:
+        """Whether a module can do all that another should do, and now."""
+        able = bool(life.provides) and spare.provides >= life.provides
+        return able and spare.sound and self._possible(spare, frozenset())
 
     def _provider(self, capability: str) -> Life | None:
         """The module that shall provide a capability: the one that did, if it still can."""
         able = [
             life
-            for name, life in self.lives.items()
-            if capability in life.provides and life.usable and name not in self._replaced
+            for life in self.lives.values()
+            if capability in life.provides and life.usable and not life.replaced_by
         ]
-        sound = [life for life in able if not life.troubled] or able
+        possible = [life for life in able if self._possible(life, frozenset())] or able
+        sound = [life for life in possible if life.sound] or possible
         if not sound:
             return None
         chosen = self.lives.get(self._chosen.get(capability, ""))
@@ -228,22 +232,36 @@ class Supervisor:
             self._chosen[capability] = chosen.spec.name
         return chosen
 
+    def _possible(self, life: Life, above: frozenset[str]) -> bool:
+        """Whether there are modules for all that a module needs, and for what those need."""
+        below = above | {life.spec.name}
+        return all(
+            self._from_outside(need)
+            or any(
+                need in other.provides
+                and other.usable
+                and (name in below or self._possible(other, below))
+                for name, other in self.lives.items()
+            )
+            for need in life.needs
+        )
+
     def _from_outside(self, capability: str) -> bool:
         return any(capability in one.provides for one in self.strangers.values())
 
-    def _lacking(self, life: Life) -> tuple[str, ...]:
+    def _lacking(self, life: Life, plan: set[str]) -> tuple[str, ...]:
         """What a module needs and nobody provides yet; who needs it in turn is not waited for."""
         return tuple(
             need
             for need in sorted(life.needs)
             if not self._from_outside(need)
-            and not self._provides(self._provider(need))
+            and not self._provided(self._provider(need), plan)
             and not self._depends(self._provider(need), life, set())
         )
 
     @staticmethod
-    def _provides(life: Life | None) -> bool:
-        return life is not None and life.phase is ModulePhase.RUNNING
+    def _provided(life: Life | None, plan: set[str]) -> bool:
+        return life is not None and life.phase is ModulePhase.RUNNING and life.spec.name in plan
 
     def _depends(self, life: Life | None, on: Life, seen: set[str]) -> bool:
         """Whether a module needs another, itself or through others."""
