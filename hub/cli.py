@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from hub.ipc.client import Client
 
 
+_OF_MODULES = ("modules", "capabilities", "start", "stop", "restart", "want", "logs")
+
+
 class ExitCode(enum.IntEnum):
     """How a command ends."""
 
@@ -84,6 +87,8 @@ def _look(client: Client, options: argparse.Namespace) -> int:
 
     if options.command in ("status", "log", "close", "log-level"):
         return _look_at_central(client, options)
+    if options.command in _OF_MODULES:
+        return _look_at_modules(client, options)
     if options.command == "list":
         return commands.list_all(client, as_json=options.json)
     if options.command == "echo":
@@ -114,6 +119,21 @@ def _look_at_central(client: Client, options: argparse.Namespace) -> int:
     if options.command == "close":
         return status.close(client, options.module)
     return status.log_level(client, options.level)
+
+
+def _look_at_modules(client: Client, options: argparse.Namespace) -> int:
+    """Carry out a command for the daemon that runs the modules."""
+    from hub.inspection import supervision
+
+    if options.command == "modules":
+        return supervision.modules(client, as_json=options.json)
+    if options.command == "capabilities":
+        return supervision.capabilities(client, as_json=options.json)
+    if options.command == "want":
+        return supervision.want(client, options.capabilities, seconds=options.seconds)
+    if options.command == "logs":
+        return supervision.logs(client, options.module, lines=options.lines, follow=options.follow)
+    return supervision.order(client, options.module, options.command)
 
 
 def _tend_keys(options: argparse.Namespace) -> int:
@@ -231,10 +251,40 @@ def _parser() -> argparse.ArgumentParser:
     close.add_argument("module", help="its name; `rune-hub list` shows all")
     level = commands.add_parser("log-level", parents=[look], help="how much central logs")
     level.add_argument("level", choices=LEVELS)
-    for command in (listing, echo, rate, query, state):
+    tables = _add_supervision(commands, look)
+    for command in (listing, echo, rate, query, state, *tables):
         command.add_argument("--json", action="store_true", help="JSON, one line a message")
     _add_keys(commands.add_parser("keys", help="who may connect from other machines"))
     return parser
+
+
+def _add_supervision(
+    commands: argparse._SubParsersAction[argparse.ArgumentParser], look: argparse.ArgumentParser
+) -> list[argparse.ArgumentParser]:
+    """Add the commands for the daemon; those that show a table."""
+    modules = commands.add_parser(
+        "modules", parents=[look], help="the robot's modules, what they do and take, and why"
+    )
+    capabilities = commands.add_parser(
+        "capabilities", parents=[look], help="what the robot can do, and who wants it"
+    )
+    for order, text in (
+        ("start", "start a module, also one that was given up"),
+        ("stop", "stop a module until it is started again"),
+        ("restart", "end a module and start it anew"),
+    ):
+        command = commands.add_parser(order, parents=[look], help=text)
+        command.add_argument("module", help="its name; `rune-hub modules` shows all")
+    want = commands.add_parser(
+        "want", parents=[look], help="have capabilities running as long as this command runs"
+    )
+    want.add_argument("capabilities", nargs="+", metavar="CAP", help="such as PRO_MAP")
+    want.add_argument("--seconds", type=_positive, default=0.0, help="end after so long")
+    logs = commands.add_parser("logs", parents=[look], help="what a module has written lately")
+    logs.add_argument("module", help="its name; `rune-hub modules` shows all")
+    logs.add_argument("-f", "--follow", action="store_true", help="go on as it writes more")
+    logs.add_argument("-n", "--lines", type=_whole, default=100, help="how many (%(default)s)")
+    return [modules, capabilities]
 
 
 def _add_keys(keys: argparse.ArgumentParser) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import json
 import os
-import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import Any, TypeVar
 from hub.errors import CentralUnreachableError, HubError, UndefinedMessageError
 from hub.gcm.catalog import BY_NAME
 from hub.inspection import values
+from hub.inspection.writing import put
 from hub.ipc import control
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
@@ -57,21 +57,21 @@ def list_all(client: Client, *, as_json: bool) -> int:
     listing = client.directory.listing(_ANSWER_S)
     peers = [peer for peer in listing.peers if peer.name != client.name]
     if as_json:
-        _put(json.dumps(values.plain(listing) | {"peers": [values.plain(peer) for peer in peers]}))
+        put(json.dumps(values.plain(listing) | {"peers": [values.plain(peer) for peer in peers]}))
         return 0
-    _put(f"{len(peers)} modules and consoles")
+    put(f"{len(peers)} modules and consoles")
     for peer in peers:
         answers = f", answers {peer.handles}" if peer.handles else ""
-        _put(f"  {peer.name} (pid {peer.pid}, heard {peer.silent_s:.1f} s ago{answers})")
-    _put(f"{listing.definition_count} messages")
+        put(f"  {peer.name} (pid {peer.pid}, heard {peer.silent_s:.1f} s ago{answers})")
+    put(f"{listing.definition_count} messages")
     for entry in sorted(listing.definitions, key=lambda entry: entry.name):
         length = "fixed" if from_listing(entry).fixed_length else "variable"
         seen = f"{entry.messages} seen, {entry.bytes} bytes"
-        _put(f"  {entry.name} ({length} length, by {entry.definer}; {seen})")
-        _put(f"    {entry.format}")
-        _put(f"    {entry.fields}")
+        put(f"  {entry.name} ({length} length, by {entry.definer}; {seen})")
+        put(f"    {entry.format}")
+        put(f"    {entry.fields}")
     for count in listing.dropped:
-        _put(f"dropped: {count.reason}: {count.count}")
+        put(f"dropped: {count.reason}: {count.count}")
     return 0
 
 
@@ -109,7 +109,7 @@ def rate(client: Client, name: str, *, seconds: float, as_json: bool) -> int:
     end = time.monotonic() + seconds if seconds else float("inf")
     while time.monotonic() < end:
         _serve_for(client, min(1.0, end - time.monotonic()))
-        _put(_rate_line(name, arrivals, ages, missed, as_json=as_json))
+        put(_rate_line(name, arrivals, ages, missed, as_json=as_json))
         del arrivals[:-1], ages[:-1]
     return 0
 
@@ -174,12 +174,12 @@ def _show(
     definition: MessageDefinition[T], value: T, *, as_json: bool, reception: Reception | None
 ) -> None:
     if as_json:
-        _put(json.dumps(values.plain(value, definition.tree)))
+        put(json.dumps(values.plain(value, definition.tree)))
         return
     for line in values.lines(value, definition.tree):
-        _put(line)
+        put(line)
     if reception is not None:
-        _put(f"--- {reception.sequence}")
+        put(f"--- {reception.sequence}")
 
 
 def _rate_line(
@@ -194,8 +194,3 @@ def _rate_line(
         return f"{name}: nothing comes"
     spread = f"gaps {min(gaps) * 1e3:.1f} to {max(gaps) * 1e3:.1f} ms"
     return f"{name}: {hertz:.1f} Hz, {spread}, oldest {max(ages) * 1e3:.1f} ms, {missed} missed"
-
-
-def _put(line: str) -> None:
-    sys.stdout.write(line + "\n")
-    sys.stdout.flush()

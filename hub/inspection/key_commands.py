@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 
+from hub.inspection.writing import put
 from hub.ipc.keyring import Keyring, default_folder
 from hub.ipc.security import Role
 
@@ -27,8 +27,8 @@ def make(keys: Keyring, name: str, role: Role) -> int:
         KeyFileError: A file cannot be used.
     """
     path = keys.make(name, role)
-    _put(f"{name} may {role.value}; copy this file to the machine that is to connect:")
-    _put(str(path))
+    put(f"{name} may {role.value}; copy this file to the machine that is to connect:")
+    put(str(path))
     return 0
 
 
@@ -40,13 +40,13 @@ def list_all(keys: Keyring, *, as_json: bool) -> int:
     """
     holders = keys.holders()
     if not holders and not as_json:
-        _put(f"no keys in {keys.folder}; make one with: rune-hub keys make NAME --role ROLE")
+        put(f"no keys in {keys.folder}; make one with: rune-hub keys make NAME --role ROLE")
     for holder in holders:
         if as_json:
             shown = {"name": holder.name, "role": holder.role.value, "public": holder.public}
-            _put(json.dumps(shown))
+            put(json.dumps(shown))
         else:
-            _put(f"{holder.role.value:8}{holder.public}  {holder.name}")
+            put(f"{holder.role.value:8}{holder.public}  {holder.name}")
     return 0
 
 
@@ -58,10 +58,5 @@ def remove(keys: Keyring, name: str) -> int:
         KeyFileError: A file cannot be used.
     """
     keys.remove(name)
-    _put(f"{name} is refused from now on; connections it has go on until they end")
+    put(f"{name} is refused from now on; connections it has go on until they end")
     return 0
-
-
-def _put(line: str) -> None:
-    sys.stdout.write(line + "\n")
-    sys.stdout.flush()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 import time
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 from hub.errors import NotAllowedError
 from hub.inspection import values
 from hub.inspection.commands import find
+from hub.inspection.writing import put, span, table
 from hub.ipc import control
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
@@ -28,10 +28,10 @@ def status(client: Client, *, as_json: bool) -> int:
     if as_json:
         told = values.plain(now) | {"peers": [values.plain(peer) for peer in peers]}
         del told["definitions"]
-        _put(json.dumps(told | {"messages": flows}))
+        put(json.dumps(told | {"messages": flows}))
         return 0
-    _put(f"central at {client.endpoint}, up {_time(now.uptime_s)}, logs {now.level}")
-    _table(
+    put(f"central at {client.endpoint}, up {span(now.uptime_s)}, logs {now.level}")
+    table(
         ("module", "pid", "role", "heard", "publishes", "subscribes", "answers"),
         [
             (
@@ -45,9 +45,9 @@ def status(client: Client, *, as_json: bool) -> int:
         ],
     )
     heads = ("message", "plane", "1/s", "kB/s", "messages", "missed", "too old", "oldest", "last")
-    _table(heads, [_row(flow) for flow in flows])
+    table(heads, [_row(flow) for flow in flows])
     for count in now.dropped:
-        _put(f"dropped: {count.reason}: {count.count}")
+        put(f"dropped: {count.reason}: {count.count}")
     return 0
 
 
@@ -62,13 +62,13 @@ def log(client: Client, names: Sequence[str], *, with_data: bool, count: int) ->
             written += 1
             clock = time.strftime("%H:%M:%S", time.localtime())
             publisher = publishers.get(how.publisher, f"number {how.publisher}")
-            _put(
+            put(
                 f"{clock} {definition.name} {{{how.sequence}}} from {publisher}, "
                 f"{how.age * 1e3:.1f} ms old, {how.missed} missed"
             )
             if with_data:
                 for line in values.lines(value, definition.tree):
-                    _put(f"    {line}")
+                    put(f"    {line}")
 
         return write
 
@@ -90,7 +90,7 @@ def log(client: Client, names: Sequence[str], *, with_data: bool, count: int) ->
 def close(client: Client, name: str) -> int:
     """Have central disconnect a module."""
     client.directory.close_module(name, timeout=_ANSWER_S)
-    _put(f"{name} is disconnected")
+    put(f"{name} is disconnected")
     return 0
 
 
@@ -105,7 +105,7 @@ def log_level(client: Client, level: str) -> int:
     if now != level:
         text = f"the hub still logs from {now} on; to change that needs a key made with --role "
         raise NotAllowedError(text + Role.MODULE.value)
-    _put(f"central logs from {now} on")
+    put(f"central logs from {now} on")
     return 0
 
 
@@ -140,29 +140,5 @@ def _row(flow: dict[str, str | float]) -> tuple[str, ...]:
         str(flow["missed"]),
         str(flow["expired"]),
         f"{float(flow['oldest_s']) * 1e3:.0f} ms",
-        "never" if silent < 0.0 else f"{_time(silent)} ago",
+        "never" if silent < 0.0 else f"{span(silent)} ago",
     )
-
-
-def _time(seconds: float) -> str:
-    """A span of time in the unit that suits it."""
-    for unit, name in ((86_400.0, "d"), (3600.0, "h"), (60.0, "min")):
-        if seconds >= 2 * unit:
-            return f"{seconds / unit:.1f} {name}"
-    return f"{seconds:.1f} s"
-
-
-def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """Columns as wide as they need to be; the first to the left, numbers to the right."""
-    widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
-    for row in (heads, *rows):
-        cells = [
-            cell.ljust(width) if place == 0 else cell.rjust(width)
-            for place, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ]
-        _put("  ".join(cells).rstrip())
-
-
-def _put(line: str) -> None:
-    sys.stdout.write(line + "\n")
-    sys.stdout.flush()

@@ -181,9 +181,9 @@ class Keeper:
         _log_end(life)
 
     def _inquire(self) -> None:
-        """Ask modules what they can do, once those that are to run always are up."""
+        """Ask modules what they can do, once none of those that are to run always is starting."""
         lives = self.supervisor.lives.values()
-        settled = all(life.phase is ModulePhase.RUNNING for life in lives if life.spec.always)
+        settled = not any(life.phase is ModulePhase.STARTING for life in lives if life.spec.always)
         if settled or self._clock() - self._began > _SETTLED_S:
             self._inquiry.ask(self.supervisor.unasked())
         self._inquiry.look(self._clock())

@@ -137,11 +137,11 @@ class Supervisor:
         return deeds
 
     def unasked(self) -> list[Life]:
-        """Modules that have not yet said what they can do, and do not run."""
+        """Modules that have not yet said what they can do, as they were not started."""
         return [
             life
             for life in self.lives.values()
-            if not life.asked and not life.has_process and life.spec.keep_alive_s > 0.0
+            if not life.asked and not life.starts and life.spec.keep_alive_s > 0.0
         ]
 
     def capabilities(self, now: float) -> dict[str, CapabilityView]:

@@ -17,6 +17,7 @@ from typing import Any, TypeVar
 from hub.errors import CodecError, HubError, NoHandlerError, QueryError
 from hub.gcm import navigation, rle, vision
 from hub.gcm.capability import Capability
+from hub.gcm.supervision import CAPABILITY_WANTS, LEASE_S, CapabilityWants
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.keys import read_client_keys
@@ -33,6 +34,7 @@ _LISTEN_S = 0.2
 _REQUEST_CHECK_S = 0.01
 _REQUEST_TIMEOUT_S = 1.0
 _RETRY_S = 0.25
+_WANT_S = LEASE_S / 3
 """Pause after a request that failed [s]."""
 
 
@@ -61,6 +63,7 @@ class RobotLink:
         """
         self._clock = clock
         wanted = {capability.name: capability for capability in spec.capabilities}
+        self._wanted = " ".join(sorted(wanted))
         self._interval = (
             wanted[Capability.VIS_VID].interval_s if Capability.VIS_VID in wanted else 0
         )
@@ -127,8 +130,16 @@ class RobotLink:
         if self._state.link.may_command:
             # Defined before they are used, so that a stop is on its way as soon as it is wanted.
             client.define(navigation.VELOCITY_COMMAND, navigation.STOP, vision.CAMERA_COMMAND)
+            client.define(CAPABILITY_WANTS)
+            client.every(_WANT_S, self._want)
         if self._pictures_wanted:
             client.every(_REQUEST_CHECK_S, self._ask_for_picture)
+
+    def _want(self) -> None:
+        """Have the robot run what the layout wants; it holds for a few seconds only."""
+        if self._client.connected and self._wanted:
+            wants = CapabilityWants(holder=self._client.name, capabilities=self._wanted)
+            self._client.publish(CAPABILITY_WANTS, wants)
 
     def _store(self, field: str) -> Callable[[Any, Reception], None]:
         def store(value: object, reception: Reception) -> None:
@@ -159,6 +170,8 @@ class RobotLink:
             # What a failed request said holds until one succeeds, what a lost link said ends here.
             known = link.detail if link.phase is LinkPhase.CONNECTED else ""
             phase, detail = LinkPhase.CONNECTED, known
+            if link.phase is not LinkPhase.CONNECTED and link.may_command:
+                self._want()
         elif link.phase is LinkPhase.CONNECTING:
             phase, detail = LinkPhase.CONNECTING, str(self._client.refusal or "")
         else:

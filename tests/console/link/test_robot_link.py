@@ -10,7 +10,9 @@ from pathlib import Path
 import pytest
 
 from hub.gcm import navigation
+from hub.gcm.supervision import CAPABILITY_WANTS, CapabilityWants
 from hub.ipc.central import Central
+from hub.ipc.client import Client
 from hub.ipc.keyring import Keyring
 from hub.ipc.security import Role
 from rune_tui.layout.loader import load_layout
@@ -113,3 +115,15 @@ def test_a_robot_without_pictures_is_not_waited_for_in_silence(desk: Desk) -> No
     link = desk.link(None)
     link.want_pictures((64, 48))
     until(lambda: "the robot sends no pictures" in desk.screen(link), 10.0)
+
+
+@pytest.mark.parametrize("role", [None, Role.OPERATE])
+def test_what_the_layout_wants_is_wanted_of_the_robot(desk: Desk, role: Role | None) -> None:
+    wants: list[CapabilityWants] = []
+    with closing(Client("daemon", desk.central.endpoints[0])) as daemon:
+        daemon.subscribe(CAPABILITY_WANTS, lambda value, _: wants.append(value))
+        daemon.wait_connected(5.0)
+        _connected(desk.link(role))
+        until(lambda: wants, 5.0, meanwhile=lambda: daemon.listen(0.01))
+    assert wants[0].capabilities == "NAV_MOVE NAV_STATE VIS_VID"
+    assert wants[0].holder.startswith("rune-")

@@ -1,0 +1,164 @@
+"""`rune-hub modules`, `capabilities`, `start`, `stop`, `restart`, `want`, `logs`: the daemon."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+import time
+from collections.abc import Sequence
+from typing import Any
+
+from hub.errors import HubError, NoHandlerError, QueryError, QueryTimeoutError
+from hub.gcm import supervision
+from hub.gcm.supervision import CapabilityPhase, ModuleOrder
+from hub.inspection import values
+from hub.inspection.writing import put, span, table
+from hub.ipc.client import Client
+from hub.ipc.reception import Reception
+
+_ANSWER_S = 2.0
+_RENEW_S = supervision.LEASE_S / 3
+_FOLLOW_S = 0.3
+_MOST_LINES = 1000
+
+
+def modules(client: Client, *, as_json: bool) -> int:
+    """Show what the daemon knows of each module."""
+    reports = _last(client, supervision.MODULE_REPORTS)
+    if as_json:
+        put(json.dumps(values.plain(reports)))
+        return 0
+    rows = [
+        (
+            module.name,
+            module.phase.name.lower(),
+            "always" if module.always else "on demand",
+            module.capabilities + ("" if module.asked else " (says the file)"),
+            str(module.pid or ""),
+            span(module.age_s) if module.age_s else "",
+            str(module.starts),
+            _number(100.0 * module.processor, "%"),
+            _number(module.memory_mb, " MB"),
+        )
+        for module in reports.modules
+    ]
+    heads = ("module", "phase", "runs", "capabilities", "pid", "for", "starts", "cpu", "memory")
+    table(heads, rows, words=4)
+    for module in reports.modules:
+        put(f"{module.name} {module.why}")
+    return 0
+
+
+def capabilities(client: Client, *, as_json: bool) -> int:
+    """Show what the robot can do, and who wants it."""
+    reports = _last(client, supervision.CAPABILITY_REPORTS)
+    if as_json:
+        put(json.dumps(values.plain(reports)))
+        return 0
+    rows = [
+        (each.name, each.phase.name.lower(), each.module, each.modules, each.wanted_by)
+        for each in reports.capabilities
+    ]
+    heads = ("capability", "phase", "by", "modules that have it", "wanted by")
+    table(heads, rows, words=5)
+    return 0
+
+
+def order(client: Client, module: str, wanted: str) -> int:
+    """Have the daemon start, stop or restart a module."""
+    command = supervision.ModuleCommand(module=module, order=ModuleOrder[wanted.upper()])
+    try:
+        result = client.query_response(
+            supervision.MODULE_COMMAND, command, supervision.MODULE_RESULT, timeout=_ANSWER_S
+        )
+    except NoHandlerError as error:
+        raise _no_daemon(client) from error
+    (put if result.done else _complain)(result.text)
+    return 0 if result.done else 2
+
+
+def want(client: Client, wanted: Sequence[str], *, seconds: float) -> int:
+    """Want capabilities until Ctrl-C, or for some time (0: for ever); say what comes of it."""
+    wants = supervision.CapabilityWants(holder=client.name, capabilities=" ".join(wanted))
+    said: dict[str, str] = {}
+
+    def tell(reports: supervision.CapabilityReports, reception: Reception) -> None:
+        del reception
+        known = {each.name: each for each in reports.capabilities}
+        for name in wanted:
+            now = _outlook(name, known.get(name))
+            if said.get(name) != now:
+                said[name] = now
+                put(now)
+
+    client.subscribe(supervision.CAPABILITY_REPORTS, tell)
+    client.every(_RENEW_S, lambda: client.publish(supervision.CAPABILITY_WANTS, wants))
+    client.publish(supervision.CAPABILITY_WANTS, wants)
+    end = time.monotonic() + (seconds or math.inf)
+    while time.monotonic() < end:
+        client.listen(min(0.5, end - time.monotonic()))
+    return 0 if said and all("is running" in text for text in said.values()) else 1
+
+
+def logs(client: Client, module: str, *, lines: int, follow: bool) -> int:
+    """Show what a module has written lately, and with `follow` what it writes from now on."""
+    shown = _lines(client, module, 0, lines)
+    sys.stdout.write(shown.text)
+    sys.stdout.flush()
+    while follow:
+        client.listen(_FOLLOW_S)
+        try:
+            shown = _lines(client, module, shown.next, _MOST_LINES)
+        except QueryError:
+            if client.connected:
+                raise
+            shown = supervision.LogLines(first=1, next=1, text="")  # the hub begins anew
+            continue
+        if not client.connected:
+            continue
+        sys.stdout.write(shown.text)
+        sys.stdout.flush()
+    return 0
+
+
+def _lines(client: Client, module: str, first: int, most: int) -> supervision.LogLines:
+    request = supervision.LogRequest(module=module, first=first, most=min(most, _MOST_LINES))
+    try:
+        return client.query_response(
+            supervision.LOG_REQUEST, request, supervision.LOG_LINES, timeout=_ANSWER_S
+        )
+    except NoHandlerError as error:
+        raise _no_daemon(client) from error
+
+
+def _last(client: Client, definition: Any) -> Any:  # noqa: ANN401 - a report of any kind
+    try:
+        return client.last_value(definition, timeout=_ANSWER_S)
+    except QueryTimeoutError:
+        raise
+    except QueryError as error:
+        raise _no_daemon(client) from error
+
+
+def _no_daemon(client: Client) -> HubError:
+    text = f"no daemon answers at {client.endpoint}: is it `rune-hub run` that runs there?"
+    return QueryError(text)
+
+
+def _outlook(name: str, report: supervision.CapabilityReport | None) -> str:
+    if report is None or not report.modules:
+        return f"{name}: no module of this robot has it"
+    if report.phase is CapabilityPhase.UNAVAILABLE:
+        return f"{name}: {report.modules} cannot be started; see `rune-hub modules`"
+    if report.phase is CapabilityPhase.RUNNING:
+        return f"{name} is running: {report.module}"
+    return f"{name}: {report.module} is to start"
+
+
+def _number(value: float, unit: str) -> str:
+    return "" if math.isnan(value) else f"{value:.0f}{unit}"
+
+
+def _complain(text: str) -> None:
+    sys.stderr.write(f"rune-hub: {text}\n")

@@ -1,0 +1,37 @@
+"""How the commands write to standard output: lines, tables, spans of time."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+
+def put(line: str) -> None:
+    """Write a line, at once."""
+    sys.stdout.write(line + "\n")
+    sys.stdout.flush()
+
+
+def table(heads: Sequence[str], rows: Sequence[Sequence[str]], *, words: int = 1) -> None:
+    """Write columns as wide as they need to be.
+
+    Args:
+        heads: What stands above them.
+        rows: A text for each column.
+        words: How many columns, counted from the left, hold words; numbers stand to the right.
+    """
+    widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
+    for row in (heads, *rows):
+        cells = [
+            cell.ljust(width) if place < words else cell.rjust(width)
+            for place, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        put("  ".join(cells).rstrip())
+
+
+def span(seconds: float) -> str:
+    """A span of time in the unit that suits it."""
+    for unit, name in ((86_400.0, "d"), (3600.0, "h"), (60.0, "min")):
+        if seconds >= 2 * unit:
+            return f"{seconds / unit:.1f} {name}"
+    return f"{seconds:.1f} s"

@@ -1,0 +1,278 @@
+"""The daemon with modules that misbehave, real processes all; and the commands that talk to it."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, closing
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+
+from hub.gcm import supervision
+from hub.gcm.common import COMMON_COMMAND, CommonCommand, CommonCommandKind
+from hub.gcm.supervision import CapabilityPhase, ModulePhase
+from hub.ipc.client import Client
+from tests.system.harness import family, gone
+from tests.waiting import until
+
+ROOT = Path(__file__).parents[2]
+
+
+class Robot:
+    """A daemon with modules of `tests.misbehaving.module`, and a client that sees its reports."""
+
+    def __init__(self, folder: Path, modules: str) -> None:
+        """Start it; `modules` is lines of the robot file, in which WAY[x] is a command's text."""
+        self.folder = folder
+        path = folder / "robot.toml"
+        path.write_text(
+            'name = "test"\nkind = "simulated-magellan"\n[simulation]\narena = "empty"\n'
+            f'[hub]\nport = 0\nlogs = "{folder}/logs"\n{modules}'
+        )
+        self.log = folder / "hub.log"
+        with self.log.open("wb") as log:
+            self.process = subprocess.Popen(
+                [sys.executable, "-m", "hub", "run", str(path), "--json", "--stop-with-stdin"],
+                stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log, cwd=ROOT,
+            )  # fmt: skip
+        assert self.process.stdout is not None
+        self.endpoint = json.loads(self.process.stdout.readline())["hub"]
+        self.client = Client("test", self.endpoint)
+        self.client.wait_connected(10.0)
+        self.modules: dict[str, supervision.ModuleReport] = {}
+        self.capabilities: dict[str, supervision.CapabilityReport] = {}
+        self.client.subscribe(supervision.MODULE_REPORTS, self._note_modules)
+        self.client.subscribe(supervision.CAPABILITY_REPORTS, self._note_capabilities)
+        self.until(lambda: self.modules)
+
+    def _note_modules(self, reports: supervision.ModuleReports, _: object) -> None:
+        self.modules = {each.name: each for each in reports.modules}
+
+    def _note_capabilities(self, reports: supervision.CapabilityReports, _: object) -> None:
+        self.capabilities = {each.name: each for each in reports.capabilities}
+
+    def until(self, condition: Callable[[], object], timeout: float = 20.0) -> None:
+        until(
+            condition,
+            timeout,
+            lambda: f"{self.modules}\n{self.capabilities}\n{self.log.read_text()}",
+            meanwhile=lambda: self.client.listen(0.02),
+        )
+
+    def phase(self, name: str) -> ModulePhase:
+        return self.modules[name].phase
+
+    def order(self, name: str, order: supervision.ModuleOrder) -> supervision.ModuleResult:
+        command = supervision.ModuleCommand(module=name, order=order)
+        return self.client.query_response(
+            supervision.MODULE_COMMAND, command, supervision.MODULE_RESULT, timeout=5.0
+        )
+
+    def close(self) -> None:
+        self.client.close()
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        self.process.stdin.close()
+        self.process.wait(15.0)
+        self.process.stdout.close()
+
+
+Start = Callable[[str], Robot]
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Iterator[Start]:
+    with ExitStack() as stack:
+        yield lambda modules: stack.enter_context(closing(Robot(tmp_path, modules)))
+
+
+def module(name: str, way: str, **keys: Any) -> str:
+    command = [sys.executable, "-m", "tests.misbehaving.module", way, name]
+    lines = [f"{key} = {json.dumps(value)}" for key, value in keys.items()]
+    return "\n".join([f"[modules.{name}]", f"command = {json.dumps(command)}", *lines, ""])
+
+
+def test_capability_runs_while_somebody_wants_it(start: Start) -> None:
+    robot = start(module("one", "well", start="on demand", linger_s=0.5))
+    robot.until(lambda: robot.modules["one"].asked)
+    robot.until(lambda: "X_well" in robot.capabilities)
+    assert robot.capabilities["X_well"].phase is CapabilityPhase.AVAILABLE
+    assert robot.modules["one"].starts == 0
+    with closing(Client("console", robot.endpoint)) as console:
+        console.wait_connected(5.0)
+        wants = supervision.CapabilityWants(holder="console", capabilities="X_well")
+        console.publish(supervision.CAPABILITY_WANTS, wants)
+        console.every(0.5, lambda: console.publish(supervision.CAPABILITY_WANTS, wants))
+
+        def running() -> bool:
+            console.listen(0.01)
+            return robot.phase("one") is ModulePhase.RUNNING
+
+        robot.until(running)
+        assert robot.capabilities["X_well"].wanted_by == "console"
+    left = time.monotonic()
+    robot.until(lambda: robot.phase("one") is ModulePhase.STOPPED)
+    assert time.monotonic() - left < supervision.LEASE_S + 5.0
+    assert robot.modules["one"].why == "is wanted by nobody"
+
+
+def test_module_that_crashes_is_replaced_and_its_capability_stays(start: Start) -> None:
+    """The second module says that it can do what the first can, and does it well."""
+    spare = module("spare", "crash_soon", start="on demand")
+    spare += 'environment = { MISBEHAVE = "no" }\n'
+    robot = start(module("bad", "crash_soon", start="always") + spare)
+    robot.until(lambda: robot.phase("spare") is ModulePhase.RUNNING)
+    robot.until(lambda: robot.capabilities["X_crash_soon"].module == "spare")
+    assert robot.modules["bad"].starts == 2
+    assert "spare does its work" in robot.modules["bad"].why
+    assert "was ended by signal 11" in robot.log.read_text()
+
+
+def test_module_that_crashes_at_every_start_is_reported_without_a_storm(start: Start) -> None:
+    command = json.dumps([sys.executable, "-c", "import sys; sys.exit(7)"])
+    robot = start(f"[modules.bad]\ncommand = {command}\nrestart_limit = 2\nbackoff_s = 0.1\n")
+    robot.until(lambda: robot.phase("bad") is ModulePhase.FAILED)
+    assert robot.modules["bad"].starts == 3
+    assert "exit code 7" in robot.modules["bad"].why
+    assert robot.order("bad", supervision.ModuleOrder.START).done
+    robot.until(lambda: robot.modules["bad"].starts == 6)
+
+
+def test_module_that_hangs_is_started_anew(start: Start) -> None:
+    robot = start(module("one", "hang", keep_alive_s=2.0))
+    robot.until(lambda: robot.modules["one"].starts >= 2)
+    assert "hangs: silent for 2 s" in robot.log.read_text()
+
+
+def test_module_that_is_deaf_is_killed(start: Start) -> None:
+    robot = start(module("one", "deaf", ask_timeout_s=0.2, stop_timeout_s=0.6))
+    robot.until(lambda: robot.phase("one") is ModulePhase.RUNNING)
+    deaf_from = time.monotonic() + 0.7
+    robot.until(lambda: time.monotonic() > deaf_from)
+    pid = robot.modules["one"].pid
+    assert robot.order("one", supervision.ModuleOrder.RESTART).done
+    robot.until(lambda: robot.modules["one"].starts == 2)
+    assert not psutil.pid_exists(pid)
+
+
+def test_module_that_grows_is_started_anew(start: Start) -> None:
+    robot = start(module("one", "leak", memory_limit_mb=150))
+    robot.until(lambda: robot.modules["one"].starts >= 2)
+    assert "MB and may take 150" in robot.log.read_text()
+
+
+def test_flood_of_output_is_cut_and_kept_within_bounds(start: Start) -> None:
+    robot = start(module("one", "flood") + module("two", "well"))
+    robot.until(lambda: "bytes were left out" in robot.log.read_text())
+    request = supervision.LogRequest(module="one", most=5)
+    lines = robot.client.query_response(
+        supervision.LOG_REQUEST, request, supervision.LOG_LINES, timeout=5.0
+    )
+    assert lines.text.count("\n") == 5
+    robot.until(lambda: robot.phase("two") is ModulePhase.RUNNING)
+    assert robot.modules["one"].starts == 1
+    assert (robot.folder / "logs" / "test" / "one.log").stat().st_size > 0
+
+
+def test_what_a_module_has_forked_ends_with_it(start: Start) -> None:
+    """Also what has made itself a session of its own."""
+    robot = start(module("one", "fork"))
+    robot.until(lambda: robot.log.read_text().count("child ") == 2)
+    words = robot.log.read_text().split()
+    pids = [int(words[place + 1]) for place, word in enumerate(words) if word == "child"]
+    children = [psutil.Process(pid) for pid in pids]
+    robot.order("one", supervision.ModuleOrder.STOP)
+    robot.until(lambda: gone(children))
+
+
+def test_deaf_module_ends_when_the_daemon_is_killed(start: Start) -> None:
+    robot = start(module("one", "deaf"))
+    robot.until(lambda: robot.phase("one") is ModulePhase.RUNNING)
+    deaf_from = time.monotonic() + 0.7
+    robot.until(lambda: time.monotonic() > deaf_from)
+    processes = family(robot.process.pid)
+    robot.process.kill()
+    until(lambda: gone(processes), 10.0, "it lives on")
+
+
+def test_module_without_a_description_counts_for_what_the_file_says(start: Start) -> None:
+    way = module("one", "no_description", start="on demand", capabilities=["VIS_VID"])
+    robot = start(way)
+    until(lambda: "does not say what it can do" in robot.log.read_text(), 20.0)
+    assert robot.modules["one"].capabilities == "VIS_VID"
+    assert not robot.modules["one"].asked
+
+
+def test_common_commands_are_obeyed(start: Start) -> None:
+    robot = start(module("one", "well"))
+
+    def tell(command: CommonCommandKind, argument: str = "") -> None:
+        value = CommonCommand(module="one", command=command, argument=argument)
+        robot.client.publish(COMMON_COMMAND, value)
+
+    robot.until(lambda: robot.phase("one") is ModulePhase.RUNNING)
+    pid, before = robot.modules["one"].pid, psutil.Process(robot.modules["one"].pid)
+    tell(CommonCommandKind.LOG_LEVEL, "warning")
+    tell(CommonCommandKind.RESTART)
+    # It executes itself again: the same process, but anew.
+    robot.until(lambda: robot.log.read_text().count("one connected") == 2)
+    assert robot.modules["one"].pid == pid
+    assert before.is_running()
+    robot.client.wait_subscribed(5.0)
+    tell(CommonCommandKind.STOP)
+    robot.until(lambda: robot.phase("one") is ModulePhase.STOPPED)
+    assert robot.modules["one"].why == "was stopped by somebody"
+    tell(CommonCommandKind.START)
+    robot.until(lambda: robot.phase("one") is ModulePhase.RUNNING)
+
+
+def run(robot: Robot, *arguments: str) -> subprocess.CompletedProcess[str]:
+    hub = robot.endpoint.removeprefix("tcp://")
+    return subprocess.run(
+        [sys.executable, "-m", "hub", *arguments, "--hub", hub],
+        capture_output=True, text=True, check=False, timeout=30.0,
+    )  # fmt: skip
+
+
+def test_commands_for_people(start: Start) -> None:
+    robot = start(module("one", "well", start="on demand", linger_s=0.0))
+    robot.until(lambda: robot.modules["one"].asked)
+    assert "on demand" in run(robot, "modules").stdout
+    shown = json.loads(run(robot, "capabilities", "--json").stdout)
+    assert [each["name"] for each in shown["capabilities"]] == ["X_well"]
+    wanted = run(robot, "want", "X_well", "NOTHING", "--seconds", "2.5")
+    assert "X_well is running: one" in wanted.stdout
+    assert "NOTHING: no module of this robot has it" in wanted.stdout
+    assert wanted.returncode == 1
+    assert run(robot, "start", "one").stdout == "one is started\n"
+    robot.until(lambda: robot.phase("one") is ModulePhase.RUNNING)
+    assert "INFO ready" in run(robot, "logs", "one").stdout
+    nobody = run(robot, "stop", "two")
+    assert (nobody.returncode, "this robot has one" in nobody.stderr) == (2, True)
+    assert run(robot, "stop", "one").returncode == 0
+    robot.until(lambda: robot.phase("one") is ModulePhase.STOPPED)
+
+
+def test_logs_are_followed(start: Start) -> None:
+    robot = start(module("one", "well"))
+    robot.until(lambda: robot.phase("one") is ModulePhase.RUNNING)
+    hub = robot.endpoint.removeprefix("tcp://")
+    follower = subprocess.Popen(
+        [sys.executable, "-m", "hub", "logs", "one", "-f", "--hub", hub],
+        stdout=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    assert follower.stdout is not None
+    assert "INFO ready" in follower.stdout.readline()
+    os.kill(robot.modules["one"].pid, signal.SIGKILL)
+    assert "INFO ready" in follower.stdout.readline()
+    follower.send_signal(signal.SIGINT)
+    assert follower.wait(10.0) == 0
+    follower.stdout.close()
