@@ -36,13 +36,17 @@ port = {port}
 [simulation]
 arena = "{arena}"
 seed = 7
-[modules.driver]
-run = "hub.modules.driver"
-[modules.navigation]
-run = "hub.modules.navigation"
-[modules.vision]
-run = "hub.modules.vision"
+{modules}
 """
+MODULES = ("driver", "navigation", "vision")
+
+
+def robot_file(
+    arena: str = "empty", port: int = 0, gateway: str = "", modules: Sequence[str] = MODULES
+) -> str:
+    """A robot file; `gateway` is lines of its table of the hub."""
+    lines = "\n".join(f'[modules.{name}]\nrun = "hub.modules.{name}"' for name in modules)
+    return ROBOT_FILE.format(arena=arena, port=port, gateway=gateway, modules=lines)
 
 
 _FRESH_S = 0.08
@@ -52,12 +56,10 @@ _FRESH_S = 0.08
 class HubProcess:
     """`rune-hub run`, from start to end."""
 
-    def __init__(
-        self, folder: Path, *, arena: str = "empty", port: int = 0, gateway: str = ""
-    ) -> None:
-        """Start it; `gateway` is lines of the robot file's table of the hub."""
+    def __init__(self, folder: Path, **robot_keys: Any) -> None:
+        """Start it with a `robot_file` of these keys."""
         robot = folder / "robot.toml"
-        robot.write_text(ROBOT_FILE.format(arena=arena, port=port, gateway=gateway))
+        robot.write_text(robot_file(**robot_keys))
         self.log = folder / "hub.log"
         with self.log.open("wb") as log:
             self.process = subprocess.Popen(

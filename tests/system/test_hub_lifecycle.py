@@ -22,7 +22,7 @@ from hub.ipc.client import Client
 from hub.ipc.keyring import Keyring
 from hub.ipc.keys import read_client_keys
 from hub.ipc.security import Role
-from tests.system.harness import ROBOT_FILE, HubProcess, Observer, family, gone
+from tests.system.harness import HubProcess, Observer, family, gone, robot_file
 from tests.waiting import until
 
 
@@ -207,7 +207,7 @@ def test_what_a_module_has_started_ends_with_it(tmp_path: Path) -> None:
 
 def test_a_log_that_nobody_reads_does_not_stop_the_hub(tmp_path: Path) -> None:
     robot = tmp_path / "robot.toml"
-    robot.write_text(ROBOT_FILE.format(arena="empty", port=0, gateway=""))
+    robot.write_text(robot_file())
     unread, log = os.pipe()
     os.set_blocking(log, False)
     with contextlib.suppress(BlockingIOError):

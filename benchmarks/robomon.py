@@ -1,0 +1,171 @@
+"""How fast a module that was killed is back, and what the robot does meanwhile.
+
+Real processes: a hub with a simulated robot in an empty hall. A script drives it while each module
+in turn gets SIGKILL.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import statistics
+import tempfile
+import time
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+from benchmarks.figures import report, say
+from hub.errors import HubError
+from hub.gcm import autonomy, mapping, navigation, supervision, vision
+from hub.ipc.client import Client
+from hub.ipc.reception import Reception
+from tests.system.harness import HubProcess
+from tests.waiting import until
+
+ROUNDS = 5
+MODULES = ("driver", "navigation", "vision", "mapping", "autonomy")
+STILL = 0.005
+_ASK_S = 0.05
+
+Fresh = dict[str, tuple[int, float]]
+
+
+class Console:
+    """Drives, and sees what comes from whom."""
+
+    def __init__(self, endpoint: str) -> None:
+        self.client = Client("script", endpoint)
+        self.client.wait_connected(5.0)
+        self.pids: dict[str, int] = {}
+        self.fresh: Fresh = {}
+        self.truths: list[tuple[float, navigation.GroundTruth]] = []
+        self.state: navigation.RobotState | None = None
+        self.answered: dict[str, float] = {}
+        for definition in (
+            navigation.ROBOT_STATE,
+            navigation.DRIVE_STATE,
+            autonomy.AUTONOMY_STATE,
+        ):
+            self.client.subscribe(definition, self._note(definition.name))
+        self.client.subscribe(navigation.GROUND_TRUTH, self._note_truth)
+        self.client.subscribe(navigation.ROBOT_STATE, self._note_state)
+        self.client.subscribe(supervision.MODULE_REPORTS, self._note_modules)
+        self.client.every(1.0 / navigation.VELOCITY_COMMAND.rate_hz, self._drive)
+        self.client.define(navigation.VELOCITY_COMMAND)
+
+    def _note(self, name: str) -> Callable[[Any, Reception], None]:
+        def note(value: Any, how: Reception) -> None:
+            del value
+            self.fresh[name] = (how.publisher, time.monotonic())
+
+        return note
+
+    def _note_truth(self, truth: navigation.GroundTruth, how: Reception) -> None:
+        self.truths.append((how.measured, truth))
+
+    def _note_state(self, state: navigation.RobotState, _: Reception) -> None:
+        self.state = state
+
+    def _note_modules(self, reports: supervision.ModuleReports, _: Reception) -> None:
+        self.pids = {each.name: each.pid for each in reports.modules}
+
+    def _drive(self) -> None:
+        """Drive a wide circle, from neutral wherever that is asked for."""
+        moving = (navigation.MotionState.MOVING, navigation.MotionState.STANDING)
+        free = self.state is not None and self.state.motion in moving
+        twist = navigation.Twist.planar(0.3, 0.5) if free else navigation.Twist()
+        self.client.publish(navigation.VELOCITY_COMMAND, twist)
+
+    def until(self, condition: Callable[[], object], timeout: float = 20.0) -> None:
+        until(condition, timeout, meanwhile=lambda: self.client.listen(0.005))
+
+    def ask(self, name: str) -> None:
+        """Ask the module whose capability is an answer; when the first one came is noted."""
+        request, answer, value = {
+            "vision": (
+                vision.IMAGE_REQUEST,
+                vision.IMAGE,
+                vision.ImageRequest(width_px=64, height_px=48),
+            ),
+            "mapping": (mapping.MAP_REQUEST, mapping.MAP, mapping.MapRequest()),
+        }[name]
+
+        def failed(error: HubError) -> None:
+            del error
+
+        def answered(_: object, how: Reception) -> None:
+            del how
+            self.answered.setdefault(name, time.monotonic())
+
+        self.client.query_notify(
+            request, value, answer, timeout=0.5, answered=answered, failed=failed
+        )
+
+
+_STREAMS = {
+    "driver": navigation.DRIVE_STATE.name,
+    "navigation": navigation.ROBOT_STATE.name,
+    "autonomy": autonomy.AUTONOMY_STATE.name,
+}
+
+
+def kill(console: Console, name: str) -> tuple[float, float, float]:
+    """Kill a module; time until its capability is back, until the wheels are told 0, until rest."""
+    console.until(
+        lambda: console.truths and console.truths[-1][1].linear > 0.29 and console.pids.get(name)
+    )
+    until_warm = time.monotonic() + 1.0
+    console.until(lambda: time.monotonic() > until_warm)
+    stream = _STREAMS.get(name)
+    before = console.fresh[stream][0] if stream else 0
+    console.truths.clear()
+    console.answered.clear()
+    os.kill(console.pids[name], signal.SIGKILL)
+    killed = time.monotonic()
+    if stream:
+        console.until(lambda: console.fresh[stream][0] != before)
+        back = console.fresh[stream][1] - killed
+    else:
+        timer = console.client.every(_ASK_S, lambda: console.ask(name))
+        console.until(lambda: name in console.answered)
+        timer.cancel()
+        back = console.answered[name] - killed
+    end = killed + 1.5
+    console.until(lambda: time.monotonic() > end)
+    after = [(t - killed, truth) for t, truth in console.truths if t >= killed]
+    commanded = next((t for t, truth in after if truth.commanded_linear == 0.0), 0.0)
+    rest = next((t for t, truth in after if abs(truth.linear) < STILL), 0.0)
+    return back, commanded, rest
+
+
+def main() -> None:
+    """All figures."""
+    worst: dict[str, list[float]] = {name: [] for name in MODULES}
+    stops: list[tuple[float, float]] = []
+    with tempfile.TemporaryDirectory() as folder:
+        with closing(HubProcess(Path(folder), modules=MODULES)) as hub:
+            console = Console(hub.endpoint)
+            for name in MODULES:
+                for _ in range(ROUNDS):
+                    back, commanded, rest = kill(console, name)
+                    say(f"{name}: back {back:.3f} s, wheels told 0 {commanded:.3f} s")
+                    worst[name].append(back)
+                    if name == "navigation":
+                        stops.append((commanded, rest))
+            console.client.close()
+    note = ", ".join(
+        f"{name} {statistics.median(times):.2f} (largest {max(times):.2f})"
+        for name, times in worst.items()
+    )
+    slowest = max(statistics.median(times) for times in worst.values())
+    report("robomon.recovery_s", slowest, "s", bar=1.0, note=f"medians of {ROUNDS}: {note}")
+    largest = max(max(times) for times in worst.values())
+    report("robomon.recovery_largest_s", largest, "s", bar=1.0)
+    report("robomon.live_command_s", max(stop for stop, _ in stops), "s", bar=0.35, note="largest")
+    report("robomon.rest_s", max(rest for _, rest in stops), "s", bar=0.7, note="largest")
+
+
+if __name__ == "__main__":
+    main()
