@@ -70,6 +70,8 @@ def _run_command(options: argparse.Namespace) -> int:
         return _run_daemon(options)
     if options.command == "keys":
         return _tend_keys(options)
+    if options.command == "service":
+        return _write_unit(options)
     from hub.inspection import commands
 
     client = commands.connect(options.hub, options.command, options.keys)
@@ -134,6 +136,13 @@ def _look_at_modules(client: Client, options: argparse.Namespace) -> int:
     if options.command == "logs":
         return supervision.logs(client, options.module, lines=options.lines, follow=options.follow)
     return supervision.order(client, options.module, options.command)
+
+
+def _write_unit(options: argparse.Namespace) -> int:
+    from hub.robomon import service
+    from hub.robomon.table import load_robot_table
+
+    return service.write_unit(load_robot_table(options.robot), options.robot, options.user)
 
 
 def _tend_keys(options: argparse.Namespace) -> int:
@@ -208,6 +217,10 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--port", type=_port, help="TCP port instead of the file's; 0: a free one")
     run.add_argument("--json", action="store_true", help="say what happens as JSON lines")
     run.add_argument("--stop-with-stdin", action="store_true", help="stop when standard input ends")
+
+    service = commands.add_parser("service", help="print a systemd unit that runs a robot's hub")
+    service.add_argument("robot", help="a robot file, or the name of a shipped one")
+    service.add_argument("--user", default="rune", help="as whom it is to run (%(default)s)")
 
     look = argparse.ArgumentParser(add_help=False)
     look.add_argument(

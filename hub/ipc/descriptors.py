@@ -15,7 +15,8 @@ from hub.ipc.complaints import Complaints
 with contextlib.suppress(ImportError):  # Windows has no such limits, and no neighbours
     import resource
 
-_WANTED = 16_384
+WANTED = 16_384
+"""As many as central would like to be allowed."""
 LOCAL, BEYOND = 1 / 2, 3 / 8
 """The part of the descriptors that may be in use when a connection from this machine, or from
 another one, is taken. ZeroMQ's thread takes those that wait before ours can turn one away. It may
@@ -26,7 +27,7 @@ descriptors as we want, half of them has room for most of that."""
 def allow_many() -> None:
     """Let this process have as many descriptors as we want, or as the system gives."""
     now, most = resource.getrlimit(resource.RLIMIT_NOFILE)
-    wanted = _WANTED if most == resource.RLIM_INFINITY else min(_WANTED, most)
+    wanted = WANTED if most == resource.RLIM_INFINITY else min(WANTED, most)
     if now != resource.RLIM_INFINITY and now < wanted:
         with contextlib.suppress(ValueError, OSError):
             resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, most))
