@@ -70,8 +70,8 @@ def _run_command(options: argparse.Namespace) -> int:
         return _run_daemon(options)
     if options.command == "keys":
         return _tend_keys(options)
-    if options.command == "service":
-        return _write_unit(options)
+    if options.command in ("doctor", "service"):
+        return _look_at_machine(options)
     from hub.inspection import commands
 
     client = commands.connect(options.hub, options.command, options.keys)
@@ -138,9 +138,15 @@ def _look_at_modules(client: Client, options: argparse.Namespace) -> int:
     return supervision.order(client, options.module, options.command)
 
 
-def _write_unit(options: argparse.Namespace) -> int:
-    from hub.robomon import service
+def _look_at_machine(options: argparse.Namespace) -> int:
+    """Carry out a command that is about this machine; no hub needs to run."""
     from hub.robomon.table import load_robot_table
+
+    if options.command == "doctor":
+        from hub.inspection import doctor
+
+        return doctor.examine(options.robot, load_robot_table, as_json=options.json)
+    from hub.robomon import service
 
     return service.write_unit(load_robot_table(options.robot), options.robot, options.user)
 
@@ -221,6 +227,9 @@ def _parser() -> argparse.ArgumentParser:
     service = commands.add_parser("service", help="print a systemd unit that runs a robot's hub")
     service.add_argument("robot", help="a robot file, or the name of a shipped one")
     service.add_argument("--user", default="rune", help="as whom it is to run (%(default)s)")
+    doctor = commands.add_parser("doctor", help="say what is wrong on this machine, and what to do")
+    doctor.add_argument("robot", nargs="?", default="magellan", help="robot file (%(default)s)")
+    doctor.add_argument("--json", action="store_true", help="JSON, one line a finding")
 
     look = argparse.ArgumentParser(add_help=False)
     look.add_argument(
