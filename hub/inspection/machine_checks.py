@@ -89,7 +89,8 @@ def clock() -> list[Finding]:
 def space(robot: RobotDescription) -> list[Finding]:
     """Whether there is room for logs and maps."""
     free: dict[int, tuple[int, Path]] = {}
-    for folder in map(existing, written_folders(robot).values()):
+    for wanted, _ in written_folders(robot).values():
+        folder = existing(wanted)
         free.setdefault(folder.stat().st_dev, (shutil.disk_usage(folder).free, folder))
     return [judged_space(room, folder) for room, folder in free.values()]
 

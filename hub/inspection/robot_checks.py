@@ -84,22 +84,26 @@ def sockets(robot: RobotDescription) -> list[Finding]:
 
 
 def folders(robot: RobotDescription) -> list[Finding]:
-    """Whether logs and maps can be written."""
+    """Whether logs and maps can be written; a hub runs without, unless the robot file wants it."""
     findings = []
-    for what, folder in written_folders(robot).items():
-        fault = _unwritable(folder)
-        if fault:
+    for what, (folder, wanted) in written_folders(robot).items():
+        if fault := _unwritable(folder):
+            text = f"{what} cannot be written to {folder} ({fault})"
             advice = f"mkdir -p {folder}, and let this user write there"
-            findings.append(problem(f"{what} cannot be written to {folder} ({fault})", advice))
+            findings.append(problem(text, advice) if wanted else warning(text, advice))
         else:
             findings.append(ok(f"{what} can be written to {folder}"))
     return findings
 
 
-def written_folders(robot: RobotDescription) -> dict[str, Path]:
-    """Where what is written, by the XDG base directory specification."""
+def written_folders(robot: RobotDescription) -> dict[str, tuple[Path, bool]]:
+    """Where logs and maps are written, and whether the robot file says so."""
+    own = _own("STATE", "state")
+    if given := os.environ.get("LOGS_DIRECTORY", "").partition(":")[0]:  # by systemd
+        own = Path(given)
+    logs = Path(robot.logs) if robot.logs else own
     maps = Path(robot.map_folder) if robot.map_folder else _own("DATA", "share") / "maps"
-    return {"logs": _own("STATE", "state"), "maps": maps}
+    return {"logs": (logs, bool(robot.logs)), "maps": (maps, bool(robot.map_folder))}
 
 
 def existing(folder: Path) -> Path:
@@ -124,7 +128,7 @@ def devices(robot: RobotDescription) -> list[Finding]:
 
 
 def _own(kind: str, name: str) -> Path:
-    """Our part of one of the user's own folders."""
+    """Our part of one of the user's own folders, by the XDG base directory specification."""
     named = Path(os.environ.get(f"XDG_{kind}_HOME", ""))
     return (named if named.is_absolute() else Path.home() / ".local" / name) / "rune"
 

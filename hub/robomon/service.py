@@ -14,6 +14,7 @@ from pathlib import Path
 from hub.errors import HubError
 from hub.ipc import descriptors
 from hub.robomon.table import RobotTable
+from hub.robots.description import RobotDescription
 
 _UNIT = string.Template("""\
 # Runs the hub of $robot. Written by `rune-hub service`; to change it, write it anew, or say
@@ -25,8 +26,7 @@ _UNIT = string.Template("""\
 
 [Unit]
 Description=Rune hub of $description
-Wants=$network
-After=$network
+$network
 # A robot that stands in the field is never given up.
 StartLimitIntervalSec=0
 
@@ -48,7 +48,8 @@ TimeoutStopSec=$stop_timeout
 RuntimeDirectory=%N
 RuntimeDirectoryMode=0700
 Environment=XDG_RUNTIME_DIR=%t/%N
-LimitNOFILE=$descriptors
+LogsDirectory=%N
+LimitNOFILE=$descriptors$nice
 UMask=0077
 
 # What a hub never does. Devices stay open to it, within the rights of user and groups: neither
@@ -72,10 +73,12 @@ RestrictAddressFamilies=AF_UNIX AF_INET AF_INET6 AF_NETLINK AF_CAN AF_BLUETOOTH
 WantedBy=multi-user.target
 """)
 
+_ONLINE = "Wants=network-online.target\nAfter=network-online.target"
 DEVICE_GROUPS = ("video", "dialout", "input", "plugdev", "gpio", "i2c", "spi")
 """Groups to which systems give cameras, serial ports, HID devices and buses."""
 _ENDING_S = 5.0
 """What the daemon takes to end besides its modules [s]."""
+_OWN_CAMERA = "robot"
 _CONTROL = dict.fromkeys((*range(32), 127, 133, 8232, 8233), " ")
 _USER = re.compile(r"[A-Za-z_][A-Za-z0-9_-]{0,30}", re.ASCII)
 
@@ -92,7 +95,9 @@ class ServiceSpec:
         user: As whom.
         groups: Groups of devices that exist on this machine.
         keys: Folder of the keys; None for the one in the user's home.
+        writable: Folders that the hub writes to, wherever they are.
         gateway: Whether it listens on the network, and so has to wait for that.
+        nice: Lowest niceness that one of its modules wants; 0 if none wants less.
         stop_timeout: Longest time that one of its modules may take to stop [s].
     """
 
@@ -103,7 +108,9 @@ class ServiceSpec:
     user: str
     groups: Sequence[str]
     keys: Path | None
+    writable: Sequence[Path]
     gateway: bool
+    nice: int
     stop_timeout: float
 
 
@@ -111,20 +118,21 @@ def unit(spec: ServiceSpec) -> str:
     """The text of the unit."""
     hub = " ".join(spec.command)
     words = [*spec.command, "run", str(spec.robot_file)]
-    keys = "" if spec.keys is None else str(spec.keys)
-    folder = f" --folder {keys}" if keys else ""
+    folder = "" if spec.keys is None else f" --folder {spec.keys}"
+    writable = " ".join(_word(f"-{path}") for path in spec.writable)
     return _UNIT.substitute(
         robot=_plain(spec.robot),
         robot_argument=_plain(spec.robot_argument),
         keys=_plain(f"sudo -u {spec.user} {hub} keys make NAME --role operate{folder}"),
         description=_plain(spec.robot).replace("%", "%%"),
-        network="network-online.target" if spec.gateway else "network.target",
+        network=_ONLINE if spec.gateway else "After=network.target",
         command=" ".join(_word(word).replace("$", "$$") for word in words),
         descriptors=descriptors.WANTED,
+        nice=f"\nLimitNICE={spec.nice}" if spec.nice < 0 else "",
         user=spec.user,
         groups=f"\nSupplementaryGroups={' '.join(spec.groups)}" if spec.groups else "",
         stop_timeout=f"{spec.stop_timeout + _ENDING_S:g}",
-        writable="\nReadWritePaths=" + _word(f"-{keys}") if keys else "",
+        writable=f"\nReadWritePaths={writable}" if writable else "",
     )
 
 
@@ -144,16 +152,19 @@ def for_this_machine(table: RobotTable, argument: str, user: str) -> ServiceSpec
         raise HubError(text)
     program = Path(sys.executable).with_name("rune-hub")
     known = {group.gr_name for group in grp.getgrall()}
-    keys = table.robot.keys
+    robot = table.robot
+    written = [folder for folder in (robot.keys, robot.logs, robot.map_folder) if folder]
     return ServiceSpec(
-        robot=table.robot.name,
-        robot_file=table.robot.path.resolve(),
+        robot=robot.name,
+        robot_file=robot.path.resolve(),
         robot_argument=argument,
         command=(str(program),) if program.is_file() else (sys.executable, "-m", "hub"),
         user=user,
         groups=tuple(name for name in DEVICE_GROUPS if name in known),
-        keys=Path(keys).resolve() if keys else None,
-        gateway=bool(table.robot.gateway),
+        keys=Path(robot.keys).absolute() if robot.keys else None,
+        writable=tuple(Path(folder).absolute() for folder in written),
+        gateway=bool(robot.gateway),
+        nice=min(0, *(module.nice for module in table.modules)),
         stop_timeout=max(module.stop_timeout_s for module in table.modules),
     )
 
@@ -165,6 +176,10 @@ def write_unit(table: RobotTable, argument: str, user: str) -> int:
         HubError: No user can have this name.
     """
     sys.stdout.write(unit(for_this_machine(table, argument, user)))
+    for key, path in _relative_paths(table.robot).items():
+        sys.stderr.write(
+            f"rune-hub: {key} is {path}, but a service starts in /; write the whole path\n"
+        )
     try:
         pwd.getpwnam(user)
     except KeyError:
@@ -173,6 +188,18 @@ def write_unit(table: RobotTable, argument: str, user: str) -> int:
             f"useradd --system --create-home {user}, or name another one with --user\n"
         )
     return 0
+
+
+def _relative_paths(robot: RobotDescription) -> dict[str, str]:
+    """What means another place when it is looked at from another folder, by keys of the file."""
+    source = robot.camera_source
+    named = {
+        "[hub], key 'keys',": robot.keys,
+        "[hub], key 'logs',": robot.logs,
+        "[mapping], key 'folder',": robot.map_folder,
+        "[camera], key 'source',": "" if source == _OWN_CAMERA or "://" in source else source,
+    }
+    return {key: path for key, path in named.items() if path and not Path(path).is_absolute()}
 
 
 def _word(text: str) -> str:

@@ -47,7 +47,11 @@ class Notifier:
         return Notifier(address, period)
 
     def ready(self, status: str) -> None:
-        """Everything runs."""
+        """The hub can be reached.
+
+        Not: all modules run. systemd ends a service that takes long to be ready, and a robot whose
+        camera is broken is not to be ended for that.
+        """
         self._tell("READY=1", f"STATUS={_one_line(status)}", patience=_PATIENCE_S)
 
     def stopping(self) -> None:

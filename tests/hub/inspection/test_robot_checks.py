@@ -120,9 +120,18 @@ def test_folders_that_cannot_be_written_are_told(
     assert not (tmp_path / "new").exists()
     monkeypatch.setenv("XDG_STATE_HOME", UNWRITABLE)
     logs, maps = robot_checks.folders(robot(tmp_path, f'[mapping]\nfolder = "{UNWRITABLE}/x"'))
-    assert (logs.level, maps.level) == (Level.PROBLEM, Level.PROBLEM)
+    assert (logs.level, maps.level) == (Level.WARNING, Level.PROBLEM)
     assert "logs cannot be written" in logs.text
     assert f"mkdir -p {UNWRITABLE}/x" in maps.advice
+
+
+def test_the_folder_that_systemd_gives_for_logs_counts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LOGS_DIRECTORY", f"{tmp_path}:/other")
+    assert robot_checks.folders(robot(tmp_path))[0].text.endswith(f"to {tmp_path}")
+    named = robot(tmp_path, '[hub]\nlogs = "/proc/self/logs"')
+    assert robot_checks.folders(named)[0].level is Level.PROBLEM
 
 
 def camera(source: str) -> str:

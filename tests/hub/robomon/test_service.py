@@ -23,6 +23,7 @@ kind = "simulated-magellan"
 [modules.driver]
 run = "hub.modules.driver"
 stop_timeout_s = 9.0
+nice = -5
 [modules.vision]
 run = "hub.modules.vision"
 """
@@ -34,7 +35,9 @@ SPEC = ServiceSpec(
     user="rune",
     groups=(),
     keys=None,
+    writable=(),
     gateway=False,
+    nice=0,
     stop_timeout=2.0,
 )
 
@@ -71,8 +74,10 @@ def test_everything_is_filled_in_for_this_machine(tmp_path: Path) -> None:
     assert rest.endswith(f'run "{tmp_path}/robot file.toml"')
     assert said["User"] == "root"
     assert float(said["TimeoutStopSec"]) > 9.0
+    assert said["LimitNICE"] == "-5"
     assert "ReadWritePaths" not in said
     assert said["After"] == "network.target"
+    assert "Wants" not in said
     # A group that does not exist keeps systemd from starting the service.
     here = {group.gr_name for group in grp.getgrall()}
     assert set(said.get("SupplementaryGroups", "").split()) == here.intersection(DEVICE_GROUPS)
@@ -87,6 +92,14 @@ def test_a_gateway_waits_for_the_network_and_a_missing_user_is_told_of(tmp_path:
     assert said["ReadWritePaths"] == "-/etc/rune/keys"
 
 
+def test_a_path_that_depends_on_where_one_stands_is_told_of(tmp_path: Path) -> None:
+    done = written(tmp_path, 'keys = "keys"\n[camera]\nsource = "film.mp4"', "root")
+    assert [line.split(" is ")[0] for line in done.stderr.splitlines()] == [
+        "rune-hub: [hub], key 'keys',",
+        "rune-hub: [camera], key 'source',",
+    ]
+
+
 @pytest.mark.parametrize("arguments", [["no_such_robot"], ["magellan", "--user", "a\nb"]])
 def test_a_mistake_is_a_usage_error_and_no_unit(arguments: list[str]) -> None:
     done = service(*arguments)
@@ -96,10 +109,9 @@ def test_a_mistake_is_a_usage_error_and_no_unit(arguments: list[str]) -> None:
 
 @given(st.text(), st.text(), st.text())
 def test_no_name_can_add_a_setting(robot: str, file: str, keys: str) -> None:
-    plain = unit(replace(SPEC, keys=Path("/k")))
-    odd = unit(
-        replace(SPEC, robot=robot, robot_argument=file, robot_file=Path(file), keys=Path(keys))
-    )
+    plain = unit(replace(SPEC, writable=[Path("/k")]))
+    odd_words = {"robot": robot, "robot_argument": file, "robot_file": Path(file)}
+    odd = unit(replace(SPEC, **odd_words, keys=Path(keys), writable=[Path(keys)]))  # type: ignore[arg-type]
     # As systemd reads it: a backslash at the end of a line joins the next one to it.
     assert [line.partition("=")[0] for line in odd.split("\n") if line[:1] != "#"] == [
         line.partition("=")[0] for line in plain.split("\n") if line[:1] != "#"
@@ -115,8 +127,16 @@ ODD = """a "b" 'c' $HOME %i \\x;d"""
     "spec",
     [
         SPEC,
-        replace(SPEC, keys=Path("/etc/rune/keys"), gateway=True, groups=("video", "dialout")),
-        replace(SPEC, robot=ODD, robot_file=Path(f"/etc/{ODD}"), keys=Path(f"/etc/{ODD}")),
+        replace(
+            SPEC,
+            writable=[Path("/etc/rune/keys")],
+            gateway=True,
+            nice=-3,
+            groups=("video", "dialout"),
+        ),
+        replace(
+            SPEC, robot=ODD, robot_file=Path(f"/etc/{ODD}"), writable=[Path(f"/etc/{ODD}")] * 2
+        ),
     ],
     ids=["plain", "gateway", "odd"],
 )
