@@ -69,7 +69,7 @@ class Notifier:
     def _tell(self, *lines: str, patience: float = 0.0) -> None:
         if not self._address:
             return
-        # ValueError: an address can be too long or hold a zero.
+        # ValueError: an address may hold what no path can.
         with contextlib.suppress(OSError, ValueError):
             kind = socket.SOCK_DGRAM | socket.SOCK_CLOEXEC
             with socket.socket(socket.AF_UNIX, kind) as way:

@@ -122,6 +122,14 @@ def test_no_name_can_add_a_setting(robot: str, file: str, keys: str) -> None:
 ODD = """a "b" 'c' $HOME %i \\x;d"""
 
 
+def test_words_are_quoted_as_systemd_reads_them() -> None:
+    said = settings(unit(replace(SPEC, robot=ODD, robot_file=Path(ODD), writable=[Path(ODD)])))
+    quoted = """a \\"b\\" 'c' %s %%%%i \\\\x;d\""""
+    assert said["ExecStart"].endswith(f' run "{quoted % "$$HOME"}')
+    assert said["ReadWritePaths"] == f'"-{quoted % "$HOME"}'
+    assert said["Description"].endswith(""" a "b" 'c' $HOME %%i /x;d""")
+
+
 @pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="there is no systemd here")
 @pytest.mark.parametrize(
     "spec",
