@@ -12,7 +12,7 @@ import statistics
 import tempfile
 import time
 from collections.abc import Callable
-from contextlib import closing
+from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Any
 
@@ -144,17 +144,18 @@ def main() -> None:
     """All figures."""
     worst: dict[str, list[float]] = {name: [] for name in MODULES}
     stops: list[tuple[float, float]] = []
-    with tempfile.TemporaryDirectory() as folder:
-        with closing(HubProcess(Path(folder), modules=MODULES)) as hub:
-            console = Console(hub.endpoint)
-            for name in MODULES:
-                for _ in range(ROUNDS):
-                    back, commanded, rest = kill(console, name)
-                    say(f"{name}: back {back:.3f} s, wheels told 0 {commanded:.3f} s")
-                    worst[name].append(back)
-                    if name == "navigation":
-                        stops.append((commanded, rest))
-            console.client.close()
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        hub = stack.enter_context(closing(HubProcess(folder, modules=MODULES)))
+        console = Console(hub.endpoint)
+        stack.callback(console.client.close)
+        for name in MODULES:
+            for _ in range(ROUNDS):
+                back, commanded, rest = kill(console, name)
+                say(f"{name}: back {back:.3f} s, wheels told 0 {commanded:.3f} s")
+                worst[name].append(back)
+                if name == "navigation":
+                    stops.append((commanded, rest))
     note = ", ".join(
         f"{name} {statistics.median(times):.2f} (largest {max(times):.2f})"
         for name, times in worst.items()

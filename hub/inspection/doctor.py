@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import functools
 import json
-import sys
 from collections.abc import Callable, Iterator, Mapping
 
 from hub.errors import RobotFileError
 from hub.inspection import library_checks, machine_checks, port_checks, robot_checks
 from hub.inspection.finding import Finding, Level, ok, problem, warning
+from hub.inspection.writing import put
 from hub.robots.description import RobotDescription, find_robot_file, read_description
 
 _NOTHING_WRONG, _WRONG, _WRONG_ROBOT_FILE = 0, 1, 2
@@ -53,10 +53,10 @@ def examine(name_or_path: str, load: Callable[[str], object], *, as_json: bool) 
     for check, finding in _findings(name_or_path, load):
         counts[finding.level] += 1
         robot_file_wrong |= check == _ROBOT_FILE and finding.level is Level.PROBLEM
-        _put(_as_json(check, finding) if as_json else _as_line(check, finding))
+        put(_as_json(check, finding) if as_json else _as_line(check, finding))
     problems, warnings = counts[Level.PROBLEM], counts[Level.WARNING]
     if not as_json:
-        _put(f"problems: {problems}, warnings: {warnings}")
+        put(f"problems: {problems}, warnings: {warnings}")
     if robot_file_wrong:
         return _WRONG_ROBOT_FILE
     return _WRONG if problems else _NOTHING_WRONG
@@ -116,8 +116,3 @@ def _as_json(check: str, finding: Finding) -> str:
             "advice": finding.advice,
         }
     )
-
-
-def _put(line: str) -> None:
-    sys.stdout.write(line + "\n")
-    sys.stdout.flush()

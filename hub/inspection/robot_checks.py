@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from hub.errors import KeyFileError
+from hub.folders import LONGEST_FOR_SOCKETS, for_logs, for_maps, for_sockets
 from hub.inspection.finding import Finding, ok, problem, warning
 from hub.ipc import key_files
 from hub.ipc.keyring import Keyring, default_folder
@@ -21,7 +22,6 @@ from hub.robots.description import RobotDescription
 
 OWN_CAMERA = "robot"
 """What a robot file says where the robot has a camera of its own."""
-_LONGEST_FOLDER = 60
 """As long as a folder for sockets may be; a socket's path has about 100 bytes at most."""
 _DEVICE = re.compile(r"/dev/[^\s,;\"']+")
 _EVERYBODYS = ("/dev/null", "/dev/zero", "/dev/stdin", "/dev/stdout", "/dev/stderr")
@@ -62,15 +62,11 @@ def sockets(robot: RobotDescription) -> list[Finding]:
     del robot
     named = os.environ.get("XDG_RUNTIME_DIR", "")
     findings = []
-    usable = []
-    for candidate in (named, tempfile.gettempdir()):
-        if candidate and len(candidate) <= _LONGEST_FOLDER and Path(candidate).is_dir():
-            usable.append(candidate)
-    if named and named not in usable:
-        reason = "is too long" if len(named) > _LONGEST_FOLDER else "is no folder"
+    parent = for_sockets()
+    if named and named != str(parent):
+        reason = "is too long" if len(named) > LONGEST_FOR_SOCKETS else "is no folder"
         text = f"XDG_RUNTIME_DIR ({named}) {reason}; another folder is taken"
-        findings.append(warning(text, f"name a folder of up to {_LONGEST_FOLDER} characters"))
-    parent = usable[0] if usable else "/tmp"
+        findings.append(warning(text, f"name a folder of up to {LONGEST_FOR_SOCKETS} characters"))
     try:
         with (
             tempfile.TemporaryDirectory(prefix="rune-doctor-", dir=parent) as folder,
@@ -98,11 +94,7 @@ def folders(robot: RobotDescription) -> list[Finding]:
 
 def written_folders(robot: RobotDescription) -> dict[str, tuple[Path, bool]]:
     """Where logs and maps are written, and whether the robot file says so."""
-    own = _own("STATE", "state")
-    if given := os.environ.get("LOGS_DIRECTORY", "").partition(":")[0]:  # by systemd
-        own = Path(given)
-    logs = Path(robot.logs) if robot.logs else own
-    maps = Path(robot.map_folder) if robot.map_folder else _own("DATA", "share") / "maps"
+    logs, maps = for_logs(robot.logs), for_maps(robot.map_folder)
     return {"logs": (logs, bool(robot.logs)), "maps": (maps, bool(robot.map_folder))}
 
 
@@ -125,12 +117,6 @@ def devices(robot: RobotDescription) -> list[Finding]:
         else:
             findings.append(ok(f"the camera's file {source} can be read"))
     return findings or [ok("the robot file names none")]
-
-
-def _own(kind: str, name: str) -> Path:
-    """Our part of one of the user's own folders, by the XDG base directory specification."""
-    named = Path(os.environ.get(f"XDG_{kind}_HOME", ""))
-    return (named if named.is_absolute() else Path.home() / ".local" / name) / "rune"
 
 
 def _unwritable(folder: Path) -> str:

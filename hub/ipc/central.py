@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import Any
 
 import zmq
-import zmq.utils.monitor
 
 from hub.errors import CodecError, EndpointError, FrameError, HubError, NotAllowedError
 from hub.ipc import control, control_frames, descriptors, frames, memory, security, sockets
@@ -289,14 +288,13 @@ class Central:
                 raw = monitor.recv_multipart(zmq.NOBLOCK)
             except zmq.Again:
                 return False
-            event = zmq.utils.monitor.parse_monitor_message(raw)
-            descriptor = int(event["value"])
-            if event["event"] in _HANDSHAKE_FAILURES:
+            event, descriptor = sockets.parse_event(raw)
+            if event in _HANDSHAKE_FAILURES:
                 self.complaints.count(
                     f"bad handshake on {where}",
                     "a peer left in the middle of it, or does not speak this protocol",
                 )
-            elif event["event"] == zmq.EVENT_ACCEPTED:
+            elif event == zmq.EVENT_ACCEPTED:
                 self._reserve.admit(descriptor, where)
                 if where in self._floods:
                     self._floods[where].connected(descriptor)

@@ -24,6 +24,7 @@ from __future__ import annotations
 import functools
 import hashlib
 import struct
+from collections.abc import Callable
 from typing import Any
 
 from hub.errors import CodecError
@@ -62,8 +63,17 @@ class Codec:
         self.flat_letters = codegen.flat_letters(tree)
         digest = hashlib.blake2b(self.text.encode(), digest_size=8).digest()
         self.fingerprint = int.from_bytes(digest, "little")
-        self._encode = codegen_write.writer(tree)
-        self._decode = codegen_read.reader(tree)
+        self._tree = tree
+
+    # Generated when they are first used: no program uses all formats that it knows.
+
+    @functools.cached_property
+    def _encode(self) -> Callable[[Any], list[Buffer]]:
+        return codegen_write.writer(self._tree)
+
+    @functools.cached_property
+    def _decode(self) -> Callable[[Buffer], Any]:
+        return codegen_read.reader(self._tree)
 
     def encode(self, value: Any) -> list[Buffer]:
         """The payload of `value` in pieces; joined, they are the payload.

@@ -10,7 +10,6 @@ import secrets
 from typing import Any, Protocol
 
 import zmq
-import zmq.utils.monitor
 
 import hub.errors
 from hub.errors import HubError, NotAllowedError

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import Any
 
 import zmq
-import zmq.utils.monitor
 
 from hub.errors import CodecError, FrameError
 from hub.ipc import control_frames, sockets
@@ -78,7 +77,7 @@ class Dialogue:
                 raw = self._monitor.recv_multipart(zmq.NOBLOCK)
             except zmq.Again:
                 break
-            self._happened(int(zmq.utils.monitor.parse_monitor_message(raw)["event"]))
+            self._happened(sockets.parse_event(raw)[0])
         return False
 
     def _receive(self) -> bool:

@@ -13,9 +13,9 @@ from collections.abc import Callable, Mapping
 from typing import TypeAlias
 
 import zmq
-import zmq.utils.monitor
 
 from hub.errors import EndpointError
+from hub.ipc import sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.descriptors import BEYOND, Reserve
 from hub.ipc.floods import FloodWatch
@@ -206,14 +206,14 @@ class Gateway:
                 raw = monitor.recv_multipart(zmq.NOBLOCK)
             except zmq.Again:
                 break
-            event = zmq.utils.monitor.parse_monitor_message(raw)
-            descriptor, flood = int(event["value"]), self._floods.get(place)
-            if event["event"] == zmq.EVENT_DISCONNECTED:
+            event, descriptor = sockets.parse_event(raw)
+            flood = self._floods.get(place)
+            if event == zmq.EVENT_DISCONNECTED:
                 if flood is not None:
                     flood.disconnected(descriptor)
                 elif place == CONTROL:
                     ended.append(descriptor)
-            elif event["event"] == zmq.EVENT_ACCEPTED:
+            elif event == zmq.EVENT_ACCEPTED:
                 self._reserve.admit(descriptor, f"the gateway's {place}")
                 if flood is not None:
                     flood.connected(descriptor)

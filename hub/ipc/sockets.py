@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import struct
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -12,6 +13,8 @@ from hub.ipc.definition import Plane
 from hub.ipc.frames import MAX_FRAME
 from hub.ipc.keys import ClientKeys
 
+_EVENT = struct.Struct("=hi")
+"""How ZeroMQ packs an event of a monitor: which, and a descriptor or an error number."""
 Socket = zmq.Socket[bytes]
 Context = zmq.Context[Socket]
 
@@ -127,3 +130,12 @@ def connect(socket: Socket, address: str) -> None:
     """Connect; IPv6 is switched on for the addresses that need it."""
     socket.ipv6 = "[" in address
     socket.connect(address)
+
+
+def parse_event(parts: Sequence[bytes]) -> tuple[int, int]:
+    """The event, and the value that goes with it, of a message from a monitor.
+
+    pyzmq's own function stands in a file that imports asyncio, which takes as long as NumPy.
+    """
+    event, value = _EVENT.unpack(parts[0])
+    return event, value

@@ -14,6 +14,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
+from hub import folders
 from hub.errors import EndpointError
 from hub.gcm.supervision import ModulePhase
 from hub.ipc.central import Central
@@ -24,6 +25,7 @@ from hub.robomon.outputs import LogFolder, Outputs
 from hub.robomon.policy import Supervisor
 from hub.robomon.process import adopt_orphans
 from hub.robomon.reporting import Reporting
+from hub.robomon.systemd import Notifier
 from hub.robomon.table import RobotTable, hub_arguments, robot_arguments
 
 _logger = logging.getLogger(__name__)
@@ -34,8 +36,6 @@ _STDIN = 0
 _CONNECT_S = 10.0
 _LISTEN_S = 0.5
 _FOLDER = "rune-hub-{pid}-"
-_LONGEST_FOLDER = 60
-"""Socket files have paths of about 100 bytes at most."""
 
 
 class Daemon:
@@ -47,6 +47,7 @@ class Daemon:
         self._stop = threading.Event()
         self._gateway = ""
         self._wake: Callable[[], None] = lambda: None
+        self._notifier = Notifier.from_environment(os.environ, os.getpid())
         self._supervisor = Supervisor(table.modules)
 
     def run(self, *, stop_with_stdin: bool) -> int:
@@ -84,6 +85,9 @@ class Daemon:
     def _serve(self, client: Client, outputs: Outputs, local: str, endpoint: str) -> None:
         self._wake = lambda: client.post(lambda: None)
         client.wait_connected(_CONNECT_S)
+        if self._notifier.period is not None:
+            client.every(self._notifier.period, self._notifier.alive)
+        self._notifier.ready(f"{self._table.robot.name}: starting modules")
         robot_file = self._table.robot.path
         reporting = Reporting(client, self._supervisor, outputs, self._table.robot.name)
         keeper = Keeper(
@@ -92,7 +96,7 @@ class Daemon:
             outputs,
             arguments=hub_arguments(local, robot_file),
             description_arguments=robot_arguments(robot_file),
-            changed=reporting.publish,
+            changed=lambda: self._changed(reporting),
         )
         reporting.keeper = keeper
         ready = False
@@ -104,8 +108,16 @@ class Daemon:
                     ready = True
                     self._say("ready", endpoint, keeper.pids)
             _logger.info("stopping")
+            self._notifier.stopping()
         finally:
             keeper.close()
+
+    def _changed(self, reporting: Reporting) -> None:
+        """Tell on the bus and to systemd what the modules do now."""
+        reporting.publish()
+        lives = self._supervisor.lives.values()
+        words = (f"{life.spec.name} {life.phase.name.lower()}" for life in lives)
+        self._notifier.status(", ".join(words))
 
     @staticmethod
     def _listen(client: Client) -> None:
@@ -152,9 +164,7 @@ class Daemon:
 @contextlib.contextmanager
 def _socket_folder() -> Iterator[Path]:
     """A new folder for socket files; those of daemons that were killed are removed."""
-    candidates = (os.environ.get("XDG_RUNTIME_DIR", ""), tempfile.gettempdir())
-    usable = [c for c in candidates if c and len(c) <= _LONGEST_FOLDER and Path(c).is_dir()]
-    parent = Path(usable[0] if usable else "/tmp")
+    parent = folders.for_sockets()
     for old in parent.glob(_FOLDER.format(pid="*") + "*"):
         pid = old.name.split("-")[2]
         if pid.isdigit() and not Path(f"/proc/{pid}").exists() and Path("/proc/self").exists():

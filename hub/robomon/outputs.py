@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO
 
-from hub import logs
+from hub import folders, logs
 
 _logger = logging.getLogger(__name__)
 
@@ -214,7 +214,7 @@ class LogFolder:
         """
         self.path: Path | None = None
         self._lock: IO[bytes] | None = None
-        parent = Path(wanted) if wanted else _default_folder()
+        parent = folders.for_logs(wanted)
         for number in range(1, _FOLDERS + 1):
             path = parent / (robot if number == 1 else f"{robot}-{number}")
             try:
@@ -233,12 +233,3 @@ class LogFolder:
         """Leave it to others."""
         if self._lock is not None:
             self._lock.close()
-
-
-def _default_folder() -> Path:
-    """What systemd gives a service, else the user's own."""
-    given = os.environ.get("LOGS_DIRECTORY", "").partition(":")[0]
-    state = os.environ.get("XDG_STATE_HOME", "")
-    return (
-        Path(given) if given else (Path(state) if state else Path.home() / ".local/state") / "rune"
-    )

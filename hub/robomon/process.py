@@ -19,6 +19,7 @@ from hub.robomon.table import ModuleSpec
 
 _logger = logging.getLogger(__name__)
 
+_OF_THE_DAEMON = ("NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID")
 _PR_SET_CHILD_SUBREAPER = 36
 
 
@@ -113,7 +114,7 @@ class ModuleProcess:
                 stdout=theirs,
                 stderr=theirs,
                 # Lines are wanted when they are written, not when a buffer is full.
-                env={"PYTHONUNBUFFERED": "1", **os.environ, **dict(spec.environment)},
+                env=_environment(spec),
                 # Its own group: Ctrl-C in the daemon's terminal is for the daemon alone, which
                 # ends the modules in order.
                 process_group=0,
@@ -180,6 +181,12 @@ class ModuleProcess:
         except OSError as error:
             text = "module %s: its niceness cannot be changed by %d: %s"
             _logger.warning(text, self.spec.name, self.spec.nice, error.strerror)
+
+
+def _environment(spec: ModuleSpec) -> dict[str, str]:
+    """The daemon's own, without what systemd means for the daemon alone."""
+    own = {k: v for k, v in os.environ.items() if k not in _OF_THE_DAEMON}
+    return {"PYTHONUNBUFFERED": "1", **own, **dict(spec.environment)}
 
 
 def adopt_orphans() -> None:

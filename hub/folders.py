@@ -1,0 +1,37 @@
+"""Where files of ours belong on this machine: sockets, logs, maps.
+
+The user's own folders follow the XDG base directory specification; a service has what systemd says.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+
+LONGEST_FOR_SOCKETS = 60
+"""Socket files have paths of about 100 bytes at most, ours among them."""
+
+
+def for_sockets() -> Path:
+    """The folder in which a daemon makes a folder of its own for sockets."""
+    for candidate in (os.environ.get("XDG_RUNTIME_DIR", ""), tempfile.gettempdir()):
+        if candidate and len(candidate) <= LONGEST_FOR_SOCKETS and Path(candidate).is_dir():
+            return Path(candidate)
+    return Path("/tmp")
+
+
+def for_logs(wanted: str = "") -> Path:
+    """The folder for folders of log files; `wanted` if that names one."""
+    given = wanted or os.environ.get("LOGS_DIRECTORY", "").partition(":")[0]
+    return Path(given) if given else _own("STATE", "state")
+
+
+def for_maps(wanted: str = "") -> Path:
+    """The folder for saved maps; `wanted` if that names one."""
+    return Path(wanted) if wanted else _own("DATA", "share") / "maps"
+
+
+def _own(kind: str, name: str) -> Path:
+    named = Path(os.environ.get(f"XDG_{kind}_HOME", ""))
+    return (named if named.is_absolute() else Path.home() / ".local" / name) / "rune"
