@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 import shlex
 import signal
@@ -15,6 +16,7 @@ import pytest
 
 from hub.ipc.keyring import Keyring, default_folder
 from hub.ipc.security import Role
+from tests.system.harness import MODULES as ALL_MODULES
 from tests.system.harness import ConsoleProcess, HubProcess
 from tests.waiting import until
 
@@ -38,12 +40,23 @@ ALL = [
 ]
 
 
+@pytest.fixture(scope="module")
+def page_hub(tmp_path_factory: pytest.TempPathFactory) -> Iterator[HubProcess]:
+    """One hub for the commands of all pages: none of them leaves it other than it was."""
+    folder = tmp_path_factory.mktemp("hub")
+    with pytest.MonkeyPatch.context() as patch, contextlib.ExitStack() as stack:
+        patch.setenv("XDG_STATE_HOME", str(folder))
+        hub = HubProcess(folder, modules=ALL_MODULES)
+        stack.enter_context(closing(hub))
+        yield hub
+
+
 def test_there_are_commands() -> None:
     assert len(ALL) > 10
 
 
 @pytest.mark.parametrize("command", ALL)
-def test_command_works(command: str, request: pytest.FixtureRequest, tmp_path: Path) -> None:
+def test_command_works(command: str, page_hub: HubProcess, tmp_path: Path) -> None:
     words = shlex.split(command)
     if words[0] == "make":
         targets = re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
@@ -53,9 +66,9 @@ def test_command_works(command: str, request: pytest.FixtureRequest, tmp_path: P
     elif words[:2] == ["rune-hub", "run"]:
         _starts_and_ends(words, tmp_path)
     elif words[:2] in (["rune", "demo"], ["rune", "run"]):
-        _shows_a_picture(words, request)
+        _shows_a_picture(words, page_hub)
     else:
-        _succeeds(words, request, tmp_path)
+        _succeeds(words, page_hub, tmp_path)
 
 
 def _starts_and_ends(words: list[str], folder: Path) -> None:
@@ -73,10 +86,9 @@ def _starts_and_ends(words: list[str], folder: Path) -> None:
     assert hub.wait(15.0) == 0
 
 
-def _shows_a_picture(words: list[str], request: pytest.FixtureRequest) -> None:
+def _shows_a_picture(words: list[str], hub: HubProcess) -> None:
     arguments = [str(ROOT / word) if word.endswith(".xml") else word for word in words[1:]]
     if "--hub" in arguments:
-        hub: HubProcess = request.getfixturevalue("hub")
         arguments[arguments.index("--hub") + 1] = hub.endpoint
     with closing(ConsoleProcess(arguments)) as console:
         console.wait_for_picture()
@@ -84,13 +96,12 @@ def _shows_a_picture(words: list[str], request: pytest.FixtureRequest) -> None:
         assert console.wait_ended() == 0
 
 
-def _succeeds(words: list[str], request: pytest.FixtureRequest, folder: Path) -> None:
+def _succeeds(words: list[str], hub: HubProcess, folder: Path) -> None:
     arguments = [str(ROOT / word) if word.endswith(".xml") else word for word in words[1:]]
     if words[:2] == ["rune-hub", "keys"]:
         if words[2] == "remove":
             Keyring(default_folder()).make(words[3], Role.OBSERVE)
     elif words[0] == "rune-hub" and words[1] not in ("doctor", "service"):
-        hub: HubProcess = request.getfixturevalue("hub")
         arguments += ["--hub", hub.endpoint]
     process = subprocess.Popen(
         [sys.executable, "-m", MODULES[words[0]], *arguments],
