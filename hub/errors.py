@@ -19,6 +19,7 @@
     │   ├── HandlerFailedError                 the module that was asked could not answer
     │   ├── NoValueError                       nobody has published a value to ask for
     │   └── QueryTimeoutError (TimeoutError)   the answer did not come in time
+    ├── CameraError (OSError)                a camera that gives no pictures, and why
     ├── ArenaError (ValueError)                an arena file with mistakes, all of them listed
     ├── RobotFileError (ValueError)            a robot file with mistakes, all of them listed
     └── ModuleStartError (RuntimeError)        a module that could not be started
@@ -117,6 +118,10 @@ class NoValueError(QueryError):
 
 class QueryTimeoutError(QueryError, TimeoutError):
     """The answer did not come within the time the caller gave."""
+
+
+class CameraError(HubError, OSError):
+    """A camera that gives no pictures."""
 
 
 class _FileError(HubError, ValueError):

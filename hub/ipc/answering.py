@@ -21,18 +21,23 @@ Pack = Callable[[MessageDefinition[Any], Any, float], bytes]
 class Reply(Generic[R]):
     """An answer that is owed; it is given once, at any time before the query's time has run out."""
 
-    def __init__(self, respond: Callable[[R], None], fail: Fail) -> None:
+    def __init__(self, respond: Callable[[R, float | None], None], fail: Fail) -> None:
         self._respond = respond
         self._fail = fail
 
-    def answer(self, value: R) -> None:
+    def answer(self, value: R, *, measured: float | None = None) -> None:
         """This is it; a second answer is dropped by central.
+
+        Args:
+            value: The answer.
+            measured: When its content was measured, on the monotonic clock [s]; default when the
+                question came.
 
         Raises:
             CodecError: The value does not fit the format; the query has ended with that error.
         """
         try:
-            self._respond(value)
+            self._respond(value, measured)
         except HubError as error:
             self._fail("HandlerFailedError", str(error))
             raise
@@ -84,8 +89,9 @@ class Answers:
         """Let `handler` answer queries of `request`, at once or later."""
 
         def answer(frame: frames.Frame, number: int, asked: float, tell: Tell) -> None:
-            def respond(value: R) -> None:
-                tell(control.Response(number=number), self._pack(response, value, asked))
+            def respond(value: R, measured: float | None) -> None:
+                when = asked if measured is None else measured
+                tell(control.Response(number=number), self._pack(response, value, when))
 
             fail = functools.partial(_fail, tell, number)
             handler(decode(request, frame), Reply(respond, fail))

@@ -12,6 +12,7 @@ import zmq
 
 from hub.errors import HandlerDiedError, NoHandlerError, QueryError
 from hub.ipc import control, control_frames
+from hub.ipc.answering import Reply
 from hub.ipc.central import Central
 from hub.ipc.hub_time import this_neighbourhood
 from tests.hub.ipc import vocabulary as v
@@ -208,3 +209,27 @@ def test_rubbish_at_the_door_is_counted_and_harms_nobody(
     assert _ask(asker, 5) == 5
     assert not handler.faults
     assert threading.active_count() < 50
+
+
+def test_an_answer_may_say_that_its_content_is_older_than_the_question(connect: Connect) -> None:
+    asker, handler = connect("asker"), connect("handler")
+
+    def answer(ask: Number, reply: Reply[Number]) -> None:
+        reply.answer(ask, measured=handler.client.loop.clock() - 7.0)
+
+    handler.call(lambda: handler.client.respond_later(v.ASK, v.ANSWER, answer))
+    handler.call(lambda: handler.client.wait_defined(5.0))
+    handler.call(lambda: handler.client.directory.listing(5.0))
+    ages: list[float] = []
+    asker.call(
+        lambda: asker.client.query_notify(
+            v.ASK,
+            Number(value=1),
+            v.ANSWER,
+            timeout=5.0,
+            answered=lambda _, reception: ages.append(reception.age),
+            failed=lambda _: ages.append(-1.0),
+        )
+    )
+    until(lambda: ages, 5.0)
+    assert ages[0] >= 7.0
