@@ -47,8 +47,8 @@ $(READY): requirements.lock pyproject.toml
 	@touch $@
 
 lock:  ## choose versions anew within the bounds of pyproject.toml; needs uv
-	uv pip compile pyproject.toml --extra console --group dev --universal --python-version 3.11 \
-		--generate-hashes --no-emit-index-url --custom-compile-command "make lock" \
+	uv pip compile pyproject.toml --extra console --extra camera --group dev --universal \
+		--python-version 3.11 --generate-hashes --no-emit-index-url --custom-compile-command "make lock" \
 		--upgrade --quiet -o requirements.lock
 
 clean:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,8 @@ from hub.errors import RobotFileError
 from hub.ipc.security import DEFAULT_PORT
 
 SHIPPED = Path(__file__).parent / "files"
+ROBOTS_OWN = "robot"
+"""The source of pictures that is the robot's own camera."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,12 +32,16 @@ class RobotDescription:
         angular_limit: Largest turn rate [rad/s].
         arena: Arena of a simulated robot: a shipped name, or a path.
         seed: Seed of the simulation.
+        light: How bright the arena is, 0 (dark) to 1; None: as its file says.
         linear_acceleration: Fastest change of the forward velocity, braking [m/s^2].
         angular_acceleration: Fastest change of the turn rate, braking [rad/s^2].
         radius: Of the circle around the robot's centre in which all of it lies [m].
         margin: How far it keeps from obstacles besides [m].
         camera_source: Where pictures come from: "robot" for the robot's own camera, or a device,
             file or network address.
+        camera_fov: Field of view from left to right of such another camera [rad].
+        camera_forward: Such another camera ahead of the robot's centre [m].
+        camera_height: Such another camera above the ground [m].
         headlight: Whether it has one.
         map_resolution: Edge of a cell of the map [m].
         map_size: Extent of the map in both directions, the start in its middle [m].
@@ -53,11 +60,15 @@ class RobotDescription:
     angular_limit: float
     arena: str
     seed: int
+    light: float | None
     linear_acceleration: float
     angular_acceleration: float
     radius: float
     margin: float
     camera_source: str
+    camera_fov: float
+    camera_forward: float
+    camera_height: float
     headlight: bool
     map_resolution: float
     map_size: float
@@ -92,7 +103,10 @@ _TABLES = {
         "margin": toml.Key(toml.number(0.0, 1.0), 0.05),
     },
     "camera": {
-        "source": toml.Key(toml.text(1000), "robot", "camera_source"),
+        "source": toml.Key(toml.text(1000), ROBOTS_OWN, "camera_source"),
+        "fov_deg": toml.Key(toml.number(1.0, 170.0), 60.0, "camera_fov"),
+        "forward": toml.Key(toml.number(-5.0, 5.0), 0.0, "camera_forward"),
+        "height": toml.Key(toml.number(0.01, 5.0), 0.3, "camera_height"),
         "headlight": toml.Key(toml.truth, default=True),
     },
     "mapping": {
@@ -103,6 +117,7 @@ _TABLES = {
     "simulation": {
         "arena": toml.Key(toml.text(200), "yellow"),
         "seed": toml.Key(toml.whole_number(0, 2**63 - 1), 1),
+        "light": toml.Key(toml.number(0.0, 1.0), None),
     },
 }
 
@@ -140,4 +155,11 @@ def read_description(path: Path) -> tuple[RobotDescription, toml.Problems]:
         modules = {}
     if fields["arena"].endswith(".toml"):
         fields["arena"] = str(path.parent / fields["arena"])
+    fields["camera_source"] = _located(fields["camera_source"], path.parent)
+    fields["camera_fov"] = math.radians(fields["camera_fov"])
     return RobotDescription(path=path, modules=modules, **fields), problems
+
+
+def _located(source: str, folder: Path) -> str:
+    """A source of pictures; paths are relative to the robot file."""
+    return source if source == ROBOTS_OWN or "://" in source else str(folder / source)

@@ -9,17 +9,20 @@ import numpy.typing as npt
 
 from hub.gcm.navigation import DriveState, GroundTruth
 from hub.gcm.vision import CameraCommand, CameraMotion, CameraState
+from hub.robots.cropping import cropped_fov, size_within, vertical_fov
+from hub.robots.interfaces import Picture
 from hub.sim.arena import Arena
 from hub.sim.battery import Battery
 from hub.sim.contact import Body
+from hub.sim.image_noise import SensorNoise
 from hub.sim.kinematics import ANGULAR, LINEAR, approach, limited, moved
+from hub.sim.lighting import Lighting
 from hub.sim.odometry import Odometry
 from hub.sim.pan_tilt_zoom import (
     PAN_LIMIT,
     TILT_LIMIT,
     PanTiltZoom,
     horizontal_fov,
-    vertical_fov,
 )
 from hub.sim.range_sensors import RangeSensors
 from hub.sim.ray_caster import RayCaster
@@ -37,6 +40,9 @@ MOUNT_HEIGHT = 0.37
 """Camera above the ground [m]."""
 SENSOR_WIDTH_PX = 320
 SENSOR_HEIGHT_PX = 240
+_SENSOR = (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX)
+_PLACES_STOPPED = 0.1
+"""Time without news of the robot's place after which it counts as standing [s]."""
 
 _ROUNDING = 1e-9
 _FARTHEST_PLACE = 1000.0
@@ -151,12 +157,34 @@ class SimulatedMagellan:
 
 
 class SimulatedCamera:
-    """A camera on a pan/tilt/zoom head in an arena; implements `Camera`."""
+    """A camera on a pan/tilt/zoom head in an arena; implements `Camera`.
 
-    def __init__(self, arena: Arena) -> None:
+    The same seed and the same calls give the same pictures to the last bit.
+    """
+
+    def __init__(
+        self,
+        arena: Arena,
+        *,
+        light: float | None = None,
+        headlight: bool = True,
+        seed: int = 0,
+    ) -> None:
+        """Stand at the start of the arena.
+
+        Args:
+            arena: Where it is.
+            light: How bright it is there, 0 (dark) to 1; None: as the arena's file says.
+            headlight: Whether there is one beside the camera.
+            seed: Of the noise in the dark.
+        """
         self._caster = RayCaster(arena)
         self._head = PanTiltZoom()
         self._robot = (arena.start.x, arena.start.y, arena.start.theta)
+        self._placed = -math.inf
+        self._has_headlight = headlight
+        self._lighting = Lighting(ambient=arena.light if light is None else light)
+        self._noise = SensorNoise(SENSOR_WIDTH_PX * SENSOR_HEIGHT_PX * 3, seed)
 
     def advance(self, seconds: float) -> None:
         """Let the head move for some time [s]."""
@@ -171,6 +199,12 @@ class SimulatedCamera:
         else:
             self._head.go_by(command.pan, command.tilt, command.zoom)
 
+    def set_headlight(self, brightness: float) -> None:
+        """Light the headlight, 0 (off) to 1; NaN counts as 0."""
+        if self._has_headlight:
+            lit = max(0.0, limited(brightness, 1.0))
+            self._lighting = Lighting(ambient=self._lighting.ambient, headlight=lit)
+
     def camera_state(self, stamp: float) -> CameraState:
         """Where the camera looks now."""
         return CameraState(
@@ -179,30 +213,48 @@ class SimulatedCamera:
             tilt=self._head.tilt,
             zoom=self._head.zoom,
             horizontal_fov=horizontal_fov(self._head.zoom),
-            vertical_fov=vertical_fov(self._head.zoom),
+            vertical_fov=vertical_fov(horizontal_fov(self._head.zoom)),
             mount_forward=MOUNT_FORWARD,
             mount_height=MOUNT_HEIGHT,
             pan_limit=PAN_LIMIT,
             tilt_limit=TILT_LIMIT,
             slewing=int(self._head.slewing),
+            headlight=self._lighting.headlight if self._has_headlight else math.nan,
         )
 
-    def place(self, x: float, y: float, theta: float) -> None:
-        """Where the robot is in the arena's frame [m, m, rad]; ignored when not finite."""
+    def place(self, x: float, y: float, theta: float, measured: float = -math.inf) -> None:
+        """Where the robot was in the arena's frame [m, m, rad]; ignored when not finite."""
         if math.isfinite(x) and math.isfinite(y) and math.isfinite(theta):
             self._robot = (limited(x, _FARTHEST_PLACE), limited(y, _FARTHEST_PLACE), theta)
+            self._placed = measured
+
+    def take(self, width_px: int, height_px: int, now: float) -> Picture:
+        """A picture of where the robot was last said to be, taken then."""
+        age = now - self._placed
+        pixels = self.capture(width_px, height_px)
+        size = pixels.shape[1], pixels.shape[0]
+        return Picture(
+            pixels=pixels,
+            # Where nobody has told the place for long, it is because nothing moves.
+            measured=self._placed if 0.0 <= age < _PLACES_STOPPED else now,
+            horizontal_fov=cropped_fov(horizontal_fov(self._head.zoom), size, _SENSOR),
+        )
 
     def capture(self, width_px: int, height_px: int) -> npt.NDArray[np.uint8]:
         """A picture, shape (height, width, 3), at least 1 by 1 and at most 320 by 240 pixels."""
         x, y, theta = self._robot
+        width, height = size_within(width_px, height_px, _SENSOR)
         view = View(
             x=x + MOUNT_FORWARD * math.cos(theta),
             y=y + MOUNT_FORWARD * math.sin(theta),
             z=MOUNT_HEIGHT,
             yaw=theta + self._head.pan,
             pitch=self._head.tilt,
-            horizontal_fov=horizontal_fov(self._head.zoom),
+            horizontal_fov=cropped_fov(horizontal_fov(self._head.zoom), (width, height), _SENSOR),
         )
-        width = max(1, min(width_px, SENSOR_WIDTH_PX))
-        height = max(1, min(height_px, SENSOR_HEIGHT_PX))
-        return self._caster.picture(view, width, height)
+        pixels = self._caster.picture(view, width, height, self._lighting)
+        # In full light noise would only cost time and bandwidth.
+        return pixels if self._lighting.ambient == 1.0 else self._noise.added(pixels)
+
+    def close(self) -> None:
+        """Nothing is open."""

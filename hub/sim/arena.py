@@ -127,6 +127,7 @@ class Arena:
         footprints: What the robot can bump into and its range sensors can see.
         ceiling: Height of the ceiling [m].
         floor: What the floor looks like.
+        light: How bright it is, 0 (dark) to 1.
         victims: The persons to be found.
         landmarks: The signs.
         rings: The Landolt rings.
@@ -139,6 +140,7 @@ class Arena:
     footprints: Footprints
     ceiling: float
     floor: Surface
+    light: float
     victims: tuple[Victim, ...]
     landmarks: tuple[Landmark, ...]
     rings: tuple[Ring, ...]
@@ -185,6 +187,7 @@ def arena_from_spec(spec: ArenaSpec) -> Arena:
         footprints=footprints_of(boxes, cylinders, origins),
         ceiling=spec.hall.ceiling,
         floor=Surface(texture=spec.hall.floor_texture, colour=spec.hall.floor_colour),
+        light=spec.hall.light,
         victims=tuple(
             Victim(name=item.name, x=item.at[0], y=item.at[1], pose=item.pose)
             for item in spec.victims

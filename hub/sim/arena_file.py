@@ -103,6 +103,7 @@ _TABLES: Mapping[str, _Table] = {
             "ceiling": toml.Key(toml.number(1.0, 20.0), 3.0),
             "floor_colour": toml.Key(_colour, COLOURS["grey"]),
             "floor_texture": toml.Key(toml.choice(SURFACE_TEXTURES), "checker"),
+            "light": toml.Key(toml.number(0.0, 1.0), 1.0),
         },
         "hall",
         repeated=False,

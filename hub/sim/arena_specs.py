@@ -42,11 +42,12 @@ class StartSpec:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HallSpec:
-    """The hall around the arena: its floor and the height of its ceiling [m]."""
+    """The hall around the arena: height of its ceiling [m], its floor, its light (0 to 1)."""
 
     ceiling: float
     floor_colour: Colour
     floor_texture: str
+    light: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

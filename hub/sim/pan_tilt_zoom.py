@@ -25,11 +25,6 @@ def horizontal_fov(zoom: float) -> float:
     return WIDE_FOV + (TELE_FOV - WIDE_FOV) * zoom
 
 
-def vertical_fov(zoom: float) -> float:
-    """Field of view from top to bottom of a 4:3 picture [rad] at a zoom of 0 to 1."""
-    return 2.0 * math.atan(math.tan(horizontal_fov(zoom) / 2.0) * 3.0 / 4.0)
-
-
 class PanTiltZoom:
     """Where the head is and where it goes; amounts are pan [rad], tilt [rad], zoom [0 to 1]."""
 

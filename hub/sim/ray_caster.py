@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from hub.sim.arena import Arena
 from hub.sim.faces import CEILING, FLOOR, PLANES, make_faces
+from hub.sim.lighting import FULL, Lighting
 from hub.sim.shading import Shader
 from hub.sim.view import FARTHEST_SEEN, Frame, View
 
@@ -54,10 +55,12 @@ class RayCaster:
         self._shader = Shader(self._faces)
         self._frames: dict[tuple[int, int], Frame] = {}
 
-    def picture(self, view: View, width_px: int, height_px: int) -> npt.NDArray[np.uint8]:
+    def picture(
+        self, view: View, width_px: int, height_px: int, lighting: Lighting = FULL
+    ) -> npt.NDArray[np.uint8]:
         """What the camera sees, shape (height, width, 3), red, green, blue."""
         frame = self._cast(view, width_px, height_px)
-        return self._shader.shade(view, frame)
+        return self._shader.shade(view, frame, lighting)
 
     def depth(self, view: View, width_px: int, height_px: int) -> npt.NDArray[np.float32]:
         """Distance along the optical axis [m], shape (height, width), at most FARTHEST_SEEN."""

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.sim.faces import PLANES, Faces
+from hub.sim.lighting import Lighting
 from hub.sim.textures import LEVELS
 from hub.sim.textures import SIDE as TEXELS
 from hub.sim.view import Frame, View
@@ -37,7 +38,7 @@ class Shader:
             np.float32
         )
 
-    def shade(self, view: View, frame: Frame) -> npt.NDArray[np.uint8]:
+    def shade(self, view: View, frame: Frame, lighting: Lighting) -> npt.NDArray[np.uint8]:
         """The picture of a frame, shape (height, width, 3)."""
         faces = self._faces
         thing = frame.thing
@@ -53,11 +54,13 @@ class Shader:
         z += _FOOT_LIGHT
         brightness *= np.clip(z, _FOOT_LIGHT, 1.0, out=z)
         texel = self._texels(frame, depth, across, down)
+        if not lighting.plain:
+            brightness *= lighting.share(frame, depth)
 
         depth *= -_FADE_PER_METRE
         depth += _CLEAR
         share = np.clip(depth, _LEAST_SHARE, 1.0, out=depth)
-        haze = ((1.0 - share) * (_HAZE * 256.0)).astype(np.uint16)
+        haze = ((1.0 - share) * (_HAZE * 256.0 * lighting.ambient)).astype(np.uint16)
         share *= brightness
         share *= 256.0
         light = share.astype(np.uint16)

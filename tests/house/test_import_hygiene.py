@@ -8,6 +8,7 @@ import sys
 import pytest
 
 CONSOLE_ONLY = {"textual", "rich", "lxml", "hid", "PIL", "rune_tui"}
+ON_DEMAND = {"av"}
 
 
 @pytest.mark.parametrize(
@@ -16,8 +17,8 @@ CONSOLE_ONLY = {"textual", "rich", "lxml", "hid", "PIL", "rune_tui"}
         (
             "import hub.cli, hub.robomon.daemon, hub.inspection.commands, hub.robots.magellan,"
             " hub.modules.driver.__main__, hub.modules.navigation.__main__,"
-            " hub.modules.vision.__main__",
-            CONSOLE_ONLY,
+            " hub.modules.vision.__main__, hub.robots.video_camera",
+            CONSOLE_ONLY | ON_DEMAND,
         ),
         ("import hub.gcm.catalog", CONSOLE_ONLY | {"zmq"}),
         (

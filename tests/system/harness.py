@@ -42,11 +42,15 @@ MODULES = ("driver", "navigation", "vision")
 
 
 def robot_file(
-    arena: str = "empty", port: int = 0, gateway: str = "", modules: Sequence[str] = MODULES
+    arena: str = "empty",
+    port: int = 0,
+    gateway: str = "",
+    modules: Sequence[str] = MODULES,
+    tables: str = "",
 ) -> str:
-    """A robot file; `gateway` is lines of its table of the hub."""
+    """A robot file; `gateway` is lines of its table of the hub, `tables` are more tables."""
     lines = "\n".join(f'[modules.{name}]\nrun = "hub.modules.{name}"' for name in modules)
-    return ROBOT_FILE.format(arena=arena, port=port, gateway=gateway, modules=lines)
+    return ROBOT_FILE.format(arena=arena, port=port, gateway=gateway, modules=lines) + tables
 
 
 _FRESH_S = 0.08

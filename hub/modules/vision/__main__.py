@@ -1,88 +1,137 @@
-"""The vision process: answers image requests and moves the camera."""
+"""The vision process: answers image requests, moves the camera, and sees in the dark."""
 
 from __future__ import annotations
 
+import dataclasses
 import sys
 import time
-from collections.abc import Callable
 
-from hub.errors import HandlerFailedError
-from hub.gcm import navigation, rle, vision
+from hub.gcm import navigation, vision
 from hub.gcm.capability import Abilities, Capability
+from hub.ipc.answering import Reply
 from hub.ipc.client import Client
 from hub.ipc.reception import Reception
-from hub.modules.vision.picture import prepare
-from hub.robots.description import RobotDescription
-from hub.robots.registry import KINDS
+from hub.modules.vision.coding import code
+from hub.modules.vision.night import NightMode
+from hub.modules.vision.picture import brightened, brightness, check_request, prepare
+from hub.modules.vision.poses import PoseHistory
+from hub.robots.cropping import vertical_fov
+from hub.robots.description import ROBOTS_OWN, RobotDescription
+from hub.robots.registry import camera_moves, open_camera
 from hub.runtime import publish_on_request, run_module
 
 _STEP_PERIOD = 0.02
 _STATE_PERIOD = 1.0 / vision.CAMERA_STATE.rate_hz
 
 
-def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
-    """Connect the camera to the bus."""
-    camera = KINDS[robot.kind].open_camera(robot)
-    clock = time.monotonic
-    last = clock()
+class Vision:
+    """Connects the camera to the bus."""
 
-    def advance() -> None:
-        nonlocal last
-        now = clock()
-        camera.advance(now - last)
-        last = now
+    def __init__(self, client: Client, robot: RobotDescription) -> None:
+        self._client = client
+        self._clock = time.monotonic
+        self._camera = open_camera(robot)
+        self._night = NightMode()
+        self._poses = PoseHistory()
+        self._advanced = self._clock()
+        client.respond_later(vision.IMAGE_REQUEST, vision.IMAGE, self._answer)
+        client.subscribe(vision.CAMERA_COMMAND, self._move)
+        client.subscribe(vision.NIGHT_COMMAND, self._switch_night)
+        client.subscribe(navigation.ROBOT_STATE, self._remember)
+        if _simulated(robot):
+            client.subscribe(navigation.GROUND_TRUTH, self._place)
+        client.define(vision.CAMERA_STATE)
+        publish_on_request(client, vision.CAMERA_STATE, self._publish_state)
+        client.every(_STEP_PERIOD, self._advance)
+        client.every(_STATE_PERIOD, self._publish_state)
 
-    def answer(request: vision.ImageRequest) -> vision.Image:
-        if request.width_px < 1 or request.height_px < 1:
-            text = f"a picture of {request.width_px}x{request.height_px} pixels cannot be taken"
-            raise HandlerFailedError(text)
-        advance()
-        state = camera.camera_state(time.time())
-        pixels = prepare(camera.capture(request.width_px, request.height_px), request.kind)
-        data = rle.encode(pixels, quality=request.quality)
-        return vision.Image(
+    def finish(self) -> None:
+        """Leave the camera dark and free."""
+        self._camera.set_headlight(0.0)
+        self._camera.close()
+
+    def _advance(self) -> None:
+        now = self._clock()
+        self._camera.advance(now - self._advanced)
+        self._advanced = now
+
+    def _answer(self, request: vision.ImageRequest, reply: Reply[vision.Image]) -> None:
+        check_request(request)
+        self._advance()
+        now = self._clock()
+        picture = self._camera.take(request.width_px, request.height_px, now)
+        gain = self._night.see(brightness(picture.pixels), now)
+        pixels = prepare(brightened(picture.pixels, gain), request.kind)
+        data = code(pixels, request.coding, request.quality)
+        state = dataclasses.replace(
+            self._state(picture.measured),
+            horizontal_fov=picture.horizontal_fov,
+            vertical_fov=vertical_fov(picture.horizontal_fov),
+        )
+        image = vision.Image(
             camera=state,
-            coding=vision.ImageCoding.RLE,
+            coding=request.coding,
             width_px=pixels.shape[1],
             height_px=pixels.shape[0],
             channels=1 if pixels.ndim == 2 else pixels.shape[2],
             length=len(data),
             data=data,
         )
+        reply.answer(image, measured=picture.measured)
 
-    def move(command: vision.CameraCommand, reception: Reception) -> None:
+    def _state(self, measured: float) -> vision.CameraState:
+        """Where the camera looks, on a robot where it was at `measured` [s]."""
+        place = self._poses.at(measured)
+        stamp = time.time() - (self._clock() - measured)
+        return dataclasses.replace(
+            self._camera.camera_state(stamp),
+            robot_x=place.x,
+            robot_y=place.y,
+            robot_theta=place.theta,
+            gain=self._night.gain,
+        )
+
+    def _publish_state(self) -> None:
+        self._advance()
+        now = self._clock()
+        self._client.publish(vision.CAMERA_STATE, self._state(now), measured=now)
+
+    def _move(self, command: vision.CameraCommand, reception: Reception) -> None:
         del reception
-        advance()
-        camera.move(command)
+        self._advance()
+        self._camera.move(command)
 
-    def place(truth: navigation.GroundTruth, reception: Reception) -> None:
+    def _switch_night(self, command: vision.NightCommand, reception: Reception) -> None:
         del reception
-        camera.place(truth.x, truth.y, truth.theta)
+        self._night.command(command)
+        self._camera.set_headlight(self._night.headlight)
+        self._publish_state()
 
-    def publish_state() -> None:
-        advance()
-        client.publish(vision.CAMERA_STATE, camera.camera_state(time.time()))
+    def _remember(self, state: navigation.RobotState, reception: Reception) -> None:
+        self._poses.add(state, reception.measured)
 
-    client.respond(vision.IMAGE_REQUEST, vision.IMAGE, answer)
-    client.subscribe(vision.CAMERA_COMMAND, move)
-    client.subscribe(navigation.GROUND_TRUTH, place)
-    client.define(vision.CAMERA_STATE)
-    publish_on_request(client, vision.CAMERA_STATE, publish_state)
-    client.every(_STEP_PERIOD, advance)
-    client.every(_STATE_PERIOD, publish_state)
-    return lambda: None
+    def _place(self, truth: navigation.GroundTruth, reception: Reception) -> None:
+        self._camera.place(truth.x, truth.y, truth.theta, reception.measured)
+
+
+def _simulated(robot: RobotDescription) -> bool:
+    """Whether the camera is a simulated one, which has to be told where it is."""
+    return robot.simulated and robot.camera_source == ROBOTS_OWN
 
 
 def abilities(robot: RobotDescription) -> Abilities:
     """What vision can do on a robot."""
-    needs = (Capability.SIM_TRUTH,) if robot.simulated else ()
-    return Abilities(provides=(Capability.VIS_VID, Capability.VIS_PTZ), needs=needs)
+    head = (Capability.VIS_PTZ,) if camera_moves(robot) else ()
+    needs = (Capability.SIM_TRUTH,) if _simulated(robot) else ()
+    return Abilities(provides=(Capability.VIS_VID, *head, Capability.VIS_NIGHT), needs=needs)
 
 
 def main() -> int:
     """Run the process."""
-    purpose = "Answers image requests and moves the pan/tilt/zoom camera."
-    return run_module("vision", purpose, abilities, build)
+    purpose = "Answers image requests, moves the pan/tilt/zoom camera, and sees in the dark."
+    return run_module(
+        "vision", purpose, abilities, lambda client, robot: Vision(client, robot).finish
+    )
 
 
 if __name__ == "__main__":

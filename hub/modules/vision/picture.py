@@ -5,10 +5,30 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from hub.gcm.vision import ImageKind
+from hub.errors import HandlerFailedError
+from hub.gcm.vision import ImageKind, ImageRequest
 
 _GREY_WEIGHTS = np.array([77, 150, 29], np.uint16)
 """Rec. 601 luma weights of red, green and blue, in 256ths."""
+_LEAP = 4
+"""Brightness is taken from one pixel in so many, along both sides."""
+
+
+def check_request(request: ImageRequest) -> None:
+    """Refuse what cannot be answered; what is larger than the camera's picture can.
+
+    Raises:
+        HandlerFailedError: Sizes or quality are out of bounds.
+    """
+    if request.width_px < 1 or request.height_px < 1:
+        text = (
+            f"a picture of {request.width_px}x{request.height_px} pixels cannot be taken; "
+            "ask for at least 1x1"
+        )
+        raise HandlerFailedError(text)
+    if not 1 <= request.quality <= 100:
+        text = f"a quality of {request.quality} does not exist; ask for 1 to 100"
+        raise HandlerFailedError(text)
 
 
 def prepare(pixels: npt.NDArray[np.uint8], kind: ImageKind) -> npt.NDArray[np.uint8]:
@@ -24,3 +44,22 @@ def prepare(pixels: npt.NDArray[np.uint8], kind: ImageKind) -> npt.NDArray[np.ui
     if kind is ImageKind.COLOUR:
         return pixels
     return (pixels @ _GREY_WEIGHTS + 128 >> 8).astype(np.uint8)
+
+
+def brightness(pixels: npt.NDArray[np.uint8]) -> float:
+    """Mean brightness of a picture, 0 (black) to 255 (white).
+
+    Args:
+        pixels: Red, green, blue, shape (height, width, 3).
+    """
+    few = pixels[_LEAP // 2 :: _LEAP, _LEAP // 2 :: _LEAP]
+    means = (few if few.size else pixels).mean(axis=(0, 1))
+    return float(means @ _GREY_WEIGHTS) / 256.0
+
+
+def brightened(pixels: npt.NDArray[np.uint8], gain: float) -> npt.NDArray[np.uint8]:
+    """The picture with every value, and so its noise, times `gain`; white stays white."""
+    if gain == 1.0:
+        return pixels
+    table = np.minimum(np.rint(np.arange(256) * gain), 255).astype(np.uint8)
+    return np.take(table, pixels)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
-from hub.gcm.vision import ImageKind
-from hub.modules.vision.picture import prepare
+from hub.errors import HandlerFailedError
+from hub.gcm.vision import ImageKind, ImageRequest
+from hub.modules.vision.picture import brightened, brightness, check_request, prepare
 
 
 def test_colour_is_the_camera_s_own() -> None:
@@ -19,3 +21,36 @@ def test_grey_is_the_luma_of_the_colours() -> None:
     assert grey.shape == (1, 5)
     # Rec. 601: 0.299, 0.587, 0.114
     assert np.abs(grey[0].astype(float) - [255, 0, 76.2, 149.7, 29.1]).max() <= 1.0
+
+
+def test_brightness_is_the_mean_luma() -> None:
+    pixels = np.zeros((120, 160, 3), np.uint8)
+    assert brightness(pixels) == 0.0
+    pixels[:60] = 255
+    assert brightness(pixels) == pytest.approx(127.5)
+    assert brightness(np.full((1, 1, 3), 7, np.uint8)) == pytest.approx(7.0)
+
+
+def test_brightened_pictures_keep_their_order_and_white() -> None:
+    pixels = np.array([[[0, 1, 10], [60, 200, 255]]], np.uint8)
+    assert brightened(pixels, 4.0).tolist() == [[[0, 4, 40], [240, 255, 255]]]
+    assert brightened(pixels, 1.0) is pixels
+
+
+@pytest.mark.parametrize(
+    ("request_", "why"),
+    [
+        (ImageRequest(width_px=0), "0x120 pixels cannot be taken"),
+        (ImageRequest(height_px=-5), "160x-5 pixels cannot be taken"),
+        (ImageRequest(quality=0), "a quality of 0 does not exist; ask for 1 to 100"),
+        (ImageRequest(quality=101), "a quality of 101 does not exist"),
+    ],
+)
+def test_requests_out_of_bounds_are_refused_in_words(request_: ImageRequest, why: str) -> None:
+    with pytest.raises(HandlerFailedError, match=why):
+        check_request(request_)
+
+
+def test_requests_for_more_than_any_camera_has_are_no_mistake() -> None:
+    check_request(ImageRequest(width_px=2**31 - 1, height_px=2**31 - 1, quality=100))
+    check_request(ImageRequest(width_px=1, height_px=1, quality=1))

@@ -1,0 +1,92 @@
+"""A camera that stands still on its robot: a device, a stream from the network, or a file."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+
+from hub.gcm.vision import CameraCommand, CameraState
+from hub.robots.cropping import cropped_fov, vertical_fov
+from hub.robots.interfaces import Picture
+from hub.robots.video_reader import VideoReader
+from hub.robots.video_source import video_source
+
+
+class VideoCamera:
+    """Pictures of a source that is named in the robot file; implements `Camera`."""
+
+    def __init__(
+        self,
+        source: str,
+        *,
+        horizontal_fov: float,
+        forward: float,
+        height: float,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """Begin to read; this never waits, and a source that is not there yet may come later.
+
+        Args:
+            source: Device, path, or address.
+            horizontal_fov: Field of view from left to right [rad].
+            forward: Ahead of the robot's centre [m].
+            height: Above the ground [m].
+            clock: Monotonic time [s].
+
+        Raises:
+            CameraError: The source is an address of a kind that is not read.
+        """
+        self._horizontal_fov = horizontal_fov
+        self._forward = forward
+        self._height = height
+        self._reader = VideoReader(video_source(source), clock=clock)
+
+    def advance(self, seconds: float) -> None:
+        """Nothing moves."""
+
+    def move(self, command: CameraCommand) -> None:
+        """It has no head."""
+
+    def set_headlight(self, brightness: float) -> None:
+        """It has none."""
+
+    def camera_state(self, stamp: float) -> CameraState:
+        """It looks straight ahead."""
+        return CameraState(
+            stamp=stamp,
+            pan=0.0,
+            tilt=0.0,
+            zoom=0.0,
+            horizontal_fov=self._horizontal_fov,
+            vertical_fov=vertical_fov(self._horizontal_fov),
+            mount_forward=self._forward,
+            mount_height=self._height,
+            pan_limit=0.0,
+            tilt_limit=0.0,
+            slewing=0,
+            headlight=math.nan,
+        )
+
+    def place(self, x: float, y: float, theta: float, measured: float) -> None:
+        """It is where it is."""
+
+    def take(self, width_px: int, height_px: int, now: float) -> Picture:
+        """The newest picture.
+
+        Raises:
+            CameraError: There is none, or only an old one.
+        """
+        del now
+        shot = self._reader.newest()
+        pixels = shot.pixels(width_px, height_px)
+        size = pixels.shape[1], pixels.shape[0]
+        return Picture(
+            pixels=pixels,
+            measured=shot.measured,
+            horizontal_fov=cropped_fov(self._horizontal_fov, size, shot.size),
+        )
+
+    def close(self) -> None:
+        """Stop reading."""
+        self._reader.close()

@@ -1,0 +1,239 @@
+"""Reads pictures in a thread of its own and keeps the newest; the only file that decodes videos."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.errors import CameraError
+from hub.robots.cropping import Size, scaled_size, size_within
+from hub.robots.video_source import Pace, SourceKind, VideoSource, why_not
+
+if TYPE_CHECKING:
+    import av
+
+_logger = logging.getLogger(__name__)
+
+_OPEN_S = 5.0
+_READ_S = 3.0
+"""Time without data after which a stream counts as lost [s]."""
+_STALE_S = 2.0
+"""A live picture that is older than this is not given [s]."""
+_PAUSES = (0.5, 1.0, 2.0, 5.0)
+"""Between tries to open a source again [s]."""
+_CLOSE_S = 0.5
+_MOST_DAMAGED = 100
+"""So many damaged pieces in a row are left out, as after lost packets; more end the reading."""
+_DEFAULT_PERIOD = 0.04
+_MOST_PIXELS = 1 << 24
+"""A larger picture is damaged, or meant to fill the memory."""
+_OPTIONS = {
+    SourceKind.DEVICE: {},
+    SourceKind.FILE: {},
+    SourceKind.STREAM: {
+        "rtsp_transport": "tcp",
+        "fflags": "nobuffer",
+        "flags": "low_delay",
+        # What comes from the network must not have us open files.
+        "protocol_whitelist": "http,https,httpproxy,tcp,tls,rtsp,rtp,srtp,udp,crypto",
+    },
+}
+_INSTALL = "need PyAV; install it with: pip install 'robot-user-nexus[camera]'"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Shot:
+    """A picture as it came.
+
+    Attributes:
+        frame: The decoded picture.
+        measured: When it was taken, on the monotonic clock [s].
+    """
+
+    frame: av.VideoFrame
+    measured: float
+
+    @property
+    def size(self) -> Size:
+        """Width and height [px]."""
+        return self.frame.width, self.frame.height
+
+    def pixels(self, width_px: int, height_px: int) -> npt.NDArray[np.uint8]:
+        """Red, green, blue of the middle, shape (height, width, 3), never larger than it came.
+
+        Raises:
+            CameraError: Its colours cannot be read.
+        """
+        width, height = size_within(width_px, height_px, self.size)
+        whole = scaled_size((width, height), self.size)
+        try:
+            # Area averages: what is left out would flicker.
+            scaled = self.frame.to_ndarray(
+                format="rgb24", width=whole[0], height=whole[1], interpolation="AREA"
+            )
+        except (OSError, ValueError) as fault:
+            text = f"a picture of {self.size[0]}x{self.size[1]} cannot be read: {fault}"
+            raise CameraError(text) from fault
+        left, top = (whole[0] - width) // 2, (whole[1] - height) // 2
+        return np.ascontiguousarray(scaled[top : top + height, left : left + width], np.uint8)
+
+
+class VideoReader:
+    """Follows one source from the start to `close`, however often it is lost and comes back."""
+
+    def __init__(
+        self,
+        source: VideoSource,
+        *,
+        clock: Callable[[], float] = time.monotonic,
+        pauses: tuple[float, ...] = _PAUSES,
+    ) -> None:
+        """Begin; this never waits.
+
+        Args:
+            source: What to read.
+            clock: Monotonic time [s].
+            pauses: Between tries to open it [s]; the last one is repeated.
+        """
+        self._source = source
+        self._clock = clock
+        self._pauses = pauses
+        self._shot: Shot | None = None
+        self._trouble = f"no picture has come from {source.shown} yet; ask again in a moment"
+        self._ended = threading.Event()
+        self._pace: Pace | None = None
+        self._thread = threading.Thread(target=self._run, name="video-reader", daemon=True)
+        self._thread.start()
+
+    def newest(self) -> Shot:
+        """The newest picture.
+
+        Raises:
+            CameraError: There is none, or it is too old; the text says why, and what to do.
+        """
+        shot = self._shot
+        if shot is None:
+            raise CameraError(self._trouble)
+        age = self._clock() - shot.measured
+        if self._source.live and age > _STALE_S:
+            text = (
+                f"no picture has come from {self._source.shown} for {age:.0f} s; see what it does"
+            )
+            raise CameraError(text)
+        return shot
+
+    def close(self) -> None:
+        """End the thread; one that is stuck in a device is left behind."""
+        self._ended.set()
+        self._thread.join(_CLOSE_S)
+
+    def _run(self) -> None:
+        failed = 0
+        while not self._ended.is_set():
+            try:
+                self._read()
+            except ImportError:
+                self._lost(f"pictures from {self._source.shown} {_INSTALL}")
+                return
+            except CameraError as error:
+                trouble = str(error)
+            except Exception as fault:  # the decoder's errors have no common kind
+                _logger.debug("reading failed", exc_info=True)
+                trouble = why_not(self._source, fault)
+            else:
+                trouble = f"the pictures from {self._source.shown} have ended; it is tried again"
+            if self._shot is None:
+                failed += 1
+            else:
+                failed = 1
+            if self._ended.is_set():
+                return
+            self._lost(trouble)
+            self._ended.wait(self._pauses[min(failed, len(self._pauses)) - 1])
+
+    def _lost(self, trouble: str) -> None:
+        """Give no pictures until new ones come."""
+        self._shot = None
+        if trouble != self._trouble:
+            _logger.warning("%s", trouble)
+        self._trouble = trouble
+
+    def _read(self) -> None:
+        """Read until the source ends; a file begins anew then."""
+        while not self._ended.is_set():
+            count = self._read_once()
+            if self._source.live:
+                return
+            if not count:
+                text = f"the file {self._source.shown} holds no pictures; name a video file"
+                raise CameraError(text)
+
+    def _read_once(self) -> int:
+        """Read from start to end; the number of pictures."""
+        import av
+
+        count = 0
+        with av.open(
+            self._source.address,
+            format="v4l2" if self._source.kind is SourceKind.DEVICE else None,
+            options=_OPTIONS[self._source.kind],
+            timeout=(_OPEN_S, _READ_S),
+        ) as container:
+            if not container.streams.video:
+                text = f"{self._source.shown} holds no pictures; name a source that does"
+                raise CameraError(text)
+            stream = container.streams.video[0]
+            stream.codec_context.options = {"max_pixels": str(_MOST_PIXELS)}
+            if self._pace is None:
+                rate = float(stream.average_rate or 0.0)
+                self._pace = Pace(1.0 / rate if 1.0 <= rate <= 240.0 else _DEFAULT_PERIOD)
+            for frame in self._frames(container.demux(stream), av.error.InvalidDataError):
+                self._keep(frame)
+                count += 1
+                if self._ended.is_set():
+                    break
+        return count
+
+    def _frames(
+        self, packets: Iterator[Any], damaged_error: type[Exception]
+    ) -> Iterator[av.VideoFrame]:
+        """The pictures in the packets, without those that cannot be decoded."""
+        damaged = 0
+        for packet in packets:
+            try:
+                frames = packet.decode()
+            except damaged_error:
+                damaged += 1
+                if damaged > _MOST_DAMAGED:
+                    raise
+                continue
+            for frame in frames:
+                damaged = 0
+                yield frame
+
+    def _keep(self, frame: av.VideoFrame) -> None:
+        """Make a picture the newest one, when it is time."""
+        if not self._source.live and self._pace is not None:
+            self._ended.wait(self._pace.delay(frame.time, self._clock()))
+        now = self._clock()
+        if self._shot is None:
+            _logger.info("pictures come from %s", self._source.shown)
+        measured = taken(frame.time, now) if self._source.kind is SourceKind.DEVICE else now
+        self._shot = Shot(frame=frame, measured=measured)
+
+
+def taken(time_in_stream: float | None, now: float) -> float:
+    """When a camera took a picture, on the monotonic clock [s].
+
+    Video4Linux stamps pictures with that clock; where a driver does otherwise, now counts.
+    """
+    if time_in_stream is not None and 0.0 <= now - time_in_stream <= _STALE_S:
+        return time_in_stream
+    return now

@@ -1,0 +1,124 @@
+"""Where pictures of a real camera come from, and in words why none come; pure."""
+
+from __future__ import annotations
+
+import enum
+import errno
+import math
+import re
+from dataclasses import dataclass
+
+from hub.errors import CameraError
+
+_SCHEMES = ("rtsp", "rtsps", "http", "https")
+_FIX = "correct 'source' under [camera] in the robot file"
+_PLUG_IN = f"is not there; plug it in, or {_FIX}"
+_DEVICE_TROUBLE = {
+    errno.ENOENT: _PLUG_IN,
+    errno.ENODEV: _PLUG_IN,
+    errno.ENXIO: _PLUG_IN,
+    errno.EACCES: "may not be used by this user; add the user to the group that owns it, "
+    "usually 'video', and log in again",
+    errno.EBUSY: "is used by another program; end that program",
+}
+_LONGEST_STEP = 1.0
+"""A longer gap between two pictures of a file is not waited for [s]."""
+_LATE = 0.25
+"""Later than this [s], pictures are not hurried through to catch up."""
+
+
+class SourceKind(enum.Enum):
+    """What kind of thing pictures come from."""
+
+    DEVICE = enum.auto()
+    FILE = enum.auto()
+    STREAM = enum.auto()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VideoSource:
+    """A camera, a file, or a stream from the network.
+
+    Attributes:
+        kind: Which of these.
+        address: How it is opened.
+        shown: How it is called in messages: without a password.
+    """
+
+    kind: SourceKind
+    address: str
+    shown: str
+
+    @property
+    def live(self) -> bool:
+        """Whether its pictures are of now."""
+        return self.kind is not SourceKind.FILE
+
+
+def video_source(text: str) -> VideoSource:
+    """What a robot file names as the source of pictures.
+
+    Raises:
+        CameraError: It is an address of a kind that is not read.
+    """
+    scheme, separator, rest = text.partition("://")
+    if not separator:
+        device = text.startswith("/dev/")
+        kind = SourceKind.DEVICE if device else SourceKind.FILE
+        return VideoSource(kind=kind, address=text, shown=text)
+    shown = f"{scheme}://{re.sub('^[^/]*@', '', rest)}"
+    if scheme not in _SCHEMES:
+        why = f"no pictures can be had from {shown}: it begins with none of {', '.join(_SCHEMES)}"
+        text = f"{why}; {_FIX}"
+        raise CameraError(text)
+    return VideoSource(kind=SourceKind.STREAM, address=text, shown=shown)
+
+
+def why_not(source: VideoSource, fault: Exception) -> str:
+    """One sentence that says why a source gives no pictures, and what to do."""
+    number = (fault.errno if isinstance(fault, OSError) else None) or 0
+    reason = getattr(fault, "strerror", None) or str(fault) or type(fault).__name__
+    shown = source.shown
+    reason = reason.replace(source.address, shown)
+    if source.kind is SourceKind.STREAM:
+        return (
+            f"no pictures come from {shown}: {reason}; see that the camera there is on, or {_FIX}"
+        )
+    if source.kind is SourceKind.FILE:
+        return f"the video file {shown} cannot be shown: {reason}; {_FIX}"
+    return f"the camera {shown} {_DEVICE_TROUBLE.get(number, f'gives no pictures: {reason}')}"
+
+
+class Pace:
+    """When the pictures of a file are due, so that it runs at its own speed; pure."""
+
+    def __init__(self, period: float) -> None:
+        """Begin with the first picture at once.
+
+        Args:
+            period: Time between pictures that carry none [s].
+        """
+        self._period = period
+        self._offset = math.nan
+        self._last = -math.inf
+
+    def delay(self, time: float | None, now: float) -> float:
+        """How long to wait until a picture is due [s].
+
+        Args:
+            time: The picture's time in the file [s]; None where it has none.
+            now: Monotonic time [s].
+        """
+        if time is None or not math.isfinite(time):
+            time = self._last + self._period if math.isfinite(self._last) else 0.0
+        step = time - self._last
+        if math.isnan(self._offset):
+            self._offset = now - time
+        elif not 0.0 <= step <= _LONGEST_STEP:
+            # It begins anew, or has a gap that nobody wants to wait for.
+            self._offset += self._last + self._period - time
+        self._last = time
+        wait = self._offset + time - now
+        if wait < -_LATE:
+            self._offset = now - time
+        return min(max(0.0, wait), _LONGEST_STEP)

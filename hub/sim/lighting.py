@@ -1,0 +1,63 @@
+"""Light in an arena: what is there anyway, and the headlight beside the camera."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.sim.view import Frame
+
+_LAMP = 0.9
+"""Light of the full headlight on what is very near, as a share of full daylight."""
+_HALF_WAY = 2.0
+"""Distance at which half of the headlight's light is left [m]."""
+_SPREAD = 0.6
+"""Tangent of the angle from the middle of the beam at which half of the light is left."""
+_MOST = 1.2
+"""Share of light beyond which nothing gets brighter."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lighting:
+    """The light in a picture.
+
+    Attributes:
+        ambient: Light that is everywhere, 0 (none) to 1.
+        headlight: Brightness of the headlight, 0 (off) to 1; it looks where the camera looks.
+    """
+
+    ambient: float = 1.0
+    headlight: float = 0.0
+
+    @property
+    def plain(self) -> bool:
+        """Whether everything is lit fully and alike."""
+        return self.ambient == 1.0 and self.headlight == 0.0
+
+    def share(self, frame: Frame, depth: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+        """Share of full light that each pixel's thing gets, shape (height, width).
+
+        Args:
+            frame: The aimed camera.
+            depth: Distance along the optical axis [m], shape (height, width).
+        """
+        if self.headlight == 0.0:
+            return np.full_like(depth, self.ambient)
+        # A ray is (across, up, 1), so its squared length is 1 + aside.
+        aside = (frame.across**2).astype(np.float32) + (frame.up**2).astype(np.float32)[:, None]
+        share = np.square(depth)
+        share *= 1.0 + aside
+        share *= 1.0 / _HALF_WAY**2
+        share += 1.0
+        aside *= 1.0 / _SPREAD**2
+        aside += 1.0
+        share *= aside
+        np.divide(_LAMP * self.headlight, share, out=share)
+        share += self.ambient
+        return np.minimum(share, _MOST, out=share)
+
+
+FULL = Lighting()
+"""Daylight."""
