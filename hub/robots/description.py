@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from hub import toml_tables as toml
-from hub.errors import RobotFileError
+from hub.errors import CameraError, RobotFileError
 from hub.ipc.security import DEFAULT_PORT
+from hub.robots.video_source import video_source
 
 SHIPPED = Path(__file__).parent / "files"
 ROBOTS_OWN = "robot"
@@ -81,6 +82,15 @@ class RobotDescription:
         return self.kind.startswith("simulated-")
 
 
+def _source(value: object) -> str:
+    source: str = toml.text(1000)(value)
+    try:
+        video_source(source)
+    except CameraError as error:
+        raise toml.RefusedError(str(error)) from error
+    return source
+
+
 _TOP = {
     "name": toml.Key(toml.text(32)),
     "kind": toml.Key(toml.text(64)),
@@ -103,7 +113,7 @@ _TABLES = {
         "margin": toml.Key(toml.number(0.0, 1.0), 0.05),
     },
     "camera": {
-        "source": toml.Key(toml.text(1000), ROBOTS_OWN, "camera_source"),
+        "source": toml.Key(_source, ROBOTS_OWN, "camera_source"),
         "fov_deg": toml.Key(toml.number(1.0, 170.0), 60.0, "camera_fov"),
         "forward": toml.Key(toml.number(-5.0, 5.0), 0.0, "camera_forward"),
         "height": toml.Key(toml.number(0.01, 5.0), 0.3, "camera_height"),

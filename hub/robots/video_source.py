@@ -68,8 +68,10 @@ def video_source(text: str) -> VideoSource:
         return VideoSource(kind=kind, address=text, shown=text)
     shown = f"{scheme}://{re.sub('^[^/]*@', '', rest)}"
     if scheme not in _SCHEMES:
-        why = f"no pictures can be had from {shown}: it begins with none of {', '.join(_SCHEMES)}"
-        text = f"{why}; {_FIX}"
+        text = (
+            f"no pictures can be had from {shown}: give a device, a path, or an address that "
+            f"begins with one of {', '.join(f'{known}://' for known in _SCHEMES)}"
+        )
         raise CameraError(text)
     return VideoSource(kind=SourceKind.STREAM, address=text, shown=shown)
 

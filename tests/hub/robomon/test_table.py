@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 from pathlib import Path
 
@@ -43,9 +44,39 @@ def test_arena_of_one_s_own_lies_beside_the_robot_file(tmp_path: Path) -> None:
     assert load_robot_table(str(robot)).robot.arena == str(tmp_path / "mine.toml")
 
 
+def test_camera_of_one_s_own_is_named_beside_the_robot_file(tmp_path: Path) -> None:
+    robot = tmp_path / "robot.toml"
+
+    def source(line: str) -> str:
+        robot.write_text(f"{GOOD}[camera]\n{line}\n")
+        return load_robot_table(str(robot)).robot.camera_source
+
+    assert source("") == "robot"
+    assert source('source = "drive.mp4"') == str(tmp_path / "drive.mp4")
+    assert source('source = "/dev/video0"') == "/dev/video0"
+    assert source('source = "rtsp://10.0.0.7/x"') == "rtsp://10.0.0.7/x"
+    source("fov_deg = 90")
+    assert load_robot_table(str(robot)).robot.camera_fov == pytest.approx(math.pi / 2)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
+        (
+            "seed = 1 ",
+            "light = 2\nseed = 1 ",
+            "[simulation], key 'light': 2 is not between 0 and 1",
+        ),
+        (
+            "[simulation]",
+            '[camera]\nsource = "ftp://x"\n[simulation]',
+            "[camera], key 'source': no pictures can be had from ftp://x",
+        ),
+        (
+            "[simulation]",
+            "[camera]\nfov_deg = 180\n[simulation]",
+            "[camera], key 'fov_deg': 180 is not between 1 and 170",
+        ),
         ('name = "magellan"\n', "", "top of the file: key 'name' is missing"),
         ('"simulated-magellan"', '"simulated-magelan"', "did you mean 'simulated-magellan'?"),
         ("port = 1381", "port = 70000", "[hub], key 'port': 70000 is not between 0 and 65529"),
