@@ -35,9 +35,10 @@ class NightMode:
         return self._headlight if self._on else 0.0
 
     def command(self, command: NightCommand) -> None:
-        """Somebody switches it on or off, or chooses the headlight's brightness."""
+        """Somebody switches it on, and may choose the headlight's brightness, or off."""
         self._on = command.on != 0
-        if not math.isnan(command.headlight):
+        # Who switches it off and leaves zero in the rest does not mean the next time.
+        if self._on and not math.isnan(command.headlight):
             self._headlight = max(0.0, min(1.0, command.headlight))
         if not self._on:
             self.gain = 1.0

@@ -273,3 +273,12 @@ def test_a_live_picture_that_is_old_is_not_shown_as_new() -> None:
                 return "for 5 s; see what it does" in said(reader)
 
             until(time_passes, 10.0, lambda: said(reader))
+
+
+def test_a_picture_that_would_fill_the_memory_is_not_decoded(
+    open_camera: Open, tmp_path: Path
+) -> None:
+    path = tmp_path / "vast.jpg"
+    path.write_bytes(jpeg_of(np.zeros((4200, 4200), np.uint8)))
+    camera = open_camera(str(path))
+    until(lambda: f"video file {path} cannot be shown" in trouble(camera), 10.0)

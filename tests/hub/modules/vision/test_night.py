@@ -77,7 +77,9 @@ def test_headlight_is_limited(told: float, lit: float) -> None:
 
 def test_not_a_number_leaves_the_headlight_as_it_was_chosen() -> None:
     night = NightMode()
-    night.command(NightCommand(on=0, headlight=0.25))
+    night.command(NightCommand(on=1, headlight=0.25))
+    assert night.headlight == 0.25
+    night.command(NightCommand(on=0, headlight=0.0))
     assert night.headlight == 0.0
     night.command(NightCommand(on=1, headlight=math.nan))
     assert night.headlight == 0.25
