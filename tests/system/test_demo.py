@@ -19,7 +19,7 @@ def demo(stack: ExitStack) -> ConsoleProcess:
 def test_shows_a_picture_drives_and_leaves_nothing_behind(demo: ConsoleProcess) -> None:
     demo.wait_for_picture()
     processes = family(demo.process.pid)
-    assert len(processes) == 5
+    assert len(processes) == 6  # console, hub, its guardian, three modules
     demo.wait(lambda: "STANDING" in demo.text, 10.0)
     demo.hold_until("w", lambda: "MOVING" in demo.text)
     demo.type("q")
