@@ -21,6 +21,7 @@
     │   └── QueryTimeoutError (TimeoutError)   the answer did not come in time
     ├── CameraError (OSError)                a camera that gives no pictures, and why
     ├── ArenaError (ValueError)                an arena file with mistakes, all of them listed
+    ├── UnknownKindError (LookupError)         a kind of robot that is not known, or not usable
     ├── RobotFileError (ValueError)            a robot file with mistakes, all of them listed
     └── ModuleStartError (RuntimeError)        a module that could not be started
 
@@ -150,6 +151,10 @@ class ArenaError(_FileError):
 
 class RobotFileError(_FileError):
     """A robot file with mistakes, all of them listed in `problems`."""
+
+
+class UnknownKindError(HubError, LookupError):
+    """A kind of robot that nobody knows, or whose Python file cannot be used."""
 
 
 class ModuleStartError(HubError, RuntimeError):

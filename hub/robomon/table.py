@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from hub import toml_tables as toml
-from hub.errors import ArenaError, RobotFileError
+from hub.errors import ArenaError, RobotFileError, UnknownKindError
 from hub.gcm.capability import Capability
 from hub.robots.description import RobotDescription, find_robot_file, read_description
-from hub.robots.registry import KINDS
+from hub.robots.registry import kind_of
 
 _OWN = "X_"
 """Capabilities that are not of the common vocabulary begin so."""
@@ -122,10 +122,11 @@ def load_robot_table(name_or_path: str) -> RobotTable:
     """
     path = find_robot_file(name_or_path)
     robot, problems = read_description(path)
-    if robot.kind and robot.kind not in KINDS:
-        known = ", ".join(KINDS)
-        hint = toml.nearest(robot.kind, KINDS)
-        problems.add(toml.TOP, f"kind {robot.kind!r} is none of {known}{hint}", "kind")
+    if robot.kind:
+        try:
+            kind_of(robot)
+        except UnknownKindError as error:
+            problems.add(toml.TOP, str(error), "kind")
     _check_arena(robot, problems)
     modules = tuple(_module(name, values, problems) for name, values in robot.modules.items())
     if not modules:
@@ -138,7 +139,7 @@ def load_robot_table(name_or_path: str) -> RobotTable:
 def _check_arena(robot: RobotDescription, problems: toml.Problems) -> None:
     from hub.sim.arena import load_arena
 
-    if robot.kind in KINDS and not robot.simulated:
+    if not robot.simulated:
         return
     try:
         load_arena(robot.arena)

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import importlib
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from hub.errors import CameraError, UnknownKindError
 from hub.robots.description import ROBOTS_OWN, RobotDescription
 from hub.robots.interfaces import Camera, DriveBase
+from hub.toml_tables import nearest
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -15,13 +19,13 @@ class RobotKind:
 
     Attributes:
         open_base: Opens wheels, range sensors, bumpers, battery.
-        open_camera: Opens its own camera; use the function `open_camera`.
+        open_camera: Opens its own camera; None: it has none. Use the function `open_camera`.
         pan_tilt_zoom: Whether its own camera stands on a head that moves.
     """
 
     open_base: Callable[[RobotDescription], DriveBase]
-    open_camera: Callable[[RobotDescription], Camera]
-    pan_tilt_zoom: bool = True
+    open_camera: Callable[[RobotDescription], Camera] | None = None
+    pan_tilt_zoom: bool = False
 
 
 def _simulated_base(robot: RobotDescription) -> DriveBase:
@@ -46,18 +50,55 @@ def _simulated_camera(robot: RobotDescription) -> Camera:
 
 
 KINDS = {
-    "simulated-magellan": RobotKind(open_base=_simulated_base, open_camera=_simulated_camera),
+    "simulated-magellan": RobotKind(
+        open_base=_simulated_base, open_camera=_simulated_camera, pan_tilt_zoom=True
+    ),
 }
+
+
+def kind_of(robot: RobotDescription) -> RobotKind:
+    """The kind that a robot file names: one of ours, or "file:NAME" of a Python file beside it.
+
+    Raises:
+        UnknownKindError: There is none of that name, or the Python file cannot be imported.
+    """
+    known = KINDS.get(robot.kind)
+    if known is not None:
+        return known
+    module, colon, name = robot.kind.partition(":")
+    if not (colon and name.isidentifier() and all(map(str.isidentifier, module.split(".")))):
+        text = (
+            f"kind {robot.kind!r} is none of {', '.join(KINDS)}, and no file:NAME of a Python file"
+            f" beside the robot file{nearest(robot.kind, KINDS)}"
+        )
+        raise UnknownKindError(text)
+    folder = str(robot.path.resolve().parent)
+    if folder not in sys.path:
+        sys.path.insert(0, folder)
+    try:
+        kind = getattr(importlib.import_module(module), name)
+    except Exception as error:  # whatever somebody's file raises
+        text = f"kind {robot.kind!r} cannot be imported: {type(error).__name__}: {error}"
+        raise UnknownKindError(text) from error
+    if not isinstance(kind, RobotKind):
+        text = f"kind {robot.kind!r} is no RobotKind but a {type(kind).__name__}"
+        raise UnknownKindError(text)
+    return kind
 
 
 def open_camera(robot: RobotDescription) -> Camera:
     """The camera that a robot file names: the robot's own, or another.
 
     Raises:
-        CameraError: The file names an address of a kind that is not read.
+        CameraError: The robot has none, or the file names an address of a kind that is not read.
+        UnknownKindError: The robot is of no known kind.
     """
     if robot.camera_source == ROBOTS_OWN:
-        return KINDS[robot.kind].open_camera(robot)
+        open_own = kind_of(robot).open_camera
+        if open_own is None:
+            text = f"{robot.name} has no camera of its own; name one in [camera], key 'source'"
+            raise CameraError(text)
+        return open_own(robot)
     from hub.robots.video_camera import VideoCamera
 
     return VideoCamera(
@@ -70,4 +111,4 @@ def open_camera(robot: RobotDescription) -> Camera:
 
 def camera_moves(robot: RobotDescription) -> bool:
     """Whether the camera that a robot file names stands on a pan/tilt/zoom head."""
-    return robot.camera_source == ROBOTS_OWN and KINDS[robot.kind].pan_tilt_zoom
+    return robot.camera_source == ROBOTS_OWN and kind_of(robot).pan_tilt_zoom

@@ -12,7 +12,7 @@ from hub.ipc.client import Client
 from hub.ipc.reception import Reception
 from hub.modules.driver.watchdog import CommandWatchdog
 from hub.robots.description import RobotDescription
-from hub.robots.registry import KINDS
+from hub.robots.registry import kind_of
 from hub.runtime import run_module
 
 _PERIOD = 0.01
@@ -24,7 +24,7 @@ _LONGEST_STEP = 0.25
 
 def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
     """Connect the hardware to the bus."""
-    base = KINDS[robot.kind].open_base(robot)
+    base = kind_of(robot).open_base(robot)
     watchdog = CommandWatchdog()
     clock = time.monotonic
     last = clock()
