@@ -23,6 +23,7 @@
     ├── ArenaError (ValueError)                an arena file with mistakes, all of them listed
     ├── UnknownKindError (LookupError)         a kind of robot that is not known, or not usable
     ├── RobotFileError (ValueError)            a robot file with mistakes, all of them listed
+    ├── MapFileError (ValueError)              files of a map that cannot be written or read
     └── ModuleStartError (RuntimeError)        a module that could not be started
 
 The text of an error says what happened, where, and what to do, in one sentence.
@@ -155,6 +156,10 @@ class RobotFileError(_FileError):
 
 class UnknownKindError(HubError, LookupError):
     """A kind of robot that nobody knows, or whose Python file cannot be used."""
+
+
+class MapFileError(HubError, ValueError):
+    """Files of a map that cannot be written or read."""
 
 
 class ModuleStartError(HubError, RuntimeError):

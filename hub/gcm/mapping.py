@@ -164,7 +164,7 @@ class MapOrder(enum.IntEnum):
     Attributes:
         SAVE: Write map and points to files.
         LOAD: Read them from files; the grid and the points there are now are given up.
-        CLEAR: Begin anew.
+        CLEAR: Begin the grid anew; the points are kept.
     """
 
     SAVE = 0

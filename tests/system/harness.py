@@ -36,6 +36,8 @@ port = {port}
 [simulation]
 arena = "{arena}"
 seed = 7
+[mapping]
+folder = "maps"
 {modules}
 """
 MODULES = ("driver", "navigation", "vision")

@@ -34,8 +34,8 @@ def _nothing_left(hub: HubProcess, processes: list[psutil.Process]) -> None:
 
 
 def test_starts_a_process_for_each_module(hub: HubProcess) -> None:
-    assert set(hub.pids) == {"driver", "navigation", "vision"}
-    assert len({hub.process.pid, *hub.pids.values()}) == 4
+    assert set(hub.pids) == {"driver", "navigation", "vision", "mapping"}
+    assert len({hub.process.pid, *hub.pids.values()}) == 5
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -46,7 +46,7 @@ def test_ends_in_order_on_a_signal(hub: HubProcess, number: signal.Signals) -> N
     _nothing_left(hub, processes)
     log = hub.log.read_text()
     stops = [line.split()[2] for line in log.splitlines() if "INFO stopped" in line]
-    assert stops == ["vision", "navigation", "driver"]
+    assert stops == ["mapping", "vision", "navigation", "driver"]
     assert "Traceback" not in log
 
 

@@ -27,9 +27,14 @@ def problems_of(folder: Path, text: str) -> list[str]:
     return list(caught.value.problems)
 
 
-def test_shipped_robot_has_driver_navigation_and_vision() -> None:
+def test_shipped_robot_has_driver_navigation_vision_and_mapping() -> None:
     table = load_robot_table("magellan")
-    assert [module.name for module in table.modules] == ["driver", "navigation", "vision"]
+    assert [module.name for module in table.modules] == [
+        "driver",
+        "navigation",
+        "vision",
+        "mapping",
+    ]
     assert table.robot.port == 1381
     assert table.robot.linear_limit == 0.5
 

@@ -1,0 +1,1 @@
+"""Occupancy grid and interest points: made, answered for, saved."""

@@ -1,0 +1,212 @@
+"""The occupancy grid: log-odds of cells in `map`, and the pictures others get of it; pure."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.gcm.map_coding import MAX_CELLS
+from hub.gcm.navigation import SENSOR_COUNT
+from hub.modules.mapping.evidence import INFRARED, SONAR, Evidence, Floats
+
+LEAST, MOST = -2.0, 3.5
+"""Bounds of the log-odds, so that what has changed is learnt anew within some scans."""
+LOADED = 1.5
+"""What free (minus) and occupied (plus) cells of a loaded map begin with [log-odds]."""
+KNOWN = 0.1
+"""Less evidence than this [log-odds], one way or the other, leaves a cell unknown."""
+BORDER = 0.5
+"""Unknown cells around what is known in a picture of the whole map [m]."""
+MAX_EDGE_CELLS = math.isqrt(MAX_CELLS)
+
+_PERCENT = 100.0
+_STEP = 5
+"""Shown occupancies are multiples of this [percent]: coded maps are a quarter shorter."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class GridPicture:
+    """Cells of a part of the map, as nav_msgs/OccupancyGrid has them.
+
+    Attributes:
+        cells: -1 unknown, 0 free to 100 occupied; shape (height, width), row 0 at the least y.
+        resolution: Edge of a cell [m].
+        origin_x: Lower left corner of cell (0, 0) in `map` [m].
+        origin_y: Lower left corner of cell (0, 0) in `map` [m].
+    """
+
+    cells: npt.NDArray[np.int8]
+    resolution: float
+    origin_x: float
+    origin_y: float
+
+
+class OccupancyGrid:
+    """A square of cells, fixed in `map`, its origin (where the robot started) in the middle.
+
+    Around it lies a frame of cells as wide as sensors reach, which nobody sees: so the cells around
+    a robot that is within the square are always there. What is beyond the square is not mapped.
+
+    Attributes:
+        resolution: Edge of a cell [m].
+        edge_cells: Cells along each side of the square.
+        low: Least x and y of the square [m].
+        outside: Scans that were left out because the robot was not within the square.
+    """
+
+    def __init__(self, resolution: float, size: float) -> None:
+        """Make an empty map.
+
+        Args:
+            resolution: Edge of a cell [m].
+            size: Extent in both directions [m]; no more than `MAX_EDGE_CELLS` cells are made.
+        """
+        self.resolution = resolution
+        half = max(1, min(math.ceil(size / resolution / 2.0), MAX_EDGE_CELLS // 2))
+        self.edge_cells = 2 * half
+        self.low = -half * resolution
+        self.outside = 0
+        self._rings = [Evidence(model, resolution) for model in (SONAR, INFRARED)]
+        self._frame = max(ring.reach_cells for ring in self._rings)
+        self._width = self.edge_cells + 2 * self._frame
+        self._offsets = [ring.offsets(self._width) for ring in self._rings]
+        self._cells = [np.empty_like(offsets) for offsets in self._offsets]
+        self._flat: Floats = np.zeros(self._width * self._width, np.float32)
+
+    @property
+    def log_odds(self) -> Floats:
+        """A view of the square, shape (edge_cells, edge_cells), row 0 at the least y."""
+        inner = slice(self._frame, self._frame + self.edge_cells)
+        return self._flat.reshape(self._width, self._width)[inner, inner]
+
+    def clear(self) -> None:
+        """Forget everything."""
+        self._flat[:] = 0.0
+        self.outside = 0
+
+    def add(self, x: float, y: float, theta: float, sonar: Floats, infrared: Floats) -> bool:
+        """Add a scan.
+
+        Args:
+            x: Position of the robot in `map` when it was made [m].
+            y: Likewise [m].
+            theta: Heading in `map` [rad].
+            sonar: Ranges from the centre [m], shape (16,); inf: no echo; NaN: says nothing.
+            infrared: Likewise; inf: nothing seen.
+
+        Returns:
+            Whether it was used; not if the robot was outside of the square, or nobody knows where.
+        """
+        column = math.floor((x - self.low) / self.resolution) if math.isfinite(x) else -1
+        row = math.floor((y - self.low) / self.resolution) if math.isfinite(y) else -1
+        within = 0 <= column < self.edge_cells and 0 <= row < self.edge_cells
+        if not (within and math.isfinite(theta)):
+            self.outside += 1
+            return False
+        middle = (row + self._frame) * self._width + column + self._frame
+        beside_x = x - self.low - (column + 0.5) * self.resolution
+        beside_y = y - self.low - (row + 0.5) * self.resolution
+        heading = math.remainder(theta, 2.0 * math.pi)
+        scans = (sonar, infrared)
+        for ring, offsets, cells, ranges in zip(
+            self._rings, self._offsets, self._cells, scans, strict=True
+        ):
+            np.add(offsets, middle, out=cells)
+            change = ring.change(_usable(ranges), beside_x, beside_y, heading, self._flat, cells)
+            changed = cells[: len(change)]
+            change += self._flat[changed]
+            self._flat[changed] = np.clip(change, LEAST, MOST, out=change)
+        return True
+
+    def whole(self) -> GridPicture:
+        """What is known, with a border; a few unknown cells where nothing is."""
+        known = np.abs(self.log_odds) >= KNOWN
+        rows, columns = np.flatnonzero(known.any(axis=1)), np.flatnonzero(known.any(axis=0))
+        middle = [self.edge_cells // 2]
+        rows, columns = (rows, columns) if len(rows) else (np.array(middle), np.array(middle))
+        border = math.ceil(BORDER / self.resolution)
+        return self._picture(
+            int(rows[0]) - border,
+            int(rows[-1]) + border + 1,
+            int(columns[0]) - border,
+            int(columns[-1]) + border + 1,
+        )
+
+    def window(self, x: float, y: float, width: float, height: float) -> GridPicture | None:
+        """A part of the map, clipped to the square.
+
+        Args:
+            x: Its middle in `map` [m].
+            y: Likewise [m].
+            width: Extent along x [m].
+            height: Extent along y [m].
+
+        Returns:
+            None if nothing of it lies within the square.
+        """
+        high = self.low + self.edge_cells * self.resolution
+        left, right = max(x - width / 2, self.low), min(x + width / 2, high)
+        bottom, top = max(y - height / 2, self.low), min(y + height / 2, high)
+        if not (left < right and bottom < top):
+            return None
+        return self._picture(
+            math.floor((bottom - self.low) / self.resolution),
+            math.ceil((top - self.low) / self.resolution),
+            math.floor((left - self.low) / self.resolution),
+            math.ceil((right - self.low) / self.resolution),
+        )
+
+    def paint(self, picture: GridPicture, log_odds: float) -> int:
+        """Give up what is known for what a picture shows.
+
+        Where cells of the two do not lie on each other, those of the picture go where their middle
+        is; a cell that gets several is occupied if one of them is.
+
+        Args:
+            picture: Any resolution and origin; below 50 is free, above occupied.
+            log_odds: What free and occupied cells become, minus or plus.
+
+        Returns:
+            How many known cells of the picture lie outside of the square.
+        """
+        self.clear()
+        lost = 0
+        for sign, wanted in (
+            (-1.0, (picture.cells >= 0) & (picture.cells < 50)),
+            (1.0, picture.cells > 50),
+        ):
+            rows, columns = np.nonzero(wanted)
+            x = picture.origin_x + (columns + 0.5) * picture.resolution
+            y = picture.origin_y + (rows + 0.5) * picture.resolution
+            columns = np.floor((x - self.low) / self.resolution).astype(np.intp)
+            rows = np.floor((y - self.low) / self.resolution).astype(np.intp)
+            inside = (rows >= 0) & (rows < self.edge_cells)
+            inside &= (columns >= 0) & (columns < self.edge_cells)
+            lost += len(rows) - int(inside.sum())
+            self.log_odds[rows[inside], columns[inside]] = sign * log_odds
+        return lost
+
+    def _picture(self, bottom: int, top: int, left: int, right: int) -> GridPicture:
+        """Rows from `bottom` and columns from `left` on, as far as there are any."""
+        bottom, left = max(bottom, 0), max(left, 0)
+        top, right = min(top, self.edge_cells), min(right, self.edge_cells)
+        part = self.log_odds[bottom:top, left:right]
+        shown = _PERCENT / _STEP / (1.0 + np.exp(-part))
+        cells = np.rint(shown).astype(np.int8) * np.int8(_STEP)
+        cells[np.abs(part) < KNOWN] = -1
+        return GridPicture(
+            cells=cells,
+            resolution=self.resolution,
+            origin_x=self.low + left * self.resolution,
+            origin_y=self.low + bottom * self.resolution,
+        )
+
+
+def _usable(ranges: Floats) -> Floats:
+    """The ranges, those that cannot be turned into ones that say nothing; shape (16,)."""
+    if ranges.shape != (SENSOR_COUNT,):
+        return np.full(SENSOR_COUNT, np.nan, np.float32)
+    return np.where(ranges > 0.0, ranges, np.float32(np.nan)).astype(np.float32)

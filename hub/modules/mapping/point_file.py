@@ -1,0 +1,149 @@
+"""Interest points as GeoJSON (RFC 7946) and back; pure.
+
+The coordinates are metres in `map`, not degrees on the earth, as the member "frame" says: the form
+is GeoJSON's, so that tools show the points over the map, with the map's own frame as the plane.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+from typing import Any, NoReturn
+
+import numpy as np
+
+from hub.errors import MapFileError
+from hub.gcm.mapping import InterestPoint, PointKind
+from hub.modules.mapping.points import (
+    FARTHEST,
+    MAX_BY,
+    MAX_NOTE,
+    MAX_NUMBER,
+    MAX_POINTS,
+    MAX_THUMBNAIL_BYTES,
+)
+
+MAX_BYTES = 4 << 20
+"""Of a file of points; the largest that is written is much smaller."""
+
+_LATEST = 1e11
+"""No point is marked later than this [s since the epoch]."""
+_KINDS = {kind.name.lower(): kind for kind in PointKind}
+
+
+def encode_points(points: tuple[InterestPoint, ...]) -> bytes:
+    """The file of these points."""
+    features = [
+        {
+            "type": "Feature",
+            "geometry": {"type": "Point", "coordinates": [point.x, point.y]},
+            "properties": {
+                "number": point.number,
+                "kind": point.kind.name.lower(),
+                "stamp": point.stamp,
+                "by": point.by,
+                "note": point.note,
+                "thumbnail": base64.b64encode(point.thumbnail.tobytes()).decode(),
+            },
+        }
+        for point in points
+    ]
+    collection = {"type": "FeatureCollection", "frame": "map", "features": features}
+    return (json.dumps(collection, indent=1, ensure_ascii=False) + "\n").encode()
+
+
+def decode_points(raw: bytes) -> tuple[InterestPoint, ...]:
+    """The points of a file.
+
+    Raises:
+        MapFileError: It is too large, is no GeoJSON, or a point is not within its bounds.
+    """
+    if len(raw) > MAX_BYTES:
+        _refuse(f"is larger than {MAX_BYTES} bytes")
+    try:
+        collection = json.loads(raw.decode(), parse_constant=_no_number)
+    except (ValueError, RecursionError) as error:
+        text = f"the points are no JSON: {error}"
+        raise MapFileError(text) from error
+    features = _member(collection, "features", list)
+    if collection.get("type") != "FeatureCollection" or len(features) > MAX_POINTS:
+        _refuse(f"are no FeatureCollection of at most {MAX_POINTS} features")
+    points = tuple(_point(feature) for feature in features)
+    if len({point.number for point in points}) < len(points):
+        _refuse("have a number twice")
+    return points
+
+
+def _point(feature: Any) -> InterestPoint:  # noqa: ANN401 - whatever JSON holds
+    geometry = _member(feature, "geometry", dict)
+    place = _member(geometry, "coordinates", list)
+    if geometry.get("type") != "Point" or len(place) not in (2, 3):
+        _refuse("have one that is no Point")
+    properties = _member(feature, "properties", dict)
+    kind = _KINDS.get(_text(properties, "kind", 32))
+    if kind is None:
+        _refuse(f"have one that is none of {', '.join(_KINDS)}")
+    number = _number(properties.get("number"), 1, MAX_NUMBER)
+    if number != int(number):
+        _refuse("have a number that is not whole")
+    thumbnail = _thumbnail(properties)
+    return InterestPoint(
+        number=int(number),
+        kind=kind,
+        x=_number(place[0], -FARTHEST, FARTHEST),
+        y=_number(place[1], -FARTHEST, FARTHEST),
+        stamp=_number(properties.get("stamp", 0), 0.0, _LATEST),
+        by=_text(properties, "by", MAX_BY),
+        note=_text(properties, "note", MAX_NOTE),
+        length=len(thumbnail),
+        thumbnail=np.frombuffer(thumbnail, np.uint8),
+    )
+
+
+def _member(value: Any, name: str, kind: type) -> Any:  # noqa: ANN401 - whatever JSON holds
+    member = value.get(name) if isinstance(value, dict) else None
+    if not isinstance(member, kind):
+        _refuse(f"lack {name!r} where it belongs")
+    return member
+
+
+def _number(value: object, low: float, high: float) -> float:
+    # Compared before it is converted: a whole number may have thousands of digits.
+    if isinstance(value, bool) or not isinstance(value, int | float) or not low <= value <= high:
+        _refuse(f"have a number that is not between {low:g} and {high:g}")
+    return float(value)
+
+
+def _text(properties: dict[str, Any], name: str, longest: int) -> str:
+    """A text that can also be sent; empty if there is none."""
+    text = properties.get(name, "")
+    if not isinstance(text, str) or len(text) > longest or "\0" in text or _half(text):
+        _refuse(f"have {name!r} that is no text of at most {longest} characters")
+    return text
+
+
+def _half(text: str) -> bool:
+    """Whether half of a surrogate pair is in it, which no UTF-8 can say."""
+    return any("\ud800" <= character <= "\udfff" for character in text)
+
+
+def _thumbnail(properties: dict[str, Any]) -> bytes:
+    coded = _text(properties, "thumbnail", 2 * MAX_THUMBNAIL_BYTES)
+    try:
+        thumbnail = base64.b64decode(coded, validate=True)
+    except ValueError as error:
+        text = f"the points have a thumbnail that is no base64: {error}"
+        raise MapFileError(text) from error
+    if len(thumbnail) > MAX_THUMBNAIL_BYTES:
+        _refuse(f"have a thumbnail of more than {MAX_THUMBNAIL_BYTES} bytes")
+    return thumbnail
+
+
+def _no_number(name: str) -> NoReturn:
+    text = f"{name} is no number"
+    raise ValueError(text)
+
+
+def _refuse(reason: str) -> NoReturn:
+    text = f"the points {reason}"
+    raise MapFileError(text)

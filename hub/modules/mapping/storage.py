@@ -1,0 +1,124 @@
+"""The folder of saved maps: NAME.pgm, NAME.yaml and NAME.geojson."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import tempfile
+from pathlib import Path
+
+from hub.errors import MapFileError
+from hub.gcm.mapping import InterestPoint
+from hub.modules.mapping import point_file, ros_map
+from hub.modules.mapping.grid import GridPicture
+
+_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
+
+
+def default_folder() -> Path:
+    """Where maps are unless a folder is given: $XDG_DATA_HOME/rune/maps or ~/.local/share/...
+
+    Raises:
+        MapFileError: The user has no home.
+    """
+    named = Path(os.environ.get("XDG_DATA_HOME", ""))
+    if named.is_absolute():  # the XDG specification wants others ignored
+        return named / "rune" / "maps"
+    try:
+        return Path.home() / ".local" / "share" / "rune" / "maps"
+    except RuntimeError as fault:
+        text = "this user has no home; name a folder of maps in the robot file"
+        raise MapFileError(text) from fault
+
+
+def checked_name(name: str) -> str:
+    """The name, which cannot lead out of the folder.
+
+    Raises:
+        MapFileError: It is no name of a map.
+    """
+    if _NAME.fullmatch(name) is None:
+        text = (
+            f"{name[:40]!r} is no name of a map: up to 64 letters, digits, dots, '-' and '_',"
+            " not beginning with a dot or '-'"
+        )
+        raise MapFileError(text)
+    return name
+
+
+def save(folder: Path, name: str, picture: GridPicture, points: tuple[InterestPoint, ...]) -> Path:
+    """Write a map; a file that is there already is replaced as a whole, or not at all.
+
+    Returns:
+        The YAML file, which is written last.
+
+    Raises:
+        MapFileError: It has a wrong name, or a file cannot be written.
+    """
+    described = folder / f"{checked_name(name)}.yaml"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        _replace(folder / f"{name}.pgm", ros_map.encode_pgm(picture))
+        _replace(folder / f"{name}.geojson", point_file.encode_points(points))
+        _replace(described, ros_map.encode_yaml(picture, f"{name}.pgm"))
+    except OSError as fault:
+        text = f"map {name} cannot be written to {folder}: {fault.strerror or fault}"
+        raise MapFileError(text) from fault
+    return described
+
+
+def load(folder: Path, name: str) -> tuple[GridPicture, tuple[InterestPoint, ...]]:
+    """Read a map; there are no points where there is no file of them.
+
+    Raises:
+        MapFileError: It has a wrong name, a file cannot be read, or is not what it should be.
+    """
+    described = folder / f"{checked_name(name)}.yaml"
+    header = ros_map.decode_yaml(_read(described, ros_map.MAX_YAML_BYTES))
+    image = folder / checked_name(header.image)
+    grey = ros_map.decode_pgm(_read(image, ros_map.MAX_PGM_BYTES))
+    picture = ros_map.picture_of(header, grey)
+    marked = folder / f"{name}.geojson"
+    if not os.path.lexists(marked):
+        return picture, ()
+    return picture, point_file.decode_points(_read(marked, point_file.MAX_BYTES))
+
+
+def _replace(path: Path, content: bytes) -> None:
+    """Put a file in place in one step, once it is on the disk."""
+    handle, name = tempfile.mkstemp(prefix=".", suffix=path.suffix, dir=path.parent)
+    unfinished = Path(name)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        unfinished.chmod(0o644)
+        unfinished.replace(path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            unfinished.unlink()
+        raise
+
+
+def _read(path: Path, most: int) -> bytes:
+    """What a file holds.
+
+    Raises:
+        MapFileError: It cannot be read, is no regular file, or is larger than `most` bytes.
+    """
+    try:
+        # Asked before it is opened: a pipe would keep us waiting for somebody to write.
+        regular = path.is_file() or not path.exists()
+        raw = b""
+        if regular:
+            with path.open("rb") as file:
+                raw = file.read(most + 1)
+    except OSError as fault:
+        text = f"{path} cannot be read: {fault.strerror or fault}"
+        raise MapFileError(text) from fault
+    if not regular or len(raw) > most:
+        text = f"{path} is no regular file of at most {most} bytes"
+        raise MapFileError(text)
+    return raw

@@ -1,0 +1,87 @@
+"""A corrected pose brings new evidence back to where the walls are."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from hub.modules.mapping.grid import OccupancyGrid
+from hub.robots.magellan import SimulatedMagellan
+from hub.sim.arena import Arena
+from tests.hub.modules.mapping.touring import (
+    PoseSource,
+    Report,
+    Score,
+    mapped,
+    score,
+    surfaces_in_sight,
+    tour,
+    true_pose,
+)
+from tests.hub.sim.arenas import arena_of
+
+ROOM = """
+name = "room"
+[start]
+at = [0.6, 0.6]
+[hall]
+[[wall]]
+from = [0.0, 0.0]
+to = [4.0, 0.0]
+[[wall]]
+from = [4.0, 0.0]
+to = [4.0, 3.0]
+[[wall]]
+from = [0.0, 3.0]
+to = [4.0, 3.0]
+[[wall]]
+from = [0.0, 0.0]
+to = [0.0, 3.0]
+[[box]]
+at = [2.0, 1.5]
+size = [1.2, 0.6, 1.0]
+"""
+ROUND = ((3.4, 0.6), (3.4, 2.4), (0.6, 2.4), (0.6, 0.6))
+
+
+@pytest.fixture(scope="module")
+def arena() -> Arena:
+    return arena_of(ROOM)
+
+
+@pytest.fixture(scope="module")
+def reports(arena: Arena) -> list[Report]:
+    robot = SimulatedMagellan(arena, seed=1)
+    driven = list(tour(robot, ROUND * 3))
+    assert robot.ground_truth().contacts == 0
+    return driven
+
+
+def result(arena: Arena, reports: list[Report], source: object) -> Score:
+    grid = mapped(reports, source, OccupancyGrid(0.05, 14.0))  # type: ignore[arg-type]
+    return score(grid, arena, surfaces_in_sight(reports, arena))
+
+
+def test_with_true_poses_the_map_is_true(arena: Arena, reports: list[Report]) -> None:
+    made = result(arena, reports, true_pose(arena.start))
+    assert made.wall_error < 0.05
+    assert made.f1 > 0.9
+
+
+def test_landmarks_keep_a_map_from_drifting_away(arena: Arena, reports: list[Report]) -> None:
+    drifting = result(arena, reports, PoseSource(arena.start, math.inf))
+    corrected = result(arena, reports, PoseSource(arena.start, 8.0))
+    assert drifting.wall_error > 0.12
+    assert corrected.wall_error < 0.5 * drifting.wall_error
+    assert corrected.f1 > drifting.f1 + 0.4
+
+
+def test_after_a_late_correction_the_map_heals(arena: Arena, reports: list[Report]) -> None:
+    """Two rounds without a landmark, then one: the next rounds put the walls right again."""
+    two_thirds = reports[len(reports) * 2 // 3].time
+    before = reports[: len(reports) * 2 // 3]
+    smeared = result(arena, before, PoseSource(arena.start, math.inf))
+    healed = result(arena, reports, PoseSource(arena.start, two_thirds))
+    assert healed.wall_error < 0.7 * smeared.wall_error
+    assert healed.f1 > smeared.f1 + 0.3

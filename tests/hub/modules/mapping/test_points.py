@@ -1,0 +1,107 @@
+"""Interest points: marked, replaced, removed, within bounds."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, PointKind
+from hub.modules.mapping.points import (
+    MAX_BY,
+    MAX_NOTE,
+    MAX_NUMBER,
+    MAX_POINTS,
+    MAX_THUMBNAIL_BYTES,
+    NO_THUMBNAIL,
+    PointBook,
+)
+
+NOW = 1e9
+
+
+def point(number: int = 0, x: float = 1.0, **fields: object) -> InterestPoint:
+    thumbnail = fields.pop("thumbnail", NO_THUMBNAIL)
+    assert isinstance(thumbnail, np.ndarray)
+    return InterestPoint(
+        number=number, kind=PointKind.VICTIM, x=x, y=2.0, length=len(thumbnail),
+        thumbnail=thumbnail, **fields,  # type: ignore[arg-type]
+    )  # fmt: skip
+
+
+def test_a_point_gets_a_number_a_time_and_who_marked_it() -> None:
+    book = PointBook()
+    assert book.mark(point(), "console", NOW) == ""
+    (kept,) = book.message.points
+    assert (kept.number, kept.stamp, kept.by) == (1, NOW, "console")
+
+
+def test_what_the_point_says_itself_is_kept() -> None:
+    book = PointBook()
+    picture = np.arange(50, dtype=np.uint8)
+    book.mark(point(7, stamp=5.0, by="Ada", note="waves", thumbnail=picture), "console", NOW)
+    (kept,) = book.message.points
+    assert (kept.number, kept.stamp, kept.by, kept.note) == (7, 5.0, "Ada", "waves")
+    assert np.array_equal(kept.thumbnail, picture)
+
+
+def test_a_known_number_replaces_its_point_and_others_stay() -> None:
+    book = PointBook()
+    for x in (1.0, 2.0):
+        book.mark(point(x=x), "", NOW)
+    assert book.mark(point(1, x=9.0), "", NOW) == ""
+    assert [(kept.number, kept.x) for kept in book.message.points] == [(1, 9.0), (2, 2.0)]
+
+
+def test_numbers_of_removed_points_are_not_given_again() -> None:
+    book = PointBook()
+    book.mark(point(), "", NOW)
+    assert book.remove(1) == ""
+    assert book.remove(1) == "there is no point 1"
+    book.mark(point(), "", NOW)
+    assert [kept.number for kept in book.message.points] == [2]
+
+
+@pytest.mark.parametrize("x", [math.nan, math.inf, -1e6])
+def test_a_point_that_is_nowhere_is_refused(x: float) -> None:
+    book = PointBook()
+    assert "nowhere" in book.mark(point(x=x), "", NOW)
+    assert book.message.count == 0
+
+
+def test_a_mark_is_never_lost_for_being_too_wordy() -> None:
+    book = PointBook()
+    large = np.zeros(MAX_THUMBNAIL_BYTES + 1, np.uint8)
+    said = point(note="n" * 9999, by="b" * 999, thumbnail=large, stamp=math.nan)
+    assert book.mark(said, "", NOW) == ""
+    (kept,) = book.message.points
+    assert (len(kept.note), len(kept.by), kept.length, kept.stamp) == (MAX_NOTE, MAX_BY, 0, NOW)
+
+
+def test_there_is_room_for_so_many_points_and_all_of_them_can_be_sent() -> None:
+    book = PointBook()
+    picture = np.zeros(MAX_THUMBNAIL_BYTES, np.uint8)
+    full = point(note="ü" * MAX_NOTE, by="ü" * MAX_BY, thumbnail=picture)
+    for _ in range(MAX_POINTS):
+        assert book.mark(full, "", NOW) == ""
+    assert "already" in book.mark(full, "", NOW)
+    assert book.mark(point(3, x=5.0), "", NOW) == ""
+    assert book.message.count == MAX_POINTS
+    assert len(INTEREST_POINTS.encode(book.message)) < 1_000_000
+
+
+def test_when_the_numbers_end_known_ones_can_still_be_replaced() -> None:
+    book = PointBook()
+    assert book.mark(point(MAX_NUMBER), "", NOW) == ""
+    assert "no numbers" in book.mark(point(), "", NOW)
+    assert book.mark(point(MAX_NUMBER, x=3.0), "", NOW) == ""
+
+
+def test_loaded_points_take_the_place_of_all_others() -> None:
+    book = PointBook()
+    book.mark(point(), "", NOW)
+    book.replace_all((point(5, x=4.0), point(3)))
+    assert [kept.number for kept in book.message.points] == [3, 5]
+    book.mark(point(), "", NOW)
+    assert book.message.points[-1].number == 6

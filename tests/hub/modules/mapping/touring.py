@@ -1,0 +1,212 @@
+"""Tours of a simulated robot through an arena, the map made on them, and how true it is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.gcm.navigation import DriveState, GroundTruth, MotionState, RobotState
+from hub.modules.mapping.evidence import SONAR
+from hub.modules.mapping.grid import OccupancyGrid
+from hub.modules.mapping.scans import ScanSelector
+from hub.robots.magellan import SimulatedMagellan
+from hub.sim.arena import Arena, Footprints
+from hub.sim.geometry import Pose
+from hub.sim.range_sensors import first_hits
+
+Floats = npt.NDArray[np.float64]
+
+PERIOD = 0.05
+"""Time between two reports, as navigation gives them [s]."""
+TOLERANCE = 0.1
+"""How far from the truth a mark on the map may be [m]."""
+OCCUPIED = math.log(0.65 / 0.35)
+"""From these log-odds on a map's reader takes a cell for occupied."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Report:
+    """What there is to know at one moment of a tour."""
+
+    time: float
+    truth: GroundTruth
+    drive: DriveState
+
+
+def tour(robot: SimulatedMagellan, points: Sequence[tuple[float, float]]) -> Iterator[Report]:
+    """Drive from point to point, knowing where the robot really is; reports at 20 Hz."""
+    now = 0.0
+    for goal_x, goal_y in points:
+        while True:
+            truth = robot.ground_truth()
+            left = math.hypot(goal_x - truth.x, goal_y - truth.y)
+            if left < 0.03:
+                break
+            direction = math.atan2(goal_y - truth.y, goal_x - truth.x)
+            error = math.remainder(direction - truth.theta, 2.0 * math.pi)
+            if abs(error) > 0.25:
+                robot.set_velocity(0.0, math.copysign(min(0.7, 2.0 * abs(error) + 0.1), error))
+            else:
+                robot.set_velocity(min(0.4, 1.5 * left + 0.03), 2.0 * error)
+            robot.advance(PERIOD)
+            now += PERIOD
+            yield Report(time=now, truth=robot.ground_truth(), drive=robot.drive_state(now))
+
+
+def from_start(truth: GroundTruth, start: Pose) -> Pose:
+    """Where the robot is, seen from where it started: its true pose in `map`."""
+    x, y = truth.x - start.x, truth.y - start.y
+    cosine, sine = math.cos(start.theta), math.sin(start.theta)
+    return Pose(x=cosine * x + sine * y, y=cosine * y - sine * x, theta=truth.theta - start.theta)
+
+
+class PoseSource:
+    """The pose that navigation would tell: dead reckoning, put right now and then.
+
+    A landmark corrects it by a jump: `map` is `odom` moved and turned so that the pose is true.
+    """
+
+    def __init__(self, start: Pose, correct_every: float) -> None:
+        self._start = start
+        self._every = correct_every
+        self._due = correct_every
+        self._transform = (0.0, 0.0, 0.0)
+
+    def __call__(self, report: Report) -> Pose:
+        drive = report.drive
+        if report.time >= self._due:
+            self._due += self._every
+            true = from_start(report.truth, self._start)
+            turn = true.theta - drive.theta
+            x, y = _turned(drive.x, drive.y, turn)
+            self._transform = (true.x - x, true.y - y, turn)
+        move_x, move_y, turn = self._transform
+        x, y = _turned(drive.x, drive.y, turn)
+        return Pose(x=x + move_x, y=y + move_y, theta=drive.theta + turn)
+
+
+def true_pose(start: Pose) -> Callable[[Report], Pose]:
+    """The pose of a navigation that never errs."""
+    return lambda report: from_start(report.truth, start)
+
+
+def state_of(report: Report, pose: Pose) -> RobotState:
+    """What navigation reports with this pose."""
+    drive = report.drive
+    return RobotState(
+        stamp=drive.stamp,
+        x=pose.x,
+        y=pose.y,
+        theta=pose.theta,
+        linear=drive.linear,
+        angular=drive.angular,
+        commanded_linear=0.0,
+        commanded_angular=0.0,
+        sonar=drive.sonar,
+        infrared=drive.infrared,
+        bumpers=0,
+        battery_voltage=math.nan,
+        battery_fraction=math.nan,
+        motion=MotionState.MOVING,
+        refused=0,
+    )
+
+
+def mapped(
+    reports: Sequence[Report], pose: Callable[[Report], Pose], grid: OccupancyGrid
+) -> OccupancyGrid:
+    """The grid after all reports of a tour."""
+    scans = ScanSelector()
+    for report in reports:
+        scan = scans.scan(state_of(report, pose(report)), report.time)
+        if scan is not None:
+            grid.add(scan.x, scan.y, scan.theta, scan.sonar, scan.infrared)
+    return grid
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Score:
+    """How true a map is.
+
+    Attributes:
+        precision: Share of the occupied cells that are near to something.
+        recall: Share of the surfaces in sight that are near to an occupied cell.
+        wall_error: Mean distance of the occupied cells from something [m].
+    """
+
+    precision: float
+    recall: float
+    wall_error: float
+
+    @property
+    def f1(self) -> float:
+        """Harmonic mean of precision and recall."""
+        both = self.precision + self.recall
+        return 2.0 * self.precision * self.recall / both if both else 0.0
+
+
+def score(grid: OccupancyGrid, arena: Arena, surfaces: Floats) -> Score:
+    """Compare a map with the arena.
+
+    Args:
+        grid: The map; the robot started at its origin.
+        arena: The truth.
+        surfaces: From `surfaces_in_sight`.
+    """
+    rows, columns = np.nonzero(grid.log_odds >= OCCUPIED)
+    cells = np.stack((columns, rows), axis=1) * grid.resolution + grid.low + grid.resolution / 2
+    cosine, sine = math.cos(arena.start.theta), math.sin(arena.start.theta)
+    turn = np.array(((cosine, sine), (-sine, cosine)))
+    cells = cells @ turn + (arena.start.x, arena.start.y)
+    errors = distances(arena.footprints, cells)
+    gaps = np.concatenate(
+        [
+            np.hypot(*(part[:, None, :] - cells).transpose(2, 0, 1)).min(axis=1)
+            for part in np.array_split(surfaces, 1 + len(surfaces) // 500)
+        ]
+    )
+    return Score(
+        precision=float((errors <= TOLERANCE).mean()),
+        recall=float((gaps <= TOLERANCE).mean()),
+        wall_error=float(errors.mean()),
+    )
+
+
+def distances(footprints: Footprints, points: Floats) -> Floats:
+    """From each point to the nearest thing [m], shape (n,); 0: inside of it."""
+    low, high = footprints.low[:, None, :], footprints.high[:, None, :]
+    beyond = np.maximum(np.maximum(low - points, points - high), 0.0)
+    nearest = np.hypot(beyond[..., 0], beyond[..., 1]).min(axis=0, initial=np.inf)
+    away = points - footprints.centre[:, None, :]
+    round_ones = np.hypot(away[..., 0], away[..., 1]) - footprints.radius[:, None]
+    return np.minimum(nearest, np.maximum(round_ones, 0.0).min(axis=0, initial=np.inf))
+
+
+def surfaces_in_sight(
+    reports: Sequence[Report], arena: Arena, *, reach: float = SONAR.farthest
+) -> Floats:
+    """Points on all that was in line of sight within the mapped range, every 5 cm, shape (n, 2).
+
+    Also what sensors could not see because it was met at a slant.
+    """
+    angles = np.linspace(0.0, 2.0 * math.pi, 360, endpoint=False)
+    rays = np.stack((np.cos(angles), np.sin(angles)), axis=1)
+    found: set[tuple[int, int]] = set()
+    for report in reports[::6]:
+        origins = np.repeat([[report.truth.x, report.truth.y]], len(rays), axis=0)
+        away, _, _ = first_hits(arena.footprints, origins, rays)
+        met = away < reach
+        points = origins[met] + rays[met] * away[met, None]
+        found.update(map(tuple, np.rint(points / 0.05).astype(int).tolist()))
+    return np.array(sorted(found), dtype=np.float64).reshape(-1, 2) * 0.05
+
+
+def _turned(x: float, y: float, angle: float) -> tuple[float, float]:
+    return (
+        x * math.cos(angle) - y * math.sin(angle),
+        x * math.sin(angle) + y * math.cos(angle),
+    )
