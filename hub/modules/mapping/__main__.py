@@ -29,14 +29,7 @@ class Mapping:
     """Connects the map and the points with the bus."""
 
     def __init__(self, client: Client, robot: RobotDescription) -> None:
-        """Subscribe and answer.
-
-        Raises:
-            RobotFileError: The map would have too many cells.
-        """
-        if robot.map_size / robot.map_resolution > MAX_EDGE_CELLS:
-            problem = f"[mapping]: size / resolution is more than {MAX_EDGE_CELLS} cells"
-            raise RobotFileError(str(robot.path), [problem])
+        """Subscribe and answer."""
         self._client = client
         self._robot = robot
         self._grid = OccupancyGrid(robot.map_resolution, robot.map_size)
@@ -164,8 +157,14 @@ def default_name(robot: RobotDescription) -> str:
 
 
 def abilities(robot: RobotDescription) -> Abilities:
-    """What mapping can do on a robot."""
-    del robot
+    """What mapping can do on a robot.
+
+    Raises:
+        RobotFileError: Its map would have too many cells.
+    """
+    if robot.map_size / robot.map_resolution > MAX_EDGE_CELLS:
+        problem = f"[mapping]: size / resolution is more than {MAX_EDGE_CELLS} cells"
+        raise RobotFileError(str(robot.path), [problem])
     return Abilities(
         provides=(Capability.PRO_MAP, Capability.PRO_POINTS), needs=(Capability.NAV_STATE,)
     )
