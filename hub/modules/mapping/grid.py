@@ -100,12 +100,14 @@ class OccupancyGrid:
         Returns:
             Whether it was used; not if the robot was outside of the square, or nobody knows where.
         """
-        column = math.floor((x - self.low) / self.resolution) if math.isfinite(x) else -1
-        row = math.floor((y - self.low) / self.resolution) if math.isfinite(y) else -1
-        within = 0 <= column < self.edge_cells and 0 <= row < self.edge_cells
+        within = self.low <= x < -self.low and self.low <= y < -self.low
         if not (within and math.isfinite(theta)):
             self.outside += 1
             return False
+        # Rounding may put what lies just below the upper edge into the cell beyond it.
+        last = self.edge_cells - 1
+        column = min(math.floor((x - self.low) / self.resolution), last)
+        row = min(math.floor((y - self.low) / self.resolution), last)
         middle = (row + self._frame) * self._width + column + self._frame
         beside_x = x - self.low - (column + 0.5) * self.resolution
         beside_y = y - self.low - (row + 0.5) * self.resolution

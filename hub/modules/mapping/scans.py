@@ -12,6 +12,8 @@ from hub.modules.mapping.evidence import Floats
 
 LONGEST_LAG = 0.2
 """A scan is at most this much older than the report that brings it [s]."""
+FASTEST = 100.0
+"""Velocities beyond this [m/s or rad/s] are no velocities."""
 SAME_PLACE = 0.05
 """Scans from places nearer to each other than this [m] are made from the same place."""
 SAME_HEADING = math.radians(5.0)
@@ -104,7 +106,7 @@ def _back(state: RobotState, seconds: float) -> tuple[float, float, float]:
     guess. The velocities tell the way; the pose before would not, when a landmark has just
     corrected it.
     """
-    if not (math.isfinite(state.linear) and math.isfinite(state.angular)):
+    if not (abs(state.linear) <= FASTEST and abs(state.angular) <= FASTEST):
         return state.x, state.y, state.theta
     turn = state.angular * seconds
     way = state.linear * seconds

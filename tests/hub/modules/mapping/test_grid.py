@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from hub.gcm.map_coding import decode, encode
@@ -137,6 +137,8 @@ def test_echoes_from_beyond_the_mapped_range_free_what_is_before_it() -> None:
     values=st.lists(st.floats(width=32), min_size=16, max_size=16),
     x=st.floats(), y=st.floats(), theta=st.floats(),
 )  # fmt: skip
+@example(values=[1.0] * 16, x=1.7e308, y=-1.7e308, theta=1.7e308)
+@example(values=[1.0] * 16, x=math.nextafter(2.0, 0.0), y=0.0, theta=0.0)
 def test_nothing_that_is_reported_breaks_the_map(
     values: list[float], x: float, y: float, theta: float
 ) -> None:

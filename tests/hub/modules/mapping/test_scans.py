@@ -6,6 +6,8 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
 
 from hub.gcm.navigation import MotionState, RobotState
 from hub.modules.mapping.scans import LONGEST_LAG, SCANS_A_PLACE, ScanSelector
@@ -112,6 +114,17 @@ def test_a_jump_of_the_pose_does_not_move_the_scan() -> None:
     scan = scans.scan(report(x=2.0, sonar=ECHOES[::-1], linear=0.2), 1.05)
     assert scan is not None
     assert scan.x == pytest.approx(2.0 - 0.2 * 0.025)
+
+
+@given(x=st.floats(), theta=st.floats(), linear=st.floats(), angular=st.floats())
+@example(x=1.7e308, theta=-1.7e308, linear=1.7e308, angular=1.7e308)
+def test_no_report_breaks_the_selection(
+    x: float, theta: float, linear: float, angular: float
+) -> None:
+    scans = ScanSelector()
+    for time in (0.0, 9.0):
+        scan = scans.scan(report(x=x, theta=theta, linear=linear, angular=angular), time)
+        assert scan is None or math.isfinite(scan.theta)
 
 
 @pytest.mark.parametrize("field", ["x", "theta", "linear", "angular"])
