@@ -232,9 +232,9 @@ def changed(place: str, value: object) -> bytes:
         changed("properties.note", "\ud800"),
         changed("properties.thumbnail", "!!!"),
         changed("properties.thumbnail", "A" * 8000),
-        json.dumps(
-            {"type": "FeatureCollection", "features": [{}] * (MAX_POINTS + 1)}
-        ).encode(),
+        point_file.encode_points(
+            tuple(dataclasses.replace(POINTS[1], number=n + 1) for n in range(MAX_POINTS + 1))
+        ),
     ],
     ids=range(22),
 )  # fmt: skip

@@ -105,3 +105,6 @@ def test_loaded_points_take_the_place_of_all_others() -> None:
     assert [kept.number for kept in book.message.points] == [3, 5]
     book.mark(point(), "", NOW)
     assert book.message.points[-1].number == 6
+    book.replace_all(())
+    book.mark(point(), "", NOW)
+    assert book.message.points[-1].number == 7
