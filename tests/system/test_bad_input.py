@@ -79,7 +79,7 @@ def test_rubbish_on_every_port_changes_nothing(
             _raw(port, data)
         _through_zeromq(port, rubbish)
         console.hold_until("w", lambda: observer.truth.linear > 0.2)
-    assert len(family(hub.process.pid)) == 4
+    assert len(family(hub.process.pid)) == 5
     listing = subprocess.run(
         [sys.executable, "-m", "hub", "list", "--json", "--hub", hub.endpoint],
         capture_output=True,

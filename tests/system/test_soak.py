@@ -33,7 +33,7 @@ def test_ten_minutes_of_driving_change_nothing(own_folders: None) -> None:
     with closing(ConsoleProcess(["demo"], columns=160, rows=48)) as console:
         console.wait_for_picture()
         processes = family(console.process.pid)
-        assert len(processes) == 5
+        assert len(processes) == 6
         names = {process.pid: " ".join(process.cmdline()[1:4]) for process in processes}
         started = time.monotonic()
         after_warm_up: dict[int, int] = {}
