@@ -16,12 +16,12 @@ import pytest
 
 from hub.ipc.keyring import Keyring, default_folder
 from hub.ipc.security import Role
-from tests.system.harness import MODULES as ALL_MODULES
 from tests.system.harness import ConsoleProcess, HubProcess
 from tests.waiting import until
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+ALL_MODULES = ("driver", "navigation", "vision", "mapping")
 MODULES = {"rune": "rune_tui", "rune-hub": "hub"}
 
 

@@ -22,7 +22,7 @@ from hub.ipc.client import Client
 from hub.ipc.keyring import Keyring
 from hub.ipc.keys import read_client_keys
 from hub.ipc.security import Role
-from tests.system.harness import HubProcess, Observer, family, gone, robot_file
+from tests.system.harness import MODULES, HubProcess, Observer, family, gone, robot_file
 from tests.waiting import until
 
 
@@ -34,8 +34,8 @@ def _nothing_left(hub: HubProcess, processes: list[psutil.Process]) -> None:
 
 
 def test_starts_a_process_for_each_module(hub: HubProcess) -> None:
-    assert set(hub.pids) == {"driver", "navigation", "vision", "mapping"}
-    assert len({hub.process.pid, *hub.pids.values()}) == 5
+    assert set(hub.pids) == set(MODULES)
+    assert len({hub.process.pid, *hub.pids.values()}) == 1 + len(MODULES)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -46,7 +46,7 @@ def test_ends_in_order_on_a_signal(hub: HubProcess, number: signal.Signals) -> N
     _nothing_left(hub, processes)
     log = hub.log.read_text()
     stops = [line.split()[2] for line in log.splitlines() if "INFO stopped" in line]
-    assert stops == ["mapping", "vision", "navigation", "driver"]
+    assert stops == [*reversed(MODULES)]
     assert "Traceback" not in log
 
 

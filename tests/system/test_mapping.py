@@ -18,7 +18,7 @@ from PIL import Image
 from hub.errors import HandlerFailedError
 from hub.gcm import map_coding, mapping, navigation
 from hub.gcm.common import REQUEST_DATA, RequestData
-from tests.system.harness import ROBOT_FILE, HubProcess, Observer
+from tests.system.harness import MODULES, HubProcess, Observer, robot_file
 
 WHOLE = mapping.MapRequest(x=math.nan)
 TIMEOUT = 10.0
@@ -26,7 +26,7 @@ TIMEOUT = 10.0
 
 @pytest.fixture
 def yellow(start_hub: Callable[..., HubProcess]) -> HubProcess:
-    return start_hub(arena="yellow")
+    return start_hub(arena="yellow", modules=(*MODULES, "mapping"))
 
 
 @pytest.fixture
@@ -156,7 +156,7 @@ def test_a_map_is_saved_loaded_and_cleared(
 
 def test_a_map_of_too_many_cells_is_refused_before_anything_is_made(tmp_path: Path) -> None:
     robot = tmp_path / "robot.toml"
-    text = ROBOT_FILE.format(arena="empty", port=0, gateway="")
+    text = robot_file()
     robot.write_text(text.replace("[mapping]", "[mapping]\nsize = 1000.0\nresolution = 0.01"))
     command = [sys.executable, "-m", "hub.modules.mapping", "--robot", str(robot), "--describe"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=20, check=False)
