@@ -34,4 +34,7 @@ def for_maps(wanted: str = "") -> Path:
 
 def _own(kind: str, name: str) -> Path:
     named = Path(os.environ.get(f"XDG_{kind}_HOME", ""))
-    return (named if named.is_absolute() else Path.home() / ".local" / name) / "rune"
+    if not named.is_absolute():  # the specification wants others ignored
+        home = os.path.expanduser("~")  # noqa: PTH111 - Path raises where there is none
+        named = Path(home if home != "~" else tempfile.gettempdir()) / ".local" / name
+    return named / "rune"

@@ -167,7 +167,8 @@ class Questions:
         """End those whose time has run out at `now` [s]."""
         if now <= self._earliest:
             return
-        for number in [n for n, question in self._waiting.items() if question.deadline < now]:
+        overdue = [(each.deadline, n) for n, each in self._waiting.items() if each.deadline < now]
+        for _, number in sorted(overdue):
             question = self._waiting.pop(number, None)
             if question is None:
                 continue  # what another was told made us listen, and so ended this one too

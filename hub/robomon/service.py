@@ -14,7 +14,6 @@ from pathlib import Path
 from hub.errors import HubError
 from hub.ipc import descriptors
 from hub.robomon.table import RobotTable
-from hub.robots.description import RobotDescription
 
 _UNIT = string.Template("""\
 # Runs the hub of $robot. Written by `rune-hub service`; to change it, write it anew, or say
@@ -176,10 +175,6 @@ def write_unit(table: RobotTable, argument: str, user: str) -> int:
         HubError: No user can have this name.
     """
     sys.stdout.write(unit(for_this_machine(table, argument, user)))
-    for key, path in _relative_paths(table.robot).items():
-        sys.stderr.write(
-            f"rune-hub: {key} is {path}, but a service starts in /; write the whole path\n"
-        )
     try:
         pwd.getpwnam(user)
     except KeyError:
@@ -188,18 +183,6 @@ def write_unit(table: RobotTable, argument: str, user: str) -> int:
             f"useradd --system --create-home {user}, or name another one with --user\n"
         )
     return 0
-
-
-def _relative_paths(robot: RobotDescription) -> dict[str, str]:
-    """What means another place when it is looked at from another folder, by keys of the file."""
-    source = robot.camera_source
-    named = {
-        "[hub], key 'keys',": robot.keys,
-        "[hub], key 'logs',": robot.logs,
-        "[mapping], key 'folder',": robot.map_folder,
-        "[camera], key 'source',": "" if source == _OWN_CAMERA or "://" in source else source,
-    }
-    return {key: path for key, path in named.items() if path and not Path(path).is_absolute()}
 
 
 def _word(text: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -79,7 +80,7 @@ class RobotDescription:
     @property
     def simulated(self) -> bool:
         """Whether its hardware is a simulation."""
-        return self.kind.startswith("simulated-")
+        return bool(self.kind) and self.kind.startswith("simulated-")
 
 
 def _source(value: object) -> str:
@@ -163,13 +164,17 @@ def read_description(path: Path) -> tuple[RobotDescription, toml.Problems]:
     if not isinstance(modules, dict):
         problems.append("modules has to be tables: [modules.NAME]")
         modules = {}
+    beside = path.absolute().parent
+    for name in ("keys", "logs", "map_folder"):
+        fields[name] = _located(fields[name], beside)
     if fields["arena"].endswith(".toml"):
-        fields["arena"] = str(path.parent / fields["arena"])
-    fields["camera_source"] = _located(fields["camera_source"], path.parent)
+        fields["arena"] = _located(fields["arena"], beside)
+    if fields["camera_source"] != ROBOTS_OWN and "://" not in fields["camera_source"]:
+        fields["camera_source"] = _located(fields["camera_source"], beside)
     fields["camera_fov"] = math.radians(fields["camera_fov"])
     return RobotDescription(path=path, modules=modules, **fields), problems
 
 
-def _located(source: str, folder: Path) -> str:
-    """A source of pictures; paths are relative to the robot file."""
-    return source if source == ROBOTS_OWN or "://" in source else str(folder / source)
+def _located(named: str, folder: Path) -> str:
+    """A path that a robot file names: relative ones begin beside it; empty where it names none."""
+    return str(folder / os.path.expanduser(named)) if named else ""  # noqa: PTH111 - never raises

@@ -18,8 +18,9 @@ def demo(stack: ExitStack) -> ConsoleProcess:
 
 def test_shows_a_picture_drives_and_leaves_nothing_behind(demo: ConsoleProcess) -> None:
     demo.wait_for_picture()
+    # Console, hub, its guardian, three modules; those on demand are asked what they can do and end.
+    demo.wait(lambda: len(family(demo.process.pid)) == 6, 10.0)
     processes = family(demo.process.pid)
-    assert len(processes) == 6  # console, hub, its guardian, three modules
     demo.wait(lambda: "STANDING" in demo.text, 10.0)
     demo.hold_until("w", lambda: "MOVING" in demo.text)
     demo.type("q")

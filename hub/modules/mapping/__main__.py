@@ -6,9 +6,9 @@ import logging
 import math
 import sys
 import time
-from pathlib import Path
 
 from hub.errors import HandlerFailedError, MapFileError, RobotFileError
+from hub.folders import for_maps
 from hub.gcm import map_coding, mapping, navigation
 from hub.gcm.capability import Abilities, Capability
 from hub.ipc.client import Client
@@ -114,7 +114,7 @@ class Mapping:
         if command.order is mapping.MapOrder.CLEAR:
             self._begin_anew()
             return f"the map is empty; {self._points.message.count} points are kept"
-        folder = map_folder(self._robot)
+        folder = for_maps(self._robot.map_folder)
         name = storage.checked_name(command.name or default_name(self._robot))
         if command.order is mapping.MapOrder.SAVE:
             points = self._points.message.points
@@ -131,21 +131,6 @@ class Mapping:
     def _begin_anew(self) -> None:
         self._grid.clear()
         self._scans = ScanSelector()
-
-
-def map_folder(robot: RobotDescription) -> Path:
-    """Where this robot's maps are; a relative folder is beside the robot file.
-
-    Raises:
-        MapFileError: The user has no home.
-    """
-    if not robot.map_folder:
-        return storage.default_folder()
-    try:
-        return robot.path.parent / Path(robot.map_folder).expanduser()
-    except RuntimeError as fault:
-        text = f"there is no home for {robot.map_folder}"
-        raise MapFileError(text) from fault
 
 
 def default_name(robot: RobotDescription) -> str:

@@ -16,22 +16,6 @@ from hub.modules.mapping.grid import GridPicture
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
 
 
-def default_folder() -> Path:
-    """Where maps are unless a folder is given: $XDG_DATA_HOME/rune/maps or ~/.local/share/...
-
-    Raises:
-        MapFileError: The user has no home.
-    """
-    named = Path(os.environ.get("XDG_DATA_HOME", ""))
-    if named.is_absolute():  # the XDG specification wants others ignored
-        return named / "rune" / "maps"
-    try:
-        return Path.home() / ".local" / "share" / "rune" / "maps"
-    except RuntimeError as fault:
-        text = "this user has no home; name a folder of maps in the robot file"
-        raise MapFileError(text) from fault
-
-
 def checked_name(name: str) -> str:
     """The name, which cannot lead out of the folder.
 

@@ -307,13 +307,3 @@ def test_what_is_no_file_is_refused_at_once(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "office.pgm")
     with pytest.raises(MapFileError, match="no regular file"):
         storage.load(tmp_path, "office")
-
-
-def test_maps_are_where_the_xdg_specification_wants_them(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
-    assert storage.default_folder() == tmp_path / "rune" / "maps"
-    monkeypatch.setenv("XDG_DATA_HOME", "relative")
-    monkeypatch.setenv("HOME", str(tmp_path))
-    assert storage.default_folder() == tmp_path / ".local" / "share" / "rune" / "maps"
