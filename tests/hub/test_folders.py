@@ -26,8 +26,6 @@ def test_service_has_the_log_folder_that_systemd_gives(monkeypatch: pytest.Monke
     assert folders.for_logs("/wanted") == Path("/wanted")
 
 
-def test_sockets_have_a_folder_with_a_short_name(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_sockets_have_a_folder_with_a_short_name(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_RUNTIME_DIR", "/" + "x" * 100)
     assert len(str(folders.for_sockets())) <= folders.LONGEST_FOR_SOCKETS
