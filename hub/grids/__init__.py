@@ -1,0 +1,1 @@
+"""Grid maps as arrays: what is near, which way leads somewhere, where the map ends; pure."""

@@ -1,0 +1,172 @@
+"""Where the known free ground ends.
+
+Source: B. Yamauchi, A Frontier-Based Approach for Autonomous Exploration, 1997.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.grids.costs import Caution, crossing
+from hub.grids.grid import Grid, Mask
+from hub.grids.wavefront import Costs, spread
+
+SOLID_CELLS = 4
+"""So many of the 9 cells around an unknown one have to be unknown; fewer are specks."""
+
+Numbers = npt.NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Frontier:
+    """Free cells side by side that border on the unknown.
+
+    Attributes:
+        x: Where the robot can stand to look into it, in `map` [m].
+        y: Where the robot can stand to look into it, in `map` [m].
+        length: How many cells, times their width [m].
+        distance: Way of the robot to that place [m]; inf: it cannot be reached, and x and y are
+            the middle of the frontier's cell that is nearest to its centre of gravity.
+    """
+
+    x: float
+    y: float
+    length: float
+    distance: float
+
+
+def frontiers(
+    grid: Grid,
+    start: tuple[float, float],
+    *,
+    radius: float,
+    reach: float = 0.3,
+    shortest: float = 0.0,
+) -> tuple[Frontier, ...]:
+    """All frontiers of a map, the longest first.
+
+    Args:
+        grid: The map.
+        start: Where the robot is [m].
+        radius: The robot's, with the margin it must keep [m].
+        reach: A frontier counts as reached from so far off, beyond the radius [m].
+        shortest: Shorter frontiers are left out [m].
+
+    Returns:
+        None of them if the robot is outside the map.
+    """
+    if not (all(map(math.isfinite, start)) and grid.contains(*grid.cell(*start))):
+        return ()
+    edge = np.argwhere(edge_cells(grid))
+    if not edge.size:
+        return ()
+    first = grid.cell(*start)
+    caution = Caution(radius=radius, comfort=0.0, unknown=math.inf)
+    costs = spread(crossing(grid, first, caution), first)
+    places, lengths = _standing_places(costs, edge, (radius + reach) / grid.resolution)
+    names = groups(edge, grid.cells.shape)
+    found = []
+    for name in range(int(names.max()) + 1):
+        members = np.flatnonzero(names == name)
+        if members.size * grid.resolution >= shortest:
+            found.append(_frontier(grid, edge[members], places[members], lengths[members]))
+    return tuple(sorted(found, key=lambda frontier: -frontier.length))
+
+
+def edge_cells(grid: Grid) -> Mask:
+    """Free cells beside unknown ones that are no mere specks, shape (height, width)."""
+    unknown = np.pad(grid.unknown, 1, constant_values=True)
+    count = unknown.astype(np.uint8)
+    count[1:-1] = count[:-2] + count[1:-1] + count[2:]
+    count[:, 1:-1] = count[:, :-2] + count[:, 1:-1] + count[:, 2:]
+    solid = unknown & (count >= SOLID_CELLS)
+    beside = solid[:-2, 1:-1] | solid[2:, 1:-1] | solid[1:-1, :-2] | solid[1:-1, 2:]
+    return grid.free & beside
+
+
+def groups(cells: Numbers, shape: tuple[int, int]) -> Numbers:
+    """Which group each cell belongs to; cells that touch at a side or a corner are in one.
+
+    Args:
+        cells: Rows and columns, shape (count, 2), in reading order, at least one.
+        shape: Rows and columns of the grid.
+
+    Returns:
+        Numbers from 0, in the order of each group's first cell, shape (count,).
+    """
+    index = np.full((shape[0] + 2, shape[1] + 2), -1, np.intp)
+    rows, columns = cells[:, 0] + 1, cells[:, 1] + 1
+    index[rows, columns] = np.arange(len(cells))
+    neighbours = [index[rows + down, columns + 1 - left] for down, left in _AHEAD]
+    own = np.tile(np.arange(len(cells)), len(_AHEAD))
+    other = np.concatenate(neighbours)
+    own, other = own[other >= 0], other[other >= 0]
+    label = np.arange(len(cells))
+    while True:
+        # Each pair hands the smaller label to the root of the larger; then all look up their root.
+        low = np.minimum(label[own], label[other])
+        high = np.maximum(label[own], label[other])
+        if np.array_equal(low, high):
+            break
+        np.minimum.at(label, high, low)
+        while not np.array_equal(label, label[label]):
+            label = label[label]
+    return np.unique(label, return_inverse=True)[1]
+
+
+_AHEAD = ((0, 0), (1, 0), (1, 1), (1, 2))
+"""Half of a cell's neighbours; the others have it among theirs."""
+
+
+def _standing_places(
+    costs: Costs, edge: Numbers, reach_cells: float
+) -> tuple[Numbers, npt.NDArray[np.float64]]:
+    """For each cell of the edge, the nearest place from which it is in reach, and the way there.
+
+    Returns:
+        Rows and columns, shape (count, 2), and ways [cells], shape (count,); inf where there is no
+        such place.
+    """
+    reach = math.ceil(reach_cells)
+    span = np.arange(-reach, reach + 1)
+    down, right = (part.reshape(-1) for part in np.meshgrid(span, span, indexing="ij"))
+    away = np.hypot(down, right)
+    near = np.flatnonzero(away <= reach_cells)
+    near = near[np.argsort(away[near], kind="stable")]
+    edged = np.pad(costs, reach, constant_values=np.inf)
+    stride = edged.shape[1]
+    flat = edged.reshape(-1)
+    own = (edge[:, 0] + reach) * stride + edge[:, 1] + reach
+    place = own.copy()
+    open_ = np.flatnonzero(~np.isfinite(flat[own]))
+    for offset in (down[near] * stride + right[near]).tolist():
+        if not open_.size:
+            break
+        there = own[open_] + offset
+        found = np.isfinite(flat[there])
+        place[open_[found]] = there[found]
+        open_ = open_[~found]
+    cells = np.stack((place // stride - reach, place % stride - reach), axis=1)
+    return cells, flat[place]
+
+
+def _frontier(
+    grid: Grid, edge: Numbers, places: Numbers, ways: npt.NDArray[np.float64]
+) -> Frontier:
+    """The frontier of these cells; the robot should stand near its middle."""
+    reachable = np.flatnonzero(np.isfinite(ways))
+    candidates = reachable if reachable.size else np.arange(len(edge))
+    middle = edge[candidates].mean(axis=0)
+    best = candidates[int(np.argmin(np.hypot(*(edge[candidates] - middle).T)))]
+    row, column = places[best] if reachable.size else edge[best]
+    x, y = grid.centre(int(row), int(column))
+    return Frontier(
+        x=x,
+        y=y,
+        length=len(edge) * grid.resolution,
+        distance=float(ways[best]) * grid.resolution if reachable.size else math.inf,
+    )

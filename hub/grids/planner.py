@@ -1,0 +1,130 @@
+"""The way of a round robot over a grid map."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.grids.costs import Caution, crossing
+from hub.grids.grid import Grid
+from hub.grids.wavefront import Cell, Costs, spread, way_back
+
+Way = tuple[tuple[float, float], ...]
+
+_BORDER = 1.0
+"""Unknown ground around start and goal where the map does not reach so far [m]."""
+_DEARER = 1.02
+"""A straight line may cost this much more than the cells it replaces."""
+
+
+def plan(
+    grid: Grid,
+    start: tuple[float, float],
+    goal: tuple[float, float],
+    *,
+    radius: float,
+    comfort: float = 0.3,
+    nearness: float = 3.0,
+    unknown_cost: float = 1.0,
+    tolerance: float = 0.3,
+) -> Way | None:
+    """The cheapest way, pulled straight where that costs next to nothing.
+
+    Args:
+        grid: The map; ground outside it is unknown.
+        start: Where the robot is [m].
+        goal: Where it should go [m].
+        radius: The robot's, with the margin it must keep [m].
+        comfort: Distance beyond the radius from which on obstacles cost nothing [m].
+        nearness: What going along at the radius costs more than going in the open.
+        unknown_cost: What going through the unknown costs more; inf: it is not done.
+        tolerance: If no way leads to the goal, the reachable place that is nearest to it will do,
+            this far away at most [m].
+
+    Returns:
+        Points in `map` [m], the start first, and the goal last, or what stands in for it; None if
+        there is no way, or a point is not finite or too far outside the map.
+    """
+    if not all(map(math.isfinite, (*start, *goal))):
+        return None
+    wide = grid.covering((start, goal), _BORDER)
+    if wide is None:
+        return None
+    caution = Caution(radius=radius, comfort=comfort, nearness=nearness, unknown=unknown_cost)
+    first, wanted = wide.cell(*start), wide.cell(*goal)
+    factors = crossing(wide, first, caution)
+    if not math.isfinite(factors[first]):
+        return None
+    costs = spread(factors, first, until=wanted)
+    last = wanted
+    if not math.isfinite(costs[wanted]):
+        nearest = _nearest(costs, wanted, tolerance / wide.resolution)
+        if nearest is None:
+            return None
+        last = nearest
+    cells = _straightened(factors, costs, way_back(factors, costs, last))
+    end = goal if last == wanted else wide.centre(*last)
+    return (start, *(wide.centre(*cell) for cell in cells[1:-1]), end)
+
+
+def _nearest(costs: Costs, goal: Cell, reach_cells: float) -> Cell | None:
+    """The reachable cell nearest to the goal."""
+    reach = math.floor(reach_cells)
+    rows = slice(max(goal[0] - reach, 0), goal[0] + reach + 1)
+    columns = slice(max(goal[1] - reach, 0), goal[1] + reach + 1)
+    here = np.argwhere(np.isfinite(costs[rows, columns])) + np.array([rows.start, columns.start])
+    away = np.hypot(*(here - goal).T)
+    if not away.size or away.min() > reach_cells:
+        return None
+    row, column = here[int(np.argmin(away))]
+    return int(row), int(column)
+
+
+def _straightened(factors: Costs, costs: Costs, way: list[Cell]) -> list[Cell]:
+    """Fewer cells of a way: straight lines between them cost as little."""
+    kept = [way[0]]
+    index = 0
+    while index < len(way) - 1:
+        index = _farthest_straight(factors, costs, way, index)
+        kept.append(way[index])
+    return kept
+
+
+def _farthest_straight(factors: Costs, costs: Costs, way: list[Cell], index: int) -> int:
+    """The last cell of the way that a straight line from `index` reaches; found by bisection."""
+
+    def straight(other: int) -> bool:
+        spent = costs[way[other]] - costs[way[index]]
+        return line_cost(factors, way[index], way[other]) <= _DEARER * float(spent)
+
+    good, step = index + 1, 2
+    while index + step < len(way) and straight(index + step):
+        good, step = index + step, 2 * step
+    bad = min(index + step, len(way))
+    while bad - good > 1:
+        middle = (good + bad) // 2
+        good, bad = (middle, bad) if straight(middle) else (good, middle)
+    return good
+
+
+def line_cost(factors: Costs, start: Cell, end: Cell) -> float:
+    """What a straight line between the middles of two cells costs [cells]; inf: it is blocked.
+
+    The length in each cell that is crossed counts with the cell's factor.
+    """
+    down, across = end[0] - start[0], end[1] - start[1]
+    cuts = np.concatenate(([0.0], _cuts(down), _cuts(across), [1.0]))
+    cuts.sort()
+    parts = np.diff(cuts)
+    middles = cuts[:-1] + 0.5 * parts
+    real = parts > 1e-12
+    rows = np.rint(start[0] + middles[real] * down).astype(np.intp)
+    columns = np.rint(start[1] + middles[real] * across).astype(np.intp)
+    return float(np.dot(parts[real], factors[rows, columns])) * math.hypot(down, across)
+
+
+def _cuts(cells: int) -> npt.NDArray[np.float64]:
+    """Where a line over so many cells leaves one for the next, as parts of the whole."""
+    return (np.arange(abs(cells)) + 0.5) / max(abs(cells), 1)
