@@ -1,4 +1,4 @@
-"""The navigation process: follows fresh velocity commands, and says what is known of the robot."""
+"""The navigation process: follows velocity commands and goals, and says what is known of it."""
 
 from __future__ import annotations
 
@@ -6,10 +6,16 @@ import logging
 import sys
 import time
 
-from hub.gcm import navigation
+from hub.errors import CodecError, HubError
+from hub.gcm import mapping, navigation
 from hub.gcm.capability import Abilities, Capability
+from hub.gcm.navigation import Assistance, MotionState, Task
+from hub.grids.grid import grid_of
 from hub.ipc.client import Client
 from hub.ipc.reception import Reception
+from hub.modules.navigation.dynamic_window import Body
+from hub.modules.navigation.pilot import Pilot
+from hub.modules.navigation.reports import robot_state, status
 from hub.modules.navigation.speed_governor import SpeedGovernor
 from hub.robots.description import RobotDescription
 from hub.runtime import publish_on_request, run_module
@@ -19,25 +25,41 @@ _logger = logging.getLogger(__name__)
 _CHECK_PERIOD = 0.01
 _COMMAND_PERIOD = 1.0 / navigation.DRIVE_COMMAND.rate_hz
 _STATE_PERIOD = 1.0 / navigation.ROBOT_STATE.rate_hz
+_STATUS_PERIOD = 1.0 / navigation.NAVIGATION_STATUS.rate_hz
+_MAP_PERIOD = 1.5
+_MAP_TIMEOUT = 1.0
 
 
 class Navigation:
-    """Connects operator, governor and driver."""
+    """Connects operator, pilot, governor and driver."""
 
     def __init__(self, client: Client, robot: RobotDescription) -> None:
         self._client = client
         self._clock = time.monotonic
         self._governor = SpeedGovernor(robot.linear_limit, robot.angular_limit, self._clock())
-        self._sent: tuple[float, float] | None = None
+        self._pilot = Pilot(body_of(robot))
+        self._wanted = (0.0, 0.0)
         self._newest: tuple[navigation.DriveState, float] | None = None
+        self._said: tuple[object, ...] = ()
+        self._asking = False
+        self._assistance = Assistance.ON
         client.subscribe(navigation.STOP, self._stop)
         client.subscribe(navigation.VELOCITY_COMMAND, self._command)
         client.subscribe(navigation.DRIVE_STATE, self._report)
-        client.define(navigation.DRIVE_COMMAND, navigation.ROBOT_STATE)
+        client.subscribe(navigation.GOAL_COMMAND, self._go)
+        client.subscribe(navigation.TURN_COMMAND, self._turn)
+        client.subscribe(navigation.ASSISTANCE_COMMAND, self._assist)
+        client.subscribe(navigation.LANDMARK_CORRECTION, self._correct)
+        client.define(
+            navigation.DRIVE_COMMAND, navigation.ROBOT_STATE, navigation.NAVIGATION_STATUS
+        )
         publish_on_request(client, navigation.ROBOT_STATE, self._publish_state)
-        client.every(_CHECK_PERIOD, self._drive_if_changed)
+        publish_on_request(client, navigation.NAVIGATION_STATUS, self._publish_status)
+        client.every(_CHECK_PERIOD, self._look)
         client.every(_COMMAND_PERIOD, self._drive)
         client.every(_STATE_PERIOD, self._publish_state)
+        client.every(_STATUS_PERIOD, self._publish_status)
+        client.every(_MAP_PERIOD, self._ask_for_map)
 
     def finish(self) -> None:
         """Leave the robot standing."""
@@ -49,56 +71,147 @@ class Navigation:
         self._governor.command(
             reception.publisher, twist.linear.x, twist.angular.z, now - reception.age, now
         )
-        self._drive_if_changed()
+        self._look()
 
     def _stop(self, message: navigation.Stop, reception: Reception) -> None:
         del reception
+        self._pilot.errand.end(Task.CANCELLED, "somebody sent a stop")
         self._governor.stop()
         self._drive()
+        self._look()
         _logger.warning("stopped: %s", message.reason or "no reason given")
 
     def _report(self, state: navigation.DriveState, reception: Reception) -> None:
+        now = self._clock()
         self._newest = (state, reception.measured)
-        self._governor.driver_reported(self._clock())
+        self._governor.driver_reported(now)
+        self._pilot.reported(state, now)
+
+    def _go(self, goal: navigation.GoalCommand, reception: Reception) -> None:
+        now = self._clock()
+        if not goal.points:
+            self._pilot.errand.end(Task.CANCELLED, "somebody ended it")
+            self._look()
+            return
+        why = self._governor.begin_task(now) or self._pilot.go(goal, reception.publisher, now)
+        self._begun("a goal", why)
+        self._ask_for_map()
+
+    def _turn(self, command: navigation.TurnCommand, reception: Reception) -> None:
+        now = self._clock()
+        why = self._governor.begin_task(now) or self._pilot.turn(command, reception.publisher, now)
+        self._begun("a turn", why)
+
+    def _begun(self, what: str, why: str) -> None:
+        if why:
+            _logger.warning("%s is not followed: %s", what, why)
+        self._drive()
+        self._look()
+
+    def _assist(self, command: navigation.AssistanceCommand, reception: Reception) -> None:
+        del reception
+        self._pilot.assist(command.assistance, self._clock())
+        self._look()
+
+    def _correct(self, landmark: navigation.LandmarkCorrection, reception: Reception) -> None:
+        del reception
+        _logger.info("landmark: %s", self._pilot.correct(landmark, self._clock()))
 
     def _drive(self) -> None:
-        self._sent = self._governor.velocity(self._clock())
-        self._client.publish(navigation.DRIVE_COMMAND, navigation.Twist.planar(*self._sent))
+        """Decide on the velocity and tell the driver."""
+        now = self._clock()
+        if self._governor.state(now) is MotionState.GOING:
+            steered = self._pilot.steered(now)
+            if steered is None:
+                self._governor.end_task()
+            else:
+                self._governor.steer(*steered, now)
+        self._wanted = given = self._governor.velocity(now)
+        if self._governor.state(now) is MotionState.MOVING:
+            given = self._pilot.assisted(given, now)
+        elif not self._pilot.errand.active:
+            self._pilot.held_back = 0.0
+        self._client.publish(navigation.DRIVE_COMMAND, navigation.Twist.planar(*given))
 
-    def _drive_if_changed(self) -> None:
-        if self._governor.velocity(self._clock()) != self._sent:
+    def _look(self) -> None:
+        """See what has changed since, and act on it without waiting for the next cycle."""
+        now = self._clock()
+        motion = self._governor.state(now)
+        errand = self._pilot.errand
+        if errand.active and motion is not MotionState.GOING:
+            lost = motion is MotionState.NO_DRIVER
+            errand.end(Task.CANCELLED, "the driver fell silent" if lost else "somebody drives")
+        elif motion is MotionState.GOING and not errand.active:
+            self._governor.end_task()
+        if self._governor.velocity(now) != self._wanted:
             self._drive()
+        self._look_at_assistance(now)
+        said = (errand.number, errand.task, self._governor.driver, len(errand.points), errand.route)
+        if said != self._said:
+            self._said = said
+            self._publish_status()
+
+    def _look_at_assistance(self, now: float) -> None:
+        assistance = self._pilot.assistance(now)
+        if assistance is not self._assistance:
+            self._assistance = assistance
+            off = assistance is Assistance.OFF
+            _logger.warning(
+                "assistance is %s", "off: the robot drives into things" if off else "on"
+            )
+
+    def _ask_for_map(self) -> None:
+        window = self._pilot.window
+        if self._asking or window is None:
+            return
+        self._asking = True
+        self._client.query_notify(
+            mapping.MAP_REQUEST,
+            window,
+            mapping.MAP,
+            timeout=_MAP_TIMEOUT,
+            answered=self._mapped,
+            failed=self._no_map,
+        )
+
+    def _mapped(self, message: mapping.Map, reception: Reception) -> None:
+        del reception
+        self._asking = False
+        try:
+            grid = grid_of(message)
+        except CodecError as error:
+            _logger.warning("the map is of no use: %s", error)
+            return
+        self._pilot.mapped(grid, self._clock())
+
+    def _no_map(self, error: HubError) -> None:
+        self._asking = False
+        _logger.debug("going without a map: %s", error)
 
     def _publish_state(self) -> None:
         if self._newest is None:
             return
         drive, measured = self._newest
+        now = self._clock()
         counts = self._client.complaints.counts
         refused = self._governor.refused + counts["too old"] + counts["out of order"]
-        state = robot_state(drive, self._governor.state(self._clock()), refused)
+        state = robot_state(drive, self._pilot, self._governor.state(now), refused, now)
         self._client.publish(navigation.ROBOT_STATE, state, measured=measured)
 
+    def _publish_status(self) -> None:
+        said = status(self._pilot.errand, self._governor.driver)
+        self._client.publish(navigation.NAVIGATION_STATUS, said)
 
-def robot_state(
-    drive: navigation.DriveState, motion: navigation.MotionState, refused: int
-) -> navigation.RobotState:
-    """What is known of the robot, from what its hardware reports."""
-    return navigation.RobotState(
-        stamp=drive.stamp,
-        x=drive.x,
-        y=drive.y,
-        theta=drive.theta,
-        linear=drive.linear,
-        angular=drive.angular,
-        commanded_linear=drive.commanded_linear,
-        commanded_angular=drive.commanded_angular,
-        sonar=drive.sonar,
-        infrared=drive.infrared,
-        bumpers=drive.bumpers,
-        battery_voltage=drive.battery_voltage,
-        battery_fraction=drive.battery_fraction,
-        motion=motion,
-        refused=refused,
+
+def body_of(robot: RobotDescription) -> Body:
+    """What the pilot has to know of a robot."""
+    return Body(
+        radius=robot.radius,
+        margin=robot.margin,
+        linear_limit=robot.linear_limit,
+        angular_limit=robot.angular_limit,
+        linear_braking=robot.linear_acceleration,
+        angular_braking=robot.angular_acceleration,
     )
 
 
@@ -106,13 +219,14 @@ def abilities(robot: RobotDescription) -> Abilities:
     """What navigation can do on a robot."""
     del robot
     return Abilities(
-        provides=(Capability.NAV_MOVE, Capability.NAV_STATE), needs=(Capability.DRV_BASE,)
+        provides=(Capability.NAV_MOVE, Capability.NAV_STATE, Capability.NAV_GOAL),
+        needs=(Capability.DRV_BASE,),
     )
 
 
 def main() -> int:
     """Run the process."""
-    purpose = "Follows velocity commands, stops when they stop, and reports the robot's state."
+    purpose = "Follows velocity commands and goals, avoids obstacles, reports the robot's state."
     return run_module(
         "navigation", purpose, abilities, lambda client, robot: Navigation(client, robot).finish
     )

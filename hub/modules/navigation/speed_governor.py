@@ -4,6 +4,10 @@ The robot follows fresh commands of one sender at a time. Whoever wants to drive
 neutral command first, and again after every stop, every silence of its own, and every pause of the
 driver or of this process: nobody drives off with a stick that was left deflected. Neutral commands
 of those who do not drive change nothing.
+
+A task of navigation's own holds the wheels as a sender does, but needs no neutral command: it is
+begun by an event, not by a stick. It never takes over from somebody who drives; anybody who wants
+to move takes over from it.
 """
 
 from __future__ import annotations
@@ -69,12 +73,38 @@ class SpeedGovernor:
             self._sender = sender
             self._state = MotionState.MOVING
             self._fresh_until = measured + self._silence_s
-            self._velocity = (
-                max(-self._linear_limit, min(self._linear_limit, linear)),
-                max(-self._angular_limit, min(self._angular_limit, angular)),
-            )
+            self._velocity = self._limited(linear, angular)
         else:
+            self.end_task()
             self.refused += 1
+
+    def begin_task(self, now: float) -> str:
+        """A task wants the wheels; returns why it does not get them, empty if it does."""
+        self._look(now)
+        if now >= self._driver_until:
+            return "the driver does not report"
+        if self._sender is not None:
+            return "somebody drives"
+        self._halt(MotionState.GOING)
+        self._fresh_until = now + self._silence_s
+        return ""
+
+    def steer(self, linear: float, angular: float, now: float) -> None:
+        """The task wants a velocity [m/s, rad/s]; it has to say so again before long."""
+        self._look(now)
+        if self._state is MotionState.GOING:
+            self._fresh_until = now + self._silence_s
+            self._velocity = self._limited(linear, angular)
+
+    def end_task(self) -> None:
+        """The task has ended."""
+        if self._state is MotionState.GOING:
+            self._halt(MotionState.STANDING)
+
+    @property
+    def driver(self) -> int:
+        """Who sends the commands that are followed; 0: nobody."""
+        return self._sender or 0
 
     def stop(self) -> None:
         """Somebody wants the robot to stop: it stands until neutral comes."""
@@ -100,12 +130,18 @@ class SpeedGovernor:
         if len(self._armed) >= _MAX_SENDERS:
             self._armed.clear()
         self._armed[sender] = now
-        if self._sender in (sender, None):
+        if self._sender in (sender, None) and self._state is not MotionState.GOING:
             self._halt(MotionState.STANDING)
 
     def _may_drive(self, sender: int, now: float) -> bool:
         armed = now - self._armed.get(sender, -math.inf) < ARMED_S
         return armed and self._sender in (sender, None) and now < self._driver_until
+
+    def _limited(self, linear: float, angular: float) -> tuple[float, float]:
+        return (
+            max(-self._linear_limit, min(self._linear_limit, linear)),
+            max(-self._angular_limit, min(self._angular_limit, angular)),
+        )
 
     def _halt(self, state: MotionState) -> None:
         self._state = state
@@ -118,10 +154,10 @@ class SpeedGovernor:
         self._looked = now
         if away:
             self._deaf_until = now + DEAF_S
-        if self._sender is None:
+        if self._sender is None and self._state is not MotionState.GOING:
             return
-        if away or now >= self._driver_until:
+        if away or now >= self._driver_until or (now >= self._fresh_until and self._sender is None):
             self.stop()
         elif now >= self._fresh_until:
-            del self._armed[self._sender]
+            self._armed.pop(self._sender or 0, None)
             self._halt(MotionState.SILENCE)

@@ -1,0 +1,100 @@
+"""How far a round body can go along circular arcs before it meets points; pure geometry.
+
+A velocity that is held makes the body drive a circular arc. Where its rim meets a point on the way
+is exact, not sampled: a triangle of the arc's centre, the body's centre and the point tells it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+
+_LEAST_CURVATURE = 1e-5
+"""Less curved arcs count as this much curved [1/m]: 5 micrometres aside after a metre."""
+_LEAST_SPEED = 1e-9
+
+
+def free_ways(
+    linear: Floats,
+    angular: Floats,
+    x: Floats,
+    y: Floats,
+    radius: Floats,
+    half_width: Floats,
+) -> Floats:
+    """How far the body gets on the arc of each velocity before it meets a point.
+
+    The body is a disc that is cut off at its sides: what passes beside it farther than
+    `half_width` from the arc does not count. A margin is wanted ahead and not beside, or nobody
+    could drive along a wall that is near.
+
+    Points inside the disc already are met at once by velocities that lead towards them, and never
+    by those that lead away.
+
+    Args:
+        linear: Forward velocity of each arc [m/s], shape (m,); negative backwards, 0 on the spot.
+        angular: Turn rate of each arc [rad/s], shape (m,).
+        x: Points ahead of the body's centre [m], shape (n,).
+        y: Points to its left [m], shape (n,).
+        radius: Of the disc, for each arc [m], shape (m,).
+        half_width: To both sides of each arc [m], shape (m,), at most `radius`.
+
+    Returns:
+        Length of each arc that is free [m], shape (m,); inf: all of it.
+    """
+    ways = np.full(len(linear), np.inf)
+    moving = np.flatnonzero(np.abs(linear) > _LEAST_SPEED)
+    if not len(moving) or not len(x):
+        return ways
+    # Backwards is forwards in a mirror; to the right is to the left in another one.
+    ahead = np.sign(linear[moving])
+    curvature = angular[moving] / linear[moving]
+    left = np.where(curvature < 0.0, -1.0, 1.0)
+    turn_radius = 1.0 / np.maximum(np.abs(curvature), _LEAST_CURVATURE)
+    along = ahead[:, None] * x
+    beside = turn_radius[:, None] - left[:, None] * y
+    centre = np.sqrt(along * along + beside * beside)
+    offset = centre - turn_radius[:, None]
+    arcs, points = np.nonzero(np.abs(offset) < half_width[moving][:, None])
+    if not len(arcs):
+        return ways
+    met = _way_to_contact(
+        along[arcs, points],
+        beside[arcs, points],
+        centre[arcs, points],
+        offset[arcs, points],
+        turn_radius[arcs],
+        radius[moving][arcs],
+        np.hypot(x, y)[points],
+    )
+    first = np.flatnonzero(np.diff(arcs, prepend=-1))
+    ways[moving[arcs[first]]] = np.minimum.reduceat(met, first)
+    return ways
+
+
+def _way_to_contact(
+    along: Floats,
+    beside: Floats,
+    centre: Floats,
+    offset: Floats,
+    turn_radius: Floats,
+    radius: Floats,
+    distance: Floats,
+) -> Floats:
+    """Arc length to where the body's centre is at `radius` from a point [m], each shape (k,).
+
+    In the triangle of arc centre, body centre and point the two long sides are `turn_radius` and
+    `centre`; the half-angle formula gives the angle between them where the third is `radius`.
+    """
+    half_sine = np.sqrt(
+        np.maximum(radius * radius - offset * offset, 0.0)
+        / (4.0 * turn_radius * np.maximum(centre, _LEAST_SPEED))
+    )
+    before = 2.0 * np.arcsin(np.minimum(half_sine, 1.0))
+    abreast = np.arctan2(along, beside)
+    abreast += np.where(abreast < 0.0, 2.0 * np.pi, 0.0)
+    way = np.maximum(abreast - before, 0.0) * turn_radius
+    inside = np.where(along > 0.0, 0.0, np.inf)
+    return np.where(distance < radius, inside, way)

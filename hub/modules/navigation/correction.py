@@ -1,0 +1,107 @@
+"""How `odom` lies in `map`, corrected by landmarks whose places are known; pure.
+
+One landmark tells the position, if the heading is believed. Two of them, seen soon after each
+other, tell the heading too: the line through their known places and the line through the places
+where they were seen differ by it (two points are the smallest case of the least-squares fit of
+Arun, Huang and Blostein 1987). The newest landmark is met exactly, because drift grows with time.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from hub.gcm.navigation import LandmarkCorrection
+from hub.modules.navigation.poses import Pose, wrapped
+
+LEAST_APART = 1.0
+"""Landmarks nearer to each other than this [m] say too little about the heading."""
+RECENT_S = 120.0
+"""A landmark seen longer ago than this [s] says nothing about the heading any more."""
+LARGEST_TURN = math.radians(30.0)
+"""A heading is not corrected by more than this at once [rad]: it is rather a mix-up."""
+FARTHEST_SEEN = 20.0
+"""Nobody recognises a landmark from farther than this [m]."""
+FARTHEST_PLACE = 1e4
+"""No landmark is farther from the origin of `map` than this [m]."""
+
+_MISFIT = 0.3
+_MISFIT_SHARE = 0.1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Sighting:
+    """A landmark: its place in `map`, where it was seen in `odom` [m], and when [s]."""
+
+    place: tuple[float, float]
+    seen: tuple[float, float]
+    at: float
+
+
+class PoseCorrection:
+    """Knows how `odom` lies in `map`.
+
+    Attributes:
+        odom: The origin of `odom` in `map`; the same until the first correction.
+    """
+
+    def __init__(self) -> None:
+        self.odom = Pose()
+        self._last: _Sighting | None = None
+
+    def pose(self, x: float, y: float, theta: float) -> Pose:
+        """The pose in `map` of a pose in `odom` [m, m, rad]."""
+        return self.odom.then(Pose(x=x, y=y, theta=theta))
+
+    def correct(self, landmark: LandmarkCorrection, robot: Pose, now: float) -> str:
+        """Correct by a landmark that is seen now.
+
+        Args:
+            landmark: Where it is and where it is seen.
+            robot: The robot's pose in `odom`.
+            now: Monotonic time [s].
+
+        Returns:
+            What was done, for people.
+        """
+        if not _plausible(landmark):
+            return "refused: no landmark can be there"
+        sighting = _Sighting(
+            place=(landmark.x, landmark.y),
+            seen=robot.outward(landmark.seen_x, landmark.seen_y),
+            at=now,
+        )
+        turn = self._turn(sighting)
+        self._last = sighting
+        theta = wrapped(self.odom.theta + (turn or 0.0))
+        moved_x, moved_y = Pose(theta=theta).outward(*sighting.seen)
+        before = self.pose(robot.x, robot.y, robot.theta)
+        self.odom = Pose(x=landmark.x - moved_x, y=landmark.y - moved_y, theta=theta)
+        after = self.pose(robot.x, robot.y, robot.theta)
+        way = math.hypot(after.x - before.x, after.y - before.y)
+        if turn is None:
+            return f"moved by {way:.2f} m"
+        return f"moved by {way:.2f} m and turned by {math.degrees(turn):.1f} degrees"
+
+    def _turn(self, sighting: _Sighting) -> float | None:
+        """By how much `odom` has to be turned [rad]; None: that cannot be told."""
+        last = self._last
+        if last is None or sighting.at - last.at > RECENT_S:
+            return None
+        known_x, known_y = sighting.place[0] - last.place[0], sighting.place[1] - last.place[1]
+        seen_x, seen_y = sighting.seen[0] - last.seen[0], sighting.seen[1] - last.seen[1]
+        known, seen = math.hypot(known_x, known_y), math.hypot(seen_x, seen_y)
+        if known < LEAST_APART or abs(known - seen) > _MISFIT + _MISFIT_SHARE * known:
+            return None
+        should_be = math.atan2(known_y, known_x)
+        turn = wrapped(should_be - math.atan2(seen_y, seen_x) - self.odom.theta)
+        return turn if abs(turn) <= LARGEST_TURN else None
+
+
+def _plausible(landmark: LandmarkCorrection) -> bool:
+    numbers = (landmark.x, landmark.y, landmark.seen_x, landmark.seen_y)
+    return (
+        all(math.isfinite(number) for number in numbers)
+        and max(abs(landmark.x), abs(landmark.y)) <= FARTHEST_PLACE
+        and math.hypot(landmark.seen_x, landmark.seen_y) <= FARTHEST_SEEN
+    )

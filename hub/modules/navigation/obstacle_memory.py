@@ -1,0 +1,263 @@
+"""What range sensors and bumpers have met lately around the robot, in `odom`; pure.
+
+Sixteen thin rays and sixteen cones see little at once: a table's leg between two rays is not there
+for one scan, and there in the next. So what was met is remembered, in the cells of a small grid
+that moves along with the robot, until a ray has passed through it several times, until some
+seconds have gone by, or until it is some metres away.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.gcm.navigation import SENSOR_COUNT
+
+Floats = npt.NDArray[np.float64]
+
+RESOLUTION = 0.03
+"""Edge of a cell [m]; one point is remembered in each."""
+CELLS = 128
+"""Cells along each edge of the grid, which is 3.84 m wide."""
+RAY_S = 20.0
+"""How long what a thin ray has met is remembered [s]: drift of the odometry stays below 10 cm."""
+CONE_S = 2.0
+"""How long what a cone has met is remembered [s]; where in the cone it was is not known."""
+GUESS_S = 1.0
+"""How long what is only assumed is remembered [s]."""
+BUMP_S = 20.0
+"""How long what a bumper has met is remembered [s]."""
+
+_CLEARED_BY = 3
+"""So many scans have to look through a point before it is forgotten."""
+_BESIDE = 0.01
+"""A ray that passes a point at this distance [m] would have met it."""
+_BESIDE_GUESS = 0.03
+"""What is only assumed is gone where a ray passes this near [m], once."""
+_BEFORE = 0.10
+"""A ray tells nothing about the last piece of its way [m]."""
+_SURE = 0.40
+"""As far from its sensor [m] an infrared ray that meets nothing has met nothing, however dark."""
+_CONE_FAR = 1.5
+"""Echoes from farther than this [m] come from too wide an arc to be of use."""
+_CONE_SPREAD: Floats = np.radians((-9.0, -4.5, 0.0, 4.5, 9.0))
+"""Where on the arc of an echo obstacles are assumed [rad]; its middle part is the likely one."""
+_BLIND = 0.103
+"""What is nearer to the rim than this [m] an infrared sensor cannot tell from what is there."""
+_EXPLAINS = 0.12
+"""A memory this far beside a ray [rad] explains what it has met."""
+_CORNER = 0.8
+"""A corner between two rays is at least so much of the nearer range away."""
+_CORNER_FAR = 0.8
+"""Corners between rays that meet something farther away than this [m] do not matter yet."""
+_RIM = 0.005
+"""What is at the rim is assumed to be this far away from it [m]."""
+_GUESSES = 256
+_MOVING = 0.1
+"""From this velocity on [m/s] memory fades as fast as time goes by."""
+_TURNING = 0.2
+"""From this turn rate on [rad/s] too."""
+_STANDING = 0.1
+"""How fast it fades while the robot stands, as a share."""
+_AXES: Floats = np.arange(SENSOR_COUNT, dtype=np.float64) * (2.0 * math.pi / SENSOR_COUNT)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scan:
+    """What the range sensors said at a pose.
+
+    Attributes:
+        x: Position in `odom` [m].
+        y: Position in `odom` [m].
+        theta: Heading in `odom` [rad].
+        sonar: Ranges from the centre [m], shape (16,); inf: no echo.
+        infrared: Ranges from the centre [m], shape (16,); inf: nothing seen.
+        bumpers: Bit i is set while bumper i is pressed.
+    """
+
+    x: float
+    y: float
+    theta: float
+    sonar: npt.NDArray[np.float32]
+    infrared: npt.NDArray[np.float32]
+    bumpers: int
+
+
+class ObstacleMemory:
+    """Remembers points; every method gets the present monotonic time [s]."""
+
+    def __init__(self, radius: float) -> None:
+        self._radius = radius
+        shape = (CELLS * CELLS,)
+        self._x = np.zeros(shape)
+        self._y = np.zeros(shape)
+        self._until = np.full(shape, -np.inf)
+        self._looked_through = np.zeros(shape, dtype=np.int64)
+        self._guessed_x = np.zeros(_GUESSES)
+        self._guessed_y = np.zeros(_GUESSES)
+        self._guessed_until = np.full(_GUESSES, -np.inf)
+        self._guesses = 0
+        self._time = 0.0
+        self._last: tuple[Scan, float] | None = None
+        self._looked: tuple[Scan, float] | None = None
+        self._sonar = np.full(SENSOR_COUNT, np.nan, dtype=np.float32)
+        self._infrared = np.full(SENSOR_COUNT, np.nan, dtype=np.float32)
+
+    def scanned(self, scan: Scan, now: float) -> None:
+        """Sensors have reported; those that say the same as before have not measured again."""
+        self._let_time_pass(scan, now)
+        fresh_infrared = scan.infrared != self._infrared
+        fresh_sonar = scan.sonar != self._sonar
+        self._sonar[:], self._infrared[:] = scan.sonar, scan.infrared
+        if scan.bumpers:
+            pressed = _AXES[[bool(scan.bumpers >> i & 1) for i in range(SENSOR_COUNT)]]
+            self._meet(scan, np.full(len(pressed), self._radius), pressed, self._time + BUMP_S)
+        if self._looked is None or _elsewhere(scan, now, *self._looked):
+            self._looked = scan, now
+            self._look_through(scan)
+        near = fresh_sonar & (scan.sonar < _CONE_FAR)
+        ranges = np.repeat(scan.sonar[near].astype(np.float64), len(_CONE_SPREAD))
+        bearings = (_AXES[near][:, None] + _CONE_SPREAD).reshape(-1)
+        self._meet(scan, ranges, bearings, self._time + CONE_S)
+        blind = scan.infrared <= self._radius + _BLIND
+        met = fresh_infrared & np.isfinite(scan.infrared) & ~blind
+        self._meet(scan, scan.infrared[met].astype(np.float64), _AXES[met], self._time + RAY_S)
+        self._suspect(scan, blind)
+
+    def points(self, x: float, y: float, theta: float, reach: float) -> tuple[Floats, Floats]:
+        """What is remembered around a pose in `odom`, in `base_link` [m]; shapes (n,).
+
+        Args:
+            x: Position [m].
+            y: Position [m].
+            theta: Heading [rad].
+            reach: What is farther from there than this [m] is left out.
+        """
+        held = np.flatnonzero(self._until > self._time)
+        guessed = np.flatnonzero(self._guessed_until > self._time)
+        to_x = np.concatenate((self._x[held], self._guessed_x[guessed])) - x
+        to_y = np.concatenate((self._y[held], self._guessed_y[guessed])) - y
+        near = to_x * to_x + to_y * to_y <= reach * reach
+        to_x, to_y = to_x[near], to_y[near]
+        cosine, sine = math.cos(theta), math.sin(theta)
+        return to_x * cosine + to_y * sine, to_y * cosine - to_x * sine
+
+    def forget(self) -> None:
+        """Begin anew."""
+        self._until[:] = -np.inf
+        self._guessed_until[:] = -np.inf
+
+    def _meet(self, scan: Scan, ranges: Floats, bearings: Floats, until: float) -> None:
+        """Remember points in directions from the robot [m, rad], shape (k,)."""
+        directions = bearings + scan.theta
+        x = scan.x + ranges * np.cos(directions)
+        y = scan.y + ranges * np.sin(directions)
+        cells = _cells(x, y)
+        # A cell of the grid stands for many places, one grid apart; the newest one counts.
+        moved = np.hypot(self._x[cells] - x, self._y[cells] - y) > 2.0 * RESOLUTION
+        self._until[cells[moved]] = -np.inf
+        # Among several points of a cell the one nearest to the robot comes last, so it stays.
+        order = np.argsort(-ranges, kind="stable")
+        cells = cells[order]
+        self._x[cells], self._y[cells] = x[order], y[order]
+        self._until[cells] = np.maximum(self._until[cells], until)
+        self._looked_through[cells] = 0
+
+    def _suspect(self, scan: Scan, blind: npt.NDArray[np.bool_]) -> None:
+        """Assume points where the sensors leave room for something that they cannot show.
+
+        An infrared ray that says "nearer than I can measure" is explained by an echo or a memory
+        that is as near; otherwise what it met is taken to be at the rim. And two rays side by side
+        that meet something from which no echo comes may have a corner between them, which is
+        nearer than both: an edge of 90 degrees that points at the robot sends no echo, and lies
+        before the two rays by up to a fifth.
+        """
+        near = scan.sonar <= self._radius + _BLIND + 0.02
+        unexplained = np.flatnonzero(blind & ~near)
+        if len(unexplained):
+            x, y = self.points(scan.x, scan.y, scan.theta, self._radius + _BLIND + 0.02)
+            off = np.abs(wrapped(np.arctan2(y, x) - _AXES[unexplained][:, None]))
+            known = (off < _EXPLAINS).any(axis=1) if len(x) else np.zeros(len(unexplained), bool)
+            at = unexplained[~known]
+            self._guess(
+                scan, np.full(len(at), self._radius + _RIM), _AXES[at], self._time + GUESS_S
+            )
+        other = np.roll(scan.infrared, -1)
+        nearer = np.minimum(scan.infrared, other)
+        farther = np.maximum(scan.infrared, other)
+        echo = np.minimum(scan.sonar, np.roll(scan.sonar, -1))
+        corner = np.flatnonzero((farther < _CORNER_FAR) & (echo > farther + 0.05))
+        ranges = np.maximum(_CORNER * nearer[corner], self._radius + _RIM).astype(np.float64)
+        self._guess(scan, ranges, _AXES[corner] + _AXES[1] / 2.0, self._time + GUESS_S)
+
+    def _guess(self, scan: Scan, ranges: Floats, bearings: Floats, until: float) -> None:
+        """Assume points in directions from the robot [m, rad], shape (k,)."""
+        places = (self._guesses + np.arange(len(ranges))) % _GUESSES
+        self._guesses += len(ranges)
+        self._guessed_x[places] = scan.x + ranges * np.cos(bearings + scan.theta)
+        self._guessed_y[places] = scan.y + ranges * np.sin(bearings + scan.theta)
+        self._guessed_until[places] = until
+
+    def _let_time_pass(self, scan: Scan, now: float) -> None:
+        """Memory fades with time, but hardly while the robot stands.
+
+        What it stands before may be seen from nowhere but from where it came: forgotten after some
+        seconds of pushing the stick, it would be run into.
+        """
+        if self._last is not None:
+            before, then = self._last
+            way = math.hypot(scan.x - before.x, scan.y - before.y) / _MOVING
+            turn = abs(math.remainder(scan.theta - before.theta, 2.0 * math.pi)) / _TURNING
+            passed = max(now - then, 0.0)
+            self._time += min(passed, _STANDING * passed + way + turn)
+        self._last = scan, now
+
+    def _look_through(self, scan: Scan) -> None:
+        """Count the points that infrared rays have passed through, and forget some."""
+        held = np.flatnonzero(self._until > self._time)
+        through, away = self._passed(scan, self._x[held], self._y[held], _BESIDE)
+        seen = held[through]
+        self._looked_through[seen] += 1
+        self._until[seen[self._looked_through[seen] >= _CLEARED_BY]] = -np.inf
+        self._until[held[away > CELLS * RESOLUTION / 2.0]] = -np.inf
+        through, _ = self._passed(scan, self._guessed_x, self._guessed_y, _BESIDE_GUESS)
+        self._guessed_until[through] = -np.inf
+
+    def _passed(
+        self, scan: Scan, x: Floats, y: Floats, beside: float
+    ) -> tuple[npt.NDArray[np.bool_], Floats]:
+        """Which points a ray has passed through, this far beside it [m]; and how far they are."""
+        to_x, to_y = x - scan.x, y - scan.y
+        away = np.hypot(to_x, to_y)
+        bearing = np.arctan2(to_y, to_x) - scan.theta
+        sensor = np.round(bearing / _AXES[1]).astype(np.int64) % SENSOR_COUNT
+        free = np.where(np.isfinite(scan.infrared), scan.infrared - _BEFORE, self._radius + _SURE)[
+            sensor
+        ]
+        off = np.abs(np.sin(bearing - _AXES[sensor])) * away
+        return (off < beside) & (away < free), away
+
+
+def _elsewhere(scan: Scan, now: float, before: Scan, then: float) -> bool:
+    """Whether a look from here, or now, says something that the look before did not."""
+    return (
+        math.hypot(scan.x - before.x, scan.y - before.y) > 0.01
+        or abs(math.remainder(scan.theta - before.theta, 2.0 * math.pi)) > 0.02
+        or now - then > 1.0
+    )
+
+
+def wrapped(angles: Floats) -> Floats:
+    """The same directions within [-pi, pi) [rad]."""
+    around: Floats = (angles + math.pi) % (2.0 * math.pi) - math.pi
+    return around
+
+
+def _cells(x: Floats, y: Floats) -> npt.NDArray[np.int64]:
+    """Which cells of the grid, which repeats itself without end, points lie in; shape (k,)."""
+    column = np.floor(x / RESOLUTION).astype(np.int64) % CELLS
+    row = np.floor(y / RESOLUTION).astype(np.int64) % CELLS
+    return row * CELLS + column

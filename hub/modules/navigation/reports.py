@@ -1,0 +1,49 @@
+"""What navigation says of the robot and of its task, as messages; pure."""
+
+from __future__ import annotations
+
+from hub.gcm.navigation import DriveState, MotionState, NavigationStatus, Point, RobotState
+from hub.modules.navigation.pilot import Pilot
+from hub.modules.navigation.task import Errand
+
+
+def robot_state(
+    drive: DriveState, pilot: Pilot, motion: MotionState, refused: int, now: float
+) -> RobotState:
+    """What is known of the robot, from what its hardware reports."""
+    pose = pilot.correction.pose(drive.x, drive.y, drive.theta)
+    return RobotState(
+        stamp=drive.stamp,
+        x=pose.x,
+        y=pose.y,
+        theta=pose.theta,
+        linear=drive.linear,
+        angular=drive.angular,
+        commanded_linear=drive.commanded_linear,
+        commanded_angular=drive.commanded_angular,
+        sonar=drive.sonar,
+        infrared=drive.infrared,
+        bumpers=drive.bumpers,
+        battery_voltage=drive.battery_voltage,
+        battery_fraction=drive.battery_fraction,
+        motion=motion,
+        refused=refused,
+        assistance=pilot.assistance(now),
+        held_back=pilot.held_back,
+    )
+
+
+def status(errand: Errand, driver: int) -> NavigationStatus:
+    """What is done now, or how it ended."""
+    way = errand.route.way if errand.route is not None else ()
+    return NavigationStatus(
+        number=errand.number,
+        task=errand.task,
+        sender=errand.sender,
+        driver=driver,
+        points_left=len(errand.points),
+        distance_left=errand.distance_left,
+        why=errand.why,
+        count=len(way),
+        path=tuple(Point(x=x, y=y) for x, y in way),
+    )

@@ -1,0 +1,86 @@
+"""A simulated robot under a pilot, at the rates of the processes, without any process."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+
+from hub.gcm.navigation import GroundTruth
+from hub.modules.navigation.dynamic_window import Body
+from hub.modules.navigation.pilot import Pilot
+from hub.robots.magellan import SimulatedMagellan
+from hub.sim.arena import BODY_RADIUS, Arena
+from hub.sim.geometry import Pose
+
+BODY = Body(
+    radius=0.205,
+    margin=0.05,
+    linear_limit=0.5,
+    angular_limit=1.0,
+    linear_braking=2.0,
+    angular_braking=4.0,
+)
+STEP = 0.01
+STEPS_PER_REPORT = 2
+STEPS_PER_CHOICE = 5
+
+
+def random_start(arena: Arena, seed: int, clearance: float = 0.01) -> Pose:
+    """A pose in a hall of 10 by 10 m at which the body is this far from everything [m]."""
+    random = np.random.default_rng(seed)
+    while True:
+        x, y, theta = random.uniform((0.0, 0.0, -math.pi), (10.0, 10.0, math.pi)).tolist()
+        if arena.footprints.distances(x, y).min() > BODY_RADIUS + clearance:
+            return Pose(x=x, y=y, theta=theta)
+
+
+class Drive:
+    """A robot somewhere in an arena, and its pilot."""
+
+    def __init__(self, arena: Arena, start: Pose, seed: int = 1) -> None:
+        self.robot = SimulatedMagellan(dataclasses.replace(arena, start=start), seed=seed)
+        self.pilot = Pilot(BODY)
+        self.given = (0.0, 0.0)
+        self._steps = 0
+
+    @property
+    def now(self) -> float:
+        return self._steps * STEP
+
+    @property
+    def truth(self) -> GroundTruth:
+        return self.robot.ground_truth()
+
+    def push(self, linear: float, angular: float, seconds: float) -> None:
+        """Hold the stick for a while, or until something is touched or it has long stood."""
+        stood = 0.0
+        for _ in range(round(seconds / STEP)):
+            if self._report():
+                self.given = self.pilot.assisted((linear, angular), self.now)
+                self.robot.set_velocity(*self.given)
+            self._advance()
+            stood = stood + STEP if self.given == (0.0, 0.0) else 0.0
+            if self.truth.contacts or stood > 2.0:
+                return
+
+    def carry_out(self, seconds: float) -> None:
+        """Let the pilot's task go on until it ends, for so long at most."""
+        for _ in range(round(seconds / STEP)):
+            if self._report():
+                self.given = self.pilot.steered(self.now) or (0.0, 0.0)
+                self.robot.set_velocity(*self.given)
+            self._advance()
+            if not self.pilot.errand.active:
+                return
+
+    def _report(self) -> bool:
+        """Report if it is time; whether it is also time for a choice."""
+        if self._steps % STEPS_PER_REPORT == 0 or self._steps == 0:
+            self.pilot.reported(self.robot.drive_state(self.now), self.now)
+        return self._steps % STEPS_PER_CHOICE == 0
+
+    def _advance(self) -> None:
+        self.robot.advance(STEP)
+        self._steps += 1

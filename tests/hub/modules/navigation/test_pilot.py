@@ -1,0 +1,156 @@
+"""A simulated robot with its real sensors: what the pilot lets it do, and where it takes it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from hub.gcm.navigation import Assistance, GoalCommand, Point, Task, TurnCommand
+from hub.grids.grid import Grid
+from hub.modules.navigation.assistance import LAPSE_S
+from hub.sim.arena import Arena, load_arena
+from hub.sim.geometry import Pose
+from tests.hub.modules.navigation.drives import Drive, random_start
+
+EMPTY = load_arena("empty")
+YELLOW = load_arena("yellow")
+
+
+def goal(*places: tuple[float, float], theta: float = math.nan) -> GoalCommand:
+    points = tuple(Point(x=x, y=y) for x, y in places)
+    return GoalCommand(count=len(points), points=points, theta=theta)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_full_speed_ahead_from_anywhere_touches_nothing(seed: int) -> None:
+    drive = Drive(YELLOW, random_start(YELLOW, seed), seed)
+    drive.push(0.5, 0.0, 6.0)
+    assert drive.truth.contacts == 0
+
+
+@pytest.mark.parametrize("seed", range(100, 103))
+def test_full_speed_back_from_anywhere_touches_nothing(seed: int) -> None:
+    drive = Drive(YELLOW, random_start(YELLOW, seed), seed)
+    drive.push(-0.5, 0.0, 5.0)
+    assert drive.truth.contacts == 0
+
+
+def at_a_wall() -> Drive:
+    """Pushed against the hall's north wall."""
+    drive = Drive(EMPTY, Pose(x=0.0, y=9.0, theta=math.pi / 2.0))
+    drive.push(0.5, 0.0, 4.0)
+    assert drive.pilot.held_back == 1.0
+    return drive
+
+
+def test_at_a_wall_it_stands_still_and_can_turn_and_back_off() -> None:
+    drive = at_a_wall()
+    before = drive.truth
+    drive.push(0.5, 0.0, 2.0)
+    assert abs(drive.truth.y - before.y) < 0.01
+    drive.push(0.0, 1.0, 1.0)
+    assert drive.truth.theta - before.theta > 0.5
+    drive.push(-0.5, 0.0, 1.0)
+    assert math.hypot(drive.truth.x - before.x, drive.truth.y - before.y) > 0.2
+    assert drive.truth.contacts == 0
+
+
+def test_it_gets_through_a_doorway() -> None:
+    drive = Drive(YELLOW, Pose(x=5.25, y=5.0, theta=math.pi / 2.0))
+    drive.push(0.5, 0.0, 4.5)
+    assert drive.truth.y > 6.5
+    assert drive.truth.contacts == 0
+
+
+def test_without_assistance_it_follows_into_the_wall_and_that_lapses() -> None:
+    drive = at_a_wall()
+    drive.pilot.assist(Assistance.OFF, drive.now)
+    drive.push(0.5, 0.0, 1.0)
+    assert drive.truth.contacts
+    drive.robot.set_velocity(0.0, 0.0)
+    assert drive.pilot.assistance(drive.now + LAPSE_S - 0.1) is Assistance.OFF
+    assert drive.pilot.assistance(drive.now + LAPSE_S + 0.1) is Assistance.ON
+
+
+def test_in_the_open_nothing_is_held_back() -> None:
+    drive = Drive(EMPTY, EMPTY.start)
+    drive.push(0.5, 0.2, 1.0)
+    assert drive.pilot.held_back < 0.01
+    assert drive.truth.linear > 0.48
+
+
+@pytest.mark.parametrize("place", [(2.0, 0.0), (1.0, 1.5), (-1.5, 0.5)])
+def test_a_goal_is_reached_with_its_heading(place: tuple[float, float]) -> None:
+    drive = Drive(EMPTY, EMPTY.start)
+    drive.push(0.0, 0.0, 0.1)
+    drive.pilot.go(goal(place, theta=1.0), 7, drive.now)
+    drive.carry_out(30.0)
+    assert drive.pilot.errand.task is Task.REACHED
+    pose = drive.pilot.pose
+    assert math.dist((pose.x, pose.y), place) < 0.2
+    assert pose.theta == pytest.approx(1.0, abs=0.1)
+
+
+def test_a_turn_is_turned() -> None:
+    drive = Drive(EMPTY, EMPTY.start)
+    drive.push(0.0, 0.0, 0.1)
+    drive.pilot.turn(TurnCommand(angle=-2.0), 7, drive.now)
+    drive.carry_out(20.0)
+    assert drive.pilot.errand.task is Task.REACHED
+    assert drive.pilot.pose.theta == pytest.approx(-2.0, abs=0.1)
+
+
+def test_behind_a_wall_it_is_blocked_without_a_map_and_touches_nothing() -> None:
+    drive = Drive(YELLOW, Pose(x=6.0, y=5.0, theta=math.pi / 2.0))
+    drive.push(0.0, 0.0, 0.1)
+    drive.pilot.go(goal((3.0, 0.0)), 7, drive.now)
+    drive.carry_out(60.0)
+    assert drive.pilot.errand.task is Task.BLOCKED
+    assert drive.truth.contacts == 0
+
+
+def test_with_a_map_it_finds_the_way_around() -> None:
+    start = Pose(x=6.0, y=5.0, theta=math.pi / 2.0)
+    drive = Drive(YELLOW, start)
+    drive.push(0.0, 0.0, 0.1)
+    drive.pilot.go(goal((2.5, 0.0)), 7, drive.now)
+    drive.pilot.mapped(seen_from(YELLOW, start), drive.now)
+    assert drive.pilot.errand.route is not None
+    drive.carry_out(90.0)
+    assert drive.pilot.errand.task is Task.REACHED
+    assert drive.truth.contacts == 0
+
+
+def seen_from(arena: Arena, start: Pose) -> Grid:
+    """The arena as a grid in the frame of a robot that starts there, looking north."""
+    side, resolution = 200, 0.05
+    cells = np.zeros((side, side), dtype=np.int8)
+    for row in range(side):
+        for column in range(side):
+            ahead, left = (column + 0.5) * resolution - 5.0, (row + 0.5) * resolution - 5.0
+            inside = arena.footprints.distances(start.x - left, start.y + ahead).min() <= 0.0
+            cells[row, column] = 100 if inside else 0
+    return Grid(cells=cells, resolution=resolution, origin_x=-5.0, origin_y=-5.0)
+
+
+def test_where_the_whole_map_shows_no_way_it_is_blocked_at_once() -> None:
+    cells = np.zeros((100, 100), dtype=np.int8)
+    ring = np.arange(100)
+    around = np.hypot(ring[:, None] - 90.0, ring - 50.0)
+    cells[(around > 6.0) & (around < 9.0)] = 100
+    grid = Grid(cells=cells, resolution=0.05, origin_x=-2.5, origin_y=-2.5)
+    drive = Drive(EMPTY, EMPTY.start)
+    drive.push(0.0, 0.0, 0.1)
+    drive.pilot.go(goal((0.0, 2.0)), 7, drive.now)
+    part = drive.pilot.window
+    assert part is not None
+    assert part.height > 2.0
+    drive.pilot.mapped(grid, drive.now)
+    assert drive.pilot.errand.active
+    whole = drive.pilot.window
+    assert whole is not None
+    assert math.isnan(whole.x)
+    drive.pilot.mapped(grid, drive.now)
+    assert drive.pilot.errand.task is Task.BLOCKED

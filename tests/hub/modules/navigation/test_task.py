@@ -1,0 +1,102 @@
+"""A task ends when it is done, when it comes no nearer, or when it is ended."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from hub.gcm.navigation import GoalCommand, Point, Task, TurnCommand
+from hub.modules.navigation.poses import Pose
+from hub.modules.navigation.task import BLOCKED_S, MOST_POINTS, Errand, refusal
+
+
+def goal(*places: tuple[float, float], theta: float = math.nan) -> GoalCommand:
+    points = tuple(Point(x=x, y=y) for x, y in places)
+    return GoalCommand(count=len(points), points=points, theta=theta)
+
+
+def going(*places: tuple[float, float], theta: float = math.nan) -> Errand:
+    errand = Errand()
+    errand.go(goal(*places, theta=theta), 7, 0.0)
+    return errand
+
+
+def test_it_heads_for_the_point_and_reaches_it() -> None:
+    errand = going((2.0, 0.0))
+    aim = errand.aim(Pose(), 0.1)
+    assert aim is not None
+    assert (aim.x, aim.y, aim.left) == (2.0, 0.0, 2.0)
+    assert errand.task is Task.GOING
+    assert errand.aim(Pose(x=1.95), 0.2) is None
+    assert errand.task is Task.REACHED
+
+
+def test_points_are_passed_in_their_order() -> None:
+    errand = going((1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+    assert errand.aim(Pose(x=0.9), 0.1) is not None
+    assert len(errand.points) == 2
+    assert errand.distance_left == pytest.approx(math.hypot(0.1, 1.0) + 1.0)
+
+
+def test_the_heading_at_the_end_is_turned_to() -> None:
+    errand = going((1.0, 0.0), theta=1.0)
+    aim = errand.aim(Pose(x=1.0), 0.1)
+    assert aim is not None
+    assert aim.turn == pytest.approx(1.0)
+    # Turning may move it a little; it does not go back to the point for that.
+    assert errand.aim(Pose(x=1.15, theta=0.5), 0.2) is not None
+    assert errand.aim(Pose(x=1.15, theta=1.0), 0.3) is None
+    assert errand.task is Task.REACHED
+
+
+def test_it_is_blocked_without_headway() -> None:
+    errand = going((2.0, 0.0))
+    errand.aim(Pose(), 0.0)
+    assert errand.aim(Pose(x=0.02), BLOCKED_S - 0.1) is not None
+    assert errand.aim(Pose(x=0.04), BLOCKED_S + 0.1) is None
+    assert errand.task is Task.BLOCKED
+    assert errand.why
+
+
+def test_with_headway_it_is_not_blocked() -> None:
+    errand = going((20.0, 0.0))
+    for second in range(60):
+        assert errand.aim(Pose(x=0.2 * second), float(second)) is not None
+
+
+def test_more_than_a_whole_turn_is_turned() -> None:
+    errand = Errand()
+    errand.turn(TurnCommand(angle=7.0), 7, Pose(), 0.0)
+    turned, now = 0.0, 0.0
+    while errand.aim(Pose(theta=math.remainder(turned, 2.0 * math.pi)), now) is not None:
+        turned, now = turned + 0.05, now + 0.05
+    assert errand.task is Task.REACHED
+    assert turned == pytest.approx(7.0, abs=0.1)
+
+
+def test_no_points_end_it_and_every_task_has_its_number() -> None:
+    errand = going((2.0, 0.0))
+    errand.go(goal(), 8, 1.0)
+    assert errand.task is Task.CANCELLED
+    assert errand.number == 1
+    errand.go(goal((1.0, 0.0)), 8, 1.0)
+    assert (errand.number, errand.sender) == (2, 8)
+
+
+def test_what_has_ended_stays_as_it_ended() -> None:
+    errand = going((2.0, 0.0))
+    errand.aim(Pose(x=2.0), 0.1)
+    errand.end(Task.CANCELLED, "too late")
+    assert errand.task is Task.REACHED
+
+
+@pytest.mark.parametrize("wrong", [math.nan, math.inf, -1e30])
+def test_goals_that_are_nowhere_are_refused(wrong: float) -> None:
+    assert refusal(goal((0.0, wrong)))
+    assert refusal(goal((1.0, 1.0), (wrong, 0.0)))
+    assert not refusal(goal((1.0, 1.0)))
+
+
+def test_too_many_points_are_refused() -> None:
+    assert refusal(goal(*[(0.0, 0.0)] * (MOST_POINTS + 1)))
