@@ -13,6 +13,8 @@ Floats = npt.NDArray[np.float64]
 
 _LEAST_CURVATURE = 1e-5
 """Less curved arcs count as this much curved [1/m]: 5 micrometres aside after a metre."""
+LONGEST = 3.0
+"""Ways of more than half a circle and longer than this [m] count as free."""
 _LEAST_SPEED = 1e-9
 
 
@@ -42,7 +44,7 @@ def free_ways(
         half_width: To both sides of each arc [m], shape (m,), at most `radius`.
 
     Returns:
-        Length of each arc that is free [m], shape (m,); inf: all of it.
+        Length of each arc that is free [m], shape (m,); inf: all of it, or more than LONGEST.
     """
     ways = np.full(len(linear), np.inf)
     moving = np.flatnonzero(np.abs(linear) > _LEAST_SPEED)
@@ -53,18 +55,18 @@ def free_ways(
     curvature = angular[moving] / linear[moving]
     left = np.where(curvature < 0.0, -1.0, 1.0)
     turn_radius = 1.0 / np.maximum(np.abs(curvature), _LEAST_CURVATURE)
-    along = ahead[:, None] * x
-    beside = turn_radius[:, None] - left[:, None] * y
-    centre = np.sqrt(along * along + beside * beside)
-    offset = centre - turn_radius[:, None]
-    arcs, points = np.nonzero(np.abs(offset) < half_width[moving][:, None])
+    width = half_width[moving]
+    arcs, points = _touching(ahead, left, turn_radius, width, x, y)
     if not len(arcs):
         return ways
+    along = ahead[arcs] * x[points]
+    beside = turn_radius[arcs] - left[arcs] * y[points]
+    centre = np.sqrt(along * along + beside * beside)
     met = _way_to_contact(
-        along[arcs, points],
-        beside[arcs, points],
-        centre[arcs, points],
-        offset[arcs, points],
+        along,
+        beside,
+        centre,
+        centre - turn_radius[arcs],
         turn_radius[arcs],
         radius[moving][arcs],
         np.hypot(x, y)[points],
@@ -72,6 +74,28 @@ def free_ways(
     first = np.flatnonzero(np.diff(arcs, prepend=-1))
     ways[moving[arcs[first]]] = np.minimum.reduceat(met, first)
     return ways
+
+
+def _touching(
+    ahead: Floats, left: Floats, turn_radius: Floats, width: Floats, x: Floats, y: Floats
+) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+    """Which arcs pass which points nearer than their width; numbers of arcs, ascending, and points.
+
+    A point at distance c from an arc's centre is meant, if |c - r| < w. In squares that is
+    |s / 2r - y - w^2 / 2r| < w with s = x^2 + y^2: a product of two thin matrices, no root.
+    """
+    half = 0.5 / turn_radius
+    aside = np.stack((half, -left), axis=1) @ np.stack((x * x + y * y, y))
+    aside -= (width * width * half)[:, None]
+    near = aside < width[:, None]
+    # The centre of a narrow arc lies under the body, and what is near it is met as well.
+    near &= aside > np.where(turn_radius < width, -np.inf, -width)[:, None]
+    # What lies behind is met at the end of more than half a circle.
+    round_about = (turn_radius * np.pi < LONGEST)[:, None]
+    front, back = x > 0.0, x < 0.0
+    near &= round_about | np.where((ahead > 0.0)[:, None], front, back)
+    arcs, points = np.divmod(np.flatnonzero(near), len(x))
+    return arcs, points
 
 
 def _way_to_contact(

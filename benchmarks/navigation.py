@@ -1,0 +1,149 @@
+"""Navigation: worlds full of cylinders, time of a choice, and a stick pushed straight at walls.
+
+The worlds run as a kinematic simulation with the very functions of the navigation module. Compared
+with the Gazebo runs that are recorded beside them, sensing is perfect within 1.5 m, the map is
+known, the body is a disc of 0.25 m, and nothing slips.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Iterable
+from concurrent.futures import ProcessPoolExecutor
+
+import numpy as np
+
+from benchmarks.barn import BODY, Outcome, World, drive, load, ours
+from benchmarks.figures import median_ms, report, say
+from benchmarks.peers.reference_window import ReferenceWindow
+from hub.modules.navigation.dynamic_window import DynamicWindow
+from hub.sim.arena import load_arena
+from tests.hub.modules.navigation.drives import Drive, random_start
+
+STARTS = 1000
+PUSH_S = 20.0
+POINTS = 300
+PROCESSES = 2
+_NOTE = "25 worlds, kinematic, perfect sensing within 1.5 m; the recorded runs are Gazebo's"
+
+
+def run(job: tuple[str, World]) -> tuple[str, Outcome]:
+    """One drive through one world, in a process of its own."""
+    kind, world = job
+    if kind == "reference":
+        return kind, drive(world, ReferenceWindow(world))
+    return kind, drive(world, ours(world, with_plan=kind == "plan"))
+
+
+def push(seed: int) -> tuple[int, int, float]:
+    """Whether the robot touched something from this start: seed, contacts, way [m]."""
+    arena = load_arena("yellow")
+    start = random_start(arena, seed)
+    robot = Drive(arena, start, seed)
+    robot.push(0.5, 0.0, PUSH_S)
+    truth = robot.truth
+    return seed, int(truth.contacts > 0), math.dist((truth.x, truth.y), (start.x, start.y))
+
+
+def worlds() -> None:
+    """Success and collisions, ours and others'."""
+    known, recorded = load()
+    results: dict[str, list[Outcome]] = {"plan": [], "straight": [], "reference": []}
+    jobs = [(kind, world) for kind in results for world in known]
+    with ProcessPoolExecutor(PROCESSES) as pool:
+        for number, (kind, outcome) in enumerate(pool.map(run, jobs)):
+            results[kind].append(outcome)
+            say(f"world {number + 1} of {len(jobs)}: {kind} {outcome.how} {outcome.seconds:.1f} s")
+    runs = [run for world in known for run in recorded[world.name]]
+    gazebo = [sum(run[place] for run in runs) / len(runs) for place in (0, 1)]
+    reference = results["reference"]
+    peers = {
+        "PythonRobotics' window (written anew, no plan)": share(reference, "reached"),
+        "move_base DWA (Gazebo, recorded)": round(gazebo[0], 3),
+    }
+    report(
+        "nav.barn_success",
+        share(results["plan"], "reached"),
+        "share",
+        bar=0.95,
+        better="higher",
+        peers=peers,
+        note=_NOTE + "; planned on the known map",
+    )
+    report(
+        "nav.barn_success_without_planner",
+        share(results["straight"], "reached"),
+        "share",
+        better="higher",
+        peers=peers,
+        note=_NOTE,
+    )
+    collisions = sum(
+        outcome.how == "collided" for outcome in (*results["plan"], *results["straight"])
+    )
+    report(
+        "nav.barn_collisions",
+        collisions,
+        "drives",
+        bar=0,
+        peers={
+            "PythonRobotics' window (of 25)": sum(o.how == "collided" for o in reference),
+            "move_base DWA (of 25, recorded share)": round(25 * gazebo[1], 2),
+        },
+        note=_NOTE + "; of 50 drives, half of them without a plan",
+    )
+    taken = [outcome.seconds for outcome in results["plan"] if outcome.how == "reached"]
+    report(
+        "nav.barn_seconds",
+        sum(taken) / max(len(taken), 1),
+        "s",
+        peers={
+            "move_base DWA (Gazebo, recorded)": round(
+                sum(run[3] for run in runs if run[0]) / sum(run[0] for run in runs), 2
+            )
+        },
+        note="mean of the drives that reached the goal",
+    )
+
+
+def share(outcomes: Iterable[Outcome], how: str) -> float:
+    """Which part of the drives ended like this."""
+    ends = [outcome.how == how for outcome in outcomes]
+    return round(sum(ends) / len(ends), 3)
+
+
+def cycle() -> None:
+    """Time of one choice among 8 by 31 velocities, obstacles on all sides."""
+    random = np.random.default_rng(1997)
+    window = DynamicWindow(BODY)
+    away = random.uniform(0.4, 1.5, POINTS)
+    bearing = random.uniform(-math.pi, math.pi, POINTS)
+    points = away * np.cos(bearing), away * np.sin(bearing)
+    note = f"8 by 31 velocities, {POINTS} points on all sides within 1.5 m"
+    to_goal = median_ms(lambda _: window.to_goal((0.3, 0.1), (0.5, 0.1), 0.5, points), 300)
+    report("nav.cycle_ms", to_goal, "ms", bar=3.0, note=note + ", to a goal")
+    teleop = median_ms(lambda _: window.towards((0.3, 0.1), (0.5, 0.1), points), 300)
+    report("nav.teleop_cycle_ms", teleop, "ms", bar=3.0, note=note + ", nearest to the operator's")
+
+
+def pushes() -> None:
+    """Full speed straight ahead from random starts in the yellow arena, with its real sensors."""
+    with ProcessPoolExecutor(PROCESSES) as pool:
+        results = list(pool.map(push, range(STARTS), chunksize=20))
+    touched = [seed for seed, contacts, _ in results if contacts]
+    say(f"starts that ended in a contact: {touched}")
+    way = sum(way for _, _, way in results) / len(results)
+    note = f"of {STARTS} starts in the yellow arena with its sonars and infrared; "
+    note += f"{way:.2f} m driven on average"
+    report("nav.teleop_contacts", len(touched), "starts", bar=0, note=note)
+
+
+def main() -> None:
+    parts = {"worlds": worlds, "cycle": cycle, "pushes": pushes}
+    for name in sys.argv[1:] or parts:
+        parts[name]()
+
+
+if __name__ == "__main__":
+    main()
