@@ -22,7 +22,7 @@ from hub.sim.arena import load_arena
 from tests.hub.modules.navigation.drives import Drive, random_start
 
 STARTS = 1000
-PUSH_S = 20.0
+PUSH_S = 15.0
 POINTS = 300
 PROCESSES = 2
 _NOTE = "25 worlds, kinematic, perfect sensing within 1.5 m; the recorded runs are Gazebo's"

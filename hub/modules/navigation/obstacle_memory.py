@@ -35,7 +35,7 @@ _CLEARED_BY = 3
 """So many scans have to look through a point before it is forgotten."""
 _BESIDE = 0.01
 """A ray that passes a point at this distance [m] would have met it."""
-_BESIDE_GUESS = 0.03
+_BESIDE_GUESS = 0.01
 """What is only assumed is gone where a ray passes this near [m], once."""
 _BEFORE = 0.10
 """A ray tells nothing about the last piece of its way [m]."""
@@ -50,12 +50,15 @@ _BLIND = 0.103
 _EXPLAINS = 0.12
 """A memory this far beside a ray [rad] explains what it has met."""
 _CORNER = 0.8
-"""A corner between two rays is at least so much of the nearer range away."""
-_CORNER_FAR = 0.8
-"""Corners between rays that meet something farther away than this [m] do not matter yet."""
+"""An edge between two rays is about so much of the nearer range away: a surface that a ray meets at
+45 degrees comes to this at a bearing 18 degrees beside it."""
+_CORNER_FAR = 0.7
+"""Edges beside rays that meet something farther away than this [m] do not matter yet."""
 _RIM = 0.005
 """What is at the rim is assumed to be this far away from it [m]."""
-_GUESSES = 256
+_GUESSES = 512
+_SUSPECT_S = 0.1
+"""While the sensors say the same as before, guesses are made anew after this time [s]."""
 _MOVING = 0.1
 """From this velocity on [m/s] memory fades as fast as time goes by."""
 _TURNING = 0.2
@@ -100,6 +103,7 @@ class ObstacleMemory:
         self._guessed_y = np.zeros(_GUESSES)
         self._guessed_until = np.full(_GUESSES, -np.inf)
         self._guesses = 0
+        self._suspect_at = -math.inf
         self._time = 0.0
         self._last: tuple[Scan, float] | None = None
         self._looked: tuple[Scan, float] | None = None
@@ -125,7 +129,9 @@ class ObstacleMemory:
         blind = scan.infrared <= self._radius + _BLIND
         met = fresh_infrared & np.isfinite(scan.infrared) & ~blind
         self._meet(scan, scan.infrared[met].astype(np.float64), _AXES[met], self._time + RAY_S)
-        self._suspect(scan, blind)
+        if fresh_infrared.any() or fresh_sonar.any() or now >= self._suspect_at:
+            self._suspect_at = now + _SUSPECT_S
+            self._suspect(scan, blind)
 
     def points(self, x: float, y: float, theta: float, reach: float) -> tuple[Floats, Floats]:
         """What is remembered around a pose in `odom`, in `base_link` [m]; shapes (n,).
@@ -170,10 +176,9 @@ class ObstacleMemory:
         """Assume points where the sensors leave room for something that they cannot show.
 
         An infrared ray that says "nearer than I can measure" is explained by an echo or a memory
-        that is as near; otherwise what it met is taken to be at the rim. And two rays side by side
-        that meet something from which no echo comes may have a corner between them, which is
-        nearer than both: an edge of 90 degrees that points at the robot sends no echo, and lies
-        before the two rays by up to a fifth.
+        that is as near; otherwise what it met is taken to be at the rim. And what a ray meets and
+        no sonar hears looks aside, so that it may come nearer between this ray and the next: the
+        edge of a box or the end of a wall, before what the ray has met by about a fifth.
         """
         near = scan.sonar <= self._radius + _BLIND + 0.02
         unexplained = np.flatnonzero(blind & ~near)
@@ -187,9 +192,8 @@ class ObstacleMemory:
             )
         other = np.roll(scan.infrared, -1)
         nearer = np.minimum(scan.infrared, other)
-        farther = np.maximum(scan.infrared, other)
         echo = np.minimum(scan.sonar, np.roll(scan.sonar, -1))
-        corner = np.flatnonzero((farther < _CORNER_FAR) & (echo > farther + 0.05))
+        corner = np.flatnonzero((nearer < _CORNER_FAR) & (echo > nearer + 0.05))
         ranges = np.maximum(_CORNER * nearer[corner], self._radius + _RIM).astype(np.float64)
         self._guess(scan, ranges, _AXES[corner] + _AXES[1] / 2.0, self._time + GUESS_S)
 

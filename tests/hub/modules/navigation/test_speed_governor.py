@@ -202,6 +202,78 @@ def test_what_was_queued_while_navigation_itself_was_away_is_not_followed() -> N
     assert scene.velocity == (0.4, 0.0)
 
 
+def under_way() -> Scene:
+    """A task has the wheels."""
+    scene = Scene()
+    assert scene.governor.begin_task(scene.now) == ""
+    scene.governor.steer(0.3, 0.2, scene.now)
+    return scene
+
+
+def test_a_task_drives_without_a_neutral_command() -> None:
+    scene = under_way()
+    assert scene.velocity == (0.3, 0.2)
+    assert scene.state is MotionState.GOING
+    scene.governor.steer(9.0, -9.0, scene.now)
+    assert scene.velocity == (0.5, -1.0)
+
+
+def test_a_task_that_falls_silent_stops() -> None:
+    scene = under_way()
+    scene.wait(SILENCE_S - 0.02)
+    assert scene.velocity == (0.3, 0.2)
+    scene.wait(0.04)
+    assert scene.velocity == (0.0, 0.0)
+    assert scene.state is MotionState.STOPPED
+
+
+def test_neutral_commands_do_not_end_a_task_and_others_do() -> None:
+    scene = under_way()
+    scene.command(A, 0.0)
+    assert scene.velocity == (0.3, 0.2)
+    scene.command(A, -0.1)
+    assert scene.velocity == (-0.1, 0.0)
+    assert scene.state is MotionState.MOVING
+    scene = under_way()
+    scene.command(B, 0.4)
+    assert scene.velocity == (0.0, 0.0)
+    assert scene.state is MotionState.STANDING
+
+
+def test_a_stop_and_a_silent_driver_end_a_task_for_good() -> None:
+    scene = under_way()
+    scene.governor.stop()
+    scene.governor.steer(0.3, 0.2, scene.now)
+    assert scene.velocity == (0.0, 0.0)
+    scene = under_way()
+    scene.driver_lives = False
+    for _ in range(20):
+        scene.wait(0.05)
+        scene.governor.steer(0.3, 0.2, scene.now)
+    scene.driver_lives = True
+    scene.wait(0.1)
+    scene.governor.steer(0.3, 0.2, scene.now)
+    assert scene.velocity == (0.0, 0.0)
+
+
+def test_a_task_does_not_begin_while_somebody_drives_or_no_driver_reports() -> None:
+    scene = driving()
+    assert "drives" in scene.governor.begin_task(scene.now)
+    assert scene.velocity == (0.4, -0.5)
+    scene = Scene()
+    scene.driver_lives = False
+    scene.wait(DRIVER_SILENCE_S + 0.1)
+    assert "driver" in scene.governor.begin_task(scene.now)
+
+
+def test_when_a_task_has_ended_it_steers_no_more() -> None:
+    scene = under_way()
+    scene.governor.end_task()
+    scene.governor.steer(0.3, 0.2, scene.now)
+    assert scene.velocity == (0.0, 0.0)
+    assert scene.state is MotionState.STANDING
+
+
 EVENTS = st.lists(
     st.tuples(
         st.sampled_from(["command", "stop", "driver dies", "driver lives", "away"]),
