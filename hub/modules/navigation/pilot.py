@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from hub.gcm.mapping import MapRequest
 from hub.gcm.navigation import (
     Assistance,
@@ -155,7 +157,7 @@ class Pilot:
 
     def mapped(self, grid: Grid | None, now: float) -> None:
         """A map has come; None: there is none."""
-        self._map = grid
+        self._map = None if grid is None else known_part(grid)
         self._plan(now)
 
     def assist(self, assistance: Assistance, now: float) -> None:
@@ -189,6 +191,24 @@ class Pilot:
         else:
             # There may be one around the window; the next map that is asked for is the whole one.
             self._whole = True
+
+
+def known_part(grid: Grid) -> Grid | None:
+    """The smallest part of a map that holds all cells that are known; None: there are none.
+
+    Planning takes time with every cell, and most of a map is still unknown.
+    """
+    known = ~grid.unknown
+    rows, columns = np.flatnonzero(known.any(axis=1)), np.flatnonzero(known.any(axis=0))
+    if not len(rows):
+        return None
+    top, left = int(rows[0]), int(columns[0])
+    return Grid(
+        cells=grid.cells[top : rows[-1] + 1, left : columns[-1] + 1],
+        resolution=grid.resolution,
+        origin_x=grid.origin_x + left * grid.resolution,
+        origin_y=grid.origin_y + top * grid.resolution,
+    )
 
 
 def _odom(drive: DriveState) -> tuple[float, float, float]:

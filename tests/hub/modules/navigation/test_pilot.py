@@ -10,6 +10,7 @@ import pytest
 from hub.gcm.navigation import Assistance, GoalCommand, Point, Task, TurnCommand
 from hub.grids.grid import Grid
 from hub.modules.navigation.assistance import LAPSE_S
+from hub.modules.navigation.pilot import known_part
 from hub.sim.arena import Arena, load_arena
 from hub.sim.geometry import Pose
 from tests.hub.modules.navigation.drives import Drive, random_start
@@ -133,6 +134,17 @@ def seen_from(arena: Arena, start: Pose) -> Grid:
             inside = arena.footprints.distances(start.x - left, start.y + ahead).min() <= 0.0
             cells[row, column] = 100 if inside else 0
     return Grid(cells=cells, resolution=resolution, origin_x=-5.0, origin_y=-5.0)
+
+
+def test_only_the_known_part_of_a_map_is_worked_on() -> None:
+    cells = np.full((50, 60), -1, dtype=np.int8)
+    assert known_part(Grid(cells=cells, resolution=0.1, origin_x=1.0, origin_y=2.0)) is None
+    cells[10, 20], cells[14, 22] = 0, 100
+    part = known_part(Grid(cells=cells, resolution=0.1, origin_x=1.0, origin_y=2.0))
+    assert part is not None
+    assert part.cells.shape == (5, 3)
+    assert (part.cells[0, 0], part.cells[4, 2]) == (0, 100)
+    assert (part.origin_x, part.origin_y) == pytest.approx((3.0, 3.0))
 
 
 def test_where_the_whole_map_shows_no_way_it_is_blocked_at_once() -> None:
