@@ -129,9 +129,13 @@ def cycle() -> None:
 
 def pushes() -> None:
     """Full speed straight ahead from random starts in the yellow arena, with its real sensors."""
+    results = []
     with ProcessPoolExecutor(PROCESSES) as pool:
-        results = list(pool.map(push, range(STARTS), chunksize=20))
-    touched = [seed for seed, contacts, _ in results if contacts]
+        for result in pool.map(push, range(STARTS), chunksize=10):
+            results.append(result)
+            touched = [seed for seed, contacts, _ in results if contacts]
+            if len(results) % 50 == 0:
+                say(f"{len(results)} starts, contacts from {touched}")
     say(f"starts that ended in a contact: {touched}")
     way = sum(way for _, _, way in results) / len(results)
     note = f"of {STARTS} starts in the yellow arena with its sonars and infrared; "

@@ -109,7 +109,7 @@ class DynamicWindow:
         """
         body = self.body
         goal = _limited(wanted[0], body.linear_limit), _limited(wanted[1], body.angular_limit)
-        if abs(goal[0]) < _CREEP:
+        if goal[0] == 0.0:
             return goal
         fastest = self._reachable(now[0], goal[0])
         if self.admissible(np.array([fastest]), np.array([goal[1]]), points)[0]:
@@ -147,7 +147,7 @@ class DynamicWindow:
         top = self._reachable(now[0], min(fastest, self.body.linear_limit))
         linear, angular = self._samples(top, now[1], 0.0)
         ways = self._ways(linear, angular, points)
-        stopping = self._stopping(linear, angular)
+        stopping = self._stopping(linear)
         score = self._score(linear, angular, np.minimum(ways - stopping, _FAR), carrot)
         score[stopping > ways] = -np.inf
         best = int(score.argmax())
@@ -193,7 +193,7 @@ class DynamicWindow:
             points: Obstacles in `base_link` [m], x and y of shape (n,) each.
         """
         ways = self._ways(linear, angular, points)
-        return self._stopping(linear, angular) <= ways
+        return self._stopping(linear) <= ways
 
     def _ways(self, linear: Floats, angular: Floats, points: tuple[Floats, Floats]) -> Floats:
         body = self.body
@@ -206,9 +206,12 @@ class DynamicWindow:
         half_width = np.minimum(side + 0.5 * body.margin_s * speed, radius)
         return free_ways(linear, angular, x, y, radius, half_width)
 
-    def _stopping(self, linear: Floats, angular: Floats) -> Floats:
-        """Way until each velocity has been reacted to and braked away [m], shape (m,)."""
-        del angular
+    def _stopping(self, linear: Floats) -> Floats:
+        """Way until each velocity has been reacted to and braked away [m], shape (m,).
+
+        On an arc both velocities are braked away in the same time, so the way stays on it; turn
+        rates need no bound of their own, because a round body meets nothing by turning.
+        """
         speed = np.abs(linear)
         return speed * self.body.reaction + speed * speed / (2.0 * self.body.linear_braking)
 
