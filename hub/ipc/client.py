@@ -116,6 +116,11 @@ class Client:
         return self._connection.alive
 
     @property
+    def number(self) -> int:
+        """Our number at central, as in frame headers; 0 while it does not know us."""
+        return self._connection.publisher
+
+    @property
     def refusal(self) -> HubError | None:
         """Why central refused to connect us, if it did."""
         return self._connection.refusal

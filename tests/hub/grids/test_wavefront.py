@@ -39,7 +39,7 @@ def dijkstra(factors: np.ndarray, start: tuple[int, int]) -> np.ndarray:
 def grounds(draw: st.DrawFn) -> np.ndarray:
     shape = draw(st.integers(1, 14)), draw(st.integers(1, 14))
     random = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
-    factors = 1.0 + draw(st.sampled_from([0.0, 3.0, 40.0])) * random.random(shape)
+    factors = 1.0 + draw(st.sampled_from([0.0, 0.4, 3.0, 40.0])) * random.random(shape)
     factors[random.random(shape) < draw(st.floats(0.0, 0.6))] = np.inf
     return factors
 

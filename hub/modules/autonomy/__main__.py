@@ -1,0 +1,134 @@
+"""The autonomy process: takes what the others know, and sends navigation to places."""
+
+from __future__ import annotations
+
+import logging
+import sys
+import time
+
+from hub.errors import CodecError, QueryError
+from hub.gcm import autonomy, mapping, navigation
+from hub.gcm.capability import Abilities, Capability
+from hub.grids.grid import grid_of
+from hub.ipc.client import Client
+from hub.ipc.reception import Reception
+from hub.modules.autonomy.pilot import Pilot
+from hub.robots.description import RobotDescription
+from hub.runtime import publish_on_request, run_module
+
+_logger = logging.getLogger(__name__)
+
+_ACT_PERIOD = 0.1
+_STATE_PERIOD = 1.0 / autonomy.AUTONOMY_STATE.rate_hz
+_MAP_TIMEOUT = 2.0
+_LEAVE_S = 0.5
+
+
+class Autonomy:
+    """Connects the pilot with the bus."""
+
+    def __init__(self, client: Client, robot: RobotDescription) -> None:
+        self._client = client
+        self._clock = time.monotonic
+        self._pilot = Pilot(radius=robot.radius + robot.margin, seed=robot.seed)
+        self._said = ""
+        self._why = ""
+        client.subscribe(autonomy.AUTONOMY_COMMAND, self._command)
+        client.subscribe(navigation.STOP, self._stop)
+        client.subscribe(navigation.ROBOT_STATE, self._robot)
+        client.subscribe(navigation.NAVIGATION_STATUS, self._navigation)
+        client.define(navigation.GOAL_COMMAND, autonomy.AUTONOMY_STATE, mapping.MAP_REQUEST)
+        publish_on_request(client, autonomy.AUTONOMY_STATE, self._publish)
+        client.every(_ACT_PERIOD, self._act)
+        client.every(_STATE_PERIOD, self._publish)
+
+    def finish(self) -> None:
+        """Leave the robot standing, if it goes somewhere for us."""
+        self._pilot.command(autonomy.AutonomyCommand(), self._clock())
+        self._act()
+
+    def _command(self, command: autonomy.AutonomyCommand, reception: Reception) -> None:
+        del reception
+        self._pilot.command(command, self._clock())
+        _logger.info("asked for %s", command.behaviour.name)
+        self._act()
+
+    def _stop(self, message: navigation.Stop, reception: Reception) -> None:
+        del reception
+        self._pilot.see_stop(message.reason)
+        self._act()
+
+    def _robot(self, state: navigation.RobotState, reception: Reception) -> None:
+        self._pilot.see_robot(state, reception.measured)
+
+    def _navigation(self, status: navigation.NavigationStatus, reception: Reception) -> None:
+        del reception
+        mine = status.sender == self._client.number
+        self._pilot.see_navigation(status, self._clock(), mine=mine)
+        self._act()
+
+    def _act(self) -> None:
+        now = self._clock()
+        if self._pilot.wants_map(now):
+            self._ask_for_map()
+        goal = self._pilot.act(now)
+        if goal is not None:
+            self._client.publish(navigation.GOAL_COMMAND, goal)
+        if _shown(self._pilot.state(now)) != self._said:
+            self._publish()
+
+    def _ask_for_map(self) -> None:
+        def answered(message: mapping.Map, reception: Reception) -> None:
+            del reception
+            try:
+                grid = grid_of(message)
+            except CodecError as error:
+                self._pilot.miss_map(str(error))
+            else:
+                self._pilot.see_map(grid, self._clock())
+
+        def failed(error: QueryError) -> None:
+            self._pilot.miss_map(str(error))
+
+        self._client.query_notify(
+            mapping.MAP_REQUEST,
+            mapping.MapRequest(),
+            mapping.MAP,
+            timeout=_MAP_TIMEOUT,
+            answered=answered,
+            failed=failed,
+        )
+
+    def _publish(self) -> None:
+        state = self._pilot.state(self._clock())
+        if state.why != self._why:
+            _logger.info("%s: %s", state.behaviour.name, state.why)
+        self._said, self._why = _shown(state), state.why
+        self._client.publish(autonomy.AUTONOMY_STATE, state)
+
+
+def _shown(state: autonomy.AutonomyState) -> str:
+    """What people see of a state; two that look the same need not both be published."""
+    goal = f"{state.x:.2f} {state.y:.2f} {state.frontier_m:.1f}"
+    return f"{state.behaviour} {state.pilot} {goal} {state.why}"
+
+
+def abilities(robot: RobotDescription) -> Abilities:
+    """What autonomy can do on a robot."""
+    del robot
+    return Abilities(
+        provides=(Capability.AUT_PILOT,),
+        needs=(Capability.NAV_GOAL, Capability.NAV_STATE, Capability.PRO_MAP),
+    )
+
+
+def main() -> int:
+    """Run the process."""
+    purpose = "Explores, goes, returns and wanders by itself, until the operator takes over."
+    return run_module(
+        "autonomy", purpose, abilities, lambda client, robot: Autonomy(client, robot).finish
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,140 @@
+"""The errand of exploring: goes where the map ends until there are no such places left; pure."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from hub.gcm.navigation import Point
+from hub.grids.frontiers import Frontier, edge_cells, frontiers
+from hub.grids.grid import Grid
+from hub.modules.autonomy.errands import End, Pause, Sight, Target
+
+SHORTEST = 0.4
+"""Shorter frontiers are gaps between the cones of sensors, no ground to explore [m]."""
+LOOK = 0.3
+"""From so far off, beyond the robot's radius, a frontier is looked into [m]."""
+NEAR = 0.35
+"""Places nearer to each other than this are one and the same [m]."""
+REST_S = 30.0
+"""A place where the robot was in vain is left alone for this time, if there are others [s]."""
+TRIES = 2
+"""After so many visits in vain a place is given up."""
+
+_LONG = 2.0
+"""A frontier that is longer is not worth more: the robot sees no more of it at once [m]."""
+_WAY = 0.3
+"""How quickly a way makes a frontier worth less [1/m]."""
+
+
+@dataclass(slots=True)
+class _Vain:
+    """A place where the robot was, or could not get to, and where the frontier stays."""
+
+    x: float
+    y: float
+    visits: int
+    until: float
+
+
+class Explore:
+    """Goes to the frontier that is worth most for its way, as long as there are any.
+
+    Worth and way are weighed as by H. Gonzalez-Banos and J.-C. Latombe (Navigation Strategies for
+    Exploring Indoor Environments, 2002): length times exp(-k * way). A frontier that stays although
+    the robot was there, or that it cannot get to, is left alone for a while, and given up in the
+    end: sonars do not see walls that they look at sideways.
+
+    Attributes:
+        needs_map: True.
+        frontier_m: Length of all frontiers that can be reached and are not given up [m].
+    """
+
+    def __init__(self, radius: float) -> None:
+        """Get ready.
+
+        Args:
+            radius: The robot's, with the margin it must keep [m].
+        """
+        self.needs_map = True
+        self.frontier_m = math.nan
+        self._radius = radius
+        self._vain: list[_Vain] = []
+
+    def choose(self, sight: Sight) -> Target | Pause | End:
+        """The frontier to go to."""
+        if sight.grid is None or not sight.fresh:
+            return Pause(why="looks around")
+        left = [place for place in self._reachable(sight, sight.grid) if not self._given_up(place)]
+        self.frontier_m = sum(place.length for place in left)
+        if not left:
+            return End(why=self._summary())
+        # Places that rest are better than none.
+        rested = [place for place in left if not self._rests(place, sight.now)] or left
+        best = max(rested, key=_worth)
+        why = f"explores: a frontier of {best.length:.1f} m, {best.distance:.1f} m away"
+        return Target(points=(Point(x=best.x, y=best.y),), why=why)
+
+    def keeps(self, target: Target, sight: Sight) -> bool:
+        """Whether the map still ends there."""
+        if sight.grid is None:
+            return True
+        goal = target.points[-1]
+        return _ends_near(sight.grid, goal.x, goal.y, self._radius + LOOK + NEAR)
+
+    def reached(self, target: Target, now: float) -> None:
+        """What is still unknown there will stay so for now."""
+        self._note(target, now)
+
+    def blocked(self, target: Target, left: int, now: float) -> None:
+        """It cannot be reached for now."""
+        del left
+        self._note(target, now)
+
+    def _reachable(self, sight: Sight, grid: Grid) -> list[Frontier]:
+        wide = grid.covering(((sight.x, sight.y),), self._radius)
+        if wide is None:
+            return []
+        found = frontiers(
+            wide, (sight.x, sight.y), radius=self._radius, reach=LOOK, shortest=SHORTEST
+        )
+        return [frontier for frontier in found if math.isfinite(frontier.distance)]
+
+    def _note(self, target: Target, now: float) -> None:
+        goal = target.points[-1]
+        known = self._at(goal.x, goal.y)
+        if known is None:
+            self._vain.append(_Vain(goal.x, goal.y, 1, now + REST_S))
+        else:
+            known.visits += 1
+            known.until = now + REST_S
+
+    def _at(self, x: float, y: float) -> _Vain | None:
+        near = [vain for vain in self._vain if math.hypot(vain.x - x, vain.y - y) < NEAR]
+        return max(near, key=lambda vain: vain.visits, default=None)
+
+    def _given_up(self, place: Frontier) -> bool:
+        vain = self._at(place.x, place.y)
+        return vain is not None and vain.visits >= TRIES
+
+    def _rests(self, place: Frontier, now: float) -> bool:
+        vain = self._at(place.x, place.y)
+        return vain is not None and now < vain.until
+
+    def _summary(self) -> str:
+        given_up = sum(vain.visits >= TRIES for vain in self._vain)
+        return "all is explored" + (f", but for {given_up} places given up" if given_up else "")
+
+
+def _worth(frontier: Frontier) -> float:
+    return min(frontier.length, _LONG) * math.exp(-_WAY * frontier.distance)
+
+
+def _ends_near(grid: Grid, x: float, y: float, reach: float) -> bool:
+    """Whether free ground borders on the unknown within `reach` [m] of a point."""
+    cells = np.argwhere(edge_cells(grid))
+    row, column = grid.cell(x, y)
+    away = np.hypot(cells[:, 0] - row, cells[:, 1] - column)
+    return bool((away <= reach / grid.resolution).any())

@@ -1,0 +1,258 @@
+"""What the robot does by itself, under the operator, given what is known and the time; pure.
+
+A command starts an errand. The errand gives targets, which navigation is sent to one at a time.
+Whatever an operator does ends it: a velocity command that is not neutral, a stop, a goal of
+somebody else. While something that has to be known is old or missing the robot stands; when it
+comes back soon the errand goes on, otherwise it ends.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from hub.gcm import autonomy
+from hub.gcm.autonomy import AutonomyCommand, AutonomyState, Behaviour
+from hub.gcm.navigation import GoalCommand, MotionState, NavigationStatus, Point, RobotState
+from hub.grids.grid import Grid
+from hub.modules.autonomy.errands import NOWHERE, End, Errand, Sight, Target, Visit
+from hub.modules.autonomy.exploring import Explore
+from hub.modules.autonomy.goal_watch import GoalWatch, Outcome
+from hub.modules.autonomy.senses import MAP_PERIOD_S, Senses
+from hub.modules.autonomy.wandering import Wander
+
+MOST_POINTS = 100
+FARTHEST_POINT = 1000.0
+"""Points farther from the origin of `map` are not gone to [m]."""
+START = Point(x=0.0, y=0.0)
+"""Where the robot started: the origin of `odom`, which `map` shares."""
+LET_GO_S = 1.0
+"""After a command the operator has this time to let go of the stick [s]."""
+PATIENCE_S = 10.0
+"""So long an errand waits for what it has to know [s]."""
+LOOK_S = 0.5
+"""At the end of a way the sensors have this time to see what is there [s]."""
+STOP_AGAIN_S = 0.5
+"""A stop is sent again after this time if navigation goes on [s]."""
+
+_OVER = (Outcome.REACHED, Outcome.BLOCKED, Outcome.LOST)
+
+
+class Pilot:
+    """Decides where navigation is sent; every method gets the present monotonic time [s]."""
+
+    def __init__(self, *, radius: float, seed: int) -> None:
+        """Hold.
+
+        Args:
+            radius: The robot's, with the margin it must keep [m].
+            seed: Of what is drawn by lot.
+        """
+        self._radius = radius
+        self._seed = seed
+        self._senses = Senses()
+        self._watch = GoalWatch()
+        self._behaviour = Behaviour.HOLD
+        self._errand: Errand | None = None
+        self._why = "nobody has asked for anything"
+        self._commanded = self._asked_map = self._stopped = -math.inf
+        self._waits_since: float | None = None
+        self._map_used = self._map_left = 0
+        self._under_way_for_us = False
+
+    # What comes in.
+
+    def command(self, command: AutonomyCommand, now: float) -> None:
+        """Somebody wants a behaviour."""
+        self._watch.forget()
+        self._commanded, self._waits_since = now, None
+        self._asked_map = -math.inf
+        wrong = _mistake(command)
+        if wrong or command.behaviour is Behaviour.HOLD:
+            self._hold(wrong or "asked to hold")
+            return
+        self._behaviour = command.behaviour
+        self._errand = self._errand_of(command.behaviour, command.points)
+        self._why = "begins"
+
+    def see_robot(self, state: RobotState, measured: float) -> None:
+        """What is known of the robot, measured then [s]."""
+        self._senses.see_robot(state, measured)
+
+    def see_navigation(self, status: NavigationStatus, now: float, *, mine: bool) -> None:
+        """What navigation does; `mine`: the task is or was ours."""
+        self._senses.see_navigation(status, now)
+        self._watch.heard(status, mine=mine)
+        self._under_way_for_us = mine and self._senses.under_way
+
+    def see_map(self, grid: Grid, now: float) -> None:
+        """The newest map."""
+        self._senses.see_map(grid, now)
+
+    def miss_map(self, why: str) -> None:
+        """There is no map: nobody has one, or it is damaged."""
+        self._senses.miss_map(why)
+
+    def see_stop(self, reason: str) -> None:
+        """Somebody sent a stop; navigation has got it too."""
+        if self._errand is not None:
+            self._hold(f"stopped: {reason or 'no reason given'}")
+            self._watch.forget()
+
+    # What goes out.
+
+    def wants_map(self, now: float) -> bool:
+        """Whether a map should be asked for now; true once for each time it should."""
+        needed = self._errand is not None and self._errand.needs_map
+        if not needed or now - self._asked_map < MAP_PERIOD_S:
+            return False
+        self._asked_map = now
+        return True
+
+    def act(self, now: float) -> GoalCommand | None:
+        """What navigation has to be sent now; a goal without points has it stand."""
+        if self._errand is not None:
+            self._see_who_drives(now)
+        if self._errand is None:
+            return self._stop(now)
+        trouble = self._senses.trouble(now, needs_map=self._errand.needs_map)
+        if not trouble and self._senses.driven(now):
+            trouble = "the operator still drives"
+        if trouble:
+            return self._wait(trouble, now)
+        self._waits_since = None
+        self._judge(self._errand, now)
+        if self._errand is None:
+            return self._stop(now)
+        return self._go(self._errand, now)
+
+    def state(self, now: float) -> AutonomyState:
+        """What it does, and why."""
+        errand, target = self._errand, self._watch.target
+        goal = target.points[-1] if target is not None and errand is not None else None
+        if self._senses.driven(now):
+            pilot = autonomy.Pilot.OPERATOR
+        else:
+            ours = self._under_way_for_us
+            pilot = autonomy.Pilot.AUTONOMY if ours else autonomy.Pilot.NOBODY
+        return AutonomyState(
+            behaviour=self._behaviour,
+            pilot=pilot,
+            x=goal.x if goal else NOWHERE,
+            y=goal.y if goal else NOWHERE,
+            frontier_m=errand.frontier_m if errand else NOWHERE,
+            why=self._why,
+        )
+
+    # Inside.
+
+    def _errand_of(self, behaviour: Behaviour, points: Sequence[Point]) -> Errand:
+        if behaviour is Behaviour.EXPLORE:
+            return Explore(self._radius)
+        if behaviour is Behaviour.WANDER:
+            self._seed += 1
+            return Wander(self._radius, self._seed)
+        if behaviour is Behaviour.RETURN:
+            return Visit((START,), "returns to where it started")
+        if behaviour is Behaviour.GO:
+            return Visit(tuple(points), "goes to a point")
+        return Visit(tuple(points), f"follows {len(points)} points")
+
+    def _hold(self, why: str) -> None:
+        self._behaviour, self._errand, self._why = Behaviour.HOLD, None, why
+        self._waits_since = None
+
+    def _see_who_drives(self, now: float) -> None:
+        """An operator comes first: whoever has taken over keeps the robot."""
+        outcome = self._watch.outcome(now)
+        if outcome is Outcome.REPLACED:
+            self._give_way("somebody else sent the robot elsewhere")
+        elif outcome is Outcome.CANCELLED:
+            state = self._senses.state
+            stopped = state is not None and state.motion is MotionState.STOPPED
+            self._give_way("the robot was stopped" if stopped else "the operator took over")
+        elif self._senses.driven(now) and now - self._commanded > LET_GO_S:
+            self._give_way("the operator took over")
+
+    def _give_way(self, why: str) -> None:
+        self._hold(why)
+        self._watch.forget()
+
+    def _wait(self, trouble: str, now: float) -> GoalCommand | None:
+        """Stand until what is missing has come, but not for ever."""
+        if self._waits_since is None:
+            self._waits_since = now
+        if now - self._waits_since > PATIENCE_S:
+            self._hold(f"gave up: {trouble}")
+        else:
+            self._why = f"waits: {trouble}"
+        had_goal = self._watch.target is not None
+        self._watch.forget()
+        return self._stop(now, surely=had_goal)
+
+    def _stop(self, now: float, *, surely: bool = False) -> GoalCommand | None:
+        """Have navigation stand, if it is on its way for us."""
+        due = self._under_way_for_us and now - self._stopped >= STOP_AGAIN_S
+        if not (surely or due):
+            return None
+        self._stopped = now
+        return GoalCommand()
+
+    def _judge(self, errand: Errand, now: float) -> None:
+        """Draw the consequences of what became of the goal."""
+        outcome, target = self._watch.outcome(now), self._watch.target
+        if target is None:
+            return
+        if outcome is Outcome.REACHED:
+            errand.reached(target, now)
+        elif outcome is Outcome.BLOCKED:
+            errand.blocked(target, self._watch.left, now)
+        elif outcome is Outcome.UNHEARD and not self._watch.may_send_again:
+            self._hold("navigation does not take the goal")
+        if outcome in _OVER or self._errand is None:
+            self._watch.forget()
+            self._map_left = self._senses.map_number
+            self._asked_map = now - MAP_PERIOD_S + LOOK_S
+
+    def _go(self, errand: Errand, now: float) -> GoalCommand | None:
+        """Send navigation to the next target, or leave it on its way."""
+        state = self._senses.state
+        if state is None:
+            return None
+        seen = self._senses.map_number
+        grid, fresh = self._senses.grid, seen != self._map_left
+        sight = Sight(x=state.x, y=state.y, grid=grid, fresh=fresh, now=now)
+        target = self._watch.target
+        if target is not None:
+            if self._watch.outcome(now) is Outcome.UNHEARD:
+                return self._send(target, now)
+            stays = seen == self._map_used or errand.keeps(target, sight)
+            self._map_used = seen
+            if stays:
+                return None
+        self._map_used = seen
+        choice = errand.choose(sight)
+        if isinstance(choice, Target):
+            self._why = choice.why
+            return self._send(choice, now)
+        self._watch.forget()
+        self._why = choice.why
+        if isinstance(choice, End):
+            self._hold(choice.why)
+        return self._stop(now)
+
+    def _send(self, target: Target, now: float) -> GoalCommand:
+        self._watch.send(target, now)
+        return GoalCommand(count=len(target.points), points=target.points)
+
+
+def _mistake(command: AutonomyCommand) -> str:
+    """What is wrong with a command, for people; empty: nothing."""
+    points, behaviour = command.points, command.behaviour
+    if behaviour is Behaviour.GO and len(points) != 1:
+        return f"GO takes one point, not {len(points)}"
+    if behaviour is Behaviour.FOLLOW and not 1 <= len(points) <= MOST_POINTS:
+        return f"FOLLOW takes 1 to {MOST_POINTS} points, not {len(points)}"
+    if not all(abs(part) <= FARTHEST_POINT for point in points for part in (point.x, point.y)):
+        return f"a point is not within {FARTHEST_POINT:.0f} m"
+    return ""

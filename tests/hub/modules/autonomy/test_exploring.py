@@ -1,0 +1,158 @@
+"""Exploring maps a whole building, does not insist on what cannot be seen, and comes to an end."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from hub.gcm.autonomy import Behaviour
+from hub.gcm.navigation import Task
+from hub.grids.clearance import clearance
+from hub.grids.grid import Grid
+from hub.grids.planner import line_cost, plan
+from hub.modules.autonomy.exploring import TRIES
+from tests.hub.modules.autonomy.scene import RADIUS, Scene, hall
+
+BUILDING = """
+##############################
+#         #        #         #
+#         #        #         #
+#         #        #         #
+#                  #         #
+#                            #
+#                            #
+#         #        #         #
+#####  ########  ###         #
+#         #        #         #
+#         #        ####  #####
+#         #        #         #
+#                  #         #
+#                  #         #
+#         #        #         #
+#         #        #         #
+##############################
+"""
+"""Cells of 0.4 m."""
+SIGHT = 2.0
+
+
+class Explorer(Scene):
+    """A robot in the building that sees 2 m around itself, and gets at once where it is sent."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        rows = [line.ljust(30) for line in BUILDING.strip("\n").splitlines()]
+        walls = np.array([[letter == "#" for letter in row] for row in rows])
+        walls = walls.repeat(4, axis=0).repeat(4, axis=1)
+        self.truth = np.where(walls, 100, 0).astype(np.int8)
+        self.known = np.full(walls.shape, -1, np.int8)
+        self.origin = (-1.0, -1.0)
+        self.look()
+
+    def look(self) -> None:
+        grid = Grid(cells=self.truth, resolution=0.1, origin_x=-1.0, origin_y=-1.0)
+        here = grid.cell(self.x, self.y)
+        opaque = np.where(grid.occupied, np.inf, 1.0)
+        reach = round(SIGHT / 0.1)
+        for row in range(max(here[0] - reach, 0), min(here[0] + reach + 1, len(opaque))):
+            for column in range(max(here[1] - reach, 0), min(here[1] + reach + 1, opaque.shape[1])):
+                if math.dist((row, column), here) <= reach and self.known[row, column] < 0:
+                    before = opaque[row, column]
+                    opaque[row, column] = 1.0
+                    if math.isfinite(line_cost(opaque, here, (row, column))):
+                        self.known[row, column] = self.truth[row, column]
+                    opaque[row, column] = before
+        self.grid = Grid(cells=self.known.copy(), resolution=0.1, origin_x=-1.0, origin_y=-1.0)
+
+    def travel(self) -> None:
+        """Go where the pilot wants."""
+        assert self.grid is not None
+        way = plan(self.grid, (self.x, self.y), self.targets[-1], radius=RADIUS)
+        assert way is not None
+        self.x, self.y = way[-1]
+        self.look()
+        self.end(Task.REACHED)
+
+
+def test_a_whole_building_is_explored() -> None:
+    scene = Explorer()
+    scene.ask(Behaviour.EXPLORE)
+    for _ in range(60):
+        scene.wait(3.0)
+        if scene.state.behaviour is Behaviour.HOLD:
+            break
+        assert scene.state.frontier_m > 0.0
+        scene.travel()
+    assert scene.why.startswith("all is explored")
+    reachable = clearance(scene.truth >= 65, 0.1, 1.0) >= RADIUS
+    known = (scene.known >= 0) & reachable
+    assert known.sum() / reachable.sum() > 0.97
+    assert 8 <= len(scene.targets) < 50
+
+
+def test_a_frontier_that_stays_is_given_up_after_some_visits() -> None:
+    scene = Scene()
+    scene.ask(Behaviour.EXPLORE)
+    for _ in range(100):
+        scene.wait(1.0)
+        if scene.task is Task.GOING:
+            scene.arrive()
+    assert scene.state.behaviour is Behaviour.HOLD
+    assert "given up" in scene.why
+    assert len(scene.targets) == TRIES
+
+
+def test_frontiers_that_cannot_be_reached_are_given_up() -> None:
+    scene = Scene()
+    scene.ask(Behaviour.EXPLORE)
+    for _ in range(100):
+        scene.wait(1.0)
+        if scene.task is Task.GOING:
+            scene.end(Task.BLOCKED)
+    assert "given up" in scene.why
+    assert len(scene.targets) == TRIES
+
+
+def test_another_place_comes_first_while_one_rests() -> None:
+    scene = Scene()
+    grid = hall(known=30)
+    grid.cells[19:21, 1:30] = 100
+    grid.cells[19:21, 5:12] = 0
+    scene.grid = grid
+    scene.ask(Behaviour.EXPLORE)
+    scene.wait(1.0)
+    scene.end(Task.BLOCKED)
+    scene.wait(3.0)
+    first, second = scene.targets
+    assert (first[1] < 1.0) != (second[1] < 1.0), "the two halves of the hall"
+
+
+def test_a_frontier_that_is_gone_is_not_gone_to() -> None:
+    scene = Scene()
+    scene.ask(Behaviour.EXPLORE)
+    scene.wait(1.0)
+    scene.grid = hall(known=50)
+    scene.wait(3.0)
+    first, second = scene.targets
+    assert second[0] > first[0] + 1.0
+
+
+def test_nothing_to_explore_is_said_at_once() -> None:
+    scene = Scene()
+    grid = hall(known=60)
+    grid.cells[:, -1] = 100
+    scene.grid = grid
+    scene.ask(Behaviour.EXPLORE)
+    scene.wait(1.0)
+    assert scene.why == "all is explored"
+    assert scene.goals == []
+    assert math.isnan(scene.state.frontier_m)
+
+
+def test_what_is_left_is_told() -> None:
+    scene = Scene()
+    scene.ask(Behaviour.EXPLORE)
+    scene.wait(1.0)
+    assert scene.state.frontier_m == pytest.approx(3.8)
