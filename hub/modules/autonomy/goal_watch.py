@@ -57,11 +57,13 @@ class GoalWatch:
     Attributes:
         target: The goal; None if there is none.
         left: Points of it that are left.
+        why: What navigation says of its end.
     """
 
     def __init__(self) -> None:
         self.target: Target | None = None
         self.left = 0
+        self.why = ""
         self._outcome = Outcome.NONE
         self._after = -1
         self._sent = 0.0
@@ -82,13 +84,12 @@ class GoalWatch:
 
     def heard(self, status: NavigationStatus, *, mine: bool) -> None:
         """Navigation says what it does; `mine`: the task it speaks of is or was ours."""
-        if status.number < self._number:  # it has begun anew, and knows nothing of our goal
-            self._after = -1
         self._number = status.number
         if self._outcome not in (Outcome.SENT, Outcome.GOING):
             return
         if mine and status.number > self._after:
-            self._outcome, self.left = _OUTCOMES[status.task], status.points_left
+            self._outcome = _OUTCOMES[status.task]
+            self.left, self.why = status.points_left, status.why
         elif not mine and status.number > self._after and status.task is not Task.NONE:
             self._outcome = Outcome.REPLACED
         elif not mine and self._outcome is Outcome.GOING:

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 from hub.gcm import autonomy
 from hub.gcm.autonomy import AutonomyCommand, AutonomyState, Behaviour
-from hub.gcm.navigation import GoalCommand, MotionState, NavigationStatus, Point, RobotState
+from hub.gcm.navigation import GoalCommand, NavigationStatus, Point, RobotState
 from hub.grids.grid import Grid
 from hub.modules.autonomy.errands import NOWHERE, End, Errand, Sight, Target, Visit
 from hub.modules.autonomy.exploring import Explore
@@ -35,6 +35,7 @@ LOOK_S = 0.5
 STOP_AGAIN_S = 0.5
 """A stop is sent again after this time if navigation goes on [s]."""
 
+_TAKEN_OVER = "the operator took over"
 _OVER = (Outcome.REACHED, Outcome.BLOCKED, Outcome.LOST)
 
 
@@ -168,11 +169,11 @@ class Pilot:
         if outcome is Outcome.REPLACED:
             self._give_way("somebody else sent the robot elsewhere")
         elif outcome is Outcome.CANCELLED:
-            state = self._senses.state
-            stopped = state is not None and state.motion is MotionState.STOPPED
-            self._give_way("the robot was stopped" if stopped else "the operator took over")
+            taken = self._senses.driven(now)
+            ended = f"the goal was ended: {self._watch.why or 'nobody says why'}"
+            self._give_way(_TAKEN_OVER if taken else ended)
         elif self._senses.driven(now) and now - self._commanded > LET_GO_S:
-            self._give_way("the operator took over")
+            self._give_way(_TAKEN_OVER)
 
     def _give_way(self, why: str) -> None:
         self._hold(why)

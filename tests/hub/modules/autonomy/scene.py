@@ -86,7 +86,7 @@ class Scene:
             driver=self.driver,
             points_left=self.left,
             distance_left=math.nan,
-            why="",
+            why="so it is",
             count=0,
             path=(),
         )

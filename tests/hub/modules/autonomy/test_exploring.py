@@ -139,6 +139,20 @@ def test_a_frontier_that_is_gone_is_not_gone_to() -> None:
     assert second[0] > first[0] + 1.0
 
 
+def test_a_place_is_looked_at_before_the_next_one_is_chosen() -> None:
+    scene = Scene()
+    scene.ask(Behaviour.EXPLORE)
+    scene.wait(1.0)
+    fresh, scene.grid = hall(known=50), None
+    scene.arrive()
+    scene.wait(1.0)
+    assert scene.why == "looks around"
+    assert len(scene.targets) == 1
+    scene.grid = fresh
+    scene.wait(3.0)
+    assert scene.targets[1][0] > scene.targets[0][0] + 1.0
+
+
 def test_nothing_to_explore_is_said_at_once() -> None:
     scene = Scene()
     grid = hall(known=60)

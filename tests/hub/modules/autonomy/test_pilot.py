@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from hub.gcm.autonomy import Behaviour, Pilot
 from hub.gcm.navigation import MotionState, Task
-from hub.modules.autonomy.goal_watch import ACCEPTED_S, SENDINGS
+from hub.modules.autonomy.goal_watch import ACCEPTED_S, LONGEST_S, SENDINGS
 from hub.modules.autonomy.pilot import FARTHEST_POINT, LET_GO_S, MOST_POINTS, PATIENCE_S
 from hub.modules.autonomy.senses import MAP_OLD_S, NAVIGATION_OLD_S, STATE_OLD_S
 from tests.hub.modules.autonomy.scene import STEP, Scene
@@ -120,6 +120,14 @@ def test_a_stick_between_two_goals_takes_over_too() -> None:
     assert stands_for_good(scene)
 
 
+def test_a_stick_that_only_navigation_has_seen_takes_over_too() -> None:
+    scene = busy(Behaviour.EXPLORE)
+    scene.driver = 3
+    scene.tell()
+    scene.act()
+    assert scene.why == "the operator took over"
+
+
 def test_a_goal_that_crosses_the_operators_stick_is_taken_back() -> None:
     scene = busy(Behaviour.EXPLORE)
     scene.driver = 3
@@ -171,7 +179,7 @@ def test_a_stop_is_seen_even_if_only_navigation_got_it() -> None:
     scene = busy()
     scene.end(Task.CANCELLED, MotionState.STOPPED)
     scene.act()
-    assert scene.why == "the robot was stopped"
+    assert scene.why == "the goal was ended: so it is"
     assert stands_for_good(scene)
 
 
@@ -181,6 +189,13 @@ def test_asking_to_hold_stops_the_robot() -> None:
     assert scene.task is Task.CANCELLED
     assert scene.why == "asked to hold"
     assert stands_for_good(scene)
+
+
+def test_a_goal_that_takes_for_ever_counts_as_blocked() -> None:
+    scene = busy()
+    scene.wait(3 * LONGEST_S + 20.0)
+    assert scene.why == "there is no way, tried 3 times"
+    assert scene.task is Task.CANCELLED
 
 
 def test_somebody_elses_goal_ends_it() -> None:

@@ -56,6 +56,18 @@ def test_it_gives_up_where_every_place_is_blocked() -> None:
     assert scene.why == f"there is no way, tried {TRIES} places"
 
 
+def test_a_place_that_is_reached_makes_up_for_those_that_were_not() -> None:
+    scene = Scene()
+    scene.ask(Behaviour.WANDER)
+    for _ in range(3):
+        for _ in range(TRIES - 1):
+            scene.wait(3.0)
+            scene.end(Task.BLOCKED)
+        scene.wait(3.0)
+        scene.arrive()
+    assert scene.state.behaviour is Behaviour.WANDER
+
+
 def test_it_stands_where_there_is_no_room() -> None:
     scene = Scene()
     cells = np.full((10, 10), 100, np.int8)
