@@ -67,7 +67,8 @@ def frontiers(
     first = grid.cell(*start)
     caution = Caution(radius=radius, comfort=0.0, unknown=math.inf)
     costs = spread(crossing(grid, first, caution), first)
-    places, lengths = _standing_places(costs, edge, (radius + reach) / grid.resolution)
+    reach_cells = (radius + reach) / grid.resolution
+    places, lengths = _standing_places(costs, grid.occupied, edge, reach_cells)
     names = groups(edge, grid.cells.shape)
     found = []
     for name in range(int(names.max()) + 1):
@@ -123,9 +124,9 @@ _AHEAD = ((0, 0), (1, 0), (1, 1), (1, 2))
 
 
 def _standing_places(
-    costs: Costs, edge: Numbers, reach_cells: float
+    costs: Costs, occupied: Mask, edge: Numbers, reach_cells: float
 ) -> tuple[Numbers, npt.NDArray[np.float64]]:
-    """For each cell of the edge, the nearest place from which it is in reach, and the way there.
+    """For each cell of the edge, the nearest place from which it is in sight, and the way there.
 
     Returns:
         Rows and columns, shape (count, 2), and ways [cells], shape (count,); inf where there is no
@@ -140,18 +141,30 @@ def _standing_places(
     edged = np.pad(costs, reach, constant_values=np.inf)
     stride = edged.shape[1]
     flat = edged.reshape(-1)
+    opaque = np.pad(occupied, reach).reshape(-1)
     own = (edge[:, 0] + reach) * stride + edge[:, 1] + reach
     place = own.copy()
     open_ = np.flatnonzero(~np.isfinite(flat[own]))
-    for offset in (down[near] * stride + right[near]).tolist():
+    for rows, columns in zip(down[near].tolist(), right[near].tolist(), strict=True):
         if not open_.size:
             break
-        there = own[open_] + offset
+        there = own[open_] + rows * stride + columns
         found = np.isfinite(flat[there])
+        if found.any():
+            between = _between(rows, columns, stride)
+            found &= ~opaque[own[open_][:, None] + between].any(axis=1)
         place[open_[found]] = there[found]
         open_ = open_[~found]
     cells = np.stack((place // stride - reach, place % stride - reach), axis=1)
     return cells, flat[place]
+
+
+def _between(rows: int, columns: int, stride: int) -> Numbers:
+    """Offsets of the cells on the straight line to one that is so far off, without both ends."""
+    steps = max(abs(rows), abs(columns))
+    parts = np.arange(1, steps) / max(steps, 1)
+    offsets: Numbers = (np.rint(parts * rows) * stride + np.rint(parts * columns)).astype(np.intp)
+    return offsets
 
 
 def _frontier(

@@ -45,6 +45,14 @@ def test_a_frontier_behind_a_gap_that_is_too_narrow_cannot_be_reached() -> None:
     assert any(math.isfinite(frontier.distance) for frontier in found)
 
 
+def test_a_frontier_behind_a_wall_is_not_seen_from_this_side() -> None:
+    wall = drawn("?????????", "#........", "#########", "#.......#", "#.......#", "#########")
+    (behind,) = frontiers(wall, (0.15, 0.15), radius=0.05, reach=0.3, shortest=0.3)
+    assert math.isinf(behind.distance)
+    (ahead,) = frontiers(wall, (0.15, 0.45), radius=0.05, reach=0.3, shortest=0.3)
+    assert math.isfinite(ahead.distance)
+
+
 def test_specks_of_the_unknown_are_no_frontier() -> None:
     speckled = drawn("#######", "#.....#", "#..?..#", "#..?..#", "#.....#", "#######")
     assert frontiers(speckled, (0.15, 0.15), radius=0.0) == ()
