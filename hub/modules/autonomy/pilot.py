@@ -59,14 +59,19 @@ class Pilot:
         self._commanded = self._asked_map = self._stopped = -math.inf
         self._waits_since: float | None = None
         self._map_used = self._map_left = 0
-        self._under_way_for_us = False
+        self._under_way_for_us = self._stop_due = self._sent_elsewhere = False
+        self._number = -1
 
     # What comes in.
 
     def command(self, command: AutonomyCommand, now: float) -> None:
         """Somebody wants a behaviour."""
+        self._stop_due = self._watch.target is not None
         self._watch.forget()
         self._commanded, self._waits_since = now, None
+        # What somebody else had navigation do before gives way to the command.
+        self._number = self._senses.status.number if self._senses.status else -1
+        self._sent_elsewhere = False
         self._asked_map = -math.inf
         wrong = _mistake(command)
         if wrong or command.behaviour is Behaviour.HOLD:
@@ -84,7 +89,10 @@ class Pilot:
         """What navigation does; `mine`: the task is or was ours."""
         self._senses.see_navigation(status, now)
         self._watch.heard(status, mine=mine)
-        self._under_way_for_us = mine and self._senses.under_way
+        under_way = self._senses.under_way
+        self._under_way_for_us = mine and under_way
+        self._number = min(self._number, status.number)
+        self._sent_elsewhere = under_way and not mine and status.number > self._number
 
     def see_map(self, grid: Grid, now: float) -> None:
         """The newest map."""
@@ -166,7 +174,7 @@ class Pilot:
     def _see_who_drives(self, now: float) -> None:
         """An operator comes first: whoever has taken over keeps the robot."""
         outcome = self._watch.outcome(now)
-        if outcome is Outcome.REPLACED:
+        if outcome is Outcome.REPLACED or self._sent_elsewhere:
             self._give_way("somebody else sent the robot elsewhere")
         elif outcome is Outcome.CANCELLED:
             taken = self._senses.driven(now)
@@ -194,9 +202,9 @@ class Pilot:
     def _stop(self, now: float, *, surely: bool = False) -> GoalCommand | None:
         """Have navigation stand, if it is on its way for us."""
         due = self._under_way_for_us and now - self._stopped >= STOP_AGAIN_S
-        if not (surely or due):
+        if not (surely or due or self._stop_due):
             return None
-        self._stopped = now
+        self._stopped, self._stop_due = now, False
         return GoalCommand()
 
     def _judge(self, errand: Errand, now: float) -> None:
@@ -244,6 +252,7 @@ class Pilot:
 
     def _send(self, target: Target, now: float) -> GoalCommand:
         self._watch.send(target, now)
+        self._stop_due = False
         return GoalCommand(count=len(target.points), points=target.points)
 
 

@@ -209,6 +209,35 @@ def test_somebody_elses_goal_ends_it() -> None:
     assert len(scene.goals) == 1
 
 
+def test_somebody_elses_goal_while_it_rests_ends_it() -> None:
+    scene = busy()
+    scene.end(Task.BLOCKED)
+    scene.act()
+    scene.number += 1
+    scene.task, scene.mine = Task.GOING, False
+    scene.wait(5.0)
+    assert scene.why == "somebody else sent the robot elsewhere"
+    assert len(scene.goals) == 1
+
+
+def test_a_command_replaces_somebody_elses_goal() -> None:
+    scene = Scene()
+    scene.number, scene.task, scene.motion = 4, Task.GOING, MotionState.GOING
+    scene.hears()
+    scene.ask(Behaviour.GO, (1.0, 0.0))
+    scene.wait(1.0)
+    assert scene.state.behaviour is Behaviour.GO
+    assert scene.targets == [(1.0, 0.0)]
+
+
+def test_a_goal_that_is_not_yet_taken_is_taken_back_too() -> None:
+    scene = Scene()
+    scene.accepts = False
+    scene.ask(Behaviour.GO, (1.0, 0.0))
+    scene.ask(Behaviour.HOLD)
+    assert [goal.points != () for goal in scene.goals] == [True, False]
+
+
 def test_a_new_command_replaces_the_old_one() -> None:
     scene = busy(Behaviour.EXPLORE)
     scene.ask(Behaviour.GO, (0.5, 1.0))
