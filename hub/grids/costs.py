@@ -12,8 +12,13 @@ from hub.grids.clearance import clearance
 from hub.grids.grid import Grid
 from hub.grids.wavefront import Cell, Costs
 
-_TIGHT = 10.0
-"""What a cell costs that is nearer to an obstacle than the robot's radius, near the start."""
+TIGHT = 10.0
+"""What a cell costs that is nearer to an obstacle than the radius, where it may be crossed."""
+SQUEEZE = 0.5
+"""How much of the radius is left where the map makes things narrower than they are.
+
+Sonars and drifting odometry thicken what they see; what is really there the robot sees on the way.
+"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,6 +30,7 @@ class Caution:
         comfort: Distance beyond the radius from which on obstacles cost nothing [m].
         nearness: What a cell at the radius costs more, in widths of a cell; falls to 0 with the
             square of the distance that is left to `comfort`.
+        squeeze: Cells that are nearer than the radius, but not nearer than this [m], cost TIGHT.
         unknown: What a cell that is not known to be free costs more; inf: it cannot be crossed.
     """
 
@@ -32,6 +38,7 @@ class Caution:
     comfort: float = 0.3
     nearness: float = 3.0
     unknown: float = 1.0
+    squeeze: float = math.inf
 
 
 def crossing(grid: Grid, start: Cell, caution: Caution) -> Costs:
@@ -54,7 +61,9 @@ def crossing(grid: Grid, start: Cell, caution: Caution) -> Costs:
         lack = (caution.radius + caution.comfort - distance) / np.float32(caution.comfort)
         factors += caution.nearness * np.clip(lack, 0.0, 1.0) ** 2
     factors[~grid.free] += caution.unknown
-    factors[distance < caution.radius] = np.inf
+    tight = distance < caution.radius
+    factors[tight] += TIGHT - 1.0
+    factors[tight & (distance < caution.squeeze)] = np.inf
     if not math.isfinite(factors[start]):
         _let_out(factors, distance, start, caution.radius / grid.resolution)
     return factors
@@ -71,4 +80,4 @@ def _let_out(
     here = factors[rows, columns]
     near = np.hypot(row - start[0], column - start[1]) <= reach
     tight = near & ~np.isfinite(here) & (distance[rows, columns] >= distance[start])
-    here[tight] = _TIGHT
+    here[tight] = TIGHT

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from hub.grids.costs import Caution, crossing
+from hub.grids.costs import SQUEEZE, TIGHT, Caution, crossing
 from hub.grids.grid import Grid, Mask
 from hub.grids.wavefront import Costs, spread
 
@@ -45,6 +45,7 @@ def frontiers(
     *,
     radius: float,
     reach: float = 0.3,
+    squeeze: float = SQUEEZE,
     shortest: float = 0.0,
 ) -> tuple[Frontier, ...]:
     """All frontiers of a map, the longest first.
@@ -54,6 +55,7 @@ def frontiers(
         start: Where the robot is [m].
         radius: The robot's, with the margin it must keep [m].
         reach: A frontier counts as reached from so far off, beyond the radius [m].
+        squeeze: Places that keep only this share of the radius are passed at ten times the way.
         shortest: Shorter frontiers are left out [m].
 
     Returns:
@@ -65,8 +67,11 @@ def frontiers(
     if not edge.size:
         return ()
     first = grid.cell(*start)
-    caution = Caution(radius=radius, comfort=0.0, unknown=math.inf)
-    costs = spread(crossing(grid, first, caution), first)
+    keeps = squeeze * radius
+    caution = Caution(radius=radius, comfort=0.0, unknown=math.inf, squeeze=keeps)
+    factors = crossing(grid, first, caution)
+    costs = spread(factors, first)
+    costs[factors >= TIGHT] = np.inf  # the robot may pass there, but not stay
     reach_cells = (radius + reach) / grid.resolution
     places, lengths = _standing_places(costs, grid.occupied, edge, reach_cells)
     names = groups(edge, grid.cells.shape)
@@ -80,11 +85,11 @@ def frontiers(
 
 def edge_cells(grid: Grid) -> Mask:
     """Free cells beside unknown ones that are no mere specks, shape (height, width)."""
-    unknown = np.pad(grid.unknown, 1, constant_values=True)
+    unknown = np.pad(grid.unknown, 2, constant_values=True)
     count = unknown.astype(np.uint8)
     count[1:-1] = count[:-2] + count[1:-1] + count[2:]
     count[:, 1:-1] = count[:, :-2] + count[:, 1:-1] + count[:, 2:]
-    solid = unknown & (count >= SOLID_CELLS)
+    solid = (unknown & (count >= SOLID_CELLS))[1:-1, 1:-1]
     beside = solid[:-2, 1:-1] | solid[2:, 1:-1] | solid[1:-1, :-2] | solid[1:-1, 2:]
     return grid.free & beside
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
 import numpy.typing as npt
 
-from hub.grids.costs import Caution, crossing
+from hub.grids.costs import SQUEEZE, Caution, crossing
 from hub.grids.grid import Grid
 from hub.grids.wavefront import Cell, Costs, spread, way_back
 
@@ -28,6 +29,7 @@ def plan(
     comfort: float = 0.3,
     nearness: float = 3.0,
     unknown_cost: float = 1.0,
+    squeeze: float = SQUEEZE,
     tolerance: float = 0.3,
 ) -> Way | None:
     """The cheapest way, pulled straight where that costs next to nothing.
@@ -40,7 +42,8 @@ def plan(
         comfort: Distance beyond the radius from which on obstacles cost nothing [m].
         nearness: What going along at the radius costs more than going in the open.
         unknown_cost: What going through the unknown costs more; inf: it is not done.
-        tolerance: If no way leads to the goal, the reachable place that is nearest to it will do,
+        squeeze: If no way leads to the goal, one that keeps only this share of the radius will do.
+        tolerance: If none does either, the reachable place that is nearest to it will do,
             this far away at most [m].
 
     Returns:
@@ -52,12 +55,12 @@ def plan(
     wide = grid.covering((start, goal), _BORDER)
     if wide is None:
         return None
-    caution = Caution(radius=radius, comfort=comfort, nearness=nearness, unknown=unknown_cost)
     first, wanted = wide.cell(*start), wide.cell(*goal)
-    factors = crossing(wide, first, caution)
-    if not math.isfinite(factors[first]):
-        return None
-    costs = spread(factors, first, until=wanted)
+    caution = Caution(radius=radius, comfort=comfort, nearness=nearness, unknown=unknown_cost)
+    factors, costs = _spread(wide, first, wanted, caution)
+    if squeeze < 1.0 and not math.isfinite(costs[wanted]):
+        caution = dataclasses.replace(caution, squeeze=squeeze * radius)
+        factors, costs = _spread(wide, first, wanted, caution)
     last = wanted
     if not math.isfinite(costs[wanted]):
         nearest = _nearest(costs, wanted, tolerance / wide.resolution)
@@ -67,6 +70,14 @@ def plan(
     cells = _straightened(factors, costs, way_back(factors, costs, last))
     end = goal if last == wanted else wide.centre(*last)
     return (start, *(wide.centre(*cell) for cell in cells[1:-1]), end)
+
+
+def _spread(grid: Grid, start: Cell, goal: Cell, caution: Caution) -> tuple[Costs, Costs]:
+    """What crossing each cell costs, and the ways from the start, as far as the goal."""
+    factors = crossing(grid, start, caution)
+    if not math.isfinite(factors[start]):
+        return factors, factors
+    return factors, spread(factors, start, until=goal)
 
 
 def _nearest(costs: Costs, goal: Cell, reach_cells: float) -> Cell | None:

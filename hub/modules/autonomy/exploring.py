@@ -67,10 +67,12 @@ class Explore:
         """The frontier to go to."""
         if sight.grid is None or not sight.fresh:
             return Pause(why="looks around")
-        left = [place for place in self._reachable(sight, sight.grid) if not self._given_up(place)]
+        found = self._frontiers(sight, sight.grid)
+        reachable = [place for place in found if math.isfinite(place.distance)]
+        left = [place for place in reachable if not self._given_up(place)]
         self.frontier_m = sum(place.length for place in left)
         if not left:
-            return End(why=self._summary())
+            return End(why=self._summary(len(found) - len(reachable)))
         # Places that rest are better than none.
         rested = [place for place in left if not self._rests(place, sight.now)] or left
         best = max(rested, key=_worth)
@@ -93,14 +95,12 @@ class Explore:
         del left
         self._note(target, now)
 
-    def _reachable(self, sight: Sight, grid: Grid) -> list[Frontier]:
-        wide = grid.covering(((sight.x, sight.y),), self._radius)
+    def _frontiers(self, sight: Sight, grid: Grid) -> tuple[Frontier, ...]:
+        here = (sight.x, sight.y)
+        wide = grid.covering((here,), self._radius)
         if wide is None:
-            return []
-        found = frontiers(
-            wide, (sight.x, sight.y), radius=self._radius, reach=LOOK, shortest=SHORTEST
-        )
-        return [frontier for frontier in found if math.isfinite(frontier.distance)]
+            return ()
+        return frontiers(wide, here, radius=self._radius, reach=LOOK, shortest=SHORTEST)
 
     def _note(self, target: Target, now: float) -> None:
         goal = target.points[-1]
@@ -123,9 +123,14 @@ class Explore:
         vain = self._at(place.x, place.y)
         return vain is not None and now < vain.until
 
-    def _summary(self) -> str:
+    def _summary(self, out_of_reach: int) -> str:
         given_up = sum(vain.visits >= TRIES for vain in self._vain)
-        return "all is explored" + (f", but for {given_up} places given up" if given_up else "")
+        if not given_up and not out_of_reach:
+            return "all is explored"
+        return (
+            "all is explored that can be: the map also ends at"
+            f" {out_of_reach} places out of reach and {given_up} given up"
+        )
 
 
 def _worth(frontier: Frontier) -> float:

@@ -40,7 +40,7 @@ def test_each_opening_is_one_frontier_with_its_length_and_the_way_to_it() -> Non
 
 
 def test_a_frontier_behind_a_gap_that_is_too_narrow_cannot_be_reached() -> None:
-    found = frontiers(HALL, (0.45, 0.55), radius=0.25, reach=0.1)
+    found = frontiers(HALL, (0.45, 0.55), radius=0.25, reach=0.1, squeeze=1.0)
     assert any(math.isinf(frontier.distance) for frontier in found)
     assert any(math.isfinite(frontier.distance) for frontier in found)
 
@@ -51,6 +51,11 @@ def test_a_frontier_behind_a_wall_is_not_seen_from_this_side() -> None:
     assert math.isinf(behind.distance)
     (ahead,) = frontiers(wall, (0.15, 0.45), radius=0.05, reach=0.3, shortest=0.3)
     assert math.isfinite(ahead.distance)
+
+
+def test_a_map_that_ends_with_free_ground_has_its_frontier_there() -> None:
+    (around,) = frontiers(drawn(*["......"] * 6), (0.25, 0.25), radius=0.1)
+    assert around.length == pytest.approx(2.0)
 
 
 def test_specks_of_the_unknown_are_no_frontier() -> None:

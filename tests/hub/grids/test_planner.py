@@ -63,7 +63,9 @@ def test_a_way_keeps_off_obstacles(
     errand: tuple[Grid, tuple[int, int], tuple[int, int]], radius: float
 ) -> None:
     grid, start, goal = errand
-    way = plan(grid, grid.centre(*start), grid.centre(*goal), radius=radius, tolerance=0.0)
+    way = plan(
+        grid, grid.centre(*start), grid.centre(*goal), radius=radius, squeeze=1.0, tolerance=0.0
+    )
     if way is None:
         return
     assert way[0] == grid.centre(*start)
@@ -80,7 +82,9 @@ def test_a_way_costs_hardly_more_than_the_cheapest(
     errand: tuple[Grid, tuple[int, int], tuple[int, int]],
 ) -> None:
     grid, start, goal = errand
-    way = plan(grid, grid.centre(*start), grid.centre(*goal), radius=0.1, tolerance=0.0)
+    way = plan(
+        grid, grid.centre(*start), grid.centre(*goal), radius=0.1, squeeze=1.0, tolerance=0.0
+    )
     wide = grid.covering((grid.centre(*start), grid.centre(*goal)), 1.0)
     assert wide is not None
     first, last = wide.cell(*grid.centre(*start)), wide.cell(*grid.centre(*goal))
@@ -110,7 +114,16 @@ def test_a_way_leads_through_the_door() -> None:
 
 
 def test_a_robot_that_is_too_wide_for_the_door_has_no_way() -> None:
-    assert plan(ROOM, (0.25, 0.25), (0.25, 0.85), radius=0.35) is None
+    assert plan(ROOM, (0.25, 0.25), (0.25, 0.85), radius=0.35, squeeze=1.0) is None
+
+
+def test_a_door_that_is_narrow_on_the_map_is_tried_if_there_is_no_other() -> None:
+    assert plan(ROOM, (0.25, 0.25), (0.25, 0.85), radius=0.35) is not None
+    assert plan(ROOM, (0.25, 0.25), (0.25, 0.85), radius=0.35, squeeze=0.95) is None
+    two = drawn("..........", "..........", "#.####...#", "..........", "..........")
+    way = plan(two, (0.15, 0.05), (0.15, 0.45), radius=0.15, unknown_cost=math.inf)
+    assert way is not None
+    assert max(x for x, _ in way) > 0.6, "the wide door, though it is farther"
 
 
 def test_open_ground_is_crossed_in_one_line() -> None:
@@ -140,7 +153,7 @@ def test_a_goal_inside_a_wall_is_approached() -> None:
     way = plan(ROOM, (0.25, 0.25), (1.95, 0.25), radius=0.15, tolerance=0.3)
     assert way is not None
     assert math.dist(way[-1], (1.95, 0.25)) <= 0.3
-    assert plan(ROOM, (0.25, 0.25), (1.95, 0.25), radius=0.15, tolerance=0.0) is None
+    assert plan(ROOM, (0.25, 0.25), (1.95, 0.25), radius=0.15, squeeze=1.0, tolerance=0.0) is None
 
 
 def test_the_unknown_is_gone_around_or_not_entered() -> None:

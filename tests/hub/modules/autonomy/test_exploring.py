@@ -153,6 +153,42 @@ def test_a_place_is_looked_at_before_the_next_one_is_chosen() -> None:
     assert scene.targets[1][0] > scene.targets[0][0] + 1.0
 
 
+def test_of_two_alike_the_nearer_one_is_explored_first() -> None:
+    for x in (0.5, 3.5):
+        scene = Scene()
+        grid = hall(width=52, known=51)
+        grid.cells[:, 0] = 0
+        grid.cells[:, 50] = 0
+        scene.grid = Grid(cells=grid.cells[:, :51], resolution=0.1, origin_x=-1.0, origin_y=-1.0)
+        scene.x = x
+        scene.hears()
+        scene.ask(Behaviour.EXPLORE)
+        scene.wait(1.0)
+        assert (scene.targets[0][0] < 2.0) == (x < 2.0)
+
+
+def test_a_speck_in_a_door_does_not_end_the_exploring() -> None:
+    scene = Scene()
+    grid = hall(known=30)
+    grid.cells[:, 20] = 100
+    grid.cells[10:19, 20] = 0
+    grid.cells[14, 20] = 80
+    scene.grid = grid
+    scene.ask(Behaviour.EXPLORE)
+    scene.wait(1.0)
+    assert scene.targets[0][0] > 1.2
+
+
+def test_what_is_out_of_reach_is_told_at_the_end() -> None:
+    scene = Scene()
+    grid = hall(known=30)
+    grid.cells[:, 20] = 100
+    scene.grid = grid
+    scene.ask(Behaviour.EXPLORE)
+    scene.wait(1.0)
+    assert "1 places out of reach and 0 given up" in scene.why
+
+
 def test_nothing_to_explore_is_said_at_once() -> None:
     scene = Scene()
     grid = hall(known=60)

@@ -224,6 +224,7 @@ def test_a_command_replaces_somebody_elses_goal() -> None:
     scene = Scene()
     scene.number, scene.task, scene.motion = 4, Task.GOING, MotionState.GOING
     scene.hears()
+    scene.accepts = False
     scene.ask(Behaviour.GO, (1.0, 0.0))
     scene.wait(1.0)
     assert scene.state.behaviour is Behaviour.GO
