@@ -17,7 +17,8 @@ ON_DEMAND = {"av"}
         (
             "import hub.cli, hub.robomon.daemon, hub.inspection.commands, hub.robots.magellan,"
             " hub.modules.driver.__main__, hub.modules.navigation.__main__,"
-            " hub.modules.vision.__main__, hub.modules.mapping.__main__, hub.robots.video_camera",
+            " hub.modules.vision.__main__, hub.modules.mapping.__main__, hub.robots.video_camera,"
+            " hub.modules.autonomy.__main__",
             CONSOLE_ONLY | ON_DEMAND,
         ),
         ("import hub.gcm.catalog", CONSOLE_ONLY | {"zmq"}),
