@@ -35,6 +35,7 @@ class Autonomy:
         self._why = ""
         client.subscribe(autonomy.AUTONOMY_COMMAND, self._command)
         client.subscribe(navigation.STOP, self._stop)
+        client.subscribe(navigation.VELOCITY_COMMAND, self._stick)
         client.subscribe(navigation.ROBOT_STATE, self._robot)
         client.subscribe(navigation.NAVIGATION_STATUS, self._navigation)
         client.define(navigation.GOAL_COMMAND, autonomy.AUTONOMY_STATE, mapping.MAP_REQUEST)
@@ -57,6 +58,11 @@ class Autonomy:
         del reception
         self._pilot.see_stop(message.reason)
         self._act()
+
+    def _stick(self, twist: navigation.Twist, reception: Reception) -> None:
+        if not twist.neutral and reception.publisher != self._client.number:
+            self._pilot.see_stick(self._clock())
+            self._act()
 
     def _robot(self, state: navigation.RobotState, reception: Reception) -> None:
         self._pilot.see_robot(state, reception.measured)

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 from hub.gcm import autonomy
 from hub.gcm.autonomy import AutonomyCommand, AutonomyState, Behaviour
-from hub.gcm.navigation import GoalCommand, NavigationStatus, Point, RobotState
+from hub.gcm.navigation import GoalCommand, MotionState, NavigationStatus, Point, RobotState
 from hub.grids.grid import Grid
 from hub.modules.autonomy.errands import NOWHERE, End, Errand, Sight, Target, Visit
 from hub.modules.autonomy.exploring import Explore
@@ -60,6 +60,7 @@ class Pilot:
         self._waits_since: float | None = None
         self._map_used = self._map_left = 0
         self._under_way_for_us = self._stop_due = self._sent_elsewhere = False
+        self._interrupted = False
         self._number = -1
 
     # What comes in.
@@ -71,7 +72,7 @@ class Pilot:
         self._commanded, self._waits_since = now, None
         # What somebody else had navigation do before gives way to the command.
         self._number = self._senses.status.number if self._senses.status else -1
-        self._sent_elsewhere = False
+        self._sent_elsewhere = self._interrupted = False
         self._asked_map = -math.inf
         wrong = _mistake(command)
         if wrong or command.behaviour is Behaviour.HOLD:
@@ -102,6 +103,10 @@ class Pilot:
         """There is no map: nobody has one, or it is damaged."""
         self._senses.miss_map(why)
 
+    def see_stick(self, now: float) -> None:
+        """Somebody else sent a velocity that is not neutral."""
+        self._senses.see_stick(now)
+
     def see_stop(self, reason: str) -> None:
         """Somebody sent a stop; navigation has got it too."""
         if self._errand is not None:
@@ -130,7 +135,11 @@ class Pilot:
         if trouble:
             return self._wait(trouble, now)
         self._waits_since = None
-        self._judge(self._errand, now)
+        if self._interrupted and self._stopped_meanwhile():
+            self._hold("the robot was stopped while little was known of it")
+        self._interrupted = False
+        if self._errand is not None:
+            self._judge(self._errand, now)
         if self._errand is None:
             return self._stop(now)
         return self._go(self._errand, now)
@@ -196,8 +205,14 @@ class Pilot:
         else:
             self._why = f"waits: {trouble}"
         had_goal = self._watch.target is not None
+        self._interrupted |= had_goal
         self._watch.forget()
         return self._stop(now, surely=had_goal)
+
+    def _stopped_meanwhile(self) -> bool:
+        """Whether a stop may have come that this module has missed."""
+        state = self._senses.state
+        return state is not None and state.motion is MotionState.STOPPED
 
     def _stop(self, now: float, *, surely: bool = False) -> GoalCommand | None:
         """Have navigation stand, if it is on its way for us."""

@@ -11,6 +11,8 @@ STATE_OLD_S = 0.5
 """An older state of the robot is of no use [s]."""
 NAVIGATION_OLD_S = 1.6
 """Navigation says twice a second what it does; after this time it counts as gone [s]."""
+STICK_S = 0.3
+"""After a velocity command somebody drives for this time, whatever navigation says [s]."""
 MAP_OLD_S = 6.0
 """An older map is of no use [s]."""
 MAP_PERIOD_S = 2.0
@@ -34,7 +36,7 @@ class Senses:
         self.status: NavigationStatus | None = None
         self.grid: Grid | None = None
         self.map_number = 0
-        self._measured = _NEVER
+        self._measured = self._stick = _NEVER
         self._heard = _NEVER
         self._mapped = _NEVER
         self._no_map = "no map has come yet"
@@ -47,6 +49,10 @@ class Senses:
     def see_navigation(self, status: NavigationStatus, now: float) -> None:
         """Navigation says what it does."""
         self.status, self._heard = status, now
+
+    def see_stick(self, now: float) -> None:
+        """Somebody sent a velocity that is not neutral."""
+        self._stick = now
 
     def see_map(self, grid: Grid, now: float) -> None:
         """A map came."""
@@ -74,6 +80,8 @@ class Senses:
 
     def driven(self, now: float) -> bool:
         """Whether somebody drives by hand at `now` [s], as far as is known."""
+        if now - self._stick <= STICK_S:
+            return True
         fresh = now - self._measured <= STATE_OLD_S
         moving = fresh and self.state is not None and self.state.motion is MotionState.MOVING
         heard = now - self._heard <= NAVIGATION_OLD_S

@@ -128,6 +128,33 @@ def test_a_stick_that_only_navigation_has_seen_takes_over_too() -> None:
     assert scene.why == "the operator took over"
 
 
+def test_a_stick_that_only_autonomy_has_seen_takes_over_too() -> None:
+    scene = busy(Behaviour.EXPLORE)
+    scene.pilot.see_stick(scene.now)
+    scene.act()
+    assert scene.why == "the operator took over"
+    assert scene.task is Task.CANCELLED
+    assert stands_for_good(scene)
+
+
+def test_it_does_not_go_on_if_it_may_have_missed_a_stop() -> None:
+    scene = busy()
+    scene.driver_reports = False
+    scene.wait(2.0)
+    scene.driver_reports, scene.motion = True, MotionState.STOPPED
+    scene.wait(1.0)
+    assert scene.why == "the robot was stopped while little was known of it"
+    assert stands_for_good(scene)
+
+
+def test_a_robot_that_was_stopped_before_goes_when_it_is_asked() -> None:
+    scene = Scene()
+    scene.motion = MotionState.STOPPED
+    scene.hears()
+    scene.ask(Behaviour.GO, (1.0, 0.0))
+    assert scene.targets == [(1.0, 0.0)]
+
+
 def test_a_goal_that_crosses_the_operators_stick_is_taken_back() -> None:
     scene = busy(Behaviour.EXPLORE)
     scene.driver = 3
