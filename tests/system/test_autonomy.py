@@ -44,8 +44,8 @@ def test_it_explores_and_the_operators_stick_takes_over_at_once(tour: Tour) -> N
     tour.observer.wait(push, 10.0, "it does not yield")
     assert tour.state.why == "the operator took over"
     assert tour.state.pilot is Pilot.OPERATOR
-    status = tour.observer.seen[navigation.NAVIGATION_STATUS.name][-1][1]
-    assert status.task is Task.CANCELLED
+    statuses = tour.observer.seen[navigation.NAVIGATION_STATUS.name]
+    tour.observer.wait(lambda: push() and statuses[-1][1].task is Task.CANCELLED, 10.0)
 
     # The stick is let go: the robot stands, and nobody sends it on.
     tour.observer.client.publish(navigation.VELOCITY_COMMAND, navigation.Twist())
