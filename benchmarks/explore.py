@@ -13,6 +13,7 @@ from benchmarks.figures import report, say
 from tests.system.exploring_hub import Tour
 
 LONGEST_S = 900.0
+STILL = 0.005
 
 
 def main() -> None:
@@ -20,8 +21,13 @@ def main() -> None:
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         tour = Tour(stack, folder)
-        seconds = tour.explore(LONGEST_S, say)
-        note = f"simulated Magellan, yellow arena, real sonars; at the end: {tour.state.why}"
+        seconds, asked = tour.explore(LONGEST_S, say), 1
+        # On a machine that is too busy for its robot, somebody has to ask again, as in the field.
+        while not tour.state.why.startswith("all is explored") and seconds < LONGEST_S:
+            say(f"asked again: {tour.state.why}")
+            tour.observer.wait(lambda: abs(tour.truth.linear) < STILL, 10.0)
+            seconds, asked = seconds + tour.explore(LONGEST_S - seconds, say), asked + 1
+        note = f"yellow arena, real sonars, asked {asked} times; at the end: {tour.state.why}"
         report("explore.contacts", tour.truth.contacts, "", bar=0, note=note)
         share = tour.mapped_share()
         report("explore.mapped_share", share, "", bar=0.9, better="higher", note=note)
