@@ -18,26 +18,7 @@ from hub.grids.wavefront import spread
 from hub.sim.arena import Arena, load_arena
 from tests.system.harness import HubProcess, Observer
 
-ROBOT_FILE = """
-name = "magellan"
-kind = "simulated-magellan"
-[hub]
-port = {port}
-{gateway}
-[mapping]
-folder = "maps"
-[simulation]
-arena = "{arena}"
-seed = 7
-[modules.driver]
-run = "hub.modules.driver"
-[modules.navigation]
-run = "hub.modules.navigation"
-[modules.mapping]
-run = "hub.modules.mapping"
-[modules.autonomy]
-run = "hub.modules.autonomy"
-"""
+MODULES = ("driver", "navigation", "mapping", "autonomy")
 RADIUS = 0.255
 """Of the robot with its margin [m]."""
 RESOLUTION = 0.05
@@ -48,7 +29,7 @@ class Tour:
 
     def __init__(self, stack: ExitStack, folder: Path, arena: str = "yellow") -> None:
         self.arena = arena
-        self.hub = HubProcess(folder, arena=arena, robot_file=ROBOT_FILE)
+        self.hub = HubProcess(folder, arena=arena, modules=MODULES)
         stack.enter_context(closing(self.hub))
         seen = (navigation.GROUND_TRUTH, autonomy.AUTONOMY_STATE, navigation.NAVIGATION_STATUS)
         self.observer = stack.enter_context(closing(Observer(self.hub.endpoint, *seen)))

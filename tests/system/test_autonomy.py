@@ -14,8 +14,6 @@ from hub.gcm.autonomy import Behaviour, Pilot
 from hub.gcm.navigation import Task
 from tests.system.exploring_hub import Tour
 
-pytest.importorskip("hub.modules.mapping.__main__")
-
 
 @pytest.fixture
 def tour(stack: ExitStack, tmp_path: Path) -> Tour:

@@ -21,7 +21,7 @@ from tests.waiting import until
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
-ALL_MODULES = ("driver", "navigation", "vision", "mapping")
+ALL_MODULES = ("driver", "navigation", "vision", "mapping", "autonomy")
 MODULES = {"rune": "rune_tui", "rune-hub": "hub"}
 
 

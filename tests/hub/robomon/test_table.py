@@ -27,13 +27,14 @@ def problems_of(folder: Path, text: str) -> list[str]:
     return list(caught.value.problems)
 
 
-def test_shipped_robot_has_driver_navigation_vision_and_mapping() -> None:
+def test_shipped_robot_has_all_modules() -> None:
     table = load_robot_table("magellan")
     assert [module.name for module in table.modules] == [
         "driver",
         "navigation",
         "vision",
         "mapping",
+        "autonomy",
     ]
     assert table.robot.port == 1381
     assert table.robot.linear_limit == 0.5
