@@ -60,6 +60,7 @@ class Life:
         self.pinned = False
         self.replaced_by = ""
         self._ends: deque[float] = deque()
+        self._early = 0
         self._earlier: deque[int] = deque(maxlen=_REMEMBERED)
         self._heard = 0.0
         self._start_at = 0.0
@@ -86,8 +87,8 @@ class Life:
 
     @property
     def troubled(self) -> bool:
-        """Whether it is to wait before it may try again, as it ended too soon before."""
-        return self.phase is ModulePhase.WAITING and len(self._ends) > 1
+        """Whether it ended soon after its start, and not for the first time."""
+        return self.phase is ModulePhase.WAITING and self._early > 1
 
     @property
     def sound(self) -> bool:
@@ -148,6 +149,7 @@ class Life:
         self.replaced_by = ""
         self.held, self.pinned = False, not self.spec.always
         self._ends.clear()
+        self._early = 0
         self._start_at = -math.inf
         if not self.has_process:
             self._enter(ModulePhase.STOPPED, "is started by somebody")
@@ -235,7 +237,9 @@ class Life:
         if len(self._ends) >= spec.restart_limit:
             self._enter(ModulePhase.FAILED, f"{why}; that was too often, so it is given up")
             return
-        pause = spec.backoff_s * 2.0 ** (len(self._ends) - 1) if self._ends else 0.0
+        settled = now - self.since >= spec.settled_s
+        self._early = 1 if settled else self._early + 1
+        pause = spec.backoff_s * 2.0 ** (self._early - 2) if self._early > 1 else 0.0
         self._ends.append(now)
         self._start_at = now + min(pause, spec.backoff_longest_s)
         self._enter(ModulePhase.WAITING, f"{why}; it is started again")

@@ -33,8 +33,9 @@ class ModuleSpec:
         linger_s: Time that it goes on when nobody wants it any more [s].
         restart_limit: Restarts within `restart_window_s` after which the daemon gives up.
         restart_window_s: [s].
-        backoff_s: Pause before the second restart within the window; each further one is twice as
-            long [s]. The first is at once.
+        settled_s: A module that ran for so long before it ended is started again at once [s].
+        backoff_s: Pause before the second restart of one that did not; each further pause is twice
+            as long [s]. The first restart is at once.
         backoff_longest_s: Longest pause [s].
         ask_timeout_s: Time between the common command STOP and SIGTERM [s].
         stop_timeout_s: Time between the common command STOP and SIGKILL [s].
@@ -51,8 +52,9 @@ class ModuleSpec:
     keep_alive_s: float = 5.0
     start_timeout_s: float = 15.0
     linger_s: float = 10.0
-    restart_limit: int = 5
+    restart_limit: int = 10
     restart_window_s: float = 60.0
+    settled_s: float = 2.0
     backoff_s: float = 0.2
     backoff_longest_s: float = 5.0
     ask_timeout_s: float = 1.0
@@ -102,8 +104,9 @@ _MODULE = {
     "keep_alive_s": toml.Key(_SECONDS, 5.0),
     "start_timeout_s": toml.Key(toml.number(0.1, 3600.0), 15.0),
     "linger_s": toml.Key(_SECONDS, 10.0),
-    "restart_limit": toml.Key(toml.whole_number(0, 1000), 5),
+    "restart_limit": toml.Key(toml.whole_number(0, 1000), 10),
     "restart_window_s": toml.Key(toml.number(1.0, 86400.0), 60.0),
+    "settled_s": toml.Key(_SECONDS, 2.0),
     "backoff_s": toml.Key(toml.number(0.01, 3600.0), 0.2),
     "backoff_longest_s": toml.Key(toml.number(0.01, 3600.0), 5.0),
     "ask_timeout_s": toml.Key(toml.number(0.0, 60.0), 1.0),

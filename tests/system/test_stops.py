@@ -76,6 +76,17 @@ def test_navigation_comes_back_and_waits_for_neutral(
     _drive(console, observer)
 
 
+def test_driver_comes_back_and_waits_for_neutral(
+    hub: HubProcess, console: ConsoleProcess, observer: Observer
+) -> None:
+    _drive(console, observer)
+    os.kill(hub.pids["driver"], signal.SIGKILL)
+    until(lambda: "the driver began anew" in hub.log.read_text(), 10.0, meanwhile=console.pump)
+    assert observer.truth.commanded_linear == 0.0
+    console.wait(lambda: "STANDING" in console.text, 10.0, "neutral commands do not reach it")
+    _drive(console, observer)
+
+
 def test_a_stop_from_anyone_stops_until_keys_are_let_go(
     console: ConsoleProcess, observer: Observer
 ) -> None:

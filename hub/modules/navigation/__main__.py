@@ -41,6 +41,7 @@ class Navigation:
         self._wanted = (0.0, 0.0)
         self._newest: tuple[navigation.DriveState, float] | None = None
         self._said: tuple[object, ...] = ()
+        self._driver: int | None = None
         self._asking = False
         self._assistance = Assistance.ON
         client.subscribe(navigation.STOP, self._stop)
@@ -83,6 +84,11 @@ class Navigation:
 
     def _report(self, state: navigation.DriveState, reception: Reception) -> None:
         now = self._clock()
+        if self._driver not in (None, reception.publisher):
+            _logger.warning("the driver began anew: the robot waits for a neutral command")
+            self._pilot.errand.end(Task.CANCELLED, "the driver began anew")
+            self._governor.driver_began_anew()
+        self._driver = reception.publisher
         self._newest = (state, reception.measured)
         self._governor.driver_reported(now)
         self._pilot.reported(state, now)

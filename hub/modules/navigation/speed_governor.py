@@ -111,6 +111,11 @@ class SpeedGovernor:
         self._halt(MotionState.STOPPED)
         self._armed.clear()
 
+    def driver_began_anew(self) -> None:
+        """Another driver reports than before: it, too, waits for a neutral command."""
+        self._halt(MotionState.WAITING)
+        self._armed.clear()
+
     def driver_reported(self, now: float) -> None:
         """The driver lives."""
         self._look(now)

@@ -202,6 +202,16 @@ def test_crash_is_followed_by_a_start_at_once_then_by_longer_pauses_then_by_none
     assert world["bad"].phase is ModulePhase.RUNNING
 
 
+def test_module_that_ran_for_a_while_is_started_again_at_once_each_time() -> None:
+    world = World(spec("frail", settled_s=2.0))
+    world.behave = ways(crash_at=2.5)
+    world.run(20.0)
+    ends = [time for time, _, what in world.log if what == "end"]
+    pauses = [b - a for a, b in zip(ends, world.starts("frail")[1:], strict=False)]
+    assert len(pauses) > 5
+    assert max(pauses) < 2 * STEP_S
+
+
 def test_rare_crashes_are_forgotten() -> None:
     world = World(spec("frail", restart_limit=1, restart_window_s=10.0))
     world.behave = ways(crash_at=11.0)

@@ -310,3 +310,17 @@ def test_never_moves_without_a_fresh_command_and_never_too_fast(
         linear, angular = scene.velocity
         assert abs(linear) <= 0.5
         assert abs(angular) <= 1.0
+
+
+def test_driver_that_began_anew_waits_for_neutral_and_so_does_the_operator() -> None:
+    scene = Scene()
+    scene.governor.command(A, 0.0, 0.0, scene.now, scene.now)
+    scene.governor.command(A, 0.3, 0.0, scene.now, scene.now)
+    assert scene.governor.state(scene.now) is MotionState.MOVING
+    scene.governor.driver_began_anew()
+    scene.governor.command(A, 0.3, 0.0, scene.now, scene.now)
+    assert scene.governor.velocity(scene.now) == (0.0, 0.0)
+    assert scene.governor.state(scene.now) is MotionState.WAITING
+    scene.governor.command(A, 0.0, 0.0, scene.now, scene.now)
+    scene.governor.command(A, 0.3, 0.0, scene.now, scene.now)
+    assert scene.governor.velocity(scene.now) == (0.3, 0.0)
