@@ -133,8 +133,10 @@ class RobotState:
         angular: Measured turn rate [rad/s].
         commanded_linear: Forward velocity the wheels are told [m/s].
         commanded_angular: Turn rate the wheels are told [rad/s].
-        sonar: Range of each sonar from the robot's centre [m], shape (16,); inf: no echo.
-        infrared: Range of each infrared sensor from the centre [m], shape (16,); inf: nothing seen.
+        sonar: Range of each sonar from the robot's centre [m], shape (16,); inf: no echo,
+            NaN: no sensor.
+        infrared: Range of each infrared sensor from the centre [m], shape (16,);
+            inf: nothing seen, NaN: no sensor.
         bumpers: Bit i is set while bumper i is pressed.
         battery_voltage: Battery [V]; NaN when not measured.
         battery_fraction: Charge left, 0 to 1; NaN when not known.

@@ -9,6 +9,7 @@ import pytest
 
 from hub.gcm import navigation
 from tests.system.harness import ConsoleProcess, HubProcess, Observer
+from tests.waiting import until
 
 STILL = 1e-3
 

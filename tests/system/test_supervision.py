@@ -29,14 +29,15 @@ ROOT = Path(__file__).parents[2]
 class Robot:
     """A daemon with modules of `tests.misbehaving.module`, and a client that sees its reports."""
 
-    def __init__(self, folder: Path, modules: str) -> None:
-        """Start it; `modules` is lines of the robot file, in which WAY[x] is a command's text."""
+    def __init__(self, folder: Path, modules: str, *, whole: bool = False) -> None:
+        """Start it; `modules` is the end of the robot file, or the `whole` file."""
         self.folder = folder
         path = folder / "robot.toml"
-        path.write_text(
+        head = (
             'name = "test"\nkind = "simulated-magellan"\n[simulation]\narena = "empty"\n'
-            f'[hub]\nport = 0\nlogs = "{folder}/logs"\n{modules}'
+            '[hub]\nport = 0\nlogs = "logs"\n'
         )
+        path.write_text(modules if whole else head + modules)
         self.log = folder / "hub.log"
         with self.log.open("wb") as log:
             self.process = subprocess.Popen(

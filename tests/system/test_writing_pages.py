@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
+import math
+import os
+import pty
 import re
 import subprocess
 import sys
+import tty
 from contextlib import closing
 from pathlib import Path
 
+import pytest
+
+from hub.gcm import navigation
 from tests.system.test_supervision import Robot, run
+from tests.waiting import until
 
 DOCS = Path(__file__).parents[2] / "docs"
 LONGEST_MODULE = 60
@@ -40,3 +49,60 @@ def test_module_of_the_page_runs_when_it_is_wanted_and_answers(tmp_path: Path) -
         assert "word: east" in run(robot, "echo", "X_Heading", "-n", "1").stdout
         assert "word: east" in run(robot, "query", "X_Heading_Request").stdout
         wanting.terminate()
+
+
+class Firmware:
+    """The other end of the crawler's serial port."""
+
+    def __init__(self) -> None:
+        self._ours, theirs = pty.openpty()
+        tty.setraw(theirs)
+        self.port = os.ttyname(theirs)
+        self._theirs = theirs
+        self.x = 0.0
+        self.velocity = (0.0, 0.0)
+        os.set_blocking(self._ours, False)
+
+    def run(self) -> None:
+        """Take commands, roll a little, and say so."""
+        with contextlib.suppress(BlockingIOError):
+            for line in os.read(self._ours, 4096).split(b"\n"):
+                words = line.split()
+                if len(words) == 3 and words[0] == b"V":
+                    self.velocity = float(words[1]), float(words[2])
+        self.x += 0.01 * self.velocity[0]
+        with contextlib.suppress(BlockingIOError):
+            os.write(self._ours, b"S %.3f 0 0 %.2f %.2f 12.4\n" % (self.x, *self.velocity))
+
+    def close(self) -> None:
+        os.close(self._ours)
+        os.close(self._theirs)
+
+
+def test_robot_of_the_page_drives_and_stops(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "crawler.py").write_text(block("writing-a-robot.md", "python"))
+    table = block("writing-a-robot.md", "toml").replace("port = 1381", "port = 0")
+    with closing(Firmware()) as firmware:
+        monkeypatch.setenv("CRAWLER_PORT", firmware.port)
+        (tmp_path / "robot.toml").write_text(table)
+        with closing(Robot(tmp_path, table, whole=True)) as robot:
+            states: list[navigation.RobotState] = []
+            robot.client.subscribe(navigation.ROBOT_STATE, lambda state, _: states.append(state))
+            going = [False]
+
+            def drive() -> None:
+                twist = navigation.Twist.planar(0.9, 0.0) if going[0] else navigation.Twist()
+                robot.client.publish(navigation.VELOCITY_COMMAND, twist)
+                firmware.run()
+
+            timer = robot.client.every(0.05, drive)
+            robot.until(lambda: states and states[-1].motion is navigation.MotionState.STANDING)
+            going[0] = True
+            robot.until(lambda: firmware.velocity == (0.3, 0.0))
+            robot.until(lambda: states[-1].x > 0.01)
+            assert states[-1].battery_voltage == pytest.approx(12.4)
+            assert math.isnan(states[-1].sonar[0])
+            timer.cancel()
+            until(lambda: firmware.velocity == (0.0, 0.0), 5.0, meanwhile=firmware.run)
