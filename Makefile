@@ -5,6 +5,9 @@ READY := .venv/ready
 ONLY ?= *
 TEST := $(BIN)/pytest --numprocesses 3
 
+# Tests start hundreds of processes, each of which would compile all files of ours anew.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: demo test check fix bench bench-peers soak setup lock clean
 
 demo: $(READY)  ## open the console on a simulated robot

@@ -36,6 +36,8 @@ class ExitCode(enum.IntEnum):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run `rune-hub`; returns the exit code."""
+    # NumPy's own threads, for products of large matrices, cost each process time at its start.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # messages hold text of any kind
     options = _parser().parse_args(arguments)

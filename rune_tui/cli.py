@@ -7,6 +7,7 @@ import enum
 import importlib.metadata
 import logging
 import logging.handlers
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -42,6 +43,8 @@ class _UsageError(ConsoleError):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run `rune`; returns the exit code."""
+    # NumPy's own threads, for products of large matrices, cost each process time at its start.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from hub.errors import HubError
 
     options = _parser().parse_args(arguments)
