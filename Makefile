@@ -3,7 +3,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
 READY := .venv/ready
 ONLY ?= *
-TEST := $(BIN)/pytest --numprocesses 3
+TEST := $(BIN)/pytest --numprocesses 3 --dist worksteal
 
 # Tests start hundreds of processes, each of which would compile all files of ours anew.
 unexport PYTHONDONTWRITEBYTECODE
@@ -36,6 +36,7 @@ bench-peers:  ## what benchmarks/bus.py compares with, in an environment of its 
 	@.venv-bench/bin/pip install --quiet --disable-pip-version-check -r benchmarks/requirements.txt
 
 soak: $(READY)  ## the tests that run for minutes
+	HYPOTHESIS_PROFILE=thorough $(TEST) tests/hub tests/console --timeout 600
 	$(BIN)/pytest -m soak --timeout 1800
 
 setup: $(READY)

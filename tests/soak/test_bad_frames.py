@@ -102,16 +102,16 @@ def test_rogue_central_cannot_hurt_its_client(
     _attack_client(make_rig, tell, FRAMES // 4, AT_MOST_S / 2)
 
 
-def test_ten_thousand_bad_frames_to_a_client(
+def test_five_thousand_bad_frames_to_a_client(
     make_rig: Callable[..., Rig], tell: Callable[..., None]
 ) -> None:
-    _attack_client(make_rig, tell, 10_000, 3.0)
+    _attack_client(make_rig, tell, 5_000, 2.0)
 
 
-def test_twenty_thousand_bad_frames_to_central(
+def test_ten_thousand_bad_frames_to_central(
     make_rig: Callable[..., Rig], tell: Callable[..., None]
 ) -> None:
-    _attack_central(make_rig, tell, 20_000, 5.0, timed=False)
+    _attack_central(make_rig, tell, 10_000, 3.0, timed=False)
 
 
 @pytest.mark.soak

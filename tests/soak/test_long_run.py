@@ -95,5 +95,5 @@ def test_half_an_hour_of_work(make_rig: Callable[..., Rig], tell: Callable[..., 
     _work(make_rig, tell, MINUTES * 60.0)
 
 
-def test_five_seconds_of_work(make_rig: Callable[..., Rig], tell: Callable[..., None]) -> None:
-    _work(make_rig, tell, 5.0)
+def test_two_seconds_of_work(make_rig: Callable[..., Rig], tell: Callable[..., None]) -> None:
+    _work(make_rig, tell, 2.0)

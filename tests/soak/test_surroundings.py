@@ -136,7 +136,7 @@ def test_two_hundred_clients_come_and_go(
 def test_twenty_clients_come_and_go(
     make_rig: Callable[..., Rig], tell: Callable[..., None]
 ) -> None:
-    _crowd(make_rig, tell, 20, 4.0)
+    _crowd(make_rig, tell, 20, 2.0)
 
 
 def _spent_s(process: psutil.Process) -> float:

@@ -71,6 +71,11 @@ class Scene:
 
 
 @pytest.fixture
+def hub(start_hub: Callable[..., HubProcess]) -> HubProcess:
+    return start_hub(modules=("driver", "navigation"))
+
+
+@pytest.fixture
 def scene(hub: HubProcess, stack: ExitStack) -> Scene:
     return Scene(hub, stack)
 

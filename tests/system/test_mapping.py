@@ -18,7 +18,7 @@ from PIL import Image
 from hub.errors import HandlerFailedError
 from hub.gcm import map_coding, mapping, navigation
 from hub.gcm.common import REQUEST_DATA, RequestData
-from tests.system.harness import MODULES, HubProcess, Observer, robot_file
+from tests.system.harness import HubProcess, Observer, robot_file
 
 WHOLE = mapping.MapRequest(x=math.nan)
 TIMEOUT = 10.0
@@ -26,7 +26,7 @@ TIMEOUT = 10.0
 
 @pytest.fixture
 def yellow(start_hub: Callable[..., HubProcess]) -> HubProcess:
-    return start_hub(arena="yellow", modules=(*MODULES, "mapping"))
+    return start_hub(arena="yellow", modules=("driver", "navigation", "mapping"))
 
 
 @pytest.fixture
