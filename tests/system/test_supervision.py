@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -233,6 +235,31 @@ def test_common_commands_are_obeyed(start: Start) -> None:
     assert robot.modules["one"].why == "was stopped by somebody"
     tell(CommonCommandKind.START)
     robot.until(lambda: robot.phase("one") is ModulePhase.RUNNING)
+
+
+def test_systemd_is_told_and_modules_do_not_answer_for_the_daemon(
+    start: Start, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as systemd:
+        systemd.bind(str(tmp_path / "notify"))
+        systemd.settimeout(0.0)
+        monkeypatch.setenv("NOTIFY_SOCKET", str(tmp_path / "notify"))
+        monkeypatch.setenv("WATCHDOG_USEC", "400000")
+        said: list[str] = []
+
+        def listen() -> None:
+            with contextlib.suppress(BlockingIOError):
+                while True:
+                    said.append(systemd.recv(4096).decode())
+
+        robot = start(module("one", "well"))
+        robot.until(lambda: listen() or any("one running" in text for text in said))
+        robot.until(lambda: listen() or "WATCHDOG=1" in said)
+        assert said[0].startswith("READY=1\n")
+        environment = Path(f"/proc/{robot.modules['one'].pid}/environ").read_bytes()
+        assert b"NOTIFY_SOCKET" not in environment
+        robot.process.send_signal(signal.SIGTERM)
+        until(lambda: listen() or "STOPPING=1" in said, 10.0)
 
 
 def run(robot: Robot, *arguments: str) -> subprocess.CompletedProcess[str]:
