@@ -63,6 +63,8 @@ class Problems(list[str]):
     def add(self, place: str, text: str, key: str = "") -> None:
         """Add a sentence about a place, or a key there."""
         line = self._lines.get((place, key)) or self._lines.get((place, ""))
+        if line is None and place == TOP:  # a whole table that nobody knows, or one that is none
+            line = self._lines.get((f"[{key}]", ""))
         self.append((f"line {line}: " if line else "") + text)
 
 

@@ -10,7 +10,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
-from hub.errors import CentralUnreachableError, HubError, UndefinedMessageError
+from hub.errors import (
+    CentralUnreachableError,
+    HubError,
+    NoHandlerError,
+    UndefinedMessageError,
+)
 from hub.gcm.catalog import BY_NAME
 from hub.inspection import values
 from hub.inspection.writing import put
@@ -141,7 +146,11 @@ def query(
     """Ask, and show the answer."""
     definition = find(client, name)
     value = values.value_from_text(definition, assignments)
-    frame = client.query_frame(definition, value, timeout=timeout)
+    try:
+        frame = client.query_frame(definition, value, timeout=timeout)
+    except NoHandlerError as error:
+        text = f"{error}; `rune-hub modules` shows which run, `rune-hub start` starts one"
+        raise NoHandlerError(text) from error
     answered = find(client, frame.name)
     _show(answered, decode(answered, frame), as_json=as_json, reception=None)
     return 0

@@ -16,7 +16,7 @@ from hub.errors import CodecError
 from hub.ipc import format as formats
 from hub.ipc.codegen import DTYPES
 from hub.ipc.definition import MessageDefinition
-from hub.toml_tables import nearest
+from hub.toml_tables import nearest, shorten
 
 _LONGEST_ARRAY = 64
 
@@ -162,11 +162,15 @@ def _assigned(value: Any, path: list[str], text: str, where: str) -> Any:  # noq
         wanted = "inner fields, such as " + name + ".x" if not rest else "no inner fields"
         reason = f"{where}.{name} has {wanted}"
         raise CodecError(reason)
-    changed = _assigned(member, rest, text, f"{where}.{name}") if rest else _read(member, text)
+    changed = (
+        _assigned(member, rest, text, f"{where}.{name}")
+        if rest
+        else _read(member, text, f"{where}.{name}")
+    )
     return dataclasses.replace(value, **{name: changed})
 
 
-def _read(old: Any, text: str) -> Any:  # noqa: ANN401 - as the member it replaces
+def _read(old: Any, text: str, where: str) -> Any:  # noqa: ANN401 - as the member it replaces
     """What `text` says, in the kind of the value it replaces."""
     if isinstance(old, str):
         return text
@@ -178,5 +182,15 @@ def _read(old: Any, text: str) -> Any:  # noqa: ANN401 - as the member it replac
             return float(text)
         return json.loads(text)
     except (ValueError, KeyError, RecursionError) as error:
-        reason = f"{text[:40]!r} does not fit there: {error}"
+        reason = f"{where}: {shorten(text)} does not fit there; give {_wanted(old, text)}"
         raise CodecError(reason) from error
+
+
+def _wanted(old: Any, text: str) -> str:  # noqa: ANN401 - any member
+    """What could stand in the place of a value."""
+    if isinstance(old, enum.IntEnum):
+        names = [member.name for member in type(old)]
+        return f"one of {', '.join(names)}{nearest(text.upper(), names)}"
+    if isinstance(old, int | float):
+        return "a number"
+    return 'a JSON list, such as [1, 2] or [{"x": 1}]'

@@ -17,6 +17,7 @@ _logger = logging.getLogger(__name__)
 TIMEOUT_S = 10.0
 MAX_BYTES = 16_384
 MAX_NAMES = 64
+MAX_SHOWN_BYTES = 200
 
 
 class Inquiry:
@@ -89,12 +90,19 @@ class Inquiry:
         abilities = parse(self._heard) if code == 0 else None
         if abilities is None:
             _logger.warning(
-                "module %s does not say what it can do when it is run with --describe; "
+                "module %s does not say what it can do when it is run with --describe%s; "
                 "what the robot file says is taken for it",
                 life.spec.name,
+                _last_words(self._heard),
             )
         else:
             life.learned(*abilities)
+
+
+def _last_words(said: bytes) -> str:
+    """The part of a warning that shows the last line that a module wrote; empty without one."""
+    line = said.strip().rpartition(b"\n")[2][:MAX_SHOWN_BYTES].decode(errors="replace")
+    return f", but {line!r}" if line else ""
 
 
 def parse(said: bytes) -> tuple[frozenset[str], frozenset[str]] | None:

@@ -210,6 +210,7 @@ def test_module_without_a_description_counts_for_what_the_file_says(start: Start
     way = module("one", "no_description", start="on demand", capabilities=["VIS_VID"])
     robot = start(way)
     until(lambda: "does not say what it can do" in robot.log.read_text(), 20.0)
+    assert "with --describe, but '{ no answer';" in robot.log.read_text()
     assert robot.modules["one"].capabilities == "VIS_VID"
     assert not robot.modules["one"].asked
 

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from hub.errors import CodecError
 from hub.gcm import navigation, vision
+from hub.gcm.autonomy import AUTONOMY_COMMAND
 from hub.gcm.catalog import MESSAGES
 from hub.inspection.values import lines, plain, value_from_text
 from hub.ipc import format as formats
@@ -63,6 +64,20 @@ def test_text_is_taken_as_it_is() -> None:
 def test_a_mistake_says_what_to_do(assignment: str, said: str) -> None:
     with pytest.raises(CodecError, match=said):
         value_from_text(navigation.VELOCITY_COMMAND, [assignment])
+
+
+@pytest.mark.parametrize(
+    ("assignment", "said"),
+    [
+        ("behaviour=explor", r"GCM_Autonomy_Command\.behaviour: .* GO, .*mean 'EXPLORE'"),
+        ("behaviour=99", "one of HOLD, "),
+        ("count=many", "count: 'many' does not fit there; give a number"),
+        ("points=1,2", "give a JSON list"),
+    ],
+)
+def test_a_value_that_does_not_fit_says_which_would(assignment: str, said: str) -> None:
+    with pytest.raises(CodecError, match=said):
+        value_from_text(AUTONOMY_COMMAND, [assignment])
 
 
 def test_messages_without_a_dataclass_work_alike() -> None:

@@ -102,6 +102,13 @@ def test_a_mistake_is_named_with_its_place(tmp_path: Path, old: str, new: str, s
     assert any(said in problem for problem in problems_of(tmp_path, GOOD.replace(old, new)))
 
 
+def test_a_table_that_nobody_knows_has_its_line(tmp_path: Path) -> None:
+    line = GOOD.splitlines().index("[simulation]") + 1
+    text = GOOD.replace("[simulation]", "[simulator]")
+    said = f"line {line}: top of the file: unknown key 'simulator'"
+    assert any(problem.startswith(said) for problem in problems_of(tmp_path, text))
+
+
 def test_all_mistakes_are_reported_at_once(tmp_path: Path) -> None:
     text = GOOD.replace("1381", "-1").replace("seed", "sead").replace("0.5", "500")
     assert len(problems_of(tmp_path, text)) == 3
