@@ -106,6 +106,8 @@ def logs(client: Client, module: str, *, lines: int, follow: bool) -> int:
     shown = _lines(client, module, 0, lines)
     sys.stdout.write(shown.text)
     sys.stdout.flush()
+    if not shown.text:
+        sys.stderr.write(f"rune-hub: {module} has written nothing since this hub was started\n")
     while follow:
         client.listen(_FOLLOW_S)
         try:

@@ -275,12 +275,15 @@ def test_commands_for_people(start: Start) -> None:
     robot = start(module("one", "well", start="on demand", linger_s=0.0))
     robot.until(lambda: robot.modules["one"].asked)
     assert "on demand" in run(robot, "modules").stdout
+    assert "one has written nothing" in run(robot, "logs", "one").stderr
     shown = json.loads(run(robot, "capabilities", "--json").stdout)
     assert [each["name"] for each in shown["capabilities"]] == ["X_well"]
     wanted = run(robot, "want", "X_well", "NOTHING", "--seconds", "2.5")
     assert "X_well is running: one" in wanted.stdout
     assert "NOTHING: no module of this robot has it" in wanted.stdout
     assert wanted.returncode == 1
+    asking = run(robot, "query", "GCM_Map_Request")
+    assert (asking.returncode, "`rune-hub modules` shows" in asking.stderr) == (3, True)
     assert run(robot, "start", "one").stdout == "one is started\n"
     robot.until(lambda: robot.phase("one") is ModulePhase.RUNNING)
     assert "INFO ready" in run(robot, "logs", "one").stdout
