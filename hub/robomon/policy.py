@@ -112,7 +112,13 @@ class Supervisor:
             return True, f"{name} is started anew"
         running = life.up
         life.told_to_start()
-        return True, f"{name} runs already" if running else f"{name} is started"
+        if running:
+            return True, f"{name} runs already"
+        outside = {need for need in life.needs if self._from_outside(need)}
+        missing = [need for need in sorted(life.needs - outside) if self._provider(need) is None]
+        if missing:
+            return True, f"{name} starts as soon as a module for {' and '.join(missing)} may start"
+        return True, f"{name} is started"
 
     def step(self, now: float) -> list[tuple[Life, Deed]]:
         """What is to be done now, in order."""

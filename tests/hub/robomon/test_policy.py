@@ -368,6 +368,19 @@ def test_orders_are_answered_in_words() -> None:
     assert "this robot has a, b" in text
 
 
+def test_a_start_that_has_to_wait_says_for_what() -> None:
+    world = World(demand("autonomy", "AUT"), demand("map", "MAP"), needs={"autonomy": "MAP"})
+    world["autonomy"].learned(world["autonomy"].provides, frozenset({"MAP"}))
+    world.supervisor.ordered("map", ModuleOrder.STOP, world.now)
+    text = "autonomy starts as soon as a module for MAP may start"
+    assert world.supervisor.ordered("autonomy", ModuleOrder.START, world.now) == (True, text)
+    world.run(2.0)
+    assert not world.processes
+    assert world.supervisor.ordered("map", ModuleOrder.START, world.now)[1] == "map is started"
+    world.run(2.0)
+    assert world["autonomy"].phase is ModulePhase.RUNNING
+
+
 _MODULES = ("a", "b", "c", "d")
 _CAPABILITIES = ("A", "B", "C")
 
