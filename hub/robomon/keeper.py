@@ -153,10 +153,10 @@ class Keeper:
             life.not_started(str(error), now)
             _log_end(life)
             return
-        self._guardian.watch(process.pid)
-        self._outputs.add(name, process.output)
         self._running[name] = _Running(process=process, watched=self._watch(process.pid))
         life.started(process.pid, now)
+        self._guardian.watch(process.pid)
+        self._outputs.add(name, process.output)
         _logger.info("%s started (pid %d)", name, process.pid)
 
     def _watch(self, pid: int) -> int | None:
@@ -191,6 +191,7 @@ class Keeper:
     def _sample(self) -> None:
         """See what the modules take, and end what is left of ended ones."""
         now = self._clock()
+        self._guardian.look()
         for name, running in self._running.items():
             usage = running.process.usage()
             if usage is None:

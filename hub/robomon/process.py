@@ -6,6 +6,7 @@ import contextlib
 import ctypes
 import logging
 import os
+import secrets
 import signal
 import subprocess
 import sys
@@ -21,19 +22,29 @@ _logger = logging.getLogger(__name__)
 
 _OF_THE_DAEMON = ("NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID")
 _PR_SET_CHILD_SUBREAPER = 36
+_MARK = "RUNE_HUB_RUN"
+"""Variable by which what modules have started is found, wherever it has gone."""
+_OURS = secrets.token_hex(8)
+_PATIENCE_S = 2.0
+"""How long a process that was killed may take to end, and the guardian to do its work [s]."""
 
 
 class Guardian:
-    """The process that ends the modules if this one dies without doing so."""
+    """The process that ends the modules if this one dies without doing so.
+
+    Nothing here raises or waits for it: modules run without a guardian as well, until there is
+    one again.
+    """
 
     def __init__(self) -> None:
         self._groups: set[int] = set()
-        self._process = self._start()
+        self._process: subprocess.Popen[bytes] | None = None
+        self._start()
 
     @property
     def pid(self) -> int:
-        """Its process id."""
-        return self._process.pid
+        """Its process id; 0 if it does not run."""
+        return self._process.pid if self._process else 0
 
     def watch(self, group: int) -> None:
         """End this process group when we die."""
@@ -45,37 +56,67 @@ class Guardian:
         self._groups.discard(group)
         self._tell(f"-{group}\n")
 
-    def close(self) -> None:
-        """Have it end."""
-        if self._process.stdin is not None:
-            with contextlib.suppress(OSError):
-                self._process.stdin.close()
-        self._process.wait()
+    def look(self) -> None:
+        """Start another one if it was ended."""
+        if self._process is None or self._process.poll() is not None:
+            self._replace()
 
-    def _start(self) -> subprocess.Popen[str]:
-        return subprocess.Popen(
-            [sys.executable, "-I", "-S", guardian.__file__],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            text=True,
-            start_new_session=True,
-        )
+    def close(self) -> None:
+        """Have it end what is left, and end itself."""
+        process = self._process
+        if process is None:
+            return
+        if process.stdin is not None:
+            process.stdin.close()
+        try:
+            process.wait(guardian.GRACE_S + _PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            _logger.warning("the guardian of the modules hangs; it is killed")
+            process.kill()
+            process.wait()
+
+    def _start(self) -> None:
+        command = [sys.executable, "-I", "-S", guardian.__file__, f"{_MARK}={_OURS}"]
+        try:
+            process = subprocess.Popen(
+                command,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                bufsize=0,
+                start_new_session=True,
+            )
+        except OSError as error:
+            _logger.warning("the guardian of the modules cannot be started: %s", error.strerror)
+            return
+        if process.stdin is not None:
+            os.set_blocking(process.stdin.fileno(), False)
+        self._process = process
+        for group in self._groups:
+            self._write(f"{group}\n")
 
     def _tell(self, line: str) -> None:
-        try:
-            self._write(line)
-        except OSError:
-            _logger.warning("the guardian of the modules was ended; another is started")
-            self._process.wait()
-            self._process = self._start()
-            with contextlib.suppress(OSError):
-                self._write("".join(f"{group}\n" for group in self._groups))
+        if self._process is None or not self._write(line):
+            self._replace()
 
-    def _write(self, text: str) -> None:
-        if self._process.stdin is not None:
-            self._process.stdin.write(text)
-            self._process.stdin.flush()
+    def _replace(self) -> None:
+        _logger.warning("the guardian of the modules was ended; another is started")
+        process, self._process = self._process, None
+        if process is not None:
+            process.kill()
+            process.wait()
+            if process.stdin is not None:
+                process.stdin.close()
+        self._start()
+
+    def _write(self, text: str) -> bool:
+        """Whether it can take this; one that is gone or hangs cannot."""
+        if self._process is None or self._process.stdin is None:
+            return False
+        try:
+            return self._process.stdin.write(text.encode()) == len(text)
+        except OSError:
+            return False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -106,7 +147,11 @@ class ModuleProcess:
             ModuleStartError: The system cannot execute the command.
         """
         self.spec = spec
-        output, theirs = os.pipe()
+        try:
+            output, theirs = os.pipe()
+        except OSError as error:
+            text = f"cannot be started: {error.strerror}"
+            raise ModuleStartError(text) from error
         try:
             self._process = subprocess.Popen(
                 [*spec.command, *arguments],
@@ -159,6 +204,7 @@ class ModuleProcess:
         """Kill it and what it has started; returns at once."""
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.kill()  # it may have left its group
 
     def wait(self, seconds: float) -> bool:
         """Whether it ends within `seconds`."""
@@ -169,9 +215,13 @@ class ModuleProcess:
         return True
 
     def end(self) -> None:
-        """Kill what still lives of it and of what it has started; returns when it is gone."""
+        """Kill what still lives of it and of what it has started; returns when it is gone.
+
+        A process that waits for a broken device cannot be killed; it is waited for a moment only.
+        """
         self.kill()
-        self._process.wait()
+        if not self.wait(_PATIENCE_S):
+            _logger.warning("process %d was killed and does not end", self.pid)
         if self._process.stdin is not None:
             self._process.stdin.close()
 
@@ -186,7 +236,7 @@ class ModuleProcess:
 def _environment(spec: ModuleSpec) -> dict[str, str]:
     """The daemon's own, without what systemd means for the daemon alone."""
     own = {k: v for k, v in os.environ.items() if k not in _OF_THE_DAEMON}
-    return {"PYTHONUNBUFFERED": "1", **own, **dict(spec.environment)}
+    return {"PYTHONUNBUFFERED": "1", **own, **dict(spec.environment), _MARK: _OURS}
 
 
 def adopt_orphans() -> None:
@@ -205,9 +255,12 @@ def end_strays(known: Collection[int]) -> int:
         found = Path(f"/proc/self/task/{os.getpid()}/children").read_text().split()
     except OSError:
         return 0
-    strays = [int(pid) for pid in found if int(pid) not in known]
-    for pid in strays:
+    killed = 0
+    for pid in map(int, found):
+        if pid in known:
+            continue
         with contextlib.suppress(OSError):
-            os.kill(pid, signal.SIGKILL)
-            os.waitpid(pid, os.WNOHANG)  # or the next time
-    return len(strays)
+            if os.waitpid(pid, os.WNOHANG) == (0, 0):  # else it has ended, by itself or by us
+                os.kill(pid, signal.SIGKILL)
+                killed += 1
+    return killed
