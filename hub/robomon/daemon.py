@@ -44,7 +44,8 @@ class Daemon:
     def __init__(self, table: RobotTable, *, as_json: bool) -> None:
         self._table = table
         self._as_json = as_json
-        self._stop = threading.Event()
+        # No Event: a second signal that comes while the first one sets it would wait for ever.
+        self._stopping = False
         self._gateway = ""
         self._wake: Callable[[], None] = lambda: None
         self._notifier = Notifier.from_environment(os.environ, os.getpid())
@@ -102,7 +103,7 @@ class Daemon:
         ready = False
         try:
             keeper.look()
-            while not self._stop.is_set():
+            while not self._stopping:
                 self._listen(client)
                 if not ready and self._all_run():
                     ready = True
@@ -131,7 +132,7 @@ class Daemon:
         return all(life.phase is ModulePhase.RUNNING for life in lives if life.spec.always)
 
     def _end(self) -> None:
-        self._stop.set()
+        self._stopping = True
         self._wake()
 
     def _wait_for_end_of_stdin(self) -> None:

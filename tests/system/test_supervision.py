@@ -308,3 +308,12 @@ def test_logs_are_followed(start: Start) -> None:
     follower.send_signal(signal.SIGINT)
     assert follower.wait(10.0) == 0
     follower.stdout.close()
+
+
+def test_many_signals_end_it_as_one_does(start: Start) -> None:
+    robot = start(module("one", "well"))
+    robot.until(lambda: robot.modules["one"].pid)
+    for number in (signal.SIGINT, signal.SIGTERM) * 1500:
+        robot.process.send_signal(number)
+    robot.process.wait(10.0)
+    assert "robomon is gone: it said goodbye" in robot.log.read_text()
