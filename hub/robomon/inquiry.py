@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 from hub.errors import ModuleStartError
 from hub.robomon.life import Life
 from hub.robomon.process import ModuleProcess
+from hub.robomon.wants import MAX_NAME
 
 _logger = logging.getLogger(__name__)
 
@@ -113,7 +114,10 @@ def parse(said: bytes) -> tuple[frozenset[str], frozenset[str]] | None:
         usable = all(
             isinstance(names, list)
             and len(names) <= MAX_NAMES
-            and all(isinstance(name, str) and name.isidentifier() for name in names)
+            and all(
+                isinstance(name, str) and name.isidentifier() and len(name) <= MAX_NAME
+                for name in names
+            )
             for names in (provides, needs)
         )
     except (ValueError, KeyError, TypeError, RecursionError):

@@ -7,19 +7,25 @@ replaced by another that can do the same, where there is one, and stays so until
 
 from __future__ import annotations
 
+import heapq
+import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from hub.gcm.supervision import CapabilityPhase, ModuleOrder, ModulePhase
 from hub.robomon.life import Deed, Life
 from hub.robomon.table import ModuleSpec
-from hub.robomon.wants import MAX_CAPABILITIES, Wants
+from hub.robomon.wants import MAX_CAPABILITIES, MAX_NAME, Wants
 
 AWAY_S = 1.0
 """A longer pause between two steps means that this process itself was away [s]."""
 STRANGER_S = 4.0
 """Silence after which a module that the daemon did not start is forgotten [s]."""
 MAX_STRANGERS = 64
+MAX_UNKNOWN = 64
+"""Wanted capabilities that no module has, of which is told."""
+MAX_SHOWN = 16
+"""Holders of a want who are named."""
 _OVER_LIMIT_LOOKS = 3
 """Looks in a row at which a module takes too much before it is started anew."""
 
@@ -74,19 +80,23 @@ class Supervisor:
         self._chosen: dict[str, str] = {}
         self._over: dict[str, int] = {}
         self._stepped: float | None = None
+        self._outside: frozenset[str] = frozenset()
+        self._offered: frozenset[str] = frozenset()
+        self._known: frozenset[str] = frozenset()
+        self._providers: dict[str, list[Life]] = {}
 
     def announced(
         self, name: str, pid: int, provides: Iterable[str], needs: Iterable[str], now: float
     ) -> None:
         """A module says that it lives, and what it can do."""
-        can = frozenset(list(provides)[:MAX_CAPABILITIES])
-        lacks = frozenset(list(needs)[:MAX_CAPABILITIES])
+        can, lacks = _usable(provides), _usable(needs)
         life = self.lives.get(name)
+        shown = "".join(name.split())[:MAX_NAME]
         if life is not None and life.has_process:
             if life.announced(pid, now):
                 life.learned(can, lacks)
-        elif life is None and (name in self.strangers or len(self.strangers) < MAX_STRANGERS):
-            self.strangers[name] = Stranger(pid=pid, provides=can, needs=lacks, heard=now)
+        elif life is None and (shown in self.strangers or len(self.strangers) < MAX_STRANGERS):
+            self.strangers[shown] = Stranger(pid=pid, provides=can, needs=lacks, heard=now)
 
     def used(self, name: str, memory_mb: float, now: float) -> None:
         """A look at what a module takes."""
@@ -114,8 +124,9 @@ class Supervisor:
         life.told_to_start()
         if running:
             return True, f"{name} runs already"
-        outside = {need for need in life.needs if self._from_outside(need)}
-        missing = [need for need in sorted(life.needs - outside) if self._provider(need) is None]
+        self._survey()
+        lacks = sorted(life.needs - self._outside)
+        missing = [need for need in lacks if self._provider(need) is None]
         if missing:
             return True, f"{name} starts as soon as a module for {' and '.join(missing)} may start"
         return True, f"{name} is started"
@@ -131,7 +142,9 @@ class Supervisor:
         }
         for life in self.lives.values():
             life.look(now)
+        self._survey()
         wanted = self._plan(now)
+        self._providers.clear()
         deeds = []
         for name, life in self.lives.items():
             lacking = self._lacking(life, wanted) if name in wanted and not life.up else ()
@@ -151,13 +164,15 @@ class Supervisor:
         ]
 
     def capabilities(self, now: float) -> dict[str, CapabilityView]:
-        """Every capability that a module has or somebody wants, in alphabetical order."""
+        """Every capability that a module has, in alphabetical order, and some that are wanted."""
+        self._survey()
         wants = self.wants.current(now)
-        names = set(wants).union(
-            *(life.provides for life in self.lives.values()),
-            *(one.provides for one in self.strangers.values()),
-        )
-        return {name: self._view(name, tuple(wants.get(name, ()))) for name in sorted(names)}
+        known = self._outside | self._known
+        unknown = heapq.nsmallest(MAX_UNKNOWN, (name for name in wants if name not in known))
+        return {
+            name: self._view(name, tuple(wants.get(name, ())[:MAX_SHOWN]))
+            for name in sorted(known.union(unknown))
+        }
 
     def _view(self, capability: str, wanted_by: tuple[str, ...]) -> CapabilityView:
         others = [n for n, one in self.strangers.items() if capability in one.provides]
@@ -188,7 +203,7 @@ class Supervisor:
             elif life.pinned or life.spec.always:
                 self._include(life, plan)
         for capability in self.wants.current(now):
-            if not self._from_outside(capability):
+            if capability in self._known and capability not in self._outside:
                 self._include(self._provider(capability), plan)
         return plan
 
@@ -197,10 +212,10 @@ class Supervisor:
         if life is None or life.spec.name in plan:
             return
         plan.add(life.spec.name)
-        if not life.usable or not self._possible(life, frozenset()):
+        if not life.usable or not self._possible(life):
             return  # then nobody is to run for its sake
         for need in life.needs:
-            if not self._from_outside(need):
+            if need not in self._outside:
                 self._include(self._provider(need), plan)
 
     def _stands_back(self, name: str, life: Life) -> bool:
@@ -219,7 +234,7 @@ class Supervisor:
     def _could_do_it(self, spare: Life, life: Life) -> bool:
         """Whether a module can do all that another should do, and now."""
         able = bool(life.provides) and spare.provides >= life.provides
-        return able and spare.sound and self._possible(spare, frozenset())
+        return able and spare.sound and self._possible(spare)
 
     def _provider(self, capability: str) -> Life | None:
         """The module that shall provide a capability: the one that did, if it still can."""
@@ -228,7 +243,7 @@ class Supervisor:
             for life in self.lives.values()
             if capability in life.provides and life.usable and not life.replaced_by
         ]
-        possible = [life for life in able if self._possible(life, frozenset())] or able
+        possible = [life for life in able if self._possible(life)] or able
         sound = [life for life in possible if life.sound] or possible
         if not sound:
             return None
@@ -238,42 +253,63 @@ class Supervisor:
             self._chosen[capability] = chosen.spec.name
         return chosen
 
-    def _possible(self, life: Life, above: frozenset[str]) -> bool:
+    def _possible(self, life: Life) -> bool:
         """Whether there are modules for all that a module needs, and for what those need."""
-        below = above | {life.spec.name}
-        return all(
-            self._from_outside(need)
-            or any(
-                need in other.provides
-                and other.usable
-                and (name in below or self._possible(other, below))
-                for name, other in self.lives.items()
-            )
-            for need in life.needs
-        )
+        return life.needs <= self._offered
 
-    def _from_outside(self, capability: str) -> bool:
-        return any(capability in one.provides for one in self.strangers.values())
+    def _survey(self) -> None:
+        """See what comes from outside, and what can be had at all.
+
+        Of the modules that can be started, those that lack something are left out until no more
+        does; so circles of needs stay, as their members are started together.
+        """
+        self._outside = frozenset().union(*(one.provides for one in self.strangers.values()))
+        self._known = frozenset().union(*(life.provides for life in self.lives.values()))
+        able = [life for life in self.lives.values() if life.usable]
+        while True:
+            self._offered = self._outside.union(*(life.provides for life in able))
+            left = [life for life in able if self._possible(life)]
+            if len(left) == len(able):
+                return
+            able = left
 
     def _lacking(self, life: Life, plan: set[str]) -> tuple[str, ...]:
         """What a module needs and nobody provides yet; who needs it in turn is not waited for."""
         return tuple(
             need
             for need in sorted(life.needs)
-            if not self._from_outside(need)
+            if need not in self._outside
             and not self._provided(self._provider(need), plan)
-            and not self._depends(self._provider(need), life, set())
+            and not self._depends(self._provider(need), life)
         )
 
     @staticmethod
     def _provided(life: Life | None, plan: set[str]) -> bool:
         return life is not None and life.phase is ModulePhase.RUNNING and life.spec.name in plan
 
-    def _depends(self, life: Life | None, on: Life, seen: set[str]) -> bool:
+    def _depends(self, life: Life | None, on: Life) -> bool:
         """Whether a module needs another, itself or through others."""
-        if life is None or life.spec.name in seen:
-            return False
-        if life is on:
-            return True
-        seen.add(life.spec.name)
-        return any(self._depends(self._provider(need), on, seen) for need in life.needs)
+        seen: set[str] = set()
+        ahead = [life] if life else []
+        while ahead:
+            each = ahead.pop()
+            if each is on:
+                return True
+            if each.spec.name not in seen:
+                seen.add(each.spec.name)
+                ahead += self._needed(each)
+        return False
+
+    def _needed(self, life: Life) -> list[Life]:
+        """Who provides what a module needs, in the step that is under way."""
+        name = life.spec.name
+        if name not in self._providers:
+            found = {each.spec.name: each for need in life.needs if (each := self._provider(need))}
+            self._providers[name] = list(found.values())
+        return self._providers[name]
+
+
+def _usable(names: Iterable[str]) -> frozenset[str]:
+    """What of this can be names of capabilities; the rest is left out."""
+    some = itertools.islice(names, MAX_CAPABILITIES)
+    return frozenset(name for name in some if name.isidentifier() and len(name) <= MAX_NAME)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from hub.gcm.supervision import LEASE_S
@@ -29,6 +29,7 @@ class Wants:
 
     def __init__(self) -> None:
         self._leases: dict[int, _Lease] = {}
+        self._wanted: dict[str, list[str]] | None = None
         self.refused = 0
 
     def renew(self, holder: int, name: str, capabilities: Iterable[str], now: float) -> None:
@@ -40,23 +41,29 @@ class Wants:
             self.refused += 1
         elif wanted:
             shown = "".join(name.split())[:MAX_NAME] or "somebody"
+            before = self._leases.get(holder)
+            if before is None or (before.name, before.capabilities) != (shown, wanted):
+                self._wanted = None
             self._leases[holder] = _Lease(name=shown, capabilities=wanted, until=now + LEASE_S)
-        else:
-            self._leases.pop(holder, None)
+        elif self._leases.pop(holder, None):
+            self._wanted = None
 
     def gone(self, name: str) -> None:
         """Who connected under this name has left."""
-        self._leases = {
-            holder: lease for holder, lease in self._leases.items() if lease.name != name
-        }
+        self._keep(lambda lease: lease.name != name)
 
     def current(self, now: float) -> dict[str, list[str]]:
         """The wanted capabilities with the names of their holders."""
-        self._leases = {
-            holder: lease for holder, lease in self._leases.items() if now < lease.until
-        }
-        wanted: defaultdict[str, list[str]] = defaultdict(list)
-        for lease in self._leases.values():
-            for capability in sorted(lease.capabilities):
-                wanted[capability].append(lease.name)
-        return dict(wanted)
+        self._keep(lambda lease: now < lease.until)
+        if self._wanted is None:
+            wanted: defaultdict[str, list[str]] = defaultdict(list)
+            for lease in self._leases.values():
+                for capability in sorted(lease.capabilities):
+                    wanted[capability].append(lease.name)
+            self._wanted = dict(wanted)
+        return self._wanted
+
+    def _keep(self, which: Callable[[_Lease], bool]) -> None:
+        left = {holder: lease for holder, lease in self._leases.items() if which(lease)}
+        if len(left) < len(self._leases):
+            self._leases, self._wanted = left, None

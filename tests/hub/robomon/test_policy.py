@@ -13,7 +13,13 @@ from hypothesis import strategies as st
 
 from hub.gcm.supervision import LEASE_S, CapabilityPhase, ModuleOrder, ModulePhase
 from hub.robomon.life import Deed, Life
-from hub.robomon.policy import MAX_STRANGERS, STRANGER_S, Supervisor
+from hub.robomon.policy import (
+    MAX_SHOWN,
+    MAX_STRANGERS,
+    MAX_UNKNOWN,
+    STRANGER_S,
+    Supervisor,
+)
 from hub.robomon.table import ModuleSpec
 from hub.robomon.wants import MAX_HOLDERS, Wants
 
@@ -488,3 +494,55 @@ def _lacks_for_ever(world: World, name: str, seen: set[str]) -> bool:
         )
         for need in world[name].needs
     )
+
+
+def test_modules_that_all_need_each_other_start() -> None:
+    """Twelve of them: to follow every way through the circle would take for ever."""
+    names = [f"X_{number}" for number in range(12)]
+    specs = [spec(name.lower(), name) for name in names]
+    world = World(*specs, needs={name.lower(): " ".join({*names} - {name}) for name in names})
+    for name in names:
+        world[name.lower()].learned(frozenset({name}), frozenset({*names} - {name}))
+    world.run(1.0)
+    assert all(life.phase is ModulePhase.RUNNING for life in world.supervisor.lives.values())
+
+
+def test_names_that_modules_announce_are_bounded() -> None:
+    world = World(spec("one", "VID"))
+    rubbish = ["GOOD", "two words", "line\nend", "A" * 65, ""]
+    world.supervisor.announced(" long\nname " * 100, 5, rubbish, rubbish, world.now)
+    (name,) = world.supervisor.strangers
+    assert (len(name), name.isidentifier()) == (64, True)
+    many = [f"X_{number}" for number in range(10_000)]
+    world.run(0.1)
+    world.supervisor.announced("one", world["one"].pid, many, rubbish, world.now)
+    assert len(world["one"].provides) <= 64
+    assert world["one"].needs == {"GOOD"}
+    assert set(world.supervisor.capabilities(world.now)) == world["one"].provides | {"GOOD"}
+
+
+def test_wants_of_what_nobody_has_do_not_crowd_out_the_others() -> None:
+    world = World(demand("one", "VID"))
+    wants = world.supervisor.wants
+    for holder in range(MAX_HOLDERS):
+        rubbish = [f"A_{holder}_{number}" for number in range(63)]
+        wants.renew(holder, f"holder{holder}", [*rubbish, "VID"], world.now)
+    world.run(1.0)
+    views = world.supervisor.capabilities(world.now)
+    assert views["VID"].phase is CapabilityPhase.RUNNING
+    assert len(views["VID"].wanted_by) == MAX_SHOWN
+    assert len(views) == 1 + MAX_UNKNOWN
+
+
+def test_wants_that_change_or_end_are_seen_at_once() -> None:
+    wants = Wants()
+    wants.renew(1, "one", ["A"], 0.0)
+    wants.renew(2, "two", ["A"], 1.0)
+    assert wants.current(1.0) == {"A": ["one", "two"]}
+    wants.renew(2, "two", ["B"], 1.0)
+    assert wants.current(1.0) == {"A": ["one"], "B": ["two"]}
+    wants.renew(2, "three", ["B"], 1.0)
+    assert wants.current(1.0) == {"A": ["one"], "B": ["three"]}
+    assert wants.current(LEASE_S) == {"B": ["three"]}
+    wants.renew(2, "three", [], LEASE_S)
+    assert wants.current(LEASE_S) == {}
