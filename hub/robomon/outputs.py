@@ -9,11 +9,9 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import logging
-import logging.handlers
 import os
 import queue
 import selectors
-import sys
 import threading
 import time
 from collections import deque
@@ -22,14 +20,12 @@ from pathlib import Path
 from typing import IO
 
 from hub import folders, logs
+from hub.robomon.log_file import LogFile
 
 _logger = logging.getLogger(__name__)
 
 REMEMBERED_LINES = 1000
 """Lines of each module that can be asked for."""
-FILE_BYTES = 2_000_000
-FILES = 3
-"""Older files that are kept of each module, beside the present one."""
 LINE_BYTES = 4096
 """Longer lines are cut."""
 BYTES_PER_S = 200_000
@@ -38,6 +34,7 @@ _ROOM = 5000
 _CHUNK = 65_536
 _LAST_WORDS_S = 1.0
 _FOLDERS = 9
+_CONTROL = {code: f"\\x{code:02x}" for code in (*range(9), *range(10, 32), *range(127, 160))}
 
 
 @dataclass(slots=True)
@@ -51,22 +48,6 @@ class _Source:
     second: int = 0
     read: int = 0
     left_out: int = 0
-
-
-class _File(logging.handlers.RotatingFileHandler):
-    """A log file; when it cannot be written, that is said once."""
-
-    def __init__(self, path: Path) -> None:
-        super().__init__(path, maxBytes=FILE_BYTES, backupCount=FILES, delay=True, encoding="utf-8")
-        self._said = False
-
-    def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 - logging's name
-        """Say that the file cannot be written."""
-        del record
-        if not self._said:
-            self._said = True
-            text = "the log file %s cannot be written: %s"
-            _logger.error(text, self.baseFilename, sys.exc_info()[1])
 
 
 class Outputs:
@@ -179,7 +160,7 @@ class Outputs:
         self._keep(source, lines)
 
     def _keep(self, source: _Source, lines: list[bytes]) -> None:
-        texts = [line[:LINE_BYTES].decode(errors="replace").rstrip("\r") + "\n" for line in lines]
+        texts = [_readable(line[:LINE_BYTES]) + "\n" for line in lines]
         with self._lock:
             source.lines.extend(texts)
             source.count += len(texts)
@@ -188,18 +169,22 @@ class Outputs:
                 self._written.put_nowait((source.name, text))
 
     def _write(self) -> None:
-        files: dict[str, _File] = {}
+        files: dict[str, LogFile] = {}
         while (item := self._written.get()) is not None:
             name, text = item
             logs.pass_on(text)
             if self._folder is None:
                 continue
             if name not in files:
-                files[name] = _File(self._folder / f"{name}.log")
-                files[name].setFormatter(logging.Formatter("%(message)s"))
-            files[name].handle(logging.makeLogRecord({"msg": text.rstrip("\n")}))
+                files[name] = LogFile(self._folder / f"{name}.log")
+            files[name].write(text, time.monotonic())
         for file in files.values():
             file.close()
+
+
+def _readable(line: bytes) -> str:
+    """The text of a line; control characters, which command terminals, as their numbers."""
+    return line.decode(errors="replace").rstrip("\r").translate(_CONTROL)
 
 
 class LogFolder:
@@ -227,7 +212,9 @@ class LogFolder:
                 _logger.warning("there are no log files: %s: %s", path, error.strerror)
                 break
             self.path = path
-            break
+            return
+        else:
+            _logger.warning("there are no log files: %d daemons write to %s", _FOLDERS, parent)
 
     def close(self) -> None:
         """Leave it to others."""

@@ -1,0 +1,113 @@
+"""What becomes of modules' output: lines fit to be read, and files that survive trouble."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hub.gcm.supervision import LOG_LINES, LogLines
+from hub.robomon import log_file
+from hub.robomon.log_file import FILES, RETRY_S, LogFile
+from hub.robomon.outputs import LINE_BYTES, REMEMBERED_LINES, Outputs, _readable
+from tests.waiting import until
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Iterator[LogFile]:
+    with closing(LogFile(tmp_path / "robot" / "one.log")) as made:
+        yield made
+
+
+def path_of(folder: Path) -> Path:
+    return folder / "robot" / "one.log"
+
+
+def test_deleted_file_and_lost_folder_are_made_anew(file: LogFile, tmp_path: Path) -> None:
+    path = path_of(tmp_path)
+    file.write("a\n", 0.0)
+    path.unlink()
+    file.write("b\n", 0.0)
+    assert path.read_text() == "b\n"
+    shutil.rmtree(path.parent)
+    file.write("c\n", 0.0)
+    assert path.read_text() == "c\n"
+
+
+def test_file_that_cannot_be_written_is_said_once_and_tried_again(
+    file: LogFile, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    path = path_of(tmp_path)
+    path.parent.write_text("no folder")
+    for now in (0.0, 0.1, RETRY_S + 0.1, 2.0 * RETRY_S + 0.2):
+        file.write("lost\n", now)
+    assert caplog.text.count("cannot be written") == 1
+    path.parent.unlink()
+    file.write("lost as well\n", 2.0 * RETRY_S + 0.3)
+    file.write("kept\n", 4.0 * RETRY_S)
+    assert path.read_text() == "kept\n"
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="Linux only")
+def test_full_disk_is_no_fault(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    (tmp_path / "full.log").symlink_to("/dev/full")
+    with closing(LogFile(tmp_path / "full.log")) as file:
+        file.write("lost\n", 0.0)
+    assert "No space left on device" in caplog.text
+
+
+def test_pipe_that_nobody_reads_in_the_place_of_a_file_does_not_block(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.log")
+    with closing(LogFile(tmp_path / "pipe.log")) as file:
+        file.write("lost\n", 0.0)
+
+
+def test_files_rotate(file: LogFile, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(log_file, "FILE_BYTES", 10)
+    for number in range(20):
+        file.write(f"{number:04}\n", 0.0)
+    path = path_of(tmp_path)
+    assert len(list(path.parent.iterdir())) == 1 + FILES
+    assert path.read_text() == "0018\n0019\n"
+    assert Path(f"{path}.{FILES}").read_text() == "0012\n0013\n"
+    with closing(LogFile(path)) as other:
+        other.write("0020\n", 0.0)
+    assert path.read_text() == "0020\n"
+
+
+def spoken(said: bytes) -> list[str]:
+    outputs = Outputs(None)
+    source, pipe = os.pipe()
+    outputs.add("one", source)
+    with os.fdopen(pipe, "wb") as file:
+        file.write(said)
+    until(lambda: not said or outputs.recent("one", 0, 1)[1], 5.0)
+    outputs.close()
+    return outputs.recent("one", 0, REMEMBERED_LINES)[1]
+
+
+def test_what_commands_a_terminal_is_shown_instead() -> None:
+    lines = spoken(b"\x1b]52;c;aGk=\x07 \xc2\x9b2J\0\ttab \xc3\xa9 \xff\r\n")
+    assert lines == ["\\x1b]52;c;aGk=\\x07 \\x9b2J\\x00\ttab \xe9 \ufffd\n"]
+
+
+@given(st.binary(max_size=300))
+def test_any_output_fits_into_an_answer(said: bytes) -> None:
+    text = "".join(_lines(said))
+    payload = b"".join(LOG_LINES.encode(LogLines(first=1, next=2, text=text)))
+    assert LOG_LINES.decode(payload).text == text
+    assert all(c == "\t" or c == "\n" or c.isprintable() or ord(c) >= 160 for c in text)
+
+
+def _lines(said: bytes) -> list[str]:
+    return [_readable(line) + "\n" for line in said.split(b"\n")]
+
+
+def test_endless_line_is_cut() -> None:
+    assert max(map(len, spoken(b"x" * 100_000))) == LINE_BYTES + 1
