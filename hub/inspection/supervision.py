@@ -9,7 +9,13 @@ import time
 from collections.abc import Sequence
 from typing import Any
 
-from hub.errors import HubError, NoHandlerError, QueryError, QueryTimeoutError
+from hub.errors import (
+    HandlerFailedError,
+    HubError,
+    NoHandlerError,
+    QueryError,
+    QueryTimeoutError,
+)
 from hub.gcm import supervision
 from hub.gcm.supervision import CapabilityPhase, ModuleOrder
 from hub.inspection import values
@@ -103,35 +109,42 @@ def want(client: Client, wanted: Sequence[str], *, seconds: float) -> int:
 
 def logs(client: Client, module: str, *, lines: int, follow: bool) -> int:
     """Show what a module has written lately, and with `follow` what it writes from now on."""
-    shown = _lines(client, module, 0, lines)
-    sys.stdout.write(shown.text)
-    sys.stdout.flush()
+    try:
+        shown = _lines(client, module, 0, lines)
+    except NoHandlerError as error:
+        raise _no_daemon(client) from error
+    _show(shown)
     if not shown.text:
         sys.stderr.write(f"rune-hub: {module} has written nothing since this hub was started\n")
+    next_line = shown.next
     while follow:
         client.listen(_FOLLOW_S)
         try:
-            shown = _lines(client, module, shown.next, _MOST_LINES)
-        except QueryError:
-            if client.connected:
-                raise
-            shown = supervision.LogLines(first=1, next=1, text="")  # the hub begins anew
+            shown = _lines(client, module, next_line, _MOST_LINES)
+        except HandlerFailedError:
+            raise
+        except QueryError as error:
+            # Without a daemon, another is on its way, which counts anew; or it is busy.
+            if not client.connected or isinstance(error, NoHandlerError):
+                next_line = 1
             continue
-        if not client.connected:
-            continue
-        sys.stdout.write(shown.text)
-        sys.stdout.flush()
+        if shown.next < next_line:  # it is another daemon, which began while we did not ask
+            shown = supervision.LogLines(first=1, next=1, text="")
+        _show(shown)
+        next_line = shown.next
     return 0
+
+
+def _show(shown: supervision.LogLines) -> None:
+    sys.stdout.write(shown.text)
+    sys.stdout.flush()
 
 
 def _lines(client: Client, module: str, first: int, most: int) -> supervision.LogLines:
     request = supervision.LogRequest(module=module, first=first, most=min(most, _MOST_LINES))
-    try:
-        return client.query_response(
-            supervision.LOG_REQUEST, request, supervision.LOG_LINES, timeout=_ANSWER_S
-        )
-    except NoHandlerError as error:
-        raise _no_daemon(client) from error
+    return client.query_response(
+        supervision.LOG_REQUEST, request, supervision.LOG_LINES, timeout=_ANSWER_S
+    )
 
 
 def _last(client: Client, definition: Any) -> Any:  # noqa: ANN401 - a report of any kind
