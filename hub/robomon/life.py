@@ -36,7 +36,7 @@ class Life:
         phase: What is done with it.
         why: Why it is in this phase, for people, after its name: "was stopped by somebody".
         pid: Process id; 0 while it has no process.
-        since: When it was started last.
+        since: When it was started last, or was to be.
         starts: How often it was started.
         provides: Its capabilities, as far as known.
         needs: What it needs of others, as far as known.
@@ -108,6 +108,7 @@ class Life:
 
     def not_started(self, why: str, now: float) -> None:
         """The system could not start it."""
+        self.since = now
         self._fail(why, now)
 
     def announced(self, pid: int, now: float) -> bool:

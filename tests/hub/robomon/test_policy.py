@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -546,3 +547,17 @@ def test_wants_that_change_or_end_are_seen_at_once() -> None:
     assert wants.current(LEASE_S) == {"B": ["three"]}
     wants.renew(2, "three", [], LEASE_S)
     assert wants.current(LEASE_S) == {}
+
+
+def test_module_that_cannot_be_started_is_tried_with_pauses() -> None:
+    """A program may lie on a disk that is there a moment later."""
+    supervisor, tries = Supervisor([spec("one", restart_limit=5)]), []
+    for step in range(2000):
+        now = 100.0 + STEP_S * step
+        for life, deed in supervisor.step(now):
+            assert deed is Deed.START
+            tries.append(now)
+            life.not_started("cannot be started", now)
+    pauses = [later - earlier for earlier, later in itertools.pairwise(tries)]
+    assert pauses == pytest.approx([STEP_S, 0.2, 0.4, 0.8, 1.6], abs=1.5 * STEP_S)
+    assert supervisor.lives["one"].phase is ModulePhase.FAILED
