@@ -63,6 +63,7 @@ class Life:
         self._early = 0
         self._earlier: deque[int] = deque(maxlen=_REMEMBERED)
         self._heard = 0.0
+        self._heard_itself = False
         self._start_at = 0.0
         self._stopping_since = 0.0
         self._done = 0
@@ -102,6 +103,7 @@ class Life:
     def started(self, pid: int, now: float) -> None:
         """Its process was started."""
         self.pid, self.since, self._heard = pid, now, now
+        self._heard_itself = False
         self.starts += 1
         announces = self.spec.keep_alive_s > 0.0
         self._enter(ModulePhase.STARTING if announces else ModulePhase.RUNNING, "was started")
@@ -112,8 +114,15 @@ class Life:
         self._fail(why, now)
 
     def announced(self, pid: int, now: float) -> bool:
-        """It says that it lives; False if that is from a process before this one."""
-        if pid in self._earlier or not self.has_process:
+        """It says that it lives; False if that is from a process before this one, or another.
+
+        Where the process itself was never heard, it may have started the one that speaks.
+        """
+        if not self.has_process:
+            return False
+        if pid == self.pid:
+            self._heard_itself = True
+        elif self._heard_itself or pid in self._earlier:
             return False
         self._heard = now
         if self.phase is ModulePhase.STARTING:

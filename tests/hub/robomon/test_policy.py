@@ -561,3 +561,33 @@ def test_module_that_cannot_be_started_is_tried_with_pauses() -> None:
     pauses = [later - earlier for earlier, later in itertools.pairwise(tries)]
     assert pauses == pytest.approx([STEP_S, 0.2, 0.4, 0.8, 1.6], abs=1.5 * STEP_S)
     assert supervisor.lives["one"].phase is ModulePhase.FAILED
+
+
+def test_others_do_not_speak_for_a_module_that_hangs() -> None:
+    world = World(spec("one", "VID", keep_alive_s=2.0))
+    world.behave = ways(hang_at=1.0)
+    for _ in range(100):
+        world.run(STEP_S)
+        if world.now - world["one"].since > 0.5:  # it was heard itself by then
+            world.supervisor.announced("one", 5, ["LIE"], [], world.now)
+        assert world["one"].provides == {"VID"}
+    assert len(world.starts("one")) == 2
+
+
+def test_module_started_by_a_script_is_heard() -> None:
+    """Also when the script starts it anew under another process id."""
+    world = World(spec("one", "VID", keep_alive_s=2.0))
+    world.behave = ways(announce_at=1000.0)
+    for step in range(100):
+        world.run(STEP_S)
+        world.supervisor.announced("one", 5 + step // 50, ["VID"], [], world.now)
+    assert world["one"].phase is ModulePhase.RUNNING
+    assert len(world.starts("one")) == 1
+
+
+def test_process_id_that_was_used_before_is_heard() -> None:
+    life = Life(spec("one"))
+    life.started(7, 0.0)
+    life.ended("crashed", 1.0)
+    life.started(7, 2.0)
+    assert life.announced(7, 3.0)
