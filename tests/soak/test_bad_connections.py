@@ -110,7 +110,7 @@ def test_three_hundred_thousand_subscriptions_of_one_peer(
     _flood(make_rig, tell, transport=transport, count=300_000, rounds=5, timed=True)
 
 
-@pytest.mark.parametrize("transport", ["tcp", "ipc"])
+@pytest.mark.parametrize("transport", ["tcp", pytest.param("ipc", marks=pytest.mark.soak)])
 def test_flood_of_subscriptions_is_ended_and_good_ones_are_not(
     make_rig: Callable[..., Rig], tell: Callable[..., None], transport: str
 ) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from tests.system.harness import ConsoleProcess, HubProcess, Observer
+from tests.system.harness import MODULES, ConsoleProcess, HubProcess, Observer
 
 LAYOUT = """<rune run="1">
   <robot name="magellan" hub="{hub}">
@@ -59,6 +59,20 @@ def start_hub(tmp_path: Path, stack: ExitStack) -> Callable[..., HubProcess]:
 @pytest.fixture
 def hub(start_hub: Callable[..., HubProcess]) -> HubProcess:
     return start_hub()
+
+
+@pytest.fixture(scope="module")
+def lasting_hub(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[HubProcess]:
+    """A hub for the tests of a file that leave its processes alone; its modules: `HUB_MODULES`."""
+    modules = getattr(request.module, "HUB_MODULES", MODULES)
+    folder = tmp_path_factory.mktemp("hub")
+    with pytest.MonkeyPatch.context() as patch, ExitStack() as stack:
+        patch.setenv("XDG_STATE_HOME", str(folder))
+        hub = HubProcess(folder, modules=modules)
+        stack.enter_context(closing(hub))
+        yield hub
 
 
 @pytest.fixture

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import re
 import shlex
 import signal
@@ -14,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from hub import cli as hub_cli
 from hub.ipc.keyring import Keyring, default_folder
 from hub.ipc.security import Role
 from tests.system.harness import ConsoleProcess, HubProcess
@@ -21,7 +21,7 @@ from tests.waiting import until
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
-ALL_MODULES = ("driver", "navigation", "vision", "mapping", "autonomy")
+HUB_MODULES = ("driver", "navigation", "vision", "mapping", "autonomy")
 MODULES = {"rune": "rune_tui", "rune-hub": "hub"}
 
 
@@ -40,28 +40,17 @@ ALL = [
 ]
 
 
-@pytest.fixture(scope="module")
-def page_hub(tmp_path_factory: pytest.TempPathFactory) -> Iterator[HubProcess]:
-    """One hub for the commands of all pages: those of these leave it as it was."""
-    folder = tmp_path_factory.mktemp("hub")
-    with pytest.MonkeyPatch.context() as patch, contextlib.ExitStack() as stack:
-        patch.setenv("XDG_STATE_HOME", str(folder))
-        hub = HubProcess(folder, modules=ALL_MODULES)
-        stack.enter_context(closing(hub))
-        yield hub
-
-
 def test_there_are_commands() -> None:
     assert len(ALL) > 10
 
 
 @pytest.mark.parametrize("command", ALL)
 def test_command_works(
-    command: str, page_hub: HubProcess, request: pytest.FixtureRequest, tmp_path: Path
+    command: str, lasting_hub: HubProcess, request: pytest.FixtureRequest, tmp_path: Path
 ) -> None:
     words = shlex.split(command)
     if words[0] == "rune-hub" and words[1] in ("start", "stop", "restart"):
-        page_hub = request.getfixturevalue("hub")  # it has other processes afterwards
+        lasting_hub = request.getfixturevalue("hub")  # it has other processes afterwards
     if words[0] == "make":
         targets = re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
         assert words[1] in targets
@@ -70,9 +59,9 @@ def test_command_works(
     elif words[:2] == ["rune-hub", "run"]:
         _starts_and_ends(words, tmp_path)
     elif words[:2] in (["rune", "demo"], ["rune", "run"]):
-        _shows_a_picture(words, page_hub)
+        _shows_a_picture(words, lasting_hub)
     else:
-        _succeeds(words, page_hub, tmp_path)
+        _succeeds(words, lasting_hub, tmp_path)
 
 
 def _starts_and_ends(words: list[str], folder: Path) -> None:
@@ -107,6 +96,12 @@ def _succeeds(words: list[str], hub: HubProcess, folder: Path) -> None:
             Keyring(default_folder()).make(words[3], Role.OBSERVE)
     elif words[0] == "rune-hub" and words[1] not in ("doctor", "service"):
         arguments += ["--hub", hub.endpoint]
+        if "-r" not in arguments:  # in this process, as starting another takes most of the time
+            with pytest.MonkeyPatch.context() as patch:
+                patch.chdir(folder)
+                patch.setattr(hub_cli, "start_logging", lambda *_: None)
+                assert hub_cli.main(arguments) == 0
+            return
     process = subprocess.Popen(
         [sys.executable, "-m", MODULES[words[0]], *arguments],
         cwd=folder,

@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
-from tests.system.harness import ConsoleProcess, Observer
+import pytest
+
+from tests.system.harness import ConsoleProcess, HubProcess, Observer
 
 STILL = 1e-3
+
+
+@pytest.fixture
+def hub(lasting_hub: HubProcess) -> HubProcess:
+    return lasting_hub
 
 
 def test_w_drives_forward_and_letting_go_stops(console: ConsoleProcess, observer: Observer) -> None:

@@ -12,6 +12,11 @@ import pytest
 from tests.system.harness import ConsoleProcess, HubProcess
 
 
+@pytest.fixture
+def hub(lasting_hub: HubProcess) -> HubProcess:
+    return lasting_hub
+
+
 def run(*arguments: str) -> tuple[int, str, str]:
     done = subprocess.run(
         [sys.executable, "-m", *arguments],

@@ -23,6 +23,11 @@ RUBBISH = [
 ]
 
 
+@pytest.fixture
+def hub(lasting_hub: HubProcess) -> HubProcess:
+    return lasting_hub
+
+
 def test_no_input_ends_the_console(console: ConsoleProcess) -> None:
     chance = random.Random(3)
     for rubbish in [*RUBBISH, chance.randbytes(300).translate(None, b"\x03qQ")]:
