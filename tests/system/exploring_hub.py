@@ -80,17 +80,21 @@ class Tour:
 
     def mapped_share(self) -> float:
         """How much of the ground that the robot can stand on is known in the map, 0 to 1."""
-        arena, grid = load_arena(self.arena), self.grid()
-        places = np.argwhere(_standable(arena)) * RESOLUTION + RESOLUTION / 2.0
-        # The map's origin is where the robot started, its x axis where it looked then.
-        away = places[:, ::-1] - (arena.start.x, arena.start.y)
-        cos, sin = math.cos(arena.start.theta), math.sin(arena.start.theta)
-        x, y = away[:, 0] * cos + away[:, 1] * sin, away[:, 1] * cos - away[:, 0] * sin
-        rows = np.floor((y - grid.origin_y) / grid.resolution).astype(int)
-        columns = np.floor((x - grid.origin_x) / grid.resolution).astype(int)
-        inside = (rows >= 0) & (rows < grid.height_cells) & (columns >= 0)
-        inside &= columns < grid.width_cells
-        return float((grid.cells[rows[inside], columns[inside]] >= 0).sum() / len(places))
+        return mapped_share(load_arena(self.arena), self.grid())
+
+
+def mapped_share(arena: Arena, grid: Grid) -> float:
+    """How much of the ground that the robot can stand on is known in a map, 0 to 1."""
+    places = np.argwhere(_standable(arena)) * RESOLUTION + RESOLUTION / 2.0
+    # The map's origin is where the robot started, its x axis where it looked then.
+    away = places[:, ::-1] - (arena.start.x, arena.start.y)
+    cos, sin = math.cos(arena.start.theta), math.sin(arena.start.theta)
+    x, y = away[:, 0] * cos + away[:, 1] * sin, away[:, 1] * cos - away[:, 0] * sin
+    rows = np.floor((y - grid.origin_y) / grid.resolution).astype(int)
+    columns = np.floor((x - grid.origin_x) / grid.resolution).astype(int)
+    inside = (rows >= 0) & (rows < grid.height_cells) & (columns >= 0)
+    inside &= columns < grid.width_cells
+    return float((grid.cells[rows[inside], columns[inside]] >= 0).sum() / len(places))
 
 
 def _standable(arena: Arena) -> np.ndarray:

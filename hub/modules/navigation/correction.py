@@ -53,6 +53,10 @@ class PoseCorrection:
         """The pose in `map` of a pose in `odom` [m, m, rad]."""
         return self.odom.then(Pose(x=x, y=y, theta=theta))
 
+    def shift(self, thought: Pose, real: Pose) -> None:
+        """The robot, thought to be at one pose in `map`, is really at another."""
+        self.odom = real.then(_seen_from(thought, self.odom))
+
     def correct(self, landmark: LandmarkCorrection, robot: Pose, now: float) -> str:
         """Correct by a landmark that is seen now.
 
@@ -96,6 +100,12 @@ class PoseCorrection:
         should_be = math.atan2(known_y, known_x)
         turn = wrapped(should_be - math.atan2(seen_y, seen_x) - self.odom.theta)
         return turn if abs(turn) <= LARGEST_TURN else None
+
+
+def _seen_from(pose: Pose, other: Pose) -> Pose:
+    """Another pose of the same frame in the frame of this one."""
+    x, y = pose.inward(other.x, other.y)
+    return Pose(x=x, y=y, theta=wrapped(other.theta - pose.theta))
 
 
 def _plausible(landmark: LandmarkCorrection) -> bool:

@@ -24,7 +24,9 @@ from hub.grids.planner import plan
 from hub.modules.navigation.assistance import AssistanceSwitch
 from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.dynamic_window import Body, DynamicWindow
-from hub.modules.navigation.obstacle_memory import ObstacleMemory, Scan
+from hub.modules.navigation.hindrances import Hindrances
+from hub.modules.navigation.matching import Sightings, drift
+from hub.modules.navigation.obstacle_memory import ObstacleMemory, Scan, wrapped
 from hub.modules.navigation.poses import Pose
 from hub.modules.navigation.task import LARGEST_TURN, Aim, Errand, refusal
 
@@ -36,6 +38,13 @@ SLOW_DOWN = 0.5
 """How softly the robot comes to a goal [m/s^2]."""
 DETOUR = 5.0
 """So far beyond robot and goal the part of the map reaches that is asked for first [m]."""
+HINDERS = 0.6
+"""What holds the robot up is nearer than this [m], and not farther aside than HINDERS_ASIDE."""
+HINDERS_ASIDE = math.radians(60.0)
+SEEN_S = 10.0
+"""An older map is not laid what is seen onto [s]: it may be another one by now."""
+BLIND = 0.11
+"""What is nearer to the rim than this [m] infrared sensors cannot measure."""
 PLAN_AGAIN_S = 1.0
 """A way that was left is not planned anew sooner than this [s]."""
 
@@ -58,9 +67,13 @@ class Pilot:
         self._body = body
         self._window = DynamicWindow(body)
         self._obstacles = ObstacleMemory(body.radius)
+        self._hindrances = Hindrances()
+        self._sightings = Sightings()
         self._switch = AssistanceSwitch()
         self._drive: DriveState | None = None
         self._map: Grid | None = None
+        self._seen_on: Grid | None = None
+        self._seen_at = -math.inf
         self._whole = False
         self._planned_at = -math.inf
         self._planned_for: tuple[float, float] | None = None
@@ -83,6 +96,8 @@ class Pilot:
             bumpers=drive.bumpers,
         )
         self._obstacles.scanned(scan, now)
+        here = Pose(x=drive.x, y=drive.y, theta=drive.theta)
+        self._sightings.scanned(here, drive.sonar, drive.infrared, self._body.radius + BLIND)
 
     def assisted(self, wanted: Velocity, now: float) -> Velocity:
         """What is left of the velocity that an operator wants [m/s, rad/s]."""
@@ -110,7 +125,9 @@ class Pilot:
             self.errand.astray(self.pose) and now - self._planned_at > PLAN_AGAIN_S
         ):
             self._plan(now)
-        return self._heading_for(aim, drive)
+        given = self._heading_for(aim, drive)
+        self._look_for_hindrances(aim, drive, given, now)
+        return given
 
     def go(self, goal: GoalCommand, sender: int, now: float) -> str:
         """Begin to go to points, or end what is under way if there are none.
@@ -157,7 +174,9 @@ class Pilot:
 
     def mapped(self, grid: Grid | None, now: float) -> None:
         """A map has come; None: there is none."""
+        self._match(now)
         self._map = None if grid is None else known_part(grid)
+        self._seen_on, self._seen_at = self._map, now
         self._plan(now)
 
     def assist(self, assistance: Assistance, now: float) -> None:
@@ -174,6 +193,37 @@ class Pilot:
         fastest = min(aim.limit, math.sqrt(2.0 * SLOW_DOWN * aim.left))
         return self._window.to_goal((drive.linear, drive.angular), carrot, fastest, points)
 
+    def _look_for_hindrances(
+        self, aim: Aim, drive: DriveState, given: Velocity, now: float
+    ) -> None:
+        """Plan anew round what keeps the robot from going where it looks already."""
+        bearing = math.atan2(*reversed(self.pose.inward(aim.x, aim.y)))
+        still = given[0] == 0.0 and abs(bearing) < HINDERS_ASIDE / 2.0
+        if not self._hindrances.held(still=still, now=now):
+            return
+        x, y = self._obstacles.points(*_odom(drive), HINDERS)
+        ahead = np.abs(wrapped(np.arctan2(y, x) - bearing)) < HINDERS_ASIDE
+        x, y = x[ahead], y[ahead]
+        here = self.pose
+        cosine, sine = math.cos(here.theta), math.sin(here.theta)
+        self._hindrances.note(here.x + x * cosine - y * sine, here.y + x * sine + y * cosine, now)
+        self._plan(now)
+        self.errand.goes_round(here, now)
+
+    def _match(self, now: float) -> None:
+        """Lay what was seen since the last map onto that map, and correct the pose."""
+        x, y = self._sightings.taken()
+        if self._seen_on is None or self._drive is None or now - self._seen_at > SEEN_S:
+            return
+        odom = self.correction.odom
+        cosine, sine = math.cos(odom.theta), math.sin(odom.theta)
+        x, y = odom.x + x * cosine - y * sine, odom.y + x * sine + y * cosine
+        here = self.pose
+        moved = drift(self._seen_on, x, y, here)
+        if moved is not None:
+            there = Pose(x=here.x + moved.x, y=here.y + moved.y, theta=here.theta + moved.theta)
+            self.correction.shift(here, there)
+
     def _plan(self, now: float) -> None:
         """Plan the way to the present point on the map, if there is one."""
         goal = self.errand.goal
@@ -183,7 +233,11 @@ class Pilot:
             return
         here = self.pose
         radius = self._body.radius + self._body.margin
-        way = plan(self._map, (here.x, here.y), goal, radius=radius)
+        grid = self._hindrances.onto(self._map, now)
+        way = plan(grid, (here.x, here.y), goal, radius=radius)
+        if way is None and grid is not self._map:
+            self._hindrances.forget()
+            way = plan(self._map, (here.x, here.y), goal, radius=radius)
         if way is not None:
             self.errand.planned(way)
         elif self._whole:

@@ -13,7 +13,7 @@ from itertools import pairwise
 
 from hub.gcm.navigation import GoalCommand, Task, TurnCommand
 from hub.modules.navigation.poses import Pose, wrapped
-from hub.modules.navigation.route import OFF, Route, Way
+from hub.modules.navigation.route import CARROT, OFF, Route, Way
 
 REACHED = 0.1
 """A point counts as reached from so far off [m]."""
@@ -25,6 +25,15 @@ BLOCKED_S = 8.0
 """Without headway for this long [s] there is no way."""
 HEADWAY = 0.1
 """Coming nearer by this is headway [m, or rad for a turn]."""
+OCCUPIED = 0.4
+"""Who is held up so near to a point [m] finds it occupied."""
+CLOSELY = 0.2
+"""So far along the way lies the point that the robot heads for after it was held up [m]: heading
+for one that is farther off it would cut the corner again."""
+CLOSELY_S = 5.0
+"""So long it follows its way closely then [s]."""
+MOST_ROUNDS = 3
+"""So often in turn a longer way round something new does not count as a lack of headway."""
 MOST_POINTS = 1000
 """A goal of more points than this is refused."""
 FARTHEST = 1e4
@@ -80,6 +89,8 @@ class Errand:
         self._best = math.inf
         self._best_at = 0.0
         self._arrived = False
+        self._rounds = 0
+        self._closely_until = -math.inf
 
     @property
     def active(self) -> bool:
@@ -119,6 +130,19 @@ class Errand:
         """There is a new plan for the way to the present point; None: go straight."""
         self.route = None if way is None else Route(way)
 
+    def goes_round(self, pose: Pose, now: float) -> None:
+        """Something that was not on the map is in the way: headway counts from here on.
+
+        If it is as near as the goal, nothing leads round it.
+        """
+        goal = self.goal
+        if goal is not None and math.dist(goal, (pose.x, pose.y)) <= OCCUPIED:
+            self.end(Task.BLOCKED, "something stands there")
+        elif self._rounds < MOST_ROUNDS:
+            self._rounds += 1
+            self._closely_until = now + CLOSELY_S
+            self._best, self._best_at = math.inf, now
+
     def astray(self, pose: Pose) -> bool:
         """Whether the robot has left its way."""
         return self.route is not None and self.route.ahead(pose)[2] > OFF
@@ -144,6 +168,8 @@ class Errand:
         self.points, self.route, self.distance_left = (), None, math.nan
         self._theta, self._limit = math.nan, math.inf
         self._arrived = False
+        self._rounds = 0
+        self._closely_until = -math.inf
         self._best, self._best_at = math.inf, now
 
     def _next_point(self, now: float) -> None:
@@ -155,7 +181,8 @@ class Errand:
         if self.route is None:
             carrot, left = self.points[0], away
         else:
-            carrot, left, _ = self.route.ahead(pose)
+            length = CLOSELY if now < self._closely_until else CARROT
+            carrot, left, _ = self.route.ahead(pose, length)
         later = sum(math.dist(a, b) for a, b in pairwise(self.points))
         self.distance_left = left + later
         if not self._headway(left, now):

@@ -72,3 +72,13 @@ def test_what_cannot_be_is_refused(wrong: float) -> None:
         numbers = {"x": 1.0, "y": 1.0, "seen_x": 1.0, "seen_y": 0.0, field: wrong}
         assert "refused" in correction.correct(LandmarkCorrection(**numbers), Pose(), 0.0)
         assert correction.odom == Pose()
+
+
+def test_a_shift_leads_from_where_the_robot_is_thought_to_be_to_where_it_is() -> None:
+    correction = PoseCorrection()
+    correction.odom = Pose(x=1.0, y=-2.0, theta=0.5)
+    robot = (0.3, 0.7, -1.0)
+    real = Pose(x=4.0, y=5.0, theta=0.2)
+    correction.shift(correction.pose(*robot), real)
+    now = correction.pose(*robot)
+    assert (now.x, now.y, now.theta) == pytest.approx((real.x, real.y, real.theta))

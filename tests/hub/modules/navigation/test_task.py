@@ -8,7 +8,16 @@ import pytest
 
 from hub.gcm.navigation import GoalCommand, Point, Task, TurnCommand
 from hub.modules.navigation.poses import Pose
-from hub.modules.navigation.task import BLOCKED_S, MOST_POINTS, Errand, refusal
+from hub.modules.navigation.task import (
+    BLOCKED_S,
+    CLOSELY,
+    CLOSELY_S,
+    MOST_POINTS,
+    MOST_ROUNDS,
+    OCCUPIED,
+    Errand,
+    refusal,
+)
 
 
 def goal(*places: tuple[float, float], theta: float = math.nan) -> GoalCommand:
@@ -63,6 +72,36 @@ def test_with_headway_it_is_not_blocked() -> None:
     errand = going((20.0, 0.0))
     for second in range(60):
         assert errand.aim(Pose(x=0.2 * second), float(second)) is not None
+
+
+def test_a_way_round_something_new_counts_anew_but_not_for_ever() -> None:
+    errand = going((2.0, 0.0))
+    errand.aim(Pose(), 0.0)
+    for number in range(1, MOST_ROUNDS + 1):
+        now = number * (BLOCKED_S - 1.0)
+        errand.goes_round(Pose(), now)
+        assert errand.aim(Pose(), now + 0.5) is not None
+    errand.goes_round(Pose(), now + BLOCKED_S - 1.0)
+    assert errand.aim(Pose(), now + BLOCKED_S + 1.0) is None
+    assert errand.task is Task.BLOCKED
+
+
+def test_a_point_where_something_stands_is_not_waited_for() -> None:
+    errand = going((2.0, 0.0))
+    errand.goes_round(Pose(x=2.0 - 0.9 * OCCUPIED), 1.0)
+    assert errand.task is Task.BLOCKED
+
+
+def test_who_was_held_up_follows_its_way_closely() -> None:
+    errand = going((2.0, 0.0))
+    errand.planned(((0.0, 0.0), (2.0, 0.0)))
+    errand.goes_round(Pose(), 1.0)
+    aim = errand.aim(Pose(), 1.1)
+    assert aim is not None
+    assert aim.x == pytest.approx(CLOSELY)
+    aim = errand.aim(Pose(), 1.1 + CLOSELY_S)
+    assert aim is not None
+    assert aim.x > CLOSELY + 0.1
 
 
 def test_more_than_a_whole_turn_is_turned() -> None:
