@@ -21,7 +21,7 @@ FEWEST = 40
 LEAST_SHARE = 0.5
 """So much of what is possible the points have to agree with the map in the end [share]."""
 
-_MOST = 400
+_MOST = 200
 _SPREAD = 0.05
 """Standard deviation of points and walls of the map [m]."""
 _CAP = 0.25

@@ -199,7 +199,7 @@ class Pilot:
         """Plan anew round what keeps the robot from going where it looks already."""
         bearing = math.atan2(*reversed(self.pose.inward(aim.x, aim.y)))
         still = given[0] == 0.0 and abs(bearing) < HINDERS_ASIDE / 2.0
-        if not self._hindrances.held(still=still, now=now):
+        if not self._hindrances.held(still=still, now=now) or self._map is None:
             return
         x, y = self._obstacles.points(*_odom(drive), HINDERS)
         ahead = np.abs(wrapped(np.arctan2(y, x) - bearing)) < HINDERS_ASIDE

@@ -11,6 +11,7 @@ from hub.gcm.navigation import Assistance, GoalCommand, Point, Task, TurnCommand
 from hub.grids.grid import Grid
 from hub.modules.navigation.assistance import LAPSE_S
 from hub.modules.navigation.pilot import known_part
+from hub.modules.navigation.poses import Pose as PilotPose
 from hub.sim.arena import Arena, load_arena
 from hub.sim.geometry import Pose
 from tests.hub.modules.navigation.drives import Drive, random_start
@@ -122,6 +123,41 @@ def test_with_a_map_it_finds_the_way_around() -> None:
     drive.carry_out(90.0)
     assert drive.pilot.errand.task is Task.REACHED
     assert drive.truth.contacts == 0
+
+
+def test_it_finds_a_way_round_a_wall_that_the_map_does_not_show() -> None:
+    # The map lacks the inner wall east of the doorway between corridor and living room.
+    start = Pose(x=6.0, y=5.0, theta=math.pi / 2.0)
+    drive = Drive(YELLOW, start)
+    drive.push(0.0, 0.0, 0.1)
+    whole = seen_from(YELLOW, start)
+    column = whole.cell(1.0, 0.0)[1]
+    whole.cells[:, column - 3 : column + 4] = 0
+    drive.pilot.go(goal((1.9, 0.0)), 7, drive.now)
+    drive.pilot.mapped(whole, drive.now)
+    route = drive.pilot.errand.route
+    assert route is not None
+    assert max(abs(y) for _, y in route.way) < 0.5, "through the wall"
+    drive.carry_out(60.0)
+    assert drive.pilot.errand.task is Task.REACHED
+    assert drive.truth.contacts == 0
+
+
+def test_the_pose_is_put_right_by_what_is_seen_of_the_map() -> None:
+    start = Pose(x=4.1, y=5.4, theta=math.pi / 2.0)
+    drive = Drive(YELLOW, start)
+    drive.push(0.0, 0.0, 0.1)
+    true_map = seen_from(YELLOW, start)
+    drive.pilot.correction.odom = PilotPose(x=0.12, y=-0.1, theta=0.12)
+    for _ in range(8):
+        drive.pilot.mapped(true_map, drive.now)
+        drive.push(0.0, 0.3, 1.5)
+    drive.pilot.mapped(true_map, drive.now)
+    thought, truth = drive.pilot.pose, drive.truth
+    true_x, true_y = truth.y - start.y, start.x - truth.x
+    # Walls of this map are solid and 10 cm thick: a point fits anywhere in them.
+    assert math.hypot(thought.x - true_x, thought.y - true_y) < 0.1
+    assert abs(math.remainder(thought.theta - (truth.theta - start.theta), math.tau)) < 0.05
 
 
 def seen_from(arena: Arena, start: Pose) -> Grid:
