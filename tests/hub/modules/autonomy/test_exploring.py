@@ -10,9 +10,11 @@ import pytest
 from hub.gcm.autonomy import Behaviour
 from hub.gcm.navigation import Task
 from hub.grids.clearance import clearance
+from hub.grids.frontiers import Frontier
 from hub.grids.grid import Grid
 from hub.grids.planner import line_cost, plan
-from hub.modules.autonomy.exploring import TRIES
+from hub.modules.autonomy.errands import Sight, Target
+from hub.modules.autonomy.exploring import REST_S, TRIES, Explore, worth
 from tests.hub.modules.autonomy.scene import RADIUS, Scene, hall
 
 BUILDING = """
@@ -127,6 +129,26 @@ def test_another_place_comes_first_while_one_rests() -> None:
     scene.wait(3.0)
     first, second = scene.targets
     assert (first[1] < 1.0) != (second[1] < 1.0), "the two halves of the hall"
+
+
+def test_a_place_where_it_was_in_vain_comes_after_all_others_even_when_it_has_rested() -> None:
+    grid = hall(known=30)
+    grid.cells[19:21, 1:30] = 100
+    grid.cells[19:21, 5:12] = 0
+    explore = Explore(RADIUS)
+    first = explore.choose(Sight(x=0.0, y=0.0, grid=grid, fresh=True, now=0.0))
+    assert isinstance(first, Target)
+    explore.blocked(first, 1, 0.0)
+    later = Sight(x=0.0, y=0.0, grid=grid, fresh=True, now=REST_S + 1.0)
+    second = explore.choose(later)
+    assert isinstance(second, Target)
+    assert (first.points[0].y < 1.0) != (second.points[0].y < 1.0), "the two halves of the hall"
+
+
+def test_a_room_behind_a_narrow_door_is_worth_more_than_a_gap_near_by() -> None:
+    room = Frontier(x=0.0, y=0.0, length=1.8, distance=20.0)
+    gap = Frontier(x=0.0, y=0.0, length=0.45, distance=1.5)
+    assert worth(room) > worth(gap)
 
 
 def test_a_frontier_that_is_gone_is_not_gone_to() -> None:
