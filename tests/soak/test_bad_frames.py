@@ -102,6 +102,7 @@ def test_rogue_central_cannot_hurt_its_client(
     _attack_client(make_rig, tell, FRAMES // 4, AT_MOST_S / 2)
 
 
+@pytest.mark.soak
 def test_five_thousand_bad_frames_to_a_client(
     make_rig: Callable[..., Rig], tell: Callable[..., None]
 ) -> None:

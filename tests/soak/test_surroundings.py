@@ -133,6 +133,7 @@ def test_two_hundred_clients_come_and_go(
     _crowd(make_rig, tell, _CROWD, CROWD_S)
 
 
+@pytest.mark.soak
 def test_twenty_clients_come_and_go(
     make_rig: Callable[..., Rig], tell: Callable[..., None]
 ) -> None:
@@ -203,7 +204,8 @@ def wall_clock(tmp_path: Path) -> tuple[dict[str, str], Callable[[int], None]]:
     return {**os.environ, "LD_PRELOAD": str(library), "RUNE_WALL_CLOCK": str(file)}, step
 
 
-@pytest.mark.parametrize("timed", [False, pytest.param(True, marks=pytest.mark.soak)])
+@pytest.mark.soak
+@pytest.mark.parametrize("timed", [False, True])
 def test_steps_of_the_wall_clock_are_not_noticed(
     make_rig: Callable[..., Rig],
     tell: Callable[..., None],

@@ -20,6 +20,7 @@ from typing import Any
 
 import psutil
 import pyte
+import pytest
 
 from hub.gcm import navigation
 from hub.ipc.client import Client
@@ -53,6 +54,11 @@ def robot_file(
     """A robot file; `gateway` is lines of its table of the hub, `tables` are more tables."""
     lines = "\n".join(f'[modules.{name}]\nrun = "hub.modules.{name}"' for name in modules)
     return ROBOT_FILE.format(arena=arena, port=port, gateway=gateway, modules=lines) + tables
+
+
+def in_soak(*values: Any) -> list[Any]:
+    """Parameters of a test that are tried in `make soak` only."""
+    return [pytest.param(value, marks=pytest.mark.soak) for value in values]
 
 
 _FRESH_S = 0.08

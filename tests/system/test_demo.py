@@ -7,7 +7,7 @@ from contextlib import ExitStack, closing
 
 import pytest
 
-from tests.system.harness import ConsoleProcess, family, gone
+from tests.system.harness import ConsoleProcess, family, gone, in_soak
 from tests.waiting import until
 
 
@@ -28,7 +28,7 @@ def test_shows_a_picture_drives_and_leaves_nothing_behind(demo: ConsoleProcess) 
     until(lambda: gone(processes), 10.0, "processes are left")
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGKILL])
+@pytest.mark.parametrize("number", [signal.SIGKILL, *in_soak(signal.SIGTERM, signal.SIGHUP)])
 def test_its_hub_ends_with_it_however_it_ends(demo: ConsoleProcess, number: signal.Signals) -> None:
     demo.wait_for_picture()
     processes = family(demo.process.pid)

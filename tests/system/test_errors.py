@@ -105,7 +105,7 @@ def test_picture_of_an_unknown_kind(tmp_path: Path) -> None:
     assert ".png" in said
 
 
-@pytest.mark.parametrize(("columns", "rows"), [(20, 5), (10, 2), (1, 1)])
+@pytest.mark.parametrize(("columns", "rows"), [(20, 5), (1, 1)])
 def test_tiny_terminals_show_something_and_quit(
     hub: HubProcess, start_console: Callable[..., ConsoleProcess], columns: int, rows: int
 ) -> None:

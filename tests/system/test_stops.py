@@ -8,7 +8,7 @@ import signal
 import pytest
 
 from hub.gcm import navigation
-from tests.system.harness import ConsoleProcess, HubProcess, Observer
+from tests.system.harness import ConsoleProcess, HubProcess, Observer, in_soak
 from tests.waiting import until
 
 STILL = 1e-3
@@ -23,7 +23,9 @@ def _expect_stop(observer: Observer) -> None:
     observer.wait(lambda: abs(observer.truth.linear) < STILL, 2.0, "it rolls on")
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize(
+    "number", [signal.SIGKILL, signal.SIGSTOP, *in_soak(signal.SIGTERM, signal.SIGHUP)]
+)
 def test_console_gone_robot_stops(
     console: ConsoleProcess, observer: Observer, number: signal.Signals
 ) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import pytest
 
-from tests.system.harness import ConsoleProcess, HubProcess
+from tests.system.harness import ConsoleProcess, HubProcess, in_soak
 from tests.waiting import until
 
 RUBBISH = [
@@ -39,7 +39,7 @@ def test_no_input_ends_the_console(console: ConsoleProcess) -> None:
     console.hold_until("w", lambda: "MOVING" in console.text)
 
 
-@pytest.mark.parametrize("how", ["q", "SIGTERM"])
+@pytest.mark.parametrize("how", ["q", *in_soak("SIGTERM")])
 def test_a_terminal_that_has_stopped_reading_does_not_keep_the_console(
     console: ConsoleProcess, how: str
 ) -> None:
