@@ -48,8 +48,7 @@ def test_closed_module_stays_away_and_knows_who_closed_it(
 ) -> None:
     one, other = connect("one"), connect("other")
     one.call(lambda: one.client.directory.close_module("other", timeout=5.0))
-    until(lambda: other.client.closed_by == "one", 5.0)
-    assert not other.client.connected
+    until(lambda: other.client.closed_by == "one" and not other.client.connected, 5.0)
     other.publish(v.LOG, Number(value=1))
     until(lambda: central.connected() == ("one",), 5.0)
     with pytest.raises(UnknownModuleError, match="'other' is connected"):
