@@ -6,9 +6,8 @@ import importlib.metadata
 import platform
 
 from hub.inspection.finding import Finding, ok, problem, warning
-from hub.inspection.robot_checks import OWN_CAMERA
 from hub.inspection.versions import fits, parse_requirement
-from hub.robots.description import RobotDescription
+from hub.robots.description import ROBOTS_OWN, RobotDescription
 
 _DISTRIBUTION = "robot-user-nexus"
 _CAMERA_EXTRA = "camera"
@@ -39,7 +38,7 @@ def judged_version(name: str, version: str, ranges: str) -> Finding:
 
 def extras(robot: RobotDescription) -> list[Finding]:
     """Whether the libraries are there that only some robots need."""
-    needed = robot.camera_source != OWN_CAMERA
+    needed = robot.camera_source != ROBOTS_OWN
     missing = _missing(_CAMERA_EXTRA)
     if not missing:
         return [ok("all that this robot needs is installed")]

@@ -18,9 +18,8 @@ from hub.folders import LONGEST_FOR_SOCKETS, for_logs, for_maps, for_sockets
 from hub.inspection.finding import Finding, ok, problem, warning
 from hub.ipc import key_files
 from hub.ipc.keyring import Keyring, default_folder
-from hub.robots.description import RobotDescription
+from hub.robots.description import ROBOTS_OWN, RobotDescription
 
-OWN_CAMERA = "robot"
 """What a robot file says where the robot has a camera of its own."""
 """As long as a folder for sockets may be; a socket's path has about 100 bytes at most."""
 _DEVICE = re.compile(r"/dev/[^\s,;\"']+")
@@ -108,7 +107,7 @@ def devices(robot: RobotDescription) -> list[Finding]:
     """Whether devices and files that the robot file names are there and open to this user."""
     findings = [_device(Path(name)) for name in _named_devices(robot)]
     source = robot.camera_source
-    if source != OWN_CAMERA and not source.startswith("/dev/"):
+    if source != ROBOTS_OWN and not source.startswith("/dev/"):
         if "://" in source:
             findings.append(ok(f"the camera is at {source}; it was not tried"))
         elif not _is_open(Path(source), os.R_OK):

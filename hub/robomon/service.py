@@ -77,7 +77,6 @@ DEVICE_GROUPS = ("video", "dialout", "input", "plugdev", "gpio", "i2c", "spi")
 """Groups to which systems give cameras, serial ports, HID devices and buses."""
 _ENDING_S = 5.0
 """What the daemon takes to end besides its modules [s]."""
-_OWN_CAMERA = "robot"
 _CONTROL = dict.fromkeys((*range(32), 127, 133, 8232, 8233), " ")
 _USER = re.compile(r"[A-Za-z_][A-Za-z0-9_-]{0,30}", re.ASCII)
 
