@@ -119,6 +119,7 @@ class Keeper:
         started = self._clock()
         running = [each.process for each in reversed(self._running.values())]
         for process in running:
+            _logger.info("%s is told to stop", process.spec.name)
             process.ask_to_stop()
             process.wait(started + _IN_ORDER_S - self._clock())
         for process in running:
