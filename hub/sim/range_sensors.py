@@ -21,6 +21,13 @@ SONAR_CONE = math.radians(27.0)
 """Opening angle of a transducer's beam [rad]."""
 SONAR_INCIDENCE = math.radians(25.0)
 """A smooth wall hit at a larger angle than this sends no echo back [rad]."""
+SONAR_EDGE_FARTHEST = 1.0
+"""Farthest upright edge or inner corner that is heard from any side, from the transducer [m].
+
+Edges diffract: they echo in all directions, but weaker than a wall that is met squarely, and less
+with the distance (Kuc and Siegel 1987, a simulation model for sonar from physics, in IEEE PAMI 9).
+The limit is our assumption; it keeps to the weak side.
+"""
 SONAR_NOISE = 0.01
 """Standard deviation of a range, as a share of it."""
 INFRARED_NEAREST = 0.10
@@ -36,6 +43,8 @@ _DARKEST = 0.15
 _FULL_BRIGHTNESS = 0.5
 """From this brightness on a surface is seen at the full distance."""
 _NO_COMPONENT = 1e-12
+_EDGE_CLEARANCE = 0.005
+"""What is met no farther than this before an edge is the edge [m]."""
 
 
 class RangeSensors:
@@ -51,11 +60,13 @@ class RangeSensors:
         within = np.linspace(-SONAR_CONE / 2, SONAR_CONE / 2, _RAYS_PER_CONE)
         self._axes = axes
         self._cone: Floats = (axes[:, None] + within).ravel()
+        self._edges = _upright_edges(obstacles)
 
     def sonar(self, pose: Pose) -> npt.NDArray[np.float32]:
         """Range of every sonar from the centre [m], shape (16,); inf where no echo returns.
 
-        The nearest ray of a cone that meets a surface squarely enough makes the echo.
+        The nearest ray of a cone that meets a surface squarely enough makes the echo, or an edge
+        that is nearer still.
         """
         noise = self._sonar_noise.standard_normal(SENSOR_COUNT)
         directions = _unit(self._cone + pose.theta)
@@ -66,8 +77,27 @@ class RangeSensors:
         distance, squareness, _ = first_hits(obstacles, origins, directions)
         echoes = (squareness >= math.cos(SONAR_INCIDENCE)) & (distance <= reach)
         distance = np.where(echoes, distance, np.inf).reshape(SENSOR_COUNT, -1).min(axis=1)
+        distance = np.minimum(distance, self._nearest_edges(obstacles, pose))
         ranges = (distance + SONAR_RING) * (1.0 + SONAR_NOISE * noise)
         return np.where(ranges <= SONAR_FARTHEST, ranges, np.inf).astype(np.float32)
+
+    def _nearest_edges(self, obstacles: Footprints, pose: Pose) -> Floats:
+        """Distance of the nearest edge that each sonar hears [m], inf for none, shape (16,)."""
+        nearest = np.full((SENSOR_COUNT,), np.inf)
+        reach = SONAR_RING + SONAR_EDGE_FARTHEST
+        near = np.hypot(*(self._edges - (pose.x, pose.y)).T) <= reach
+        mounts = _unit(self._axes + pose.theta) * SONAR_RING + (pose.x, pose.y)
+        ways = self._edges[near] - mounts[:, None]
+        away = np.hypot(ways[..., 0], ways[..., 1])
+        off = np.arctan2(ways[..., 1], ways[..., 0]) - self._axes[:, None] - pose.theta
+        heard = (away <= SONAR_EDGE_FARTHEST) & (np.cos(off) >= math.cos(SONAR_CONE / 2))
+        sonar, edge = np.nonzero(heard & (away > 0.0))
+        if len(sonar):
+            length = away[sonar, edge]
+            before, _, _ = first_hits(obstacles, mounts[sonar], ways[sonar, edge] / length[:, None])
+            clear = before >= length - _EDGE_CLEARANCE
+            np.minimum.at(nearest, sonar[clear], length[clear])
+        return nearest
 
     def infrared(self, pose: Pose) -> npt.NDArray[np.float32]:
         """Range of every infrared sensor from the centre [m], shape (16,); inf: nothing seen.
@@ -159,6 +189,14 @@ def _cylinder_hits(
     depth = np.sqrt(np.maximum(under, 0.0))
     hit = along - depth
     return np.where((under >= 0.0) & (hit >= 0.0), hit, np.inf), depth / radius
+
+
+def _upright_edges(obstacles: Footprints) -> Floats:
+    """Where the upright edges of all boxes stand [m], shape (n, 2)."""
+    low, high = obstacles.low, obstacles.high
+    across = np.stack((low[:, 0], high[:, 0], low[:, 0], high[:, 0]), axis=1)
+    along = np.stack((low[:, 1], low[:, 1], high[:, 1], high[:, 1]), axis=1)
+    return np.stack((across.ravel(), along.ravel()), axis=1)
 
 
 def _unit(angles: Floats) -> Floats:

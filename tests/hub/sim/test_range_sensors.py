@@ -18,6 +18,7 @@ from hub.sim.range_sensors import (
     SONAR_CONE,
     SONAR_FARTHEST,
     SONAR_INCIDENCE,
+    SONAR_RING,
     RangeSensors,
     first_hits,
 )
@@ -58,6 +59,30 @@ def test_a_wall_at_grazing_incidence_sends_no_echo(degrees: int) -> None:
         sensors_before_a_wall(1.0).sonar(Pose(x=0.0, y=0.0, theta=math.radians(degrees)))[0]
     )
     assert heard == (math.radians(degrees) <= SONAR_INCIDENCE + SONAR_CONE / 2)
+
+
+def echo_from_the_north_east(text: str) -> float:
+    """What the sonar hears that looks at 45 degrees; no face of a box is met squarely enough."""
+    sensors = RangeSensors(arena_of(VOID + text).footprints, np.random.SeedSequence(4))
+    return float(sensors.sonar(Pose(x=0.0, y=0.0, theta=math.radians(45)))[0])
+
+
+def box_to_the_north_east(distance: float) -> str:
+    """A box whose nearest edge is at a distance from that sonar [m]."""
+    middle = (distance + SONAR_RING) / math.sqrt(2) + 0.5
+    return f"[[box]]\nat=[{middle},{middle}]\nsize=[1,1,1]\n"
+
+
+def test_an_edge_is_heard_from_any_side_when_it_is_near() -> None:
+    for distance in (0.2, 0.5, 0.9):
+        heard = echo_from_the_north_east(box_to_the_north_east(distance))
+        assert heard == pytest.approx(distance + SONAR_RING, rel=0.04)
+    assert math.isinf(echo_from_the_north_east(box_to_the_north_east(1.2)))
+
+
+def test_an_edge_behind_a_wall_is_not_heard() -> None:
+    wall = "[[box]]\nat=[0.3,0]\nsize=[0.02,9,1]\n"
+    assert math.isinf(echo_from_the_north_east(box_to_the_north_east(0.5) + wall))
 
 
 def test_a_post_is_heard_within_the_cone_only() -> None:
