@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import dataclasses
 import os
 import signal
 import threading
@@ -20,10 +21,18 @@ from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.keyboard import KeyboardHold, name_of_key
 from rune_tui.controls.stall_guard import StallGuard
 from rune_tui.dispatch import Dispatch
+from rune_tui.layout.names import MOUSE
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import Effect, QuitEffect
+from rune_tui.model.effects import (
+    ChooseRobot,
+    Effect,
+    QuitEffect,
+    SendEffect,
+    StateEffect,
+    changed,
+)
 from rune_tui.ui.terminal import output_is_pending, terminal_driver
 from rune_tui.ui.view_pane import ViewPane
 from rune_tui.view import View
@@ -31,6 +40,7 @@ from rune_tui.view import View
 _FRAME_S = 1.0 / 30.0
 _TICK_S = 0.05
 _EMERGENCY_KEY = "ctrl+c"
+_BUTTONS = {1: "left", 2: "middle", 3: "right"}
 _LEAVE_S = 3.0
 """How long the end may take before the process is ended as it is [s]."""
 
@@ -52,8 +62,11 @@ class Console(App[None], inherit_bindings=False):
         self.title = f"Rune {layout.path}"
         self._layout_spec = layout
         self._links = links
-        self._view = View(layout.view)
+        self._view = View(layout)
         self._dispatch = Dispatch(layout)
+        self._console = ConsoleState(
+            now=time.monotonic(), run_number=layout.run_number, chosen=layout.robots[0].name
+        )
         self._keyboard = KeyboardHold()
         self._stalls = StallGuard()
         self._leaving = False
@@ -93,9 +106,7 @@ class Console(App[None], inherit_bindings=False):
     def on_resize(self, event: events.Resize) -> None:
         """Follow the terminal's size; from now on, ask for no larger pictures than it shows."""
         self._view.resize(event.size.width, event.size.height)
-        sizes = self._view.picture_sizes()
-        for name, link in self._links.items():
-            link.want_pictures(sizes.get(name))
+        self._ask_for_pictures()
         self._draw()
 
     def on_key(self, event: events.Key) -> None:
@@ -108,6 +119,39 @@ class Console(App[None], inherit_bindings=False):
             self._leave()  # whatever the layout says, there is a way out
         if not self._stalls.deaf(now):
             self._handle(self._keyboard.press(key, now))
+
+    def on_mouse_down(self, event: events.MouseDown) -> None:
+        """A button of the mouse went down."""
+        self._mouse(event, _BUTTONS.get(event.button, ""), pressed=True)
+
+    def on_mouse_up(self, event: events.MouseUp) -> None:
+        """A button of the mouse went up."""
+        self._mouse(event, _BUTTONS.get(event.button, ""), pressed=False)
+
+    def on_mouse_move(self, event: events.MouseMove) -> None:
+        """The mouse moved."""
+        self._mouse(event, "motion")
+
+    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
+        """The wheel turned away from the operator."""
+        self._mouse(event, "wheel")
+
+    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
+        """The wheel turned towards the operator."""
+        self._mouse(event, "wheel", value=-1.0)
+
+    def _mouse(
+        self, event: events.MouseEvent, part: str, *, pressed: bool = True, value: float = 1.0
+    ) -> None:
+        event.stop()
+        now = self._look_up()
+        if not part or self._stalls.deaf(now):
+            return
+        state = self._state()
+        # A cell is two pixels high; which of them the mouse is on, terminals do not tell.
+        hits = self._view.hits(int(event.screen_x), 2 * int(event.screen_y) + 1, state)
+        moved = ControlEvent(name=MOUSE + part, pressed=pressed, value=value, hits=hits)
+        self._execute(self._dispatch.handle(moved, state))
 
     async def action_quit(self) -> None:
         """The terminal has gone."""
@@ -136,11 +180,11 @@ class Console(App[None], inherit_bindings=False):
     def _draw(self) -> None:
         if output_is_pending(self):
             return
-        robots = {name: link.state for name, link in self._links.items()}
-        cells = self._view.render(robots, self._state())
+        state = self._state()
+        cells = self._view.render(state)
         if cells is not None:
             self._pane.show(cells)
-        for name, robot in robots.items():
+        for name, robot in state.robots.items():
             if robot.picture is not None:
                 self._links[name].shown(robot.picture.number)
 
@@ -169,14 +213,29 @@ class Console(App[None], inherit_bindings=False):
 
     def _execute(self, effects: Iterable[Effect]) -> None:
         for effect in effects:
-            if isinstance(effect, QuitEffect):
-                self._leave()
-            else:
+            if isinstance(effect, SendEffect):
                 self._links[effect.robot].send(effect.definition, effect.value)
+            elif isinstance(effect, QuitEffect):
+                self._leave()
+            elif isinstance(effect, StateEffect):
+                self._change(effect)
+
+    def _change(self, effect: StateEffect) -> None:
+        if isinstance(effect, ChooseRobot):
+            self._let_go()  # what is held was meant for the robot before
+        self._console = changed(self._state(), effect)
+        self._ask_for_pictures()
+
+    def _ask_for_pictures(self) -> None:
+        """Ask each robot for pictures of the size and kind that is shown."""
+        sizes = self._view.picture_sizes(self._state())
+        for name, link in self._links.items():
+            link.want_pictures(sizes.get(name), self._console.wishes.get(name))
 
     def _state(self) -> ConsoleState:
-        return ConsoleState(
+        return dataclasses.replace(
+            self._console,
             now=time.monotonic(),
             held=self._keyboard.held,
-            run_number=self._layout_spec.run_number,
+            robots={name: link.state for name, link in self._links.items()},
         )

@@ -23,8 +23,6 @@ _DEMO_LAYOUT = "demo"
 _DEMO_ROBOT = "magellan"
 _PICTURE_ENDINGS = (".txt", ".svg", ".png")
 _LOG_BYTES = 1_000_000
-_LONGEST_NAME = 64
-"""Letters of a shipped layout's name at most; what is longer is a path."""
 _CONSOLE_LIBRARIES = ("textual", "rich", "PIL", "lxml", "platformdirs")
 
 
@@ -136,17 +134,9 @@ def _console(layout: LayoutSpec, links: dict[str, RobotLink]) -> int:
 
 
 def _load(name_or_path: str) -> LayoutSpec:
-    """The layout file of that path, or the shipped layout of that name."""
-    from rune_tui.layout.loader import load_layout
+    from rune_tui.opening import open_layout
 
-    path = Path(name_or_path)
-    bare = path.suffix == "" and path.name == name_or_path and len(name_or_path) <= _LONGEST_NAME
-    if bare and not path.exists():
-        here = Path(__file__).parent
-        for folder in (here / "layouts", here.parent / "layouts"):
-            if (folder / f"{name_or_path}.xml").is_file():
-                return load_layout(folder / f"{name_or_path}.xml")
-    return load_layout(path)
+    return open_layout(name_or_path)
 
 
 def _links(layout: LayoutSpec, hub: str, keys: Path | None = None) -> dict[str, RobotLink]:

@@ -2,20 +2,35 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections import defaultdict
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import cast
 
 from hub.gcm.navigation import STOP
 from rune_tui.controls.events import ControlEvent
-from rune_tui.layout.spec import EventSpec, LayoutSpec
+from rune_tui.layout.names import MOUSE
+from rune_tui.layout.spec import CHOSEN, EventSpec, LayoutSpec
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import Effect, SendEffect
-from rune_tui.widgets.registry import WIDGETS
+from rune_tui.model.effects import Effect, ExportEffect, SendEffect, ToggleNight, WishPictures
 from rune_tui.widgets.speed import SetSpeed
 from rune_tui.widgets.widget import Widget
 
+_TO_ROBOTS = SendEffect | ExportEffect | WishPictures | ToggleNight
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Listener:
+    """An input pattern and the widget that waits for it."""
+
+    widget: Widget
+    spec: EventSpec
+    viewport: str
+
 
 class Dispatch:
-    """All widgets of a layout, by the keys that wake them.
+    """All widgets of a layout, by the inputs that wake them.
 
     Only one of a robot's speed widgets speaks at a time, the one whose key was pressed last; two
     that spoke at once would contradict each other 20 times a second. After a stop, a robot's
@@ -27,15 +42,17 @@ class Dispatch:
 
     def __init__(self, layout: LayoutSpec) -> None:
         self._widgets: list[Widget] = []
-        self._by_key: defaultdict[str, list[tuple[Widget, EventSpec]]] = defaultdict(list)
+        self._by_input: defaultdict[str, list[_Listener]] = defaultdict(list)
         self._driving: dict[str, SetSpeed] = {}
         owners = [(viewport.robot, viewport.widgets) for viewport in layout.view.viewports]
+        kinds = layout.vocabulary.widgets
         for robot, specs in (("", layout.view.widgets), *owners):
             for spec in specs:
-                widget = WIDGETS[spec.handler].from_spec(spec, robot)
+                widget = cast("Widget", kinds[spec.handler].from_spec(spec, robot))
                 self._widgets.append(widget)
                 for event_spec in spec.events:
-                    self._by_key[event_spec.key].append((widget, event_spec))
+                    listener = _Listener(widget=widget, spec=event_spec, viewport=spec.viewport)
+                    self._by_input[event_spec.name].append(listener)
                 if isinstance(widget, SetSpeed):
                     self._driving.setdefault(robot, widget)
 
@@ -43,23 +60,39 @@ class Dispatch:
         """Effects of an event, from every widget that it matches."""
         effects: list[Effect] = []
         stopped: dict[str, None] = {}
-        for widget, event_spec in self._by_key.get(event.key, ()):
+        for listener in self._listeners(event):
+            widget = listener.widget
             if isinstance(widget, SetSpeed) and event.pressed and not event.repeat:
                 self._take_over(widget)
-            for effect in widget.handle(event, event_spec, state):
+            for effect in _addressed(widget.handle(event, listener.spec, state), state):
                 effects.append(effect)
                 if isinstance(effect, SendEffect) and effect.definition is STOP:
                     stopped[effect.robot] = None
         for robot in stopped:
-            effects += self._release(robot, state)
+            for name in (robot, CHOSEN) if robot == state.chosen else (robot,):
+                effects += self._release(name, state)
         return tuple(effects)
+
+    def _listeners(self, event: ControlEvent) -> list[_Listener]:
+        """Who waits for this; of the mouse, those of the nearest viewport in which somebody does.
+
+        A button that goes up is told to all who wait for it, wherever the mouse is by then.
+        """
+        listeners = self._by_input.get(event.name, [])
+        if not event.name.startswith(MOUSE) or not event.pressed:
+            return listeners
+        for hit in event.hits:
+            found = [listener for listener in listeners if listener.viewport == hit.viewport]
+            if found:
+                return found
+        return []
 
     def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
         """Effects of time going by; to be called 20 times a second."""
         effects: list[Effect] = []
         for widget in self._widgets:
             if not self._silent(widget):
-                effects += widget.tick(state)
+                effects += _addressed(widget.tick(state), state)
         return tuple(effects)
 
     def released(self, state: ConsoleState) -> tuple[Effect, ...]:
@@ -71,7 +104,7 @@ class Dispatch:
         effects: list[Effect] = []
         for widget in self._widgets:
             if widget.robot == robot and not self._silent(widget):
-                effects += widget.release(state)
+                effects += _addressed(widget.release(state), state)
         return effects
 
     def _take_over(self, widget: SetSpeed) -> None:
@@ -82,3 +115,12 @@ class Dispatch:
 
     def _silent(self, widget: Widget) -> bool:
         return isinstance(widget, SetSpeed) and self._driving[widget.robot] is not widget
+
+
+def _addressed(effects: Iterable[Effect], state: ConsoleState) -> Iterator[Effect]:
+    """The effects, those for the chosen robot addressed to it; none of them if there is none."""
+    for effect in effects:
+        if not isinstance(effect, _TO_ROBOTS) or effect.robot != CHOSEN:
+            yield effect
+        elif state.chosen:
+            yield dataclasses.replace(effect, robot=state.chosen)

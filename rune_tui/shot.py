@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -40,9 +41,15 @@ def take(
     Raises:
         PictureFileError: The file cannot be written.
     """
-    view = View(layout.view)
+    view = View(layout)
     view.resize(*size)
-    sizes = view.picture_sizes()
+    state = ConsoleState(
+        now=time.monotonic(),
+        run_number=layout.run_number,
+        robots={name: link.state for name, link in links.items()},
+        chosen=layout.robots[0].name,
+    )
+    sizes = view.picture_sizes(state)
     for name, link in links.items():
         link.want_pictures(sizes.get(name))
         link.start()
@@ -54,8 +61,8 @@ def take(
                     link.shown(link.state.picture.number)
             time.sleep(_LOOK_S)
         robots = {name: link.state for name, link in links.items()}
-        state = ConsoleState(now=time.monotonic(), run_number=layout.run_number)
-        cells = view.render(robots, state)
+        state = dataclasses.replace(state, now=time.monotonic(), robots=robots)
+        cells = view.render(state)
     finally:
         for link in links.values():
             link.close()

@@ -5,17 +5,20 @@ from __future__ import annotations
 import logging
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
+from typing import cast
 
-from rune_tui.compositor.blend import Layer, compose
+from rune_tui.compositor.blend import Layer, compose, tinted
 from rune_tui.compositor.cells import Cells
-from rune_tui.layout.spec import ViewportSpec, ViewSpec
+from rune_tui.controls.events import Hit
+from rune_tui.layout.rules import Vocabulary
+from rune_tui.layout.spec import CHOSEN, LayoutSpec, ViewportSpec, ViewSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.resize import fitted_size
 from rune_tui.visualizers.notice import write_notice
-from rune_tui.visualizers.registry import CAMERA_IMAGE, visualizer
-from rune_tui.visualizers.visualizer import Visualizer
+from rune_tui.visualizers.registry import CAMERA_IMAGE
+from rune_tui.visualizers.visualizer import Locating, Visualizer
 
 _logger = logging.getLogger(__name__)
 
@@ -37,17 +40,28 @@ class Place:
 
 @dataclass(slots=True, kw_only=True)
 class _Pane:
-    """A visible viewport, its visualizer, and what was drawn last."""
+    """A viewport, its visualizer, and what was drawn last."""
 
     spec: ViewportSpec
     visualizer: Visualizer
     place: Place
     layer: Layer | None = None
     source: Hashable = None
+    drawn_of: RobotState | None = None
     failed: bool = False
 
-    def refresh(self, robot: RobotState, state: ConsoleState) -> bool:
+    def visible(self, state: ConsoleState) -> bool:
+        """Whether it is to be seen."""
+        return state.shown.get(self.spec.name, self.spec.visible)
+
+    def refresh(self, state: ConsoleState) -> bool:
         """Draw again if that would show something else; whether it did."""
+        if not self.visible(state):
+            gone, self.layer = self.layer is not None, None
+            return gone
+        robot = self.robot(state)
+        if robot is None:
+            return False
         try:
             source = self.visualizer.source(robot, state)
             if self.layer is not None and source == self.source:
@@ -61,8 +75,9 @@ class _Pane:
             function = self.spec.visualizer.function if self.spec.visualizer else ""
             _logger.exception("viewport %s: %s failed", self.spec.name, function)
             source, canvas = object(), Canvas.blank(self.place.width, self.place.height)
-            write_notice(canvas, f"{function} failed; the log says why")
+            write_notice(canvas, f"{function} failed; the log says why", state.theme)
         self.source = source
+        self.drawn_of = robot
         self.layer = Layer(
             canvas=canvas,
             x=self.place.x,
@@ -71,6 +86,28 @@ class _Pane:
             transparency=self.spec.transparency,
         )
         return True
+
+    def robot(self, state: ConsoleState) -> RobotState | None:
+        """The robot that it shows."""
+        return state.robots.get(state.chosen if self.spec.robot == CHOSEN else self.spec.robot)
+
+    def hit(self, x: int, y: int, state: ConsoleState) -> Hit | None:
+        """Where in it a pixel of the terminal lies, if it does and somebody can see it."""
+        place, robot = self.place, self.drawn_of
+        across, down = x - place.x, y - place.y
+        inside = 0 <= across < place.width and 0 <= down < place.height
+        if not inside or not self.visible(state):
+            return None
+        shown = None
+        if robot is not None and isinstance(self.visualizer, Locating):
+            size = (place.width, place.height)
+            shown = self.visualizer.locate((across + 0.5, down + 0.5), size, robot, state)
+        return Hit(
+            viewport=self.spec.name,
+            x=(across + 0.5) / place.width,
+            y=(down + 0.5) / place.height,
+            place=shown,
+        )
 
     def _drawn(self, robot: RobotState, state: ConsoleState) -> Canvas:
         canvas = Canvas.blank(self.place.width, self.place.height)
@@ -81,8 +118,10 @@ class _Pane:
 class View:
     """Turns the states of robots into cells; nothing is drawn until `resize` was called."""
 
-    def __init__(self, spec: ViewSpec) -> None:
-        self._spec = spec
+    def __init__(self, layout: LayoutSpec) -> None:
+        self._spec = layout.view
+        self._vocabulary = layout.vocabulary
+        self._theme = ""
         self._columns = 0
         self._rows = 0
         self._panes: list[_Pane] = []
@@ -97,31 +136,34 @@ class View:
         if self._too_small:
             return
         for viewport in self._spec.viewports:
-            if viewport.visible and viewport.visualizer and viewport.transparency < 255:
-                shown = visualizer(viewport.visualizer)
+            if viewport.visualizer and viewport.transparency < 255:
+                shown = _made(viewport, self._vocabulary)
                 place = placed(viewport, self._spec, columns, rows, whole_cells=shown.whole_cells)
                 self._panes.append(_Pane(spec=viewport, visualizer=shown, place=place))
 
-    def render(self, robots: Mapping[str, RobotState], state: ConsoleState) -> Cells | None:
-        """The picture as it is now, or None when it is the one returned last.
-
-        Args:
-            robots: Every robot of the layout, by name.
-            state: The console's own state.
-        """
+    def render(self, state: ConsoleState) -> Cells | None:
+        """The picture as it is now, or None when it is the one returned last."""
         if not self._columns or not self._rows:
             return None
         # Every pane is asked: no short cut after the first that changed.
-        changed = [pane.refresh(robots[pane.spec.robot], state) for pane in self._panes]
-        if self._complete and not any(changed):
+        changed = [pane.refresh(state) for pane in self._panes]
+        if self._complete and not any(changed) and self._theme == state.theme.name:
             return None
+        self._theme = state.theme.name
         self._complete = True
         layers = [pane.layer for pane in self._panes if pane.layer is not None]
         if self._too_small:
-            layers = [self._apology()]
-        return compose(self._columns, self._rows, self._spec.background, layers)
+            layers = [self._apology(state)]
+        cells = compose(self._columns, self._rows, self._spec.background, layers)
+        return tinted(cells, state.theme.tint)
 
-    def picture_sizes(self) -> Mapping[str, tuple[int, int]]:
+    def hits(self, x: int, y: int, state: ConsoleState) -> tuple[Hit, ...]:
+        """The viewports at a pixel of the terminal (column, 2 * row), the nearest first."""
+        panes = sorted(self._panes, key=lambda pane: pane.spec.zpos)
+        found = (pane.hit(x, y, state) for pane in reversed(panes))
+        return tuple(hit for hit in found if hit is not None)
+
+    def picture_sizes(self, state: ConsoleState) -> Mapping[str, tuple[int, int]]:
         """Width and height [pixels] of the largest 4:3 picture shown of each robot.
 
         Robots of which no camera image is on the screen are missing; the console needs to ask
@@ -129,19 +171,29 @@ class View:
         """
         sizes: dict[str, tuple[int, int]] = {}
         for pane in self._panes:
-            if pane.spec.visualizer and pane.spec.visualizer.function == CAMERA_IMAGE:
+            robot = pane.robot(state)
+            function = pane.spec.visualizer.function if pane.spec.visualizer else ""
+            if function == CAMERA_IMAGE and robot is not None and pane.visible(state):
                 size = fitted_size(4, 3, pane.place.width, pane.place.height)
-                sizes[pane.spec.robot] = max(size, sizes.get(pane.spec.robot, MIN_PICTURE))
+                sizes[robot.name] = max(size, sizes.get(robot.name, MIN_PICTURE))
         return sizes
 
     @property
     def _too_small(self) -> bool:
         return self._columns < MIN_COLUMNS or self._rows < MIN_ROWS
 
-    def _apology(self) -> Layer:
+    def _apology(self, state: ConsoleState) -> Layer:
         canvas = Canvas.blank(self._columns, 2 * self._rows)
-        write_notice(canvas, "too small")
+        write_notice(canvas, "too small", state.theme)
         return Layer(canvas=canvas, x=0, y=0)
+
+
+def _made(viewport: ViewportSpec, vocabulary: Vocabulary) -> Visualizer:
+    spec = viewport.visualizer
+    if spec is None:
+        text = f"viewport {viewport.name} has no visualizer"
+        raise ValueError(text)
+    return cast("Visualizer", vocabulary.visualizers[spec.function].from_spec(spec))
 
 
 def placed(

@@ -5,6 +5,7 @@ Shares of 255 are rounded to the nearest integer, so 0 and 255 are exact.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterable
 from dataclasses import dataclass
 from operator import attrgetter
@@ -16,6 +17,7 @@ from rune_tui.compositor.cells import Cells
 from rune_tui.raster.canvas import Canvas
 
 _HALF = 128
+_OPAQUE = 255
 _WORDS = np.dtype(np.uint32)
 # Keeps red, green and blue of a pixel read as one word, on either byte order.
 RGB_MASK = np.array([255, 255, 255, 0], np.uint8).view(_WORDS)[0]
@@ -182,3 +184,15 @@ def _lay_text(cells: Cells, layer: Layer) -> None:
     old[wins] = new[wins]
     inked = cells.ink[top:bottom, left:right]
     inked[wins, :3] = mix(ground[:, :3], ink[wins, :3], alpha[wins, None])
+
+
+def tinted(cells: Cells, tint: tuple[int, int, int]) -> Cells:
+    """What is left of red, green and blue, 0 to 255 each, of all pixels and characters."""
+    if min(tint) == _OPAQUE:
+        return cells
+    scale = np.array((*tint, _OPAQUE), np.uint16)
+    return dataclasses.replace(
+        cells,
+        pixels=((cells.pixels * scale + _HALF) // _OPAQUE).astype(np.uint8),
+        ink=((cells.ink * scale + _HALF) // _OPAQUE).astype(np.uint8),
+    )

@@ -4,17 +4,40 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from rune_tui.model.world import WorldPoint
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hit:
+    """A viewport under the mouse.
+
+    Attributes:
+        viewport: Its name.
+        x: Where in it, right of its left edge, as a share of its width, 0 to 1.
+        y: Where in it, below its upper edge, as a share of its height, 0 to 1.
+        place: Where in the world that is, if the viewport shows the world there.
+    """
+
+    viewport: str
+    x: float
+    y: float
+    place: WorldPoint | None = None
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ControlEvent:
-    """A key went down, repeated, or went up.
+    """An input moved: a key went down, repeated, or went up; the mouse did something.
 
     Attributes:
-        key: Key name, lower case, such as "w", "up", "ctrl+c".
-        pressed: Whether it went down (or repeats); False when it went up.
+        name: The input's name, such as "w", "up", "ctrl+c", "mouse left", "mouse wheel".
+        pressed: Whether it went down (or repeats, or moved); False when it went up.
         repeat: Whether it was down already.
+        value: How far: 1 for keys, the clicks of a wheel, positive away from the operator.
+        hits: The viewports under the mouse, the nearest first.
     """
 
-    key: str
+    name: str
     pressed: bool
     repeat: bool = False
+    value: float = 1.0
+    hits: tuple[Hit, ...] = ()

@@ -67,14 +67,14 @@ class KeyboardHold:
         hold = self._holds.get(key)
         if hold is None:
             self._holds[key] = _Hold(last=now, deadline=now + _FIRST_HOLD_S)
-            return (*due, ControlEvent(key=key, pressed=True))
+            return (*due, ControlEvent(name=key, pressed=True))
         # From press to first repeat is the keyboard's delay, which says nothing of its rate.
         if hold.repeats and now - hold.last >= _BURST_S:
             self._intervals.append(now - hold.last)
         hold.repeats += 1
         hold.last = now
         hold.deadline = now + self._repeat_hold()
-        return (*due, ControlEvent(key=key, pressed=True, repeat=True))
+        return (*due, ControlEvent(name=key, pressed=True, repeat=True))
 
     def expire(self, now: float) -> tuple[ControlEvent, ...]:
         """Releases that are due, the earliest first."""
@@ -83,11 +83,11 @@ class KeyboardHold:
         )
         for _, key in due:
             del self._holds[key]
-        return tuple(ControlEvent(key=key, pressed=False) for _, key in due)
+        return tuple(ControlEvent(name=key, pressed=False) for _, key in due)
 
     def release_all(self) -> tuple[ControlEvent, ...]:
         """Everything is let go: the terminal lost the focus, was suspended, or the console ends."""
-        released = tuple(ControlEvent(key=key, pressed=False) for key in self._holds)
+        released = tuple(ControlEvent(name=key, pressed=False) for key in self._holds)
         self._holds.clear()
         return released
 

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
+
 from rune_tui.layout import names
 from rune_tui.layout.checks import viewport_robot
 from rune_tui.layout.grammar import Node, Rules
+from rune_tui.layout.inputs import input_name
+from rune_tui.layout.rules import Option, Options, Vocabulary
 from rune_tui.layout.spec import (
+    CHOSEN,
     CapabilitySpec,
     EventSpec,
     LayoutSpec,
@@ -20,21 +25,23 @@ from rune_tui.layout.spec import (
 class SpecBuilder:
     """Builds specs; the caller has checked the file."""
 
-    def __init__(self, rules: Rules, path: str) -> None:
+    def __init__(self, rules: Rules, path: str, vocabulary: Vocabulary) -> None:
         self._rules = rules
         self._path = path
+        self._vocabulary = vocabulary
         self._robots: tuple[str, ...] = ()
 
     def layout(self, root: Node) -> LayoutSpec:
         """The whole file."""
-        robots = tuple(map(self._robot, root.of("robot")))
-        self._robots = tuple(robot.name for robot in robots)
-        (view,) = root.of("view")
+        self._robots = tuple(self._text(robot, "name") for robot in root.of("robot"))
+        (node,) = root.of("view")
+        view = self._view(node)
         return LayoutSpec(
             path=self._path,
             run_number=self._whole(root, "run"),
-            robots=robots,
-            view=self._view(view),
+            robots=tuple(self._robot(robot, view) for robot in root.of("robot")),
+            view=view,
+            vocabulary=self._vocabulary,
         )
 
     def _text(self, node: Node, attribute: str) -> str:
@@ -46,12 +53,25 @@ class SpecBuilder:
     def _decimal(self, node: Node, attribute: str) -> float:
         return float(self._text(node, attribute))
 
-    def _robot(self, node: Node) -> RobotSpec:
+    def _robot(self, node: Node, view: ViewSpec) -> RobotSpec:
+        name = self._text(node, "name")
+        viewports = [viewport for viewport in view.viewports if viewport.robot in {name, CHOSEN}]
+        widgets = [widget for viewport in viewports for widget in viewport.widgets]
+        rules = [self._vocabulary.widgets[widget.handler].rule for widget in widgets]
+        drawn = {message for viewport in viewports for message in self._drawn(viewport)}
         return RobotSpec(
-            name=self._text(node, "name"),
+            name=name,
             hub=self._text(node, "hub"),
             capabilities=tuple(map(self._capability, node.of("capability"))),
+            messages=frozenset(drawn.union(*(rule.uses for rule in rules))),
+            commands=frozenset().union(*(rule.sends for rule in rules)),
         )
+
+    def _drawn(self, viewport: ViewportSpec) -> Iterator[str]:
+        """Names of the messages that a viewport's visualizer makes use of."""
+        if viewport.visualizer:
+            rule = self._vocabulary.visualizers[viewport.visualizer.function].rule
+            yield from filter(None, (viewport.visualizer.message, *rule.others))
 
     def _capability(self, node: Node) -> CapabilitySpec:
         name = self._text(node, "name")
@@ -70,9 +90,10 @@ class SpecBuilder:
         )
 
     def _viewport(self, node: Node) -> ViewportSpec:
-        visualizers = tuple(map(self._visualizer, node.of("visualizer")))
+        name = self._text(node, "name")
+        visualizers = tuple(self._visualizer(child, name) for child in node.of("visualizer"))
         return ViewportSpec(
-            name=self._text(node, "name"),
+            name=name,
             robot=viewport_robot(node, self._robots, self._rules),
             visible=self._text(node, "visible") == "true",
             transparency=self._whole(node, "transparency"),
@@ -83,35 +104,42 @@ class SpecBuilder:
             ysize=self._whole(node, "ysize"),
             scaled=self._text(node, "fit") == "scale",
             visualizer=visualizers[0] if visualizers else None,
-            widgets=tuple(map(self._widget, node.of("widget"))),
+            widgets=tuple(self._widget(child, name) for child in node.of("widget")),
             line=node.line,
         )
 
-    def _visualizer(self, node: Node) -> VisualizerSpec:
+    def _visualizer(self, node: Node, viewport: str) -> VisualizerSpec:
         function = self._text(node, "function")
+        rule = self._vocabulary.visualizers[function].rule
         return VisualizerSpec(
             function=function,
-            message=names.VISUALIZERS[function].message,
+            message=self._text(node, "message") or rule.message,
             option=self._decimal(node, "option"),
             text=self._text(node, "text"),
+            options=self._options(node, rule.options),
             line=node.line,
+            viewport=viewport,
         )
 
-    def _widget(self, node: Node) -> WidgetSpec:
-        options = node.of("option")
+    def _widget(self, node: Node, viewport: str = "") -> WidgetSpec:
+        handler = self._text(node, "handler")
         return WidgetSpec(
-            handler=self._text(node, "handler"),
-            options=tuple(
-                (self._text(option, "name"), self._decimal(option, "value")) for option in options
-            ),
+            handler=handler,
+            options=self._options(node, self._vocabulary.widgets[handler].rule.options),
             events=tuple(map(self._event, node.of("event"))),
             line=node.line,
+            viewport=viewport,
         )
+
+    def _options(self, node: Node, rules: Mapping[str, Option]) -> Options:
+        given = {self._text(each, "name"): self._text(each, "value") for each in node.of("option")}
+        return Options.of(rules, {name: rules[name].value(text) for name, text in given.items()})
 
     def _event(self, node: Node) -> EventSpec:
         return EventSpec(
-            key=names.canonical_key(self._text(node, "key")),
+            name=input_name(node, self._rules),
             control=self._text(node, "control"),
             value=self._decimal(node, "value"),
             line=node.line,
+            released=self._text(node, "when") == "released",
         )

@@ -6,25 +6,28 @@ Values that break the schema are skipped here; the schema's own check has report
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping
 
+from hub.gcm.catalog import BY_NAME
 from rune_tui.layout import names
 from rune_tui.layout.grammar import Mistake, Node, Rules, hint, quoted
+from rune_tui.layout.inputs import TakenInputs, input_mistakes
+from rune_tui.layout.rules import HandlerRule, NumberOption, Option, Vocabulary
+from rune_tui.layout.spec import CHOSEN
 
 _TCP = re.compile(r"tcp://([A-Za-z0-9._-]+|\[[0-9A-Fa-f:.]+\]):([0-9]{1,5})")
 _IPC = re.compile(r"ipc://[^\x00]+")
 _LARGEST_PORT = 65535
 
 
-def find_mistakes(root: Node, rules: Rules) -> Iterator[Mistake]:
+def find_mistakes(root: Node, rules: Rules, vocabulary: Vocabulary) -> Iterator[Mistake]:
     """Everything wrong with a layout that its schema cannot say."""
     robots = root.of("robot")
     yield from _duplicates(robots, "robot", rules)
     for robot in robots:
         yield from _robot_mistakes(robot, rules)
     known = tuple(filter(None, (rules.value(robot, "name") for robot in robots)))
-    keys = _Keys(rules)
+    inputs = TakenInputs(rules)
     viewports: list[Node] = []
     for view in root.of("view"):
         for child in view.children:
@@ -32,12 +35,14 @@ def find_mistakes(root: Node, rules: Rules) -> Iterator[Mistake]:
                 viewports.append(child)
                 robot_name = viewport_robot(child, known, rules)
                 yield from _viewport_mistakes(child, view, known, rules)
+                for visualizer in child.of("visualizer"):
+                    yield from _visualizer_mistakes(visualizer, rules, vocabulary)
                 for widget in child.of("widget"):
-                    yield from _widget_mistakes(widget, rules, within_viewport=True)
-                    yield from keys.claim(widget, robot_name)
+                    yield from _widget_mistakes(widget, rules, vocabulary, viewport=child)
+                    yield from inputs.claim(widget, robot_name, viewport=child)
             elif child.tag == "widget":
-                yield from _widget_mistakes(child, rules, within_viewport=False)
-                yield from keys.claim(child, None)
+                yield from _widget_mistakes(child, rules, vocabulary, viewport=None)
+                yield from inputs.claim(child, None)
     yield from _duplicates(viewports, "viewport", rules)
 
 
@@ -92,7 +97,7 @@ def _viewport_mistakes(
 ) -> Iterator[Mistake]:
     name = quoted(viewport.attributes.get("name", ""))
     robot = rules.value(viewport, "robot")
-    if robot is not None and robots and robot not in robots:
+    if robot is not None and robots and robot not in {*robots, CHOSEN}:
         message = f"unknown robot {quoted(robot)} of viewport {name}{hint(robot, robots)}"
         yield Mistake(viewport.line, message)
     if "robot" not in viewport.attributes and len(robots) > 1:
@@ -109,8 +114,6 @@ def _viewport_mistakes(
             message = f"viewport {name} lies wholly outside the view: {place}"
             yield Mistake(viewport.line, message)
             break
-    for visualizer in viewport.of("visualizer"):
-        yield from _visualizer_mistakes(visualizer, rules)
 
 
 def _number(node: Node, attribute: str, rules: Rules) -> float | None:
@@ -118,25 +121,32 @@ def _number(node: Node, attribute: str, rules: Rules) -> float | None:
     return None if text is None else float(text)
 
 
-def _visualizer_mistakes(visualizer: Node, rules: Rules) -> Iterator[Mistake]:
+def _visualizer_mistakes(
+    visualizer: Node, rules: Rules, vocabulary: Vocabulary
+) -> Iterator[Mistake]:
     function = rules.value(visualizer, "function")
     if function is None:
         return
     line = visualizer.line
-    rule = names.VISUALIZERS.get(function)
-    if rule is None:
-        allowed = hint(function, names.VISUALIZERS)
+    kind = vocabulary.visualizers.get(function)
+    if kind is None:
+        allowed = hint(function, vocabulary.visualizers)
         yield Mistake(line, f"unknown visualizer {quoted(function)}{allowed}")
         return
+    rule = kind.rule
     message = rules.value(visualizer, "message")
-    if message is not None and message != rule.message:
+    if rule.any_message:
+        if message and message not in BY_NAME:
+            yield Mistake(line, f"unknown message {quoted(message)}{hint(message, BY_NAME)}")
+    elif message is not None and message != rule.message:
         draws = f"draws {rule.message}" if rule.message else "draws no message, leave message out"
         yield Mistake(line, f"{function} cannot draw the message {quoted(message)}, it {draws}")
-    option = _number(visualizer, "option", rules)
-    if option and rule.option is None:
+    option = rules.value(visualizer, "option")
+    if option and float(option) and rule.option is None:
         yield Mistake(line, f"{function} has no option, leave option out")
     elif option is not None and rule.option is not None:
-        yield from _range_mistakes(line, f"option of {function}", option, rule.option)
+        yield from _value_mistakes(line, f"option of {function}", option, rule.option)
+    yield from _option_mistakes(visualizer, function, rule.options, rules)
     text = rules.value(visualizer, "text")
     if text and not rule.text:
         yield Mistake(line, f"{function} shows no text, leave text out")
@@ -146,59 +156,63 @@ def _visualizer_mistakes(visualizer: Node, rules: Rules) -> Iterator[Mistake]:
         yield Mistake(line, message)
 
 
-def _range_mistakes(
-    line: int, what: str, value: float, rule: names.OptionRule
+def _value_mistakes(line: int, what: str, value: str, rule: Option) -> Iterator[Mistake]:
+    if rule.accepts(value):
+        return
+    begins = "it must be from" if isinstance(rule, NumberOption) else "it must be"
+    yield Mistake(line, f"{what} is {quoted(value)[1:-1]}, {begins} {rule.allowed}")
+
+
+def _widget_mistakes(
+    widget: Node, rules: Rules, vocabulary: Vocabulary, *, viewport: Node | None
 ) -> Iterator[Mistake]:
-    if not rule.least <= value <= rule.most:
-        limits = f"{rule.least:g} to {rule.most:g} {rule.unit}".rstrip()
-        yield Mistake(line, f"{what} is {value:g}, it must be from {limits}")
-
-
-def _widget_mistakes(widget: Node, rules: Rules, *, within_viewport: bool) -> Iterator[Mistake]:
     handler = rules.value(widget, "handler")
-    rule = names.HANDLERS.get(handler or "")
     for event in widget.of("event"):
-        key = rules.value(event, "key")
-        if key is not None and not names.is_key(key):
-            yield Mistake(event.line, _unknown_key(key))
+        yield from input_mistakes(event, rules, within_viewport=viewport is not None)
     if handler is None:
         return
-    if rule is None:
-        allowed = hint(handler, names.HANDLERS)
+    kind = vocabulary.widgets.get(handler)
+    if kind is None:
+        allowed = hint(handler, vocabulary.widgets)
         yield Mistake(widget.line, f"unknown handler {quoted(handler)}{allowed}")
         return
-    if rule.needs_robot and not within_viewport:
+    rule = kind.rule
+    if rule.needs_robot and viewport is None:
         message = f"{handler} commands a robot, move it into one of the robot's viewports"
         yield Mistake(widget.line, message)
-    yield from _option_mistakes(widget, handler, rule, rules)
+    yield from _option_mistakes(widget, handler, rule.options, rules)
     for event in widget.of("event"):
         yield from _control_mistakes(event, handler, rule, rules)
+        if rule.pointed and rules.value(event, "key") is not None:
+            message = f"{handler} has to know where, give its event a mouse button, not a key"
+            yield Mistake(event.line, message)
 
 
 def _option_mistakes(
-    widget: Node, handler: str, rule: names.HandlerRule, rules: Rules
+    owner: Node, name: str, known: Mapping[str, Option], rules: Rules
 ) -> Iterator[Mistake]:
     first: dict[str, int] = {}
-    for option in widget.of("option"):
-        name = rules.value(option, "name")
-        if name is None:
+    for node in owner.of("option"):
+        option = rules.value(node, "name")
+        if option is None:
             continue
-        if name not in rule.options:
-            allowed = hint(name, rule.options) if rule.options else ", it has none"
-            yield Mistake(option.line, f"{handler} has no option {quoted(name)}{allowed}")
+        if option not in known:
+            allowed = hint(option, known) if known else ", it has none"
+            yield Mistake(node.line, f"{name} has no option {quoted(option)}{allowed}")
             continue
-        if name in first:
-            message = f"the option {name} is already in line {first[name]}; give it once"
-            yield Mistake(option.line, message)
-        first.setdefault(name, option.line)
-        value = _number(option, "value", rules)
+        if option in first:
+            message = f"the option {option} is already in line {first[option]}; give it once"
+            yield Mistake(node.line, message)
+        first.setdefault(option, node.line)
+        value = rules.value(node, "value")
         if value is not None:
-            what = f"option {name} of {handler}"
-            yield from _range_mistakes(option.line, what, value, rule.options[name])
+            yield from _value_mistakes(
+                node.line, f"option {option} of {name}", value, known[option]
+            )
 
 
 def _control_mistakes(
-    event: Node, handler: str, rule: names.HandlerRule, rules: Rules
+    event: Node, handler: str, rule: HandlerRule, rules: Rules
 ) -> Iterator[Mistake]:
     control = rules.value(event, "control")
     if control is None or control in rule.controls or not (control or rule.controls):
@@ -210,56 +224,3 @@ def _control_mistakes(
     else:
         message = f"{handler} has no control {quoted(control)}{hint(control, rule.controls)}"
     yield Mistake(event.line, message)
-
-
-def _unknown_key(key: str) -> str:
-    if (reported := names.KEYS_REPORTED_AS.get(key)) is not None:
-        return f"unknown key {quoted(key)}; terminals report it as {reported}, write that"
-    if names.is_key(lower := names.canonical_key(key)):
-        return f"unknown key {quoted(key)}; did you mean {lower!r}?"
-    nearest = hint(key, names.KEYS)
-    return f"unknown key {quoted(key)}{nearest or '; ' + names.KEY_RULE}"
-
-
-@dataclass(slots=True)
-class _Keys:
-    """Which keys are taken, and where; each key is reported once for each event."""
-
-    rules: Rules
-    anywhere: dict[str, int] = field(default_factory=dict)
-    globally: dict[str, int] = field(default_factory=dict)
-    by_handler: dict[tuple[str, str, str], tuple[Node, int]] = field(default_factory=dict)
-    by_widget: dict[tuple[int, str, str], int] = field(default_factory=dict)
-
-    def claim(self, widget: Node, robot: str | None) -> Iterator[Mistake]:
-        """Take the keys of a widget, whose robot is None if it is global."""
-        handler = self.rules.value(widget, "handler") or ""
-        events = [
-            (event.line, names.canonical_key(key), self.rules.value(event, "control") or "")
-            for event in widget.of("event")
-            if (key := self.rules.value(event, "key")) is not None
-        ]
-        for line, key, control in events:
-            taken = self._taken(widget, robot, handler, key, control)
-            if taken is not None:
-                yield Mistake(line, f"the key {quoted(key)} {taken}; choose another key")
-            self.by_widget.setdefault((id(widget), key, control), line)
-        for line, key, _ in events:
-            self.anywhere.setdefault(key, line)
-            if robot is None:
-                self.globally.setdefault(key, line)
-            elif robot:
-                self.by_handler.setdefault((robot, handler, key), (widget, line))
-
-    def _taken(
-        self, widget: Node, robot: str | None, handler: str, key: str, control: str
-    ) -> str | None:
-        if (line := self.by_widget.get((id(widget), key, control))) is not None:
-            return f"is already bound by this widget in line {line}"
-        if (line := self.globally.get(key)) is not None:
-            return f"belongs to a global widget already, in line {line}"
-        if robot is None and (line := self.anywhere.get(key)) is not None:
-            return f"of this global widget is used already, in line {line}"
-        if robot and (found := self.by_handler.get((robot, handler, key))) is not None:
-            return f"is bound to {handler} of robot {quoted(robot)} already, in line {found[1]}"
-        return None

@@ -19,7 +19,9 @@ from lxml import etree
 from rune_tui.errors import LayoutError, LayoutProblem
 from rune_tui.layout.building import SpecBuilder
 from rune_tui.layout.checks import find_mistakes
+from rune_tui.layout.extensions import extended
 from rune_tui.layout.grammar import Mistake, Node, Rules, read_rules
+from rune_tui.layout.rules import Vocabulary
 from rune_tui.layout.spec import LayoutSpec
 
 LARGEST_FILE = 1024 * 1024
@@ -35,8 +37,12 @@ _MOST_ATTRIBUTES = 100
 _DOCTYPE = re.compile(r"(?>\s|<\?(?>.*?\?>)|<!--(?>.*?-->))*+<!DOCTYPE", re.DOTALL)
 
 
-def load_layout(path: str | Path) -> LayoutSpec:
+def load_layout(path: str | Path, vocabulary: Vocabulary) -> LayoutSpec:
     """Read and check a layout file.
+
+    Args:
+        path: The file.
+        vocabulary: The visualizers and widgets there are without the layout's own extensions.
 
     Raises:
         LayoutError: The file cannot be read or has mistakes; all of them are listed.
@@ -50,10 +56,12 @@ def load_layout(path: str | Path) -> LayoutSpec:
     if not mistakes:
         mistakes += _unexplained(validator, document)
     if root.tag == rules.root:
-        mistakes += find_mistakes(root, rules)
+        vocabulary, wrong = extended(vocabulary, root, rules, Path(path).parent)
+        mistakes += wrong
+        mistakes += find_mistakes(root, rules, vocabulary)
     if mistakes:
         raise _error(shown, mistakes)
-    return SpecBuilder(rules, shown).layout(root)
+    return SpecBuilder(rules, shown, vocabulary).layout(root)
 
 
 def _error(shown: str, mistakes: Iterable[Mistake]) -> LayoutError:

@@ -1,123 +1,26 @@
-"""The names a layout may use: visualizer functions, widget handlers, keys.
-
-Plain tables, so that a layout can be checked without the code behind the names.
-"""
+"""The names a layout may use whatever is installed: capabilities, keys, the mouse's parts."""
 
 from __future__ import annotations
 
 import string
 import unicodedata
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
 from hub.gcm.capability import Capability
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class OptionRule:
-    """A number that a layout may give.
-
-    Attributes:
-        default: Its value where the layout is silent.
-        least: Smallest value allowed.
-        most: Largest value allowed.
-        unit: Its unit; empty for a plain number.
-        meaning: What it does, for the reference.
-    """
-
-    default: float
-    least: float
-    most: float
-    unit: str
-    meaning: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class VisualizerRule:
-    """What a layout may say of a visualizer.
-
-    Attributes:
-        message: The message it draws; empty if it draws none.
-        text: Whether it shows the attribute `text`.
-        option: Its numeric option, if it has one.
-    """
-
-    message: str
-    text: bool = False
-    option: OptionRule | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class HandlerRule:
-    """What a layout may say of a widget handler.
-
-    Attributes:
-        controls: What its events move; empty if there is nothing to choose.
-        options: Its options, by name.
-        needs_robot: Whether it commands a robot, and so belongs into a viewport.
-    """
-
-    controls: tuple[str, ...] = ()
-    options: Mapping[str, OptionRule] = field(default_factory=dict)
-    needs_robot: bool = True
-
-
-VISUALIZERS: Mapping[str, VisualizerRule] = {
-    "visualizeCameraImage": VisualizerRule(message="GCM_Common_Image"),
-    "visualizeRangeData": VisualizerRule(
-        message="GCM_RobotState",
-        option=OptionRule(
-            default=0.0, least=0.0, most=100.0, unit="m", meaning="range at the rim; 0 means 3 m"
-        ),
-    ),
-    "visualizePanData": VisualizerRule(message="GCM_CameraState"),
-    "visualizeTiltData": VisualizerRule(message="GCM_CameraState"),
-    "visualizeStatus": VisualizerRule(message="GCM_RobotState"),
-    "visualizeLabel": VisualizerRule(message="", text=True),
+_INTERVALS_MS = {
+    Capability.VIS_VID: 10,
+    Capability.PRO_MAP: 10_000,
 }
-
-HANDLERS: Mapping[str, HandlerRule] = {
-    "widgetSetSpeed": HandlerRule(
-        controls=("translate", "rotate"),
-        options={
-            "linear": OptionRule(
-                default=0.5, least=0.0, most=10.0, unit="m/s", meaning="speed at value 1"
-            ),
-            "angular": OptionRule(
-                default=1.0, least=0.0, most=10.0, unit="rad/s", meaning="turn rate at value 1"
-            ),
-        },
-    ),
-    "widgetStop": HandlerRule(),
-    "widgetAdjustPan": HandlerRule(
-        options={
-            "step_deg": OptionRule(
-                default=5.0, least=0.1, most=90.0, unit="deg", meaning="turn a press, to the left"
-            )
-        }
-    ),
-    "widgetAdjustTilt": HandlerRule(
-        options={
-            "step_deg": OptionRule(
-                default=3.0, least=0.1, most=90.0, unit="deg", meaning="turn a press, upwards"
-            )
-        }
-    ),
-    "widgetAdjustZoom": HandlerRule(
-        options={
-            "step": OptionRule(
-                default=0.05, least=0.001, most=1.0, unit="", meaning="change a press, of 0 to 1"
-            )
-        }
-    ),
-    "widgetHomePTZ": HandlerRule(),
-    "widgetQuit": HandlerRule(needs_robot=False),
-}
-
 CAPABILITY_INTERVALS_MS: Mapping[str, int] = {
-    capability.value: 66 if capability is Capability.VIS_VID else 0 for capability in Capability
+    capability.value: _INTERVALS_MS.get(capability, 0) for capability in Capability
 }
 """Known capabilities and their shortest time between two requests [ms]."""
+
+MOUSE_PARTS = ("left", "middle", "right", "wheel", "motion")
+"""What of a mouse can wake a widget."""
+MOUSE = "mouse "
+"""What the names of the mouse's inputs begin with; no key's name does."""
 
 NAMED_KEYS = (
     *("up", "down", "left", "right", "space", "enter", "escape", "tab", "backspace"),

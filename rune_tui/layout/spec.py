@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+from rune_tui.layout.rules import Options, Vocabulary
+
+CHOSEN = "*"
+"""In place of a robot's name: the one that the operator has chosen."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,11 +31,15 @@ class RobotSpec:
         name: What viewports call it.
         hub: Endpoint of its central, such as "tcp://127.0.0.1:1381".
         capabilities: What the console wants of it, by capability name.
+        messages: Names of the messages that its viewports and widgets make use of.
+        commands: Names of the messages that its widgets send.
     """
 
     name: str
     hub: str
     capabilities: tuple[CapabilitySpec, ...]
+    messages: frozenset[str] = frozenset()
+    commands: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,17 +47,19 @@ class EventSpec:
     """An input pattern that wakes a widget.
 
     Attributes:
-        key: Key name, lower case, such as "w", "up", "space", "ctrl+c".
+        name: The input, such as "w", "up", "ctrl+c", "mouse left", "mouse wheel".
+        released: Whether it wakes when the input goes up, not down.
         control: What the key stands for where a handler has several controls, such as
             "translate" or "rotate"; empty where it has one.
         value: How far the control is moved while the key is down, -1 to 1.
         line: Line in the layout file.
     """
 
-    key: str
+    name: str
     control: str
     value: float
     line: int
+    released: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,19 +68,17 @@ class WidgetSpec:
 
     Attributes:
         handler: Name of the handler, such as "widgetSetSpeed".
-        options: Options of the handler, by name.
+        options: Options of the handler, with those that the layout leaves out.
         events: Input patterns.
         line: Line in the layout file.
+        viewport: The viewport it belongs to; empty for a global widget.
     """
 
     handler: str
-    options: tuple[tuple[str, float], ...]
+    options: Options
     events: tuple[EventSpec, ...]
     line: int
-
-    def option(self, name: str, default: float) -> float:
-        """The option of this name, or the default."""
-        return dict(self.options).get(name, default)
+    viewport: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,14 +90,18 @@ class VisualizerSpec:
         message: Message it draws, such as "GCM_Common_Image".
         option: Its numeric option; each visualizer says what it means.
         text: Text for visualizers that show one.
+        options: Its other options, with those that the layout leaves out.
         line: Line in the layout file.
+        viewport: The viewport it draws into.
     """
 
     function: str
     message: str
     option: float
     text: str
+    options: Options
     line: int
+    viewport: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,7 +110,7 @@ class ViewportSpec:
 
     Attributes:
         name: Name in messages to the operator.
-        robot: Robot whose messages it shows.
+        robot: Robot whose messages it shows, or `CHOSEN`.
         visible: Whether it is drawn at the start.
         transparency: 0 is opaque, 255 cannot be seen.
         xpos: Left edge in design pixels of the view; may be negative.
@@ -154,12 +167,14 @@ class LayoutSpec:
         run_number: The run it is for, shown and recorded.
         robots: Robots, in file order.
         view: The whole picture.
+        vocabulary: The visualizers and widgets that it names, and all others there are.
     """
 
     path: str
     run_number: int
     robots: tuple[RobotSpec, ...]
     view: ViewSpec
+    vocabulary: Vocabulary = field(compare=False, repr=False)
 
     def robot(self, name: str) -> RobotSpec:
         """The robot of this name.

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 import logging
+import math
 import os
 import threading
 import time
@@ -14,17 +15,28 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
-from hub.errors import CodecError, HubError, NoHandlerError, QueryError
-from hub.gcm import navigation, rle, vision
+from hub.errors import HubError
+from hub.gcm import mapping, vision
 from hub.gcm.capability import Capability
-from hub.gcm.supervision import CAPABILITY_WANTS, LEASE_S, CapabilityWants
+from hub.gcm.catalog import BY_NAME
+from hub.gcm.supervision import (
+    CAPABILITY_REPORTS,
+    CAPABILITY_WANTS,
+    LEASE_S,
+    CapabilityPhase,
+    CapabilityReports,
+    CapabilityWants,
+)
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.keys import read_client_keys
 from hub.ipc.reception import Reception
 from hub.ipc.security import Action, may
 from rune_tui.layout.spec import RobotSpec
-from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
+from rune_tui.link.pictures import map_of, picture_of
+from rune_tui.link.requests import Requester
+from rune_tui.model.console_state import PictureWish
+from rune_tui.model.robot_state import LinkPhase, LinkState, Received, RobotState
 
 _logger = logging.getLogger(__name__)
 
@@ -32,10 +44,15 @@ T = TypeVar("T")
 
 _LISTEN_S = 0.2
 _REQUEST_CHECK_S = 0.01
-_REQUEST_TIMEOUT_S = 1.0
-_RETRY_S = 0.25
+_COUNT_S = 1.0
 _WANT_S = LEASE_S / 3
-"""Pause after a request that failed [s]."""
+_ANSWERS = frozenset({vision.IMAGE.name, mapping.MAP.name})
+"""What comes on request only."""
+_PHASE_WORDS = {
+    CapabilityPhase.AVAILABLE: "not started yet",
+    CapabilityPhase.STARTING: "starting",
+    CapabilityPhase.UNAVAILABLE: "its modules cannot be started",
+}
 
 
 class RobotLink:
@@ -62,18 +79,13 @@ class RobotLink:
             KeyFileError: The keys cannot be used.
         """
         self._clock = clock
-        wanted = {capability.name: capability for capability in spec.capabilities}
-        self._wanted = " ".join(sorted(wanted))
-        self._interval = (
-            wanted[Capability.VIS_VID].interval_s if Capability.VIS_VID in wanted else 0
-        )
-        self._pictures_wanted = Capability.VIS_VID in wanted
+        self._spec = spec
         self._picture_size: tuple[int, int] | None = None
-        self._shown = 0
-        self._asked_number = 0
-        self._in_flight = False
-        self._ask_at = 0.0
+        self._wish = PictureWish()
         self._numbers = 0
+        self._counted = (clock(), 0, 0)
+        self._messages = self._bytes = 0
+        self._handlers: dict[str, Callable[[Any, Reception], None]] = {}
         self._stopping = threading.Event()
         own_keys = read_client_keys(keys) if keys else None
         self._client = Client(
@@ -86,13 +98,42 @@ class RobotLink:
             may_command=own_keys is None or may(own_keys.role, Action.PUBLISH_COMMAND),
         )
         self._state = RobotState(name=spec.name, link=link)
-        self._subscribe(set(wanted))
+        self._pictures = Requester(
+            self._client,
+            vision.IMAGE_REQUEST,
+            vision.IMAGE,
+            ask=self._picture_request,
+            take=self._take_picture,
+            fail=self._no_picture,
+            clock=clock,
+        )
+        self._maps = Requester(
+            self._client,
+            mapping.MAP_REQUEST,
+            mapping.MAP,
+            ask=self._map_request,
+            take=self._take_map,
+            fail=lambda _: None,
+            clock=clock,
+        )
+        self._adopt(spec)
+        if link.may_command:
+            self._client.define(CAPABILITY_WANTS)
+            self._client.every(_WANT_S, self._want)
+        self._client.every(_REQUEST_CHECK_S, self._pictures.look)
+        self._client.every(_REQUEST_CHECK_S, self._maps.look)
+        self._client.every(_COUNT_S, self._count)
         self._thread = threading.Thread(target=self._run, name=f"link-{spec.name}", daemon=True)
 
     @property
     def state(self) -> RobotState:
         """What is known of the robot now; any thread may read it."""
         return self._state
+
+    @property
+    def spec(self) -> RobotSpec:
+        """What the layout says of the robot."""
+        return self._spec
 
     def start(self) -> None:
         """Begin."""
@@ -104,6 +145,10 @@ class RobotLink:
         self._client.post(lambda: None)
         self._thread.join()
 
+    def follow(self, spec: RobotSpec) -> None:
+        """Do what another layout wants of the same robot, without a break in the connection."""
+        self._client.post(lambda: self._adopt(spec))
+
     def send(self, definition: MessageDefinition[T], value: T) -> None:
         """Publish a command to the robot, if the operator's key allows that.
 
@@ -113,27 +158,35 @@ class RobotLink:
             measured = self._clock()
             self._client.post(lambda: self._client.publish(definition, value, measured=measured))
 
-    def want_pictures(self, size: tuple[int, int] | None) -> None:
-        """Ask for pictures of this width and height [pixels]; None: for none."""
+    def want_pictures(self, size: tuple[int, int] | None, wish: PictureWish | None = None) -> None:
+        """Ask for pictures of this width and height [pixels], None for none, and of this kind."""
         self._picture_size = size
+        self._wish = wish or PictureWish()
 
     def shown(self, number: int) -> None:
         """The picture of this number is on the screen; only now the next one is asked for."""
-        self._shown = number
+        self._pictures.shown = number
 
-    def _subscribe(self, wanted: set[str]) -> None:
-        client = self._client
-        if Capability.NAV_STATE in wanted:
-            client.subscribe(navigation.ROBOT_STATE, self._store("navigation"))
-        if wanted & {Capability.VIS_PTZ, Capability.VIS_VID}:
-            client.subscribe(vision.CAMERA_STATE, self._store("camera"))
+    def _adopt(self, spec: RobotSpec) -> None:
+        """Take over what a layout wants of the robot."""
+        self._spec = spec
+        wanted = {capability.name: capability for capability in spec.capabilities}
+        self._wanted = " ".join(sorted(wanted))
+        if Capability.VIS_VID in wanted:
+            self._pictures.interval = wanted[Capability.VIS_VID].interval_s
+        if Capability.PRO_MAP in wanted:
+            self._maps.interval = wanted[Capability.PRO_MAP].interval_s
+        messages = (spec.messages | {CAPABILITY_REPORTS.name}) - _ANSWERS
+        for name in self._handlers.keys() - messages:
+            self._client.unsubscribe(BY_NAME[name], self._handlers.pop(name))
+        kept = {n: r for n, r in self._state.messages.items() if n in messages}
+        self._state = self._state.with_(messages=kept)
+        for name in sorted(messages - self._handlers.keys()):
+            self._handlers[name] = self._store(name)
+            self._client.subscribe(BY_NAME[name], self._handlers[name], last=True)
         if self._state.link.may_command:
             # Defined before they are used, so that a stop is on its way as soon as it is wanted.
-            client.define(navigation.VELOCITY_COMMAND, navigation.STOP, vision.CAMERA_COMMAND)
-            client.define(CAPABILITY_WANTS)
-            client.every(_WANT_S, self._want)
-        if self._pictures_wanted:
-            client.every(_REQUEST_CHECK_S, self._ask_for_picture)
+            self._client.define(*(BY_NAME[name] for name in sorted(spec.commands)))
 
     def _want(self) -> None:
         """Have the robot run what the layout wants; it holds for a few seconds only."""
@@ -141,9 +194,16 @@ class RobotLink:
             wants = CapabilityWants(holder=self._client.name, capabilities=self._wanted)
             self._client.publish(CAPABILITY_WANTS, wants)
 
-    def _store(self, field: str) -> Callable[[Any, Reception], None]:
+    def _store(self, name: str) -> Callable[[Any, Reception], None]:
         def store(value: object, reception: Reception) -> None:
-            self._state = self._state.with_(**{field: self._received(value, reception)})
+            self._messages += 1
+            received = self._received(value, reception)
+            self._state = self._state.with_(messages={**self._state.messages, name: received})
+            if reception.missed:
+                missed = self._state.link.missed + reception.missed
+                self._change_link(missed=missed)
+            if isinstance(value, CapabilityReports):
+                self._note_lacking(value)
 
         return store
 
@@ -183,41 +243,63 @@ class RobotLink:
         link = self._state.link
         if (phase, detail) != (link.phase, link.detail):
             since = link.since if phase is link.phase else self._clock()
-            changed = dataclasses.replace(link, phase=phase, since=since, detail=detail)
-            self._state = self._state.with_(link=changed)
+            self._change_link(phase=phase, since=since, detail=detail)
 
-    def _ask_for_picture(self) -> None:
-        size, now = self._picture_size, self._clock()
-        handled = not self._in_flight and self._shown >= self._asked_number
-        if size is None or not handled or now < self._ask_at or not self._client.connected:
-            return
-        self._in_flight = True
-        self._ask_at = now + self._interval
-        self._client.query_notify(
-            vision.IMAGE_REQUEST,
-            vision.ImageRequest(width_px=size[0], height_px=size[1]),
-            vision.IMAGE,
-            timeout=_REQUEST_TIMEOUT_S,
-            answered=self._take_picture,
-            failed=self._no_picture,
+    def _change_link(self, **changes: Any) -> None:  # noqa: ANN401 - the fields have several types
+        link = dataclasses.replace(self._state.link, **changes)
+        self._state = self._state.with_(link=link)
+
+    def _note_lacking(self, reports: CapabilityReports) -> None:
+        known = {report.name: report.phase for report in reports.capabilities}
+        lacking = {
+            name: _PHASE_WORDS.get(known[name], "") if name in known else "no module has it"
+            for name in self._wanted.split()
+            if known.get(name) is not CapabilityPhase.RUNNING and name != Capability.CON_REAL
+        }
+        if lacking != self._state.link.lacking:
+            self._change_link(lacking=lacking)
+
+    def _count(self) -> None:
+        """Note how much has come in since the last time."""
+        then, messages, size = self._counted
+        now = self._clock()
+        if now > then:
+            self._change_link(
+                messages_per_s=(self._messages - messages) / (now - then),
+                bytes_per_s=(self._bytes - size) / (now - then),
+                round_trip=self._pictures.round_trip,
+            )
+        self._counted = (now, self._messages, self._bytes)
+
+    def _picture_request(self) -> vision.ImageRequest | None:
+        size, wish = self._picture_size, self._wish
+        if size is None or Capability.VIS_VID not in self._wanted.split():
+            return None
+        return vision.ImageRequest(
+            kind=wish.kind,
+            width_px=wish.width or size[0],
+            height_px=wish.height or size[1],
+            quality=wish.quality,
+            coding=wish.coding,
         )
 
-    def _take_picture(self, image: vision.Image, reception: Reception) -> None:
-        self._in_flight = False
-        try:
-            pixels = rle.decode(image.data, image.height_px, image.width_px, image.channels)
-        except CodecError as error:
-            self._no_picture(QueryError(str(error)))
-            return
-        if image.channels == 1:
-            pixels = pixels.repeat(3, axis=2)
-        received = self._received(Picture(pixels=pixels[:, :, :3], camera=image.camera), reception)
-        self._asked_number = received.number
+    def _take_picture(self, image: vision.Image, reception: Reception) -> int:
+        self._messages += 1
+        self._bytes += image.length
+        received = self._received(picture_of(image), reception)
         self._state = self._state.with_(picture=received)
-        self._set_link(self._state.link.phase, "")
+        return received.number
 
-    def _no_picture(self, error: QueryError) -> None:
-        self._in_flight = False
-        self._ask_at = self._clock() + _RETRY_S
-        detail = "the robot sends no pictures" if isinstance(error, NoHandlerError) else str(error)
+    def _no_picture(self, why: str) -> None:
+        detail = "the robot sends no pictures" if why == "nobody answers" else why
         self._set_link(self._state.link.phase, detail)
+
+    def _map_request(self) -> mapping.MapRequest | None:
+        wanted = mapping.MAP.name in self._spec.messages
+        return mapping.MapRequest(x=math.nan) if wanted else None
+
+    def _take_map(self, coded: mapping.Map, reception: Reception) -> int:
+        self._messages += 1
+        self._bytes += coded.length
+        self._state = self._state.with_(map=self._received(map_of(coded), reception))
+        return 0

@@ -1,20 +1,85 @@
-"""What the console itself is doing, apart from any robot."""
+"""What the console itself is doing, and all that it knows at one moment; immutable."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from hub.gcm.vision import ImageCoding, ImageKind
+from rune_tui.model.robot_state import RobotState
+from rune_tui.model.theme import DARK, Theme
+
+MOST_NOTICES = 200
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Notice:
+    """Something that happened, for the operator to read.
+
+    Attributes:
+        text: One sentence.
+        when: On the console's monotonic clock [s].
+        clock: The time of day then, such as "14:03:22".
+        robot: Whom it is about; empty for the console itself.
+        alarm: Whether it needs a hand.
+    """
+
+    text: str
+    when: float
+    clock: str = ""
+    robot: str = ""
+    alarm: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PictureWish:
+    """What kind of pictures are asked for.
+
+    Attributes:
+        kind: Grey or colour.
+        width: Width wanted [pixels]; 0: as wide as is shown.
+        height: Height wanted [pixels]; 0: as high as is shown.
+        quality: 1 to 100.
+        coding: How they are coded.
+    """
+
+    kind: ImageKind = ImageKind.COLOUR
+    width: int = 0
+    height: int = 0
+    quality: int = 60
+    coding: ImageCoding = ImageCoding.RLE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConsoleState:
-    """What the console is doing.
+    """What the console is doing and what it knows.
 
     Attributes:
         now: The console's monotonic clock [s].
         held: Keys that count as held down, in the order they were pressed.
         run_number: The layout's run number.
+        robots: All that is known of each robot, by name.
+        chosen: The robot that viewports of `CHOSEN` show and command.
+        shown: Viewports that somebody showed (True) or hid (False).
+        zooms: How many times larger than its layout says a viewport shows the world, by name.
+        wishes: What pictures somebody wants of a robot, by the robot's name.
+        night: Robots whose night mode somebody switched on, by name.
+        theme: The colours.
+        notices: What happened, the newest last.
+        help: Whether the page that says what keys do lies over everything.
+        recording: Where to everything is being recorded; empty if it is not.
     """
 
     now: float
     held: tuple[str, ...] = ()
     run_number: int = 0
+    robots: Mapping[str, RobotState] = field(default_factory=dict)
+    chosen: str = ""
+    shown: Mapping[str, bool] = field(default_factory=dict)
+    zooms: Mapping[str, float] = field(default_factory=dict)
+    wishes: Mapping[str, PictureWish] = field(default_factory=dict)
+    night: frozenset[str] = frozenset()
+    theme: Theme = DARK
+    notices: tuple[Notice, ...] = ()
+    help: bool = False
+    recording: str = ""

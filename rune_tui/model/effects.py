@@ -1,11 +1,20 @@
-"""What a widget wants done; the app does it."""
+"""What a widget wants done: the app does it, or `changed` makes it part of the console's state."""
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from hub.ipc.definition import MessageDefinition
+from rune_tui.model.console_state import MOST_NOTICES, ConsoleState, Notice, PictureWish
+from rune_tui.model.theme import THEMES
+
+LEAST_ZOOM = 0.05
+MOST_ZOOM = 50.0
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,4 +37,174 @@ class QuitEffect:
     """End the console."""
 
 
-Effect = SendEffect | QuitEffect
+@dataclass(frozen=True, slots=True)
+class NextLayoutEffect:
+    """Open the next of the layouts that the console was started with."""
+
+
+@dataclass(frozen=True, slots=True)
+class ScreenshotEffect:
+    """Write what is shown into a file."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExportEffect:
+    """Write a robot's interest points into files.
+
+    Attributes:
+        robot: The robot's name in the layout.
+    """
+
+    robot: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ShowViewport:
+    """Show or hide a viewport.
+
+    Attributes:
+        viewport: Its name.
+        by_layout: Whether the layout shows it at the start.
+        shown: What is wanted; None: the other than it is.
+    """
+
+    viewport: str
+    by_layout: bool
+    shown: bool | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ChooseRobot:
+    """Choose the robot that some viewports show and command.
+
+    Attributes:
+        robot: Its name; empty: the next one.
+    """
+
+    robot: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Zoom:
+    """Show the world larger or smaller in a viewport.
+
+    Attributes:
+        viewport: Its name.
+        factor: How many times larger than now; 0: as the layout says.
+    """
+
+    viewport: str
+    factor: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WishPictures:
+    """Ask for another kind of pictures.
+
+    Attributes:
+        robot: Of which robot.
+        wish: What kind.
+    """
+
+    robot: str
+    wish: PictureWish
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ToggleNight:
+    """The report's local message `RuneToggleNightMode`: night mode on, or off again.
+
+    Attributes:
+        robot: Of which robot.
+        on: What is wanted; None: the other than it is.
+    """
+
+    robot: str
+    on: bool | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SetTheme:
+    """Take other colours.
+
+    Attributes:
+        name: The theme's name; empty: the next one.
+    """
+
+    name: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ToggleHelp:
+    """Show or hide the page that says what keys do."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Record:
+    """Begin to record everything, or end it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tell:
+    """Tell the operator something.
+
+    Attributes:
+        notice: What.
+    """
+
+    notice: Notice
+
+
+StateEffect = (
+    ShowViewport | ChooseRobot | Zoom | WishPictures | ToggleNight | SetTheme | ToggleHelp | Tell
+)
+"""What only changes the console's state."""
+Effect = (
+    SendEffect
+    | QuitEffect
+    | NextLayoutEffect
+    | ScreenshotEffect
+    | ExportEffect
+    | Record
+    | StateEffect
+)
+
+
+def changed(state: ConsoleState, effect: StateEffect) -> ConsoleState:
+    """The console's state after an effect that concerns nothing else."""
+    match effect:
+        case ShowViewport(viewport=name, by_layout=by_layout, shown=shown):
+            wanted = not state.shown.get(name, by_layout) if shown is None else shown
+            return dataclasses.replace(state, shown=_with(state.shown, name, wanted))
+        case ChooseRobot(robot=name):
+            return dataclasses.replace(state, chosen=name or _next(state.chosen, state.robots))
+        case Zoom(viewport=name, factor=factor):
+            zoom = state.zooms.get(name, 1.0) * factor if factor > 0.0 else 1.0
+            zoom = min(MOST_ZOOM, max(LEAST_ZOOM, zoom))
+            return dataclasses.replace(state, zooms=_with(state.zooms, name, zoom))
+        case WishPictures(robot=name, wish=wish):
+            return dataclasses.replace(state, wishes=_with(state.wishes, name, wish))
+        case ToggleNight(robot=name, on=on):
+            wanted = name not in state.night if on is None else on
+            night = state.night | {name} if wanted else state.night - {name}
+            return dataclasses.replace(state, night=night)
+        case SetTheme(name=name):
+            theme = THEMES.get(name or _next(state.theme.name, THEMES), state.theme)
+            return dataclasses.replace(state, theme=theme)
+        case ToggleHelp():
+            return dataclasses.replace(state, help=not state.help)
+        case Tell(notice=notice):
+            notices = (*state.notices[1 - MOST_NOTICES :], notice)
+            return dataclasses.replace(state, notices=notices)
+
+
+def _with(mapping: Mapping[str, T], name: str, value: T) -> Mapping[str, T]:
+    return {**mapping, name: value}
+
+
+def _next(name: str, names: Mapping[str, object]) -> str:
+    """The one behind a name in a circle; the first if it is none of them."""
+    known = list(names)
+    if not known:
+        return ""
+    return known[(known.index(name) + 1) % len(known)] if name in known else known[0]

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import dataclasses
 import enum
-from dataclasses import dataclass
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
+from hub.gcm.navigation import ROBOT_STATE
 from hub.gcm.navigation import RobotState as NavigationState
-from hub.gcm.vision import CameraState
+from hub.gcm.vision import CAMERA_STATE, CameraState
+from hub.ipc.definition import MessageDefinition
 
 T = TypeVar("T")
 
@@ -63,6 +67,23 @@ class Picture:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class OccupancyMap:
+    """A decoded map.
+
+    Attributes:
+        cells: -1 unknown, 0 free to 100 occupied; row 0 at the lowest y, shape (height, width).
+        resolution: Edge of a cell [m].
+        origin_x: Lower left corner of cell (0, 0) in `map` [m].
+        origin_y: Lower left corner of cell (0, 0) in `map` [m].
+    """
+
+    cells: npt.NDArray[np.int8]
+    resolution: float
+    origin_x: float
+    origin_y: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LinkState:
     """How the connection stands.
 
@@ -72,6 +93,11 @@ class LinkState:
         endpoint: Where the hub is.
         detail: One sentence on the last failure; empty when there is none.
         may_command: Whether the operator's key allows to drive and stop the robot.
+        round_trip: How long the newest answer took to come [s]; NaN before the first.
+        bytes_per_s: How much comes in; NaN before a second of it was counted.
+        messages_per_s: How many messages come in; NaN before a second of them was counted.
+        missed: How many messages did not come, of those that should have.
+        lacking: Wanted capabilities that the robot does not provide now, in words by name.
     """
 
     phase: LinkPhase
@@ -79,6 +105,11 @@ class LinkState:
     endpoint: str
     detail: str = ""
     may_command: bool = True
+    round_trip: float = math.nan
+    bytes_per_s: float = math.nan
+    messages_per_s: float = math.nan
+    missed: int = 0
+    lacking: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,15 +120,29 @@ class RobotState:
         name: The robot's name in the layout.
         link: How the connection stands.
         picture: Newest camera image.
-        navigation: Newest state of the robot itself.
-        camera: Newest state of the camera.
+        map: Newest map.
+        messages: The newest of each other message, by its name.
     """
 
     name: str
     link: LinkState
     picture: Received[Picture] | None = None
-    navigation: Received[NavigationState] | None = None
-    camera: Received[CameraState] | None = None
+    map: Received[OccupancyMap] | None = None
+    messages: Mapping[str, Received[Any]] = field(default_factory=dict)
+
+    def newest(self, definition: MessageDefinition[T]) -> Received[T] | None:
+        """The newest message of a kind; None if none came, or no viewport asked for it."""
+        return self.messages.get(definition.name)
+
+    @property
+    def navigation(self) -> Received[NavigationState] | None:
+        """Newest state of the robot itself."""
+        return self.newest(ROBOT_STATE)
+
+    @property
+    def camera(self) -> Received[CameraState] | None:
+        """Newest state of the camera."""
+        return self.newest(CAMERA_STATE)
 
     def with_(self, **changes: Any) -> RobotState:  # noqa: ANN401 - the fields have several types
         """A copy with other values."""

@@ -9,7 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-Colour = tuple[int, int, int, int]
+from rune_tui.model import theme
+
+Colour = theme.Colour
 """Red, green, blue, alpha, each 0 to 255; alpha 0 shows what is behind."""
 
 REPLACEMENT = "?"

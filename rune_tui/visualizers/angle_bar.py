@@ -6,19 +6,16 @@ import enum
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Hashable
-from typing import ClassVar, Final, Self
+from typing import ClassVar, Self
 
 from hub.gcm.vision import CameraState
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
-from rune_tui.raster.canvas import Canvas, Colour
+from rune_tui.model.theme import Theme
+from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
-from rune_tui.visualizers.palette import PANEL
 from rune_tui.visualizers.staleness import age_look, mark_age, weather
-
-_BAR: Final[Colour] = (80, 160, 220, 255)
-_CENTRE_ON_BAR: Final[Colour] = (255, 255, 255, 255)
 
 
 class Direction(enum.Enum):
@@ -47,7 +44,7 @@ class AngleBar(ABC):
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Draw the newest angle."""
         if robot.camera is None:
-            canvas.fill(PANEL)
+            canvas.fill(state.theme.panel)
             return
         angle, field_of_view, limit = self.reading(robot.camera.value)
         draw_angle_bar(
@@ -57,13 +54,15 @@ class AngleBar(ABC):
             field_of_view=field_of_view,
             limit=limit,
             age=robot.camera.age(state.now),
+            theme=state.theme,
         )
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with the angle, the field of view and the look of their age."""
         if robot.camera is None:
-            return None
-        return self.reading(robot.camera.value), age_look(robot.camera, state.now)
+            return state.theme.name
+        look = age_look(robot.camera, state.now)
+        return self.reading(robot.camera.value), look, state.theme.name
 
 
 def draw_angle_bar(
@@ -74,6 +73,7 @@ def draw_angle_bar(
     field_of_view: float,
     limit: float,
     age: float,
+    theme: Theme,
 ) -> None:
     """Draw where the camera looks within all that it can see.
 
@@ -84,8 +84,9 @@ def draw_angle_bar(
         field_of_view: Seen at once in that direction, after zoom [rad].
         limit: Largest pan or tilt [rad].
         age: How old the angle is [s].
+        theme: The colours.
     """
-    canvas.fill(PANEL)
+    canvas.fill(theme.panel)
     across = direction is Direction.ACROSS
     length = canvas.width if across else canvas.height
     whole = 2.0 * limit + field_of_view
@@ -94,13 +95,13 @@ def draw_angle_bar(
     low, high = bar_span(length, angle / whole, field_of_view / whole)
     middle = (length - 1) // 2, length // 2 + 1
     with drawing(canvas) as pen:
-        for (start, end), colour in (((low, high), _BAR), (middle, _CENTRE_ON_BAR)):
+        for (start, end), colour in (((low, high), theme.accent), (middle, theme.ink)):
             if across:
                 pen.rectangle(start, 0, end, canvas.height, colour)
             else:
                 pen.rectangle(0, start, canvas.width, end, colour)
     weather(canvas, age)
-    mark_age(canvas, age)
+    mark_age(canvas, age, theme)
 
 
 def bar_span(length: int, offset: float, share: float) -> tuple[int, int]:

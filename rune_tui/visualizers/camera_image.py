@@ -6,13 +6,13 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
+from rune_tui.layout.rules import VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.resize import fitted
 from rune_tui.visualizers.notice import link_trouble, write_notice
-from rune_tui.visualizers.palette import BLACK, PANEL
 from rune_tui.visualizers.staleness import age_look, mark_age, weather
 
 
@@ -20,6 +20,7 @@ from rune_tui.visualizers.staleness import age_look, mark_age, weather
 class CameraImage:
     """Shows the picture as large as the viewport allows, its aspect kept, black around it."""
 
+    rule: ClassVar = VisualizerRule(meaning="the camera's picture", message="GCM_Common_Image")
     whole_cells: ClassVar[bool] = True
 
     @classmethod
@@ -31,22 +32,23 @@ class CameraImage:
         """Draw the picture, its age and the link's trouble."""
         trouble = _explanation(robot, state.now)
         if robot.picture is None or not robot.picture.value.pixels.size:
-            canvas.fill(PANEL)
+            canvas.fill(state.theme.panel)
         else:
-            canvas.fill(BLACK)
+            canvas.fill(state.theme.ground)
             age = robot.picture.age(state.now)
             canvas.paste(*fitted(robot.picture.value.pixels, canvas.width, canvas.height))
             weather(canvas, age)
-            mark_age(canvas, age)
+            mark_age(canvas, age, state.theme)
         if trouble:
-            write_notice(canvas, trouble)
+            write_notice(canvas, trouble, state.theme)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with the picture, the look of its age, and the words."""
         words = _explanation(robot, state.now)
         if robot.picture is None:
-            return words
-        return robot.picture.number, age_look(robot.picture, state.now), words
+            return words, state.theme.name
+        look = age_look(robot.picture, state.now)
+        return robot.picture.number, look, words, state.theme.name
 
 
 def _explanation(robot: RobotState, now: float) -> str:

@@ -7,11 +7,11 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
+from rune_tui.layout.rules import VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas, printable_text
-from rune_tui.visualizers.palette import WHITE
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +24,7 @@ class Label:
 
     text: str
 
+    rule: ClassVar = VisualizerRule(meaning="its `text`", text=True)
     whole_cells: ClassVar[bool] = True
 
     @classmethod
@@ -34,8 +35,8 @@ class Label:
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:  # noqa: ARG002
         """Write the text."""
         for row, line in enumerate(textwrap.wrap(self.text, max(1, canvas.width))):
-            canvas.text(0, row, line, WHITE)
+            canvas.text(0, row, line, state.theme.ink)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:  # noqa: ARG002
-        """Never changes."""
-        return None
+        """Changes with the colours only."""
+        return state.theme.name

@@ -5,9 +5,9 @@ from __future__ import annotations
 import textwrap
 
 from rune_tui.model.robot_state import LinkPhase, RobotState
-from rune_tui.raster.canvas import Canvas, Colour, printable_text
+from rune_tui.model.theme import Theme
+from rune_tui.raster.canvas import Canvas, printable_text
 from rune_tui.raster.shapes import drawing
-from rune_tui.visualizers.palette import PANEL, WHITE
 
 
 def link_trouble(robot: RobotState, now: float) -> str:
@@ -21,7 +21,7 @@ def link_trouble(robot: RobotState, now: float) -> str:
     return f"no link to {robot.name} at {link.endpoint}: retrying, {seconds} s"
 
 
-def write_notice(canvas: Canvas, text: str, *, ink: Colour = WHITE, ground: Colour = PANEL) -> None:
+def write_notice(canvas: Canvas, text: str, theme: Theme) -> None:
     """Write words on a plate in the middle of a canvas, wrapped to its width.
 
     What does not fit in height is left out from the end.
@@ -35,6 +35,6 @@ def write_notice(canvas: Canvas, text: str, *, ink: Colour = WHITE, ground: Colo
     column = (canvas.width - width) // 2
     row = (canvas.rows - len(lines)) // 2
     with drawing(canvas) as pen:
-        pen.rectangle(column, 2 * row, column + width, 2 * (row + len(lines)), ground)
+        pen.rectangle(column, 2 * row, column + width, 2 * (row + len(lines)), theme.panel)
     for index, line in enumerate(lines):
-        canvas.text((canvas.width - len(line)) // 2, row + index, line, ink)
+        canvas.text((canvas.width - len(line)) // 2, row + index, line, theme.ink)

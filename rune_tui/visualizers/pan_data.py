@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from hub.gcm.vision import CameraState
+from rune_tui.layout.rules import VisualizerRule
 from rune_tui.visualizers.angle_bar import AngleBar, Direction
 
 
 class PanData(AngleBar):
     """A bar centred on the pan, as long as the field of view, against a centre line."""
 
+    rule: ClassVar = VisualizerRule(
+        meaning="where the camera looks from left to right, as a bar as wide as its field of view",
+        message="GCM_CameraState",
+    )
     direction = Direction.ACROSS
 
     @staticmethod

@@ -11,13 +11,14 @@ import numpy as np
 
 from hub.gcm.navigation import SENSOR_COUNT
 from hub.gcm.navigation import RobotState as NavigationState
+from rune_tui.layout.rules import NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
+from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas, Colour
 from rune_tui.raster.shapes import Pen, Point, drawing, toward
 from rune_tui.visualizers.notice import write_notice
-from rune_tui.visualizers.palette import ALARM, WARNING, WHITE
 from rune_tui.visualizers.staleness import age_look, mark_age, weather
 
 BODY_RADIUS_M: Final = 0.203
@@ -31,7 +32,6 @@ _UNBOUNDED: Final[Colour] = (70, 130, 180, 50)
 _NEAR: Final[Colour] = (255, 140, 0, 210)
 _ECHO: Final[Colour] = (170, 215, 255, 255)
 _INFRARED: Final[Colour] = (255, 120, 220, 255)
-_BODY: Final[Colour] = (40, 44, 52, 255)
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +68,13 @@ class RangeData:
 
     rim_m: float = DEFAULT_RIM_M
 
+    rule: ClassVar = VisualizerRule(
+        meaning="the robot and a pie for each range sensor",
+        message="GCM_RobotState",
+        option=NumberOption(
+            default=0.0, least=0.0, most=100.0, unit="m", meaning="range at the rim; 0 means 3 m"
+        ),
+    )
     whole_cells: ClassVar[bool] = True
 
     @classmethod
@@ -79,7 +86,7 @@ class RangeData:
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Draw the newest ranges and their age."""
         if robot.navigation is None:
-            write_notice(canvas, f"no ranges from {robot.name} yet")
+            write_notice(canvas, f"no ranges from {robot.name} yet", state.theme)
             return
         navigation = robot.navigation.value
         age = robot.navigation.age(state.now)
@@ -91,19 +98,19 @@ class RangeData:
             body=max(BODY_RADIUS_M / self.rim_m * rim, min(2.0, rim / 3.0)),
         )
         with drawing(canvas, smoothing=_SMOOTHING) as pen:
-            _draw_ranges(pen, plan, navigation)
-            _draw_body(pen, plan, navigation)
+            _draw_ranges(pen, plan, navigation, state.theme)
+            _draw_body(pen, plan, navigation, state.theme)
         weather(canvas, age)
-        _write_marks(canvas, plan, navigation)
-        mark_age(canvas, age)
+        _write_marks(canvas, plan, navigation, state.theme)
+        mark_age(canvas, age, state.theme)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with what is measured and the look of its age."""
         if robot.navigation is None:
-            return robot.name
+            return robot.name, state.theme.name
         navigation = robot.navigation.value
         measured = (navigation.sonar.tobytes(), navigation.infrared.tobytes(), navigation.bumpers)
-        return measured, age_look(robot.navigation, state.now)
+        return measured, age_look(robot.navigation, state.now), state.theme.name
 
 
 def is_near(range_m: float) -> bool:
@@ -115,7 +122,7 @@ def _direction(sensor: int) -> float:
     return sensor * _OPENING
 
 
-def _draw_ranges(pen: Pen, plan: _Plan, navigation: NavigationState) -> None:
+def _draw_ranges(pen: Pen, plan: _Plan, navigation: NavigationState, theme: Theme) -> None:
     for sensor, reading in enumerate(navigation.sonar.tolist()):
         if math.isnan(reading):
             continue
@@ -123,7 +130,7 @@ def _draw_ranges(pen: Pen, plan: _Plan, navigation: NavigationState) -> None:
         colour = _NEAR if is_near(reading) else _FREE if math.isfinite(reading) else _UNBOUNDED
         pen.pie(plan.centre, reach, _direction(sensor), _OPENING, colour)
         if reading <= plan.rim_m:
-            rim = WARNING if is_near(reading) else _ECHO
+            rim = theme.warning if is_near(reading) else _ECHO
             pen.arc(plan.centre, reach, _direction(sensor), _OPENING, rim)
     for sensor, reading in enumerate(navigation.infrared.tolist()):
         if reading <= plan.rim_m:
@@ -131,20 +138,22 @@ def _draw_ranges(pen: Pen, plan: _Plan, navigation: NavigationState) -> None:
             pen.arc(plan.centre, reach, _direction(sensor), _OPENING / 2.0, _INFRARED)
 
 
-def _draw_body(pen: Pen, plan: _Plan, navigation: NavigationState) -> None:
+def _draw_body(pen: Pen, plan: _Plan, navigation: NavigationState, theme: Theme) -> None:
     for sensor in _pressed(navigation):
-        pen.pie(plan.centre, plan.body + 2.0, _direction(sensor), _OPENING, ALARM)
-    pen.circle(plan.centre, plan.body, fill=_BODY, rim=WHITE)
-    pen.line([plan.centre, toward(plan.centre, plan.body + 1.0, 0.0)], WHITE)
+        pen.pie(plan.centre, plan.body + 2.0, _direction(sensor), _OPENING, theme.alarm)
+    pen.circle(plan.centre, plan.body, fill=theme.panel, rim=theme.ink)
+    pen.line([plan.centre, toward(plan.centre, plan.body + 1.0, 0.0)], theme.ink)
 
 
-def _write_marks(canvas: Canvas, plan: _Plan, navigation: NavigationState) -> None:
+def _write_marks(canvas: Canvas, plan: _Plan, navigation: NavigationState, theme: Theme) -> None:
     for sensor, reading in enumerate(navigation.sonar.tolist()):
         if is_near(reading):
             reach = max(plan.length(reading), plan.body) + 1.5
-            _write_at(canvas, toward(plan.centre, reach, _direction(sensor)), "!", WARNING)
+            _write_at(canvas, toward(plan.centre, reach, _direction(sensor)), "!", theme.warning)
     for sensor in _pressed(navigation):
-        _write_at(canvas, toward(plan.centre, plan.body + 1.0, _direction(sensor)), "B", WHITE)
+        _write_at(
+            canvas, toward(plan.centre, plan.body + 1.0, _direction(sensor)), "B", theme.on_alarm
+        )
 
 
 def _write_at(canvas: Canvas, point: Point, mark: str, colour: Colour) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Final
 
-from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.visualizers.camera_image import CameraImage
 from rune_tui.visualizers.label import Label
 from rune_tui.visualizers.pan_data import PanData
@@ -23,12 +22,3 @@ VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
     "visualizeStatus": Status,
     "visualizeTiltData": TiltData,
 }
-
-
-def visualizer(spec: VisualizerSpec) -> Visualizer:
-    """The visualizer that a layout asks for.
-
-    Raises:
-        KeyError: There is none of this name; the loader refuses such layouts.
-    """
-    return VISUALIZERS[spec.function].from_spec(spec)

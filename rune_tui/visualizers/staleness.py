@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from rune_tui.model.robot_state import Received
+from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
-from rune_tui.visualizers.palette import ALARM, WHITE
 
 MENTION_AFTER_S = 0.25
 DIM_AFTER_S = 1.0
@@ -73,7 +73,7 @@ def weather(canvas: Canvas, age: float) -> None:
         canvas.pixels[stripes, :3] //= 3
 
 
-def mark_age(canvas: Canvas, age: float) -> None:
+def mark_age(canvas: Canvas, age: float, theme: Theme) -> None:
     """Write "STALE 4.2 s" over the middle of the first cell row, once data is that old [s]."""
     if staleness(age) is not Staleness.STALE:
         return
@@ -81,5 +81,5 @@ def mark_age(canvas: Canvas, age: float) -> None:
     string = full if len(full) <= canvas.width else f"!{age_text(age)}"
     column = max(0, (canvas.width - len(string)) // 2)
     with drawing(canvas) as pen:
-        pen.rectangle(column, 0, column + len(string), 2, ALARM)
-    canvas.text(column, 0, string, WHITE)
+        pen.rectangle(column, 0, column + len(string), 2, theme.alarm)
+    canvas.text(column, 0, string, theme.on_alarm)

@@ -6,26 +6,26 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
+from rune_tui.layout.rules import VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
+from rune_tui.model.theme import Colour, Theme
 from rune_tui.raster.canvas import Canvas, printable_text
-from rune_tui.visualizers.palette import ALARM_INK, GOOD_INK, PANEL, WARNING, WHITE
 from rune_tui.visualizers.status_words import Mood, Part, status_parts
 
 _GAP = 2
-_INK = {
-    Mood.PLAIN: WHITE,
-    Mood.GOOD: GOOD_INK,
-    Mood.WARNING: WARNING,
-    Mood.ALARM: ALARM_INK,
-}
 
 
 @dataclass(frozen=True, slots=True)
 class Status:
     """Name, link, motion, speed, battery, nearest obstacle, camera, picture age, keys held."""
 
+    rule: ClassVar = VisualizerRule(
+        meaning="one line: link, speed, battery, motion",
+        message="GCM_RobotState",
+        others=("GCM_CameraState",),
+    )
     whole_cells: ClassVar[bool] = True
 
     @classmethod
@@ -35,16 +35,26 @@ class Status:
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Write what there is room for in the first row."""
-        canvas.fill(PANEL)
+        canvas.fill(state.theme.panel)
+        inks = _inks(state.theme)
         parts = fitting(status_parts(robot, state), canvas.width)
         column = 0 if _width(parts) + 2 > canvas.width else 1
         for part in parts:
-            canvas.text(column, 0, part.text, _INK[part.mood])
+            canvas.text(column, 0, part.text, inks[part.mood])
             column += len(printable_text(part.text)) + _GAP
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with any word of it."""
-        return status_parts(robot, state)
+        return status_parts(robot, state), state.theme.name
+
+
+def _inks(theme: Theme) -> dict[Mood, Colour]:
+    return {
+        Mood.PLAIN: theme.ink,
+        Mood.GOOD: theme.good,
+        Mood.WARNING: theme.warning,
+        Mood.ALARM: theme.alarm_ink,
+    }
 
 
 def fitting(parts: Sequence[Part], columns: int) -> tuple[Part, ...]:

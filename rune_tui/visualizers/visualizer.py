@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from typing import ClassVar, Protocol, Self
+from typing import ClassVar, Protocol, Self, runtime_checkable
 
+from rune_tui.layout.rules import VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
+from rune_tui.model.world import WorldPoint
 from rune_tui.raster.canvas import Canvas
 
 
@@ -15,9 +17,11 @@ class Visualizer(Protocol):
     """Turns what is known of a robot into pixels and characters.
 
     Attributes:
+        rule: What layouts may say of it.
         whole_cells: Whether it writes characters and so wants a viewport made of whole cells.
     """
 
+    rule: ClassVar[VisualizerRule]
     whole_cells: ClassVar[bool]
 
     @classmethod
@@ -32,3 +36,27 @@ class Visualizer(Protocol):
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """A token that changes when, and only when, `draw` would draw something else."""
         ...
+
+
+@runtime_checkable
+class Locating(Protocol):
+    """A visualizer that shows the world, and can tell where in it a pixel is."""
+
+    def locate(
+        self,
+        pixel: tuple[float, float],
+        size: tuple[int, int],
+        robot: RobotState,
+        state: ConsoleState,
+    ) -> WorldPoint | None:
+        """The place on the ground that a pixel of the newest drawing shows.
+
+        Args:
+            pixel: Right of the left edge and below the upper edge of the viewport [pixels].
+            size: Width and height of the viewport [pixels].
+            robot: What was drawn, not what is known since.
+            state: What the console is doing.
+
+        Returns:
+            None where no ground is shown.
+        """

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
+from typing import ClassVar
 
 from hub.gcm.vision import CAMERA_COMMAND, CameraCommand, CameraMotion
 from rune_tui.controls.events import ControlEvent
-from rune_tui.layout.names import HANDLERS
+from rune_tui.layout.rules import HandlerRule, NumberOption
 from rune_tui.layout.spec import EventSpec
+from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, SendEffect
 from rune_tui.widgets.widget import PressWidget
 
@@ -20,43 +22,85 @@ class _AdjustCamera(PressWidget):
     def command(self, value: float) -> CameraCommand:
         """The step that an event of this value makes."""
 
-    def press(self, event: ControlEvent, event_spec: EventSpec) -> tuple[Effect, ...]:  # noqa: ARG002 - a repeat is one more step
-        """One step."""
-        value = self.command(event_spec.value)
+    def press(
+        self,
+        event: ControlEvent,
+        event_spec: EventSpec,
+        state: ConsoleState,  # noqa: ARG002 - a step is a step at any time
+    ) -> tuple[Effect, ...]:
+        """One step; a repeat is one more."""
+        value = self.command(event_spec.value * event.value)
         return (SendEffect(robot=self.robot, definition=CAMERA_COMMAND, value=value),)
-
-    def _option(self, name: str) -> float:
-        return self.spec.option(name, HANDLERS[self.spec.handler].options[name].default)
 
 
 class AdjustPan(_AdjustCamera):
     """Turns the camera; a positive value is to the left."""
 
+    rule: ClassVar = HandlerRule(
+        meaning="Turns the camera by a step for each press and repeat; positive is left.",
+        options={
+            "step_deg": NumberOption(
+                default=5.0, least=0.1, most=90.0, unit="deg", meaning="turn a press, to the left"
+            )
+        },
+        sends=("GCM_Camera_Command",),
+    )
+
     def command(self, value: float) -> CameraCommand:
         """The option `step_deg` times the value."""
-        return CameraCommand(pan=math.radians(self._option("step_deg")) * value)
+        return CameraCommand(pan=math.radians(self.spec.options.number("step_deg")) * value)
 
 
 class AdjustTilt(_AdjustCamera):
     """Tilts the camera; a positive value is upwards."""
 
+    rule: ClassVar = HandlerRule(
+        meaning="Tilts the camera by a step for each press and repeat; positive is up.",
+        options={
+            "step_deg": NumberOption(
+                default=3.0, least=0.1, most=90.0, unit="deg", meaning="turn a press, upwards"
+            )
+        },
+        sends=("GCM_Camera_Command",),
+    )
+
     def command(self, value: float) -> CameraCommand:
         """The option `step_deg` times the value."""
-        return CameraCommand(tilt=math.radians(self._option("step_deg")) * value)
+        return CameraCommand(tilt=math.radians(self.spec.options.number("step_deg")) * value)
 
 
 class AdjustZoom(_AdjustCamera):
     """Zooms; a positive value is closer."""
 
+    rule: ClassVar = HandlerRule(
+        meaning="Zooms by a step for each press and repeat; positive is closer.",
+        options={
+            "step": NumberOption(
+                default=0.05, least=0.001, most=1.0, unit="", meaning="change a press, of 0 to 1"
+            )
+        },
+        sends=("GCM_Camera_Command",),
+    )
+
     def command(self, value: float) -> CameraCommand:
         """The option `step` times the value."""
-        return CameraCommand(zoom=self._option("step") * value)
+        return CameraCommand(zoom=self.spec.options.number("step") * value)
 
 
 class HomePTZ(PressWidget):
     """Sends the camera home: straight ahead, wide."""
 
-    def press(self, event: ControlEvent, event_spec: EventSpec) -> tuple[Effect, ...]:  # noqa: ARG002 - home is home
+    rule: ClassVar = HandlerRule(
+        meaning="Sends the camera straight ahead, wide.",
+        sends=("GCM_Camera_Command",),
+    )
+
+    def press(
+        self,
+        event: ControlEvent,
+        event_spec: EventSpec,  # noqa: ARG002 - home is home
+        state: ConsoleState,  # noqa: ARG002
+    ) -> tuple[Effect, ...]:
         """One command; a repeat adds nothing."""
         if event.repeat:
             return ()

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from rune_tui.controls.events import ControlEvent
+from rune_tui.layout.rules import HandlerRule
 from rune_tui.layout.spec import EventSpec
+from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, QuitEffect
 from rune_tui.widgets.widget import PressWidget
 
@@ -11,6 +15,15 @@ from rune_tui.widgets.widget import PressWidget
 class Quit(PressWidget):
     """Ends the console."""
 
-    def press(self, event: ControlEvent, event_spec: EventSpec) -> tuple[Effect, ...]:  # noqa: ARG002 - every key of it means the same
+    rule: ClassVar = HandlerRule(
+        meaning="Ends the console; every robot is sent zero speed first.", needs_robot=False
+    )
+
+    def press(
+        self,
+        event: ControlEvent,  # noqa: ARG002 - every key of it means the same
+        event_spec: EventSpec,  # noqa: ARG002
+        state: ConsoleState,  # noqa: ARG002
+    ) -> tuple[Effect, ...]:
         """The end."""
         return (QuitEffect(),)

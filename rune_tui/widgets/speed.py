@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Self
+from typing import ClassVar, Self
 
 from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Stop, Twist
 from rune_tui.controls.events import ControlEvent
-from rune_tui.layout.names import HANDLERS
+from rune_tui.layout.rules import HandlerRule, NumberOption
 from rune_tui.layout.spec import EventSpec, WidgetSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, SendEffect
@@ -25,6 +25,24 @@ class SetSpeed:
     opposed keys the newest wins.
     """
 
+    rule: ClassVar = HandlerRule(
+        meaning=(
+            "Drives while keys are held. Positive `translate` is forward, positive `rotate` "
+            "counter-clockwise (to the left). Each control follows the newest of its keys that are "
+            "held."
+        ),
+        controls=("translate", "rotate"),
+        options={
+            "linear": NumberOption(
+                default=0.5, least=0.0, most=10.0, unit="m/s", meaning="speed at value 1"
+            ),
+            "angular": NumberOption(
+                default=1.0, least=0.0, most=10.0, unit="rad/s", meaning="turn rate at value 1"
+            ),
+        },
+        sends=("GCM_Velocity_Command",),
+    )
+
     def __init__(self, robot: str, *, linear: float, angular: float) -> None:
         """Drive a robot.
 
@@ -42,11 +60,8 @@ class SetSpeed:
     @classmethod
     def from_spec(cls, spec: WidgetSpec, robot: str) -> Self:
         """The widget that a layout describes."""
-        rules = HANDLERS["widgetSetSpeed"].options
         return cls(
-            robot,
-            linear=spec.option("linear", rules["linear"].default),
-            angular=spec.option("angular", rules["angular"].default),
+            robot, linear=spec.options.number("linear"), angular=spec.options.number("angular")
         )
 
     def forget(self) -> None:
@@ -102,7 +117,19 @@ class SetSpeed:
 class StopRobot(PressWidget):
     """Stops a robot; dispatch then releases the robot's other widgets."""
 
-    def press(self, event: ControlEvent, event_spec: EventSpec) -> tuple[Effect, ...]:
+    rule: ClassVar = HandlerRule(
+        meaning=(
+            "Stops the robot at once. Keys that are still held no longer drive; press them anew."
+        ),
+        sends=("GCM_Stop",),
+    )
+
+    def press(
+        self,
+        event: ControlEvent,
+        event_spec: EventSpec,
+        state: ConsoleState,  # noqa: ARG002 - a stop is a stop at any time
+    ) -> tuple[Effect, ...]:
         """A stop for every press; a hammered key looks like repeats, so they count as well."""
-        reason = f"the operator pressed {event.key} (layout line {event_spec.line})"
+        reason = f"the operator pressed {event.name} (layout line {event_spec.line})"
         return (SendEffect(robot=self.robot, definition=STOP, value=Stop(reason=reason)),)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Protocol, Self
+from typing import ClassVar, Protocol, Self
 
 from rune_tui.controls.events import ControlEvent
+from rune_tui.layout.rules import HandlerRule
 from rune_tui.layout.spec import EventSpec, WidgetSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect
@@ -15,9 +16,11 @@ class Widget(Protocol):
     """A handler at work: it turns control events into effects and keeps history.
 
     Attributes:
+        rule: What layouts may say of it.
         robot: The robot it commands; empty for a global widget.
     """
 
+    rule: ClassVar[HandlerRule]
     robot: str
 
     @classmethod
@@ -37,7 +40,9 @@ class Widget(Protocol):
 
 
 class PressWidget(ABC):
-    """A widget that presses wake and nothing else: no history, nothing held."""
+    """A widget that single moments wake: no history, nothing held."""
+
+    rule: ClassVar[HandlerRule]
 
     def __init__(self, spec: WidgetSpec, robot: str) -> None:
         self.spec = spec
@@ -49,17 +54,21 @@ class PressWidget(ABC):
         return cls(spec, robot)
 
     @abstractmethod
-    def press(self, event: ControlEvent, event_spec: EventSpec) -> tuple[Effect, ...]:
-        """Effects of a press or repeat."""
+    def press(
+        self, event: ControlEvent, event_spec: EventSpec, state: ConsoleState
+    ) -> tuple[Effect, ...]:
+        """Effects of a press or repeat; of a release if that is what the layout asks for."""
 
     def handle(
         self,
         event: ControlEvent,
         event_spec: EventSpec,
-        state: ConsoleState,  # noqa: ARG002 - a press means the same at any time
+        state: ConsoleState,
     ) -> tuple[Effect, ...]:
-        """Effects of a press or repeat; a release has none."""
-        return self.press(event, event_spec) if event.pressed else ()
+        """Effects of what the layout asks for, a press or a release; the other has none."""
+        if event.pressed == event_spec.released:
+            return ()
+        return self.press(event, event_spec, state)
 
     def tick(self, state: ConsoleState) -> tuple[Effect, ...]:  # noqa: ARG002 - nothing waits
         """No effects."""

@@ -15,12 +15,12 @@ from hub.gcm.vision import CAMERA_COMMAND
 from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.keyboard import KeyboardHold
 from rune_tui.dispatch import Dispatch
-from rune_tui.layout.loader import load_layout
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, QuitEffect, SendEffect
+from rune_tui.opening import open_layout
 
-DEMO = load_layout(Path(__file__).parents[2] / "layouts" / "demo.xml")
+DEMO = open_layout(Path(__file__).parents[2] / "layouts" / "demo.xml")
 TWO_ROBOTS = """\
 <rune>
   <robot name="magellan"/>
@@ -61,7 +61,7 @@ TWO_ROBOTS = """\
 def two_robots(tmp_path_factory: pytest.TempPathFactory) -> LayoutSpec:
     path = tmp_path_factory.mktemp("layouts") / "two.xml"
     path.write_text(TWO_ROBOTS)
-    return load_layout(path)
+    return open_layout(path)
 
 
 def at(now: float) -> ConsoleState:
@@ -69,11 +69,11 @@ def at(now: float) -> ConsoleState:
 
 
 def down(key: str) -> ControlEvent:
-    return ControlEvent(key=key, pressed=True)
+    return ControlEvent(name=key, pressed=True)
 
 
 def up(key: str) -> ControlEvent:
-    return ControlEvent(key=key, pressed=False)
+    return ControlEvent(name=key, pressed=False)
 
 
 def velocities(effects: Iterable[Effect], robot: str) -> list[tuple[float, float]]:
@@ -110,8 +110,8 @@ def test_every_key_of_the_demo_has_an_effect():
     for viewport in DEMO.view.viewports:
         specs += viewport.widgets
     for event in [event for spec in specs for event in spec.events]:
-        assert dispatch.handle(down(event.key), at(0.0))
-        dispatch.handle(up(event.key), at(0.0))
+        assert dispatch.handle(down(event.name), at(0.0))
+        dispatch.handle(up(event.name), at(0.0))
 
 
 def test_the_demo_looks_left_with_j_and_right_with_l():
@@ -156,7 +156,7 @@ def test_a_stop_comes_first_and_zero_after_it_and_held_keys_no_longer_drive(
     later = sum((dispatch.tick(at(0.1 + number / 20)) for number in range(1, 41)), ())
     assert set(velocities(later, "magellan")) == {(0.0, 0.0)}
     assert set(velocities(later, "blimp")) == {(0.5, 0.0)}
-    held = ControlEvent(key="w", pressed=True, repeat=True)
+    held = ControlEvent(name="w", pressed=True, repeat=True)
     assert velocities(dispatch.handle(held, at(2.2)), "magellan") == []
     dispatch.handle(up("w"), at(2.3))
     assert velocities(dispatch.handle(down("w"), at(2.4)), "magellan") == [(0.5, 0.0)]
@@ -333,9 +333,9 @@ def test_the_newest_of_the_held_keys_of_a_control_wins(actions: list[tuple[str, 
             if event.repeat:
                 continue
             if event.pressed:
-                order.append(event.key)
+                order.append(event.name)
             else:
-                order.remove(event.key)
+                order.remove(event.name)
             newest = linear[order[-1]] if order else 0.0
             assert hands.velocities(0.0, 1e9)[-1].linear.x == newest
         hands.wait(pause)

@@ -15,10 +15,11 @@ from hub.gcm.navigation import MotionState
 from hub.gcm.navigation import RobotState as NavigationState
 from hub.gcm.vision import CameraState
 from rune_tui.compositor.picture import plain_text
-from rune_tui.layout.loader import load_layout
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
+from rune_tui.opening import open_layout
 from rune_tui.view import View
+from tests.console.states import rendered, robot_of
 
 ROOT = Path(__file__).parents[2]
 SNAPSHOTS = ROOT / "tests" / "golden" / "layouts"
@@ -62,7 +63,7 @@ def robot(age: float) -> RobotState:
     shades = [columns, rows * 2, (rows // 10 + columns // 10) % 2 * 200]
     pixels = np.stack(shades, -1).astype(np.uint8)
     measured = NOW - age
-    return RobotState(
+    return robot_of(
         name="magellan",
         link=LinkState(phase=LinkPhase.CONNECTED, since=0.0, endpoint="tcp://127.0.0.1:1381"),
         picture=Received(value=Picture(pixels=pixels, camera=CAMERA), measured=measured, number=1),
@@ -81,10 +82,10 @@ LOST = RobotState(
 @pytest.mark.parametrize("layout", sorted(path.stem for path in (ROOT / "layouts").glob("*.xml")))
 @pytest.mark.parametrize("state", ["live", "stale", "lost"])
 def test_layout_looks_as_it_did(layout: str, size: tuple[int, int], state: str) -> None:
-    view = View(load_layout(ROOT / "layouts" / f"{layout}.xml").view)
+    view = View(open_layout(ROOT / "layouts" / f"{layout}.xml"))
     view.resize(*size)
     shown = {"live": robot(0.05), "stale": robot(4.2), "lost": LOST}[state]
-    cells = view.render({"magellan": shown}, ConsoleState(now=NOW, held=("w",)))
+    cells = rendered(view, {"magellan": shown}, ConsoleState(now=NOW, held=("w",)))
     assert cells is not None
     assert (cells.columns, cells.rows) == size
     text = plain_text(cells)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import re
 from typing import Any
@@ -16,11 +17,12 @@ from hub.gcm.navigation import RobotState as NavigationState
 from hub.gcm.vision import CameraState
 from rune_tui.compositor.ansi import RowEncoder
 from rune_tui.compositor.cells import Cells
-from rune_tui.layout.spec import ViewportSpec, ViewSpec, VisualizerSpec
+from rune_tui.layout.spec import ViewportSpec, ViewSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.view import MIN_COLUMNS, MIN_ROWS, View, placed
+from tests.console.states import layout_of, rendered, robot_of, visualizer_spec
 
 STATE = ConsoleState(now=100.0)
 CAMERA = CameraState(
@@ -69,13 +71,13 @@ def robot(name: str = "magellan", shade: int = 200, number: int = 1, **changes: 
         "navigation": known(NAVIGATION),
         "camera": known(CAMERA),
     }
-    return RobotState(name=name, **values | changes)
+    return robot_of(name=name, **values | changes)
 
 
 def viewport(
     function: str, place: tuple[int, int, int, int], *, text: str = "", **changes: Any
 ) -> ViewportSpec:
-    shown = VisualizerSpec(function=function, message="", option=0.0, text=text, line=1)
+    shown = visualizer_spec(function, text=text)
     values: dict[str, Any] = {
         "name": function,
         "robot": "magellan",
@@ -106,9 +108,9 @@ EVERYTHING = view(
 
 
 def shown(spec: ViewSpec, columns: int, rows: int, **changes: Any) -> Cells:
-    screen = View(spec)
+    screen = View(layout_of(spec))
     screen.resize(columns, rows)
-    cells = screen.render({"magellan": robot(**changes)}, STATE)
+    cells = rendered(screen, {"magellan": robot(**changes)}, STATE)
     assert cells is not None
     return cells
 
@@ -139,20 +141,20 @@ def test_below_a_usable_size_the_words_too_small_stand_alone(columns: int, rows:
 
 
 def test_nothing_is_drawn_before_the_size_is_known() -> None:
-    assert View(EVERYTHING).render({"magellan": robot()}, STATE) is None
+    assert rendered(View(layout_of(EVERYTHING)), {"magellan": robot()}, STATE) is None
 
 
 def test_nothing_new_gives_no_frame() -> None:
     for size in ((80, 24), (5, 2)):
-        screen = View(EVERYTHING)
+        screen = View(layout_of(EVERYTHING))
         screen.resize(*size)
         robots = {"magellan": robot()}
-        assert screen.render(robots, STATE) is not None
-        assert screen.render(robots, STATE) is None
+        assert rendered(screen, robots, STATE) is not None
+        assert rendered(screen, robots, STATE) is None
         later = ConsoleState(now=STATE.now + 0.05)
-        assert screen.render({"magellan": robot()}, later) is None
+        assert rendered(screen, {"magellan": robot()}, later) is None
         screen.resize(*size)
-        assert screen.render(robots, STATE) is not None
+        assert rendered(screen, robots, STATE) is not None
 
 
 class _Counted:
@@ -179,12 +181,12 @@ def test_only_the_viewport_whose_data_changed_is_drawn_again(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     counted = _Counted(monkeypatch)
-    screen = View(EVERYTHING)
+    screen = View(layout_of(EVERYTHING))
     screen.resize(80, 24)
-    before = screen.render({"magellan": robot()}, STATE)
+    before = rendered(screen, {"magellan": robot()}, STATE)
     assert len(counted.drawn) == 6
     counted.drawn.clear()
-    after = screen.render({"magellan": robot(shade=90, number=2)}, STATE)
+    after = rendered(screen, {"magellan": robot(shade=90, number=2)}, STATE)
     assert counted.drawn == ["CameraImage"]
     assert before is not None
     assert after is not None
@@ -199,23 +201,23 @@ def test_hidden_viewports_are_neither_drawn_nor_asked_for(monkeypatch: pytest.Mo
         viewport("visualizeCameraImage", (0, 0, 160, 96), transparency=255),
         viewport("visualizeStatus", (0, 0, 160, 2), visualizer=None),
     )
-    screen = View(hidden)
+    screen = View(layout_of(hidden))
     screen.resize(80, 24)
-    cells = screen.render({"magellan": robot()}, STATE)
+    cells = rendered(screen, {"magellan": robot()}, STATE)
     assert counted.drawn == []
     assert cells is not None
     assert (cells.pixels[..., :3] == (1, 2, 3)).all()
-    assert screen.picture_sizes() == {}
+    assert screen.picture_sizes(dataclasses.replace(STATE, robots={"magellan": robot()})) == {}
 
 
 def test_ageing_alone_gives_a_new_frame_at_each_step() -> None:
-    screen = View(view(viewport("visualizeCameraImage", (0, 0, 160, 96))))
+    screen = View(layout_of(view(viewport("visualizeCameraImage", (0, 0, 160, 96)))))
     screen.resize(80, 24)
     robots = {"magellan": robot()}
-    frames = [screen.render(robots, ConsoleState(now=100.0 + 0.25 * i)) for i in range(12)]
+    frames = [rendered(screen, robots, ConsoleState(now=100.0 + 0.25 * i)) for i in range(12)]
     # Fresh, then dimmed after one second, then (3.0 s old, measured 0.1 s before) hatched.
     assert [i for i, frame in enumerate(frames) if frame is not None] == [0, 4]
-    assert screen.render(robots, ConsoleState(now=103.0)) is not None
+    assert rendered(screen, robots, ConsoleState(now=103.0)) is not None
 
 
 def test_the_nearer_viewport_covers_the_farther() -> None:
@@ -229,9 +231,9 @@ def test_viewports_of_several_robots_show_each_its_own() -> None:
         viewport("visualizeStatus", (0, 0, 160, 2)),
         viewport("visualizeStatus", (0, 2, 160, 2), robot="blimp"),
     )
-    screen = View(spec)
+    screen = View(layout_of(spec))
     screen.resize(160, 48)
-    cells = screen.render({"magellan": robot(), "blimp": robot("blimp")}, STATE)
+    cells = rendered(screen, {"magellan": robot(), "blimp": robot("blimp")}, STATE)
     assert cells is not None
     lines = words(cells).splitlines()
     assert "magellan" in lines[0]
@@ -296,11 +298,12 @@ def test_the_picture_size_is_the_largest_shown_of_each_robot() -> None:
         viewport("visualizeCameraImage", (80, 0, 40, 30)),
         viewport("visualizeCameraImage", (0, 60, 8, 6), robot="blimp"),
     )
-    screen = View(spec)
+    screen = View(layout_of(spec))
     screen.resize(160, 48)
-    assert screen.picture_sizes() == {"magellan": (80, 60), "blimp": (16, 12)}
+    state = dataclasses.replace(STATE, robots={"magellan": robot(), "blimp": robot("blimp")})
+    assert screen.picture_sizes(state) == {"magellan": (80, 60), "blimp": (16, 12)}
     screen.resize(80, 24)
-    assert screen.picture_sizes()["magellan"] == (40, 30)
+    assert screen.picture_sizes(state)["magellan"] == (40, 30)
 
 
 @settings(max_examples=60)
@@ -315,10 +318,10 @@ def test_no_text_from_outside_puts_a_control_byte_on_the_terminal(
         viewport("visualizeRangeData", (0, 88, 160, 8)),
     )
     link = LinkState(phase=LinkPhase.LOST, since=90.0, endpoint=name, detail=detail)
-    screen = View(spec)
+    screen = View(layout_of(spec))
     screen.resize(columns, 12)
     robots = {"magellan": robot(name, link=link, picture=None, navigation=None)}
-    cells = screen.render(robots, ConsoleState(now=100.0, held=tuple(held)))
+    cells = rendered(screen, robots, ConsoleState(now=100.0, held=tuple(held)))
     assert cells is not None
     for row in RowEncoder().encode_text(cells):
         text = re.sub(r"\x1b\[[\d;]+m", "", row)
@@ -330,14 +333,14 @@ def test_a_fault_in_one_viewport_takes_no_other_from_the_operator(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     broken = known(Picture(pixels=np.zeros(5, np.uint8), camera=CAMERA))
-    pane = View(EVERYTHING)
+    pane = View(layout_of(EVERYTHING))
     pane.resize(120, 40)
-    cells = pane.render({"magellan": robot(picture=broken)}, STATE)
+    cells = rendered(pane, {"magellan": robot(picture=broken)}, STATE)
     assert cells is not None
     assert "visualizeCameraImage failed" in words(cells)
     assert "MOVING" in words(cells)
-    pane.render({"magellan": robot(picture=broken)}, STATE)
+    rendered(pane, {"magellan": robot(picture=broken)}, STATE)
     assert len(caplog.records) == 1
-    mended = pane.render({"magellan": robot()}, STATE)
+    mended = rendered(pane, {"magellan": robot()}, STATE)
     assert mended is not None
     assert "failed" not in words(mended)

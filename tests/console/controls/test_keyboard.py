@@ -15,15 +15,15 @@ RATE = 0.033
 
 
 def press(key: str) -> ControlEvent:
-    return ControlEvent(key=key, pressed=True)
+    return ControlEvent(name=key, pressed=True)
 
 
 def repeat(key: str) -> ControlEvent:
-    return ControlEvent(key=key, pressed=True, repeat=True)
+    return ControlEvent(name=key, pressed=True, repeat=True)
 
 
 def release(key: str) -> ControlEvent:
-    return ControlEvent(key=key, pressed=False)
+    return ControlEvent(name=key, pressed=False)
 
 
 def hold_down(keyboard: KeyboardHold, key: str, start: float, repeats: int, rate: float) -> float:
@@ -190,9 +190,9 @@ def test_presses_and_releases_of_a_key_alternate_and_everything_ends_released(
         else:
             events = keyboard.release_all()
         for event in events:
-            assert (event.key in down) == (event.repeat or not event.pressed)
-            (down.add if event.pressed else down.discard)(event.key)
+            assert (event.name in down) == (event.repeat or not event.pressed)
+            (down.add if event.pressed else down.discard)(event.name)
         assert down == set(keyboard.held)
     for event in keyboard.expire(now + 0.6):
-        down.remove(event.key)
+        down.remove(event.name)
     assert down == set()

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from rune_tui.errors import LayoutError
-from rune_tui.layout.loader import load_layout
+from rune_tui.opening import open_layout
 
 FILES = sorted((Path(__file__).parents[2] / "bad_layouts").glob("*.xml"))
 
@@ -28,7 +28,7 @@ def test_there_are_bad_layouts_and_all_of_them_say_what_is_wrong():
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_a_bad_layout_causes_exactly_the_problems_it_announces(path: Path):
     with pytest.raises(LayoutError) as caught:
-        load_layout(path)
+        open_layout(path)
     remaining = list(caught.value.problems)
     for line, part in expected(path):
         found = [one for one in remaining if one.line == line and part in one.message]
@@ -41,7 +41,7 @@ def test_a_bad_layout_causes_exactly_the_problems_it_announces(path: Path):
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_every_problem_is_one_printable_line(path: Path):
     with pytest.raises(LayoutError) as caught:
-        load_layout(path)
+        open_layout(path)
     for problem in caught.value.problems:
         assert problem.message.isprintable()
         assert str(problem).startswith(f"{path}:{problem.line}:")

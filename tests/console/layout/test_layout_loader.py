@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 
 from rune_tui.errors import LayoutError, LayoutProblem
 from rune_tui.layout import loader
-from rune_tui.layout.loader import LARGEST_FILE, load_layout
+from rune_tui.layout.loader import LARGEST_FILE
 from rune_tui.layout.spec import CapabilitySpec, EventSpec, LayoutSpec
+from rune_tui.opening import open_layout
 
 LAYOUTS = Path(__file__).parents[3] / "layouts"
 GOOD = sorted(LAYOUTS.glob("*.xml"))
@@ -56,7 +57,7 @@ SHORT = """\
 def load(tmp_path: Path, content: str | bytes) -> LayoutSpec:
     path = tmp_path / "layout.xml"
     path.write_bytes(content.encode() if isinstance(content, str) else content)
-    return load_layout(path)
+    return open_layout(path)
 
 
 def problems(tmp_path: Path, content: str | bytes) -> tuple[LayoutProblem, ...]:
@@ -74,8 +75,8 @@ def load_or_problems(tmp_path: Path, content: bytes) -> LayoutSpec | tuple[Layou
 
 @pytest.mark.parametrize("path", GOOD, ids=lambda path: path.stem)
 def test_the_layouts_that_come_with_rune_load(path: Path):
-    assert load_layout(path).path == str(path)
-    assert load_layout(str(path)) == load_layout(path)
+    assert open_layout(path).path == str(path)
+    assert open_layout(str(path)) == open_layout(path)
 
 
 def test_every_value_of_a_file_arrives(tmp_path: Path):
@@ -94,8 +95,8 @@ def test_every_value_of_a_file_arrives(tmp_path: Path):
     assert viewport.visualizer is not None
     assert (viewport.visualizer.option, viewport.visualizer.line) == (2.5, 13)
     (widget,) = viewport.widgets
-    assert widget.options == (("linear", 0.25),)
-    assert widget.events == (EventSpec(key="+", control="rotate", value=-0.5, line=10),)
+    assert widget.options.values == {"linear": 0.25, "angular": 1.0}
+    assert widget.events == (EventSpec(name="+", control="rotate", value=-0.5, line=10),)
     assert [widget.handler for widget in layout.view.widgets] == ["widgetQuit"]
 
 
@@ -104,7 +105,7 @@ def test_what_a_file_leaves_out_has_its_default(tmp_path: Path):
     assert layout.run_number == 0
     (robot,) = layout.robots
     assert robot.hub == "tcp://127.0.0.1:1381"
-    assert [capability.interval_s for capability in robot.capabilities] == [0.066, 0.0]
+    assert [capability.interval_s for capability in robot.capabilities] == [0.01, 0.0]
     assert layout.view.background == (0, 0, 0)
     (viewport,) = layout.view.viewports
     assert (viewport.robot, viewport.visible, viewport.transparency) == ("magellan", True, 0)
@@ -112,14 +113,14 @@ def test_what_a_file_leaves_out_has_its_default(tmp_path: Path):
     assert viewport.visualizer is not None
     assert (viewport.visualizer.message, viewport.visualizer.option) == ("GCM_Common_Image", 0.0)
     assert viewport.visualizer.text == ""
-    assert viewport.widgets[0].events == (EventSpec(key="space", control="", value=1.0, line=8),)
+    assert viewport.widgets[0].events == (EventSpec(name="space", control="", value=1.0, line=8),)
 
 
 def test_the_demo_drives_with_letters_and_arrows_and_says_its_keys():
-    layout = load_layout(LAYOUTS / "demo.xml")
+    layout = open_layout(LAYOUTS / "demo.xml")
     camera = layout.view.viewports[0]
     bound = {
-        handler: [event.key for widget in found for event in widget.events]
+        handler: [event.name for widget in found for event in widget.events]
         for handler in ("widgetSetSpeed", "widgetStop")
         if (found := [widget for widget in camera.widgets if widget.handler == handler])
     }
@@ -166,7 +167,7 @@ def test_a_file_that_is_none_is_refused_as_a_whole(tmp_path: Path, make, part: s
     path = tmp_path / "layout.xml"
     make(path)
     with pytest.raises(LayoutError) as caught:
-        load_layout(path)
+        open_layout(path)
     (problem,) = caught.value.problems
     assert part in problem.message
     assert (problem.path, problem.line) == (str(path), 0)
@@ -178,13 +179,13 @@ def test_a_file_that_may_not_be_read_is_refused(tmp_path: Path):
     path.write_text(SHORT)
     path.chmod(0)
     with pytest.raises(LayoutError, match="may not be read; check its permissions"):
-        load_layout(path)
+        open_layout(path)
 
 
 @pytest.mark.parametrize("path", ["a\0b", "\ud800", "x" * 5000])
 def test_what_is_no_path_is_refused(path: str):
     with pytest.raises(LayoutError):
-        load_layout(path)
+        open_layout(path)
 
 
 def test_a_file_of_the_largest_size_is_read(tmp_path: Path):

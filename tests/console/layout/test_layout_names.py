@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import string
 from pathlib import Path
@@ -13,12 +14,13 @@ from textual.keys import _character_to_key
 from hub.gcm import catalog
 from hub.gcm.capability import Capability
 from rune_tui.layout import names
-from rune_tui.layout.loader import _schema, load_layout
-from rune_tui.visualizers.registry import VISUALIZERS
-from rune_tui.widgets.registry import WIDGETS
+from rune_tui.layout.loader import _schema
+from rune_tui.layout.rules import HandlerRule, Option, VisualizerRule
+from rune_tui.opening import BUILT_IN, open_layout
 
 ROOT = Path(__file__).parents[3]
-PAGE = (ROOT / "docs" / "layout-reference.md").read_text()
+PATH = ROOT / "docs" / "layout-reference.md"
+PAGE = PATH.read_text()
 RULES = _schema()[0]
 
 
@@ -32,28 +34,22 @@ def rows(heading: str) -> list[list[str]]:
     ]
 
 
-def test_every_handler_has_a_widget_and_every_widget_a_handler():
-    assert set(WIDGETS) == set(names.HANDLERS)
-
-
-def test_every_visualizer_that_layouts_may_name_exists_and_no_other():
-    assert set(VISUALIZERS) == set(names.VISUALIZERS)
-
-
-def test_visualizers_draw_messages_of_the_catalogue():
-    drawn = {rule.message for rule in names.VISUALIZERS.values()} - {""}
-    assert drawn <= set(catalog.BY_NAME)
+def test_visualizers_and_widgets_name_messages_of_the_catalogue():
+    named = set()
+    for kind in BUILT_IN.visualizers.values():
+        named |= {kind.rule.message, *kind.rule.others}
+    for kind in BUILT_IN.widgets.values():
+        named |= {*kind.rule.sends, *kind.rule.uses}
+    assert named - {""} <= set(catalog.BY_NAME)
 
 
 def test_every_capability_has_an_interval():
     assert set(names.CAPABILITY_INTERVALS_MS) == {member.value for member in Capability}
 
 
-def test_defaults_lie_within_their_ranges():
-    options = [option for rule in names.HANDLERS.values() for option in rule.options.values()]
-    options += [rule.option for rule in names.VISUALIZERS.values() if rule.option]
-    for option in options:
-        assert option.least <= option.default <= option.most
+def test_defaults_are_allowed():
+    for _, _, option in options():
+        assert option.accepts(option.shown(option.default).replace("empty", ""))
 
 
 def test_the_page_has_a_section_for_every_element_and_no_other():
@@ -82,39 +78,76 @@ def test_the_page_lists_every_capability():
     assert listed == {member.value for member in Capability}
 
 
-def test_the_page_lists_every_visualizer_with_its_message_and_option():
-    table = {row[0]: row[1:] for row in rows("### `<visualizer>`") if len(row) == 5}
-    assert set(table) == set(names.VISUALIZERS)
-    for function, rule in names.VISUALIZERS.items():
-        message, _, option, text = table[function]
-        assert message == (rule.message or "none")
-        assert (option != "none") == (rule.option is not None)
-        assert (text != "none") == rule.text
-        if rule.option:
-            assert f"{rule.option.least:g} to {rule.option.most:g} {rule.option.unit}" in option
+def options() -> list[tuple[str, str, Option]]:
+    """Every option, with the name of its visualizer or handler and its own."""
+    kinds = {**BUILT_IN.visualizers, **BUILT_IN.widgets}
+    found = [
+        (owner, name, option)
+        for owner, kind in kinds.items()
+        for name, option in kind.rule.options.items()
+    ]
+    numbers = {owner: kind.rule.option for owner, kind in BUILT_IN.visualizers.items()}
+    return found + [(owner, "", option) for owner, option in numbers.items() if option]
 
 
-def test_the_page_lists_every_handler_with_its_controls():
-    table = {row[0]: row[1:] for row in rows("### `<widget>`") if len(row) == 4}
-    assert set(table) == set(names.HANDLERS)
-    for handler, rule in names.HANDLERS.items():
-        place, controls, _ = table[handler]
-        assert place == ("viewport" if rule.needs_robot else "anywhere")
-        assert tuple(re.findall(r"\w+", controls)) == (rule.controls or ("none",))
+def table(*lines: tuple[str, ...]) -> str:
+    head, *rest = ["| " + " | ".join(line).replace("|  |", "| |") + " |" for line in lines]
+    return "\n".join([head, "|" + " --- |" * len(lines[0]), *rest])
 
 
-def test_the_page_lists_every_option_with_its_range_and_default():
-    table = {(row[0], row[1]): row[2:] for row in rows("### `<option>`") if len(row) == 5}
-    options = {
-        (handler, name): option
-        for handler, rule in names.HANDLERS.items()
-        for name, option in rule.options.items()
-    }
-    assert set(table) == set(options)
-    for key, option in options.items():
-        limits, default, _ = table[key]
-        assert limits == f"{option.least:g} to {option.most:g} {option.unit}".rstrip()
-        assert default == f"{option.default:g}"
+def visualizer_line(name: str, rule: VisualizerRule) -> tuple[str, ...]:
+    message = "any" if rule.any_message else f"`{rule.message}`" if rule.message else "none"
+    option = f"{rule.option.allowed}: {rule.option.meaning}" if rule.option else "none"
+    return f"`{name}`", message, rule.meaning, option, "what it shows" if rule.text else "none"
+
+
+def handler_line(name: str, rule: HandlerRule) -> tuple[str, ...]:
+    controls = ", ".join(f"`{control}`" for control in rule.controls) or "none"
+    return f"`{name}`", "viewport" if rule.needs_robot else "anywhere", controls, rule.meaning
+
+
+def option_line(owner: str, name: str, option: Option) -> tuple[str, ...]:
+    default = f"`{option.shown(option.default)}`"
+    return f"`{owner}`", f"`{name}`", option.allowed, default, option.meaning
+
+
+TABLES = {
+    "visualizers": table(
+        ("function", "message", "what it draws", "`option`", "`text`"),
+        *(visualizer_line(name, kind.rule) for name, kind in BUILT_IN.visualizers.items()),
+    ),
+    "handlers": table(
+        ("handler", "where", "controls", "what it does"),
+        *(handler_line(name, kind.rule) for name, kind in BUILT_IN.widgets.items()),
+    ),
+    "options": table(
+        ("visualizer or handler", "option", "value", "default", "meaning"),
+        *(
+            (
+                f"`{owner}`",
+                f"`{name}`",
+                option.allowed,
+                f"`{option.shown(option.default)}`",
+                option.meaning,
+            )
+            for owner, name, option in options()
+            if name
+        ),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_the_page_has_the_tables_of_what_there_is(name: str):
+    """RUNE_WRITE_DOCS=1 writes them anew."""
+    mark = f"<!-- {name} -->\n"
+    before, _, behind = PATH.read_text().partition(mark)
+    assert behind
+    _, _, rest = behind.partition("\n\n")
+    whole = f"{before}{mark}{TABLES[name]}\n\n{rest}"
+    if os.environ.get("RUNE_WRITE_DOCS"):
+        PATH.write_text(whole)
+    assert PATH.read_text() == whole
 
 
 def test_the_page_lists_every_named_key():
@@ -129,7 +162,7 @@ def test_the_example_of_the_page_is_the_minimal_layout(tmp_path: Path):
     example = PAGE.split("```xml\n")[1].split("```")[0]
     path = tmp_path / "example.xml"
     path.write_text(example)
-    assert load_layout(path).robots == load_layout(ROOT / "layouts" / "minimal.xml").robots
+    assert open_layout(path).robots == open_layout(ROOT / "layouts" / "minimal.xml").robots
     assert example in (ROOT / "layouts" / "minimal.xml").read_text()
 
 

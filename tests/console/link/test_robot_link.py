@@ -15,12 +15,13 @@ from hub.ipc.central import Central
 from hub.ipc.client import Client
 from hub.ipc.keyring import Keyring
 from hub.ipc.security import Role
-from rune_tui.layout.loader import load_layout
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase
+from rune_tui.opening import open_layout
 from rune_tui.view import View
+from tests.console.states import rendered
 from tests.waiting import until
 
 LAYOUT = """<rune run="1">
@@ -57,7 +58,7 @@ class Desk:
     def layout(self, endpoint: str) -> LayoutSpec:
         path = self._folder / "layout.xml"
         path.write_text(LAYOUT.format(hub=endpoint))
-        return load_layout(path)
+        return open_layout(path)
 
     def link(self, role: Role | None) -> RobotLink:
         """A started link: with a key of this role, or on the hub's machine without one."""
@@ -71,9 +72,9 @@ class Desk:
 
     def screen(self, link: RobotLink) -> str:
         """What stands on the screen, rows one after the other."""
-        view = View(self.layout(self.central.endpoints[0]).view)
+        view = View(self.layout(self.central.endpoints[0]))
         view.resize(120, 10)
-        cells = view.render({"magellan": link.state}, ConsoleState(now=time.monotonic()))
+        cells = rendered(view, {"magellan": link.state}, ConsoleState(now=time.monotonic()))
         assert cells is not None
         return "\n".join("".join(chr(g or 32) for g in row) for row in cells.glyphs.tolist())
 

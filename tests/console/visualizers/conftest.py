@@ -13,11 +13,12 @@ import pytest
 from hub.gcm.navigation import MotionState
 from hub.gcm.navigation import RobotState as NavigationState
 from hub.gcm.vision import CameraState
-from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
 from rune_tui.raster.canvas import Canvas
-from rune_tui.visualizers.registry import visualizer
+from rune_tui.visualizers.registry import VISUALIZERS
+from rune_tui.visualizers.visualizer import Visualizer
+from tests.console.states import robot_of, visualizer_spec
 
 NOW = 100.0
 GOLDEN = Path(__file__).parents[2] / "golden" / "cells"
@@ -102,7 +103,12 @@ class Made:
             "navigation": received(navigation()),
             "camera": received(camera()),
         }
-        return RobotState(name="magellan", **values | parts)
+        return robot_of(name="magellan", **values | parts)
+
+
+def made_by(function: str, **options: Any) -> Visualizer:
+    """The visualizer of this name with these options."""
+    return VISUALIZERS[function].from_spec(visualizer_spec(function, **options))
 
 
 @pytest.fixture
@@ -111,17 +117,7 @@ def made() -> Made:
 
 
 @pytest.fixture
-def spec() -> Callable[..., VisualizerSpec]:
-    """The specification of a visualizer."""
-
-    def make(function: str, *, option: float = 0.0, text: str = "") -> VisualizerSpec:
-        return VisualizerSpec(function=function, message="", option=option, text=text, line=1)
-
-    return make
-
-
-@pytest.fixture
-def draw(spec: Callable[..., VisualizerSpec]) -> Draw:
+def draw() -> Draw:
     """Draws a robot's state by a visualizer's name on a canvas of the size in pixels."""
 
     def drawn(
@@ -130,11 +126,12 @@ def draw(spec: Callable[..., VisualizerSpec]) -> Draw:
         size: tuple[int, int],
         *,
         held: tuple[str, ...] = (),
+        state: ConsoleState | None = None,
         **options: Any,
     ) -> Canvas:
         canvas = Canvas.blank(*size)
-        state = ConsoleState(now=NOW, held=held)
-        visualizer(spec(function, **options)).draw(canvas, robot, state)
+        state = state or ConsoleState(now=NOW, held=held)
+        made_by(function, **options).draw(canvas, robot, state)
         return canvas
 
     return drawn

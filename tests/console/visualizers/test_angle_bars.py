@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.theme import DARK
 from rune_tui.visualizers.angle_bar import bar_span
 from rune_tui.visualizers.pan_data import PanData
 from rune_tui.visualizers.tilt_data import TiltData
@@ -33,7 +34,7 @@ def test_straight_ahead_the_bar_lies_across_the_centre(made, draw, golden) -> No
     assert first + last == 39
     # 0.8 rad of 2 * 1.6 + 0.8.
     assert last - first + 1 == 8
-    assert (canvas.pixels[:, 19:21] == 255).all()
+    assert (canvas.pixels[:, 19:21] == DARK.ink).all()
     golden("pan_data", canvas)
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.visualizers.range_data import DEFAULT_RIM_M, RangeData
+from tests.console.states import visualizer_spec
 
 NAME = "visualizeRangeData"
 SIZE = (40, 40)
@@ -91,8 +92,8 @@ def test_the_option_is_the_range_at_the_rim(made, draw) -> None:
 
 
 @pytest.mark.parametrize("option", [0.0, -1.0, math.nan, math.inf, 0.1])
-def test_a_senseless_option_means_the_default(spec, option) -> None:
-    assert RangeData.from_spec(spec(NAME, option=option)).rim_m == DEFAULT_RIM_M
+def test_a_senseless_option_means_the_default(option) -> None:
+    assert RangeData.from_spec(visualizer_spec(NAME, option=option)).rim_m == DEFAULT_RIM_M
 
 
 def test_infrared_is_an_arc_of_its_own_where_it_sees_something(made, draw) -> None:

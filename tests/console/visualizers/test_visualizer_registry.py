@@ -6,13 +6,14 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from rune_tui.visualizers.registry import VISUALIZERS, visualizer
+from rune_tui.visualizers.registry import VISUALIZERS
 from rune_tui.visualizers.staleness import Staleness, age_text, staleness
+from tests.console.states import visualizer_spec
 
 
-def test_every_name_makes_its_visualizer(spec) -> None:
+def test_every_name_makes_its_visualizer() -> None:
     for name, kind in VISUALIZERS.items():
-        assert isinstance(visualizer(spec(name)), kind)
+        assert isinstance(kind.from_spec(visualizer_spec(name)), kind)
 
 
 @pytest.mark.parametrize("name", sorted(VISUALIZERS))

@@ -10,7 +10,7 @@ import pytest
 from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Twist
 from hub.gcm.vision import CAMERA_COMMAND, CameraCommand, CameraMotion
 from rune_tui.controls.events import ControlEvent
-from rune_tui.layout import names
+from rune_tui.layout.rules import Options
 from rune_tui.layout.spec import EventSpec, WidgetSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import QuitEffect, SendEffect
@@ -19,11 +19,12 @@ from rune_tui.widgets.speed import SetSpeed
 
 
 def spec(handler: str, **options: float) -> WidgetSpec:
-    return WidgetSpec(handler=handler, options=tuple(options.items()), events=(), line=1)
+    rule = WIDGETS[handler].rule
+    return WidgetSpec(handler=handler, options=Options.of(rule.options, options), events=(), line=1)
 
 
 def event_spec(key: str, control: str = "", value: float = 1.0) -> EventSpec:
-    return EventSpec(key=key, control=control, value=value, line=1)
+    return EventSpec(name=key, control=control, value=value, line=1)
 
 
 def at(now: float) -> ConsoleState:
@@ -31,15 +32,15 @@ def at(now: float) -> ConsoleState:
 
 
 def down(key: str) -> ControlEvent:
-    return ControlEvent(key=key, pressed=True)
+    return ControlEvent(name=key, pressed=True)
 
 
 def again(key: str) -> ControlEvent:
-    return ControlEvent(key=key, pressed=True, repeat=True)
+    return ControlEvent(name=key, pressed=True, repeat=True)
 
 
 def up(key: str) -> ControlEvent:
-    return ControlEvent(key=key, pressed=False)
+    return ControlEvent(name=key, pressed=False)
 
 
 W = event_spec("w", "translate", 1.0)
@@ -196,7 +197,7 @@ def test_only_speed_widgets_speak_unasked(handler: str):
 @pytest.mark.parametrize("handler", sorted(WIDGETS))
 def test_every_message_of_a_widget_can_be_encoded(handler: str):
     widget = WIDGETS[handler].from_spec(spec(handler), "magellan")
-    control = next(iter(names.HANDLERS[handler].controls), "")
+    control = next(iter(WIDGETS[handler].rule.controls), "")
     for effect in widget.handle(down("x"), event_spec("x", control), at(0.0)):
         if isinstance(effect, SendEffect):
             payload = b"".join(map(bytes, effect.definition.encode(effect.value)))

@@ -1,0 +1,220 @@
+"""What layouts may say of a visualizer or a widget handler; each class states its own rule."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Protocol
+
+_DECIMAL = re.compile(r"[+-]?([0-9]{1,18}(\.[0-9]{0,99})?|\.[0-9]{1,99})")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NumberOption:
+    """A number that a layout may give.
+
+    Attributes:
+        default: Its value where the layout is silent.
+        least: Smallest value allowed.
+        most: Largest value allowed.
+        unit: Its unit; empty for a plain number.
+        meaning: What it does, for the reference.
+    """
+
+    default: float
+    least: float
+    most: float
+    unit: str = ""
+    meaning: str
+
+    @property
+    def allowed(self) -> str:
+        """What may be given, in words."""
+        return f"{self.least:g} to {self.most:g} {self.unit}".rstrip()
+
+    def accepts(self, text: str) -> bool:
+        """Whether a layout may give this."""
+        return bool(_DECIMAL.fullmatch(text)) and self.least <= float(text) <= self.most
+
+    def value(self, text: str) -> float:
+        """What a text that is accepted means."""
+        return float(text)
+
+    def shown(self, value: float) -> str:
+        """A value as a layout would give it."""
+        return f"{value:g}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ChoiceOption:
+    """One of several words that a layout may give.
+
+    Attributes:
+        default: Its value where the layout is silent.
+        choices: All that are allowed.
+        meaning: What it does, for the reference.
+    """
+
+    default: str
+    choices: tuple[str, ...]
+    meaning: str
+
+    @property
+    def allowed(self) -> str:
+        """What may be given, in words."""
+        return " or ".join(self.choices)
+
+    def accepts(self, text: str) -> bool:
+        """Whether a layout may give this."""
+        return text in self.choices
+
+    def value(self, text: str) -> str:
+        """What a text that is accepted means."""
+        return text
+
+    def shown(self, value: str) -> str:
+        """A value as a layout would give it."""
+        return value
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TextOption:
+    """Words that a layout may give.
+
+    Attributes:
+        default: Its value where the layout is silent.
+        longest: How many characters are allowed.
+        meaning: What it does, for the reference.
+    """
+
+    default: str = ""
+    longest: int = 200
+    meaning: str
+
+    @property
+    def allowed(self) -> str:
+        """What may be given, in words."""
+        return f"at most {self.longest} characters"
+
+    def accepts(self, text: str) -> bool:
+        """Whether a layout may give this."""
+        return len(text) <= self.longest and text.isprintable()
+
+    def value(self, text: str) -> str:
+        """What a text that is accepted means."""
+        return text
+
+    def shown(self, value: str) -> str:
+        """A value as a layout would give it."""
+        return value or "empty"
+
+
+Option = NumberOption | ChoiceOption | TextOption
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Options:
+    """Options with their values, those that the layout leaves out included.
+
+    Attributes:
+        values: By name.
+    """
+
+    values: Mapping[str, float | str] = field(default_factory=dict)
+
+    @classmethod
+    def of(
+        cls, rules: Mapping[str, Option], given: Mapping[str, float | str] | None = None
+    ) -> Options:
+        """The given values, and the defaults of the others."""
+        return cls(values={name: rule.default for name, rule in rules.items()} | dict(given or {}))
+
+    def number(self, name: str) -> float:
+        """The value of a number."""
+        value = self.values[name]
+        return value if isinstance(value, float | int) else math.nan
+
+    def word(self, name: str) -> str:
+        """The value of a choice or of a text."""
+        return str(self.values[name])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VisualizerRule:
+    """What a layout may say of a visualizer.
+
+    Attributes:
+        meaning: What it draws, for the reference.
+        message: The message it draws; empty if it draws none.
+        others: Further messages that it makes use of where there are any.
+        any_message: Whether the layout may name any message of the vocabulary instead.
+        text: Whether it shows the attribute `text`.
+        option: Its numeric option, if it has one.
+        options: Its other options, by name.
+    """
+
+    meaning: str
+    message: str = ""
+    others: tuple[str, ...] = ()
+    any_message: bool = False
+    text: bool = False
+    option: NumberOption | None = None
+    options: Mapping[str, Option] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HandlerRule:
+    """What a layout may say of a widget handler.
+
+    Attributes:
+        meaning: What it does, for the reference.
+        controls: What its events move; empty if there is nothing to choose.
+        options: Its options, by name.
+        needs_robot: Whether it commands a robot, and so belongs into a viewport.
+        sends: Names of the messages that it sends.
+        uses: Names of the messages that it makes use of.
+        pointed: Whether it wants to know where the mouse was, and so needs events of the mouse.
+    """
+
+    meaning: str
+    controls: tuple[str, ...] = ()
+    options: Mapping[str, Option] = field(default_factory=dict)
+    needs_robot: bool = True
+    sends: tuple[str, ...] = ()
+    uses: tuple[str, ...] = ()
+    pointed: bool = False
+
+
+class RuledVisualizer(Protocol):
+    """What a layout needs to know of a visualizer's class."""
+
+    rule: ClassVar[VisualizerRule]
+
+    @classmethod
+    def from_spec(cls, spec: Any) -> Any:  # noqa: ANN401 - layouts do not know what is made
+        """The visualizer that a layout asks for."""
+
+
+class RuledWidget(Protocol):
+    """What a layout needs to know of a widget's class."""
+
+    rule: ClassVar[HandlerRule]
+
+    @classmethod
+    def from_spec(cls, spec: Any, robot: str) -> Any:  # noqa: ANN401 - layouts do not know what is made
+        """The widget that a layout asks for."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Vocabulary:
+    """All visualizers and widget handlers that a layout may name.
+
+    Attributes:
+        visualizers: Classes by function name.
+        widgets: Classes by handler name.
+    """
+
+    visualizers: Mapping[str, type[RuledVisualizer]]
+    widgets: Mapping[str, type[RuledWidget]]

@@ -1,0 +1,75 @@
+"""Pictures and maps as robots send them, decoded; untrusted, so every size is checked."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image as PillowImage
+
+from hub.errors import CodecError
+from hub.gcm import map_coding, rle
+from hub.gcm.mapping import Map
+from hub.gcm.vision import Image, ImageCoding
+from rune_tui.model.robot_state import OccupancyMap, Picture
+
+MOST_PIXELS = 1 << 24
+"""Pixels of the largest picture that is decoded."""
+_CHANNELS = (1, 3)
+
+
+def picture_of(image: Image) -> Picture:
+    """The picture in a message.
+
+    Raises:
+        CodecError: It is not what it says.
+    """
+    shape = image.height_px, image.width_px, image.channels
+    sized = image.height_px >= 1 and image.width_px >= 1
+    if not sized or image.channels not in _CHANNELS or shape[0] * shape[1] > MOST_PIXELS:
+        text = f"a picture of {image.width_px}x{image.height_px} in {image.channels} channels"
+        raise CodecError(text)
+    if image.coding is ImageCoding.JPEG:
+        pixels = _jpeg(image.data, shape)
+    elif image.coding is ImageCoding.RAW:
+        if image.data.size != shape[0] * shape[1] * shape[2]:
+            text = f"{image.data.size} bytes are no picture of {image.width_px}x{image.height_px}"
+            raise CodecError(text)
+        pixels = image.data.reshape(shape)
+    else:
+        pixels = rle.decode(image.data, *shape)
+    if image.channels == 1:
+        pixels = pixels.repeat(3, axis=2)
+    return Picture(pixels=pixels, camera=image.camera)
+
+
+def map_of(coded: Map) -> OccupancyMap:
+    """The map in a message.
+
+    Raises:
+        CodecError: It is not what it says.
+    """
+    place = np.array([coded.resolution, coded.origin_x, coded.origin_y])
+    if not np.isfinite(place).all() or coded.resolution <= 0.0:
+        text = f"a map of cells of {coded.resolution} m at ({coded.origin_x}, {coded.origin_y})"
+        raise CodecError(text)
+    return OccupancyMap(
+        cells=map_coding.decode(coded.data, coded.height_cells, coded.width_cells),
+        resolution=coded.resolution,
+        origin_x=coded.origin_x,
+        origin_y=coded.origin_y,
+    )
+
+
+def _jpeg(data: npt.NDArray[np.uint8], shape: tuple[int, int, int]) -> npt.NDArray[np.uint8]:
+    try:
+        with PillowImage.open(io.BytesIO(data.tobytes()), formats=("JPEG",)) as opened:
+            if opened.size != (shape[1], shape[0]):
+                text = f"a JPEG of {opened.size} in a picture of {shape[1]}x{shape[0]}"
+                raise CodecError(text)
+            wanted = opened.convert("RGB" if shape[2] == _CHANNELS[1] else "L")
+            return np.asarray(wanted, np.uint8).reshape(shape)
+    except (OSError, ValueError, SyntaxError, PillowImage.DecompressionBombError) as error:
+        text = f"the picture is no JPEG: {error}"
+        raise CodecError(text) from error

@@ -1,0 +1,58 @@
+"""What a console may know, made for tests."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any
+
+from hub.gcm.navigation import ROBOT_STATE
+from hub.gcm.vision import CAMERA_STATE
+from rune_tui.compositor.cells import Cells
+from rune_tui.layout.rules import Options
+from rune_tui.layout.spec import LayoutSpec, ViewSpec, VisualizerSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import Received, RobotState
+from rune_tui.opening import BUILT_IN
+from rune_tui.view import View
+
+
+def robot_of(
+    *,
+    navigation: Received[Any] | None = None,
+    camera: Received[Any] | None = None,
+    messages: Mapping[str, Received[Any]] | None = None,
+    **parts: Any,
+) -> RobotState:
+    """A robot of which these newest messages are known."""
+    known = dict(messages or {})
+    if navigation is not None:
+        known[ROBOT_STATE.name] = navigation
+    if camera is not None:
+        known[CAMERA_STATE.name] = camera
+    return RobotState(messages=known, **parts)
+
+
+def layout_of(view: ViewSpec) -> LayoutSpec:
+    """A layout of nothing but a view."""
+    return LayoutSpec(path="", run_number=0, robots=(), view=view, vocabulary=BUILT_IN)
+
+
+def visualizer_spec(
+    function: str, *, option: float = 0.0, text: str = "", message: str = "", **options: Any
+) -> VisualizerSpec:
+    """What a layout says of a visualizer; what it leaves out has its default."""
+    rule = BUILT_IN.visualizers[function].rule
+    return VisualizerSpec(
+        function=function,
+        message=message or rule.message,
+        option=option,
+        text=text,
+        options=Options.of(rule.options, options),
+        line=1,
+    )
+
+
+def rendered(view: View, robots: Mapping[str, RobotState], state: ConsoleState) -> Cells | None:
+    """What a view makes of these robots."""
+    return view.render(dataclasses.replace(state, robots=robots))
