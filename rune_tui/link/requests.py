@@ -78,7 +78,9 @@ class Requester(Generic[Q, A]):
         if wanted is None:
             return
         self._in_flight = True
-        self._asked, self._due = now, now + self.interval
+        self._asked = now
+        # Counted on from when it was due, so that looking now and then does not lower the rate.
+        self._due = max(now, self._due + self.interval)
         self._client.query_notify(
             self._request,
             wanted,
