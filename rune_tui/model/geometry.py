@@ -1,0 +1,247 @@
+"""What a pixel of the camera's picture means: angles, and the place on the ground; and back.
+
+The chain is the report's (Appendix B.11.50 to 53): pixel - angles in the image - angles at the
+camera's mount - point on the ground in the robot's frame - point in `map` (`pose.Pose`). The
+conventions:
+
+| frame | axes |
+| --- | --- |
+| picture | x right, y down [px] from the upper left corner; pixel (0, 0) spans 0 to 1 |
+| image angles | from the picture's centre [rad], positive left and up |
+| mount angles | left of straight ahead, and up from the horizontal [rad] |
+| robot | x ahead, y left of its centre, on the ground [m] |
+
+The camera is a pinhole with square pixels that does not roll, as the simulator draws: the tangent
+of an image angle is proportional to the distance from the centre, and pan and tilt turn rays in
+space. The report adds pan and tilt to the image angles instead, which is right in the picture's
+middle column only: 20 degrees down, at the edges of the wide picture (48.8 degrees), it is 1.4
+degrees off to the side and 1.9 degrees up, or a tenth of the distance. It gives drawings and no
+formulas, so whether it took the angle for proportional to the pixel is not known; that would be
+0.6 degrees off at most. It counts tilt from the downward vertical, and its camera frame has x to
+the right and y ahead.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import Final, Self
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.gcm.vision import CameraState
+from rune_tui.model.sightings import Floats, GroundPoints, Seen, SeenPoints, Sight, Spread
+
+_LEAST_DEPRESSION: Final = 1e-9
+"""Sine of the angle below the horizon from which a ray counts as meeting the ground."""
+_LEAST_DEPTH: Final = 1e-9
+"""What is less than this ahead of the camera [m] counts as behind it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PictureGeometry:
+    """A picture and the camera that took it.
+
+    Attributes:
+        left: Left edge of the picture [px], 0 unless it is shown elsewhere.
+        top: Upper edge of the picture [px].
+        width: Width of the picture [px].
+        height: Height of the picture [px].
+        half_width: Tangent of half the field of view from left to right.
+        half_height: Tangent of half the field of view from top to bottom.
+        pan: Angle from straight ahead [rad], positive left.
+        tilt: Angle from the horizontal [rad], positive up.
+        mount_forward: Camera ahead of the robot's centre [m].
+        mount_height: Camera above the ground [m].
+    """
+
+    left: float
+    top: float
+    width: float
+    height: float
+    half_width: float
+    half_height: float
+    pan: float
+    tilt: float
+    mount_forward: float
+    mount_height: float
+
+    @classmethod
+    def of(cls, camera: CameraState, width_px: int, height_px: int) -> Self | None:
+        """The geometry of a picture of this size, or None when the camera's state tells none.
+
+        Args:
+            camera: The state that came with the picture. Its vertical field of view is that of a
+                4:3 picture; as pixels are square, the one from left to right says it all.
+            width_px: Width of the picture.
+            height_px: Height of the picture.
+        """
+        numbers = (camera.pan, camera.tilt, camera.mount_forward, camera.mount_height)
+        usable = 0.0 < camera.horizontal_fov < math.pi and width_px > 0 < height_px
+        if not usable or not all(map(math.isfinite, numbers)) or camera.mount_height <= 0.0:
+            return None
+        half_width = math.tan(camera.horizontal_fov / 2.0)
+        return cls(
+            left=0.0,
+            top=0.0,
+            width=width_px,
+            height=height_px,
+            half_width=half_width,
+            half_height=half_width * height_px / width_px,
+            pan=camera.pan,
+            tilt=camera.tilt,
+            mount_forward=camera.mount_forward,
+            mount_height=camera.mount_height,
+        )
+
+    def shown(self, left: float, top: float, width: float, height: float) -> Self:
+        """The same picture drawn into another rectangle [px], for instance of a canvas."""
+        return dataclasses.replace(self, left=left, top=top, width=width, height=height)
+
+    @property
+    def horizon(self) -> float:
+        """Row of the horizon [px], which is level; may be beyond the picture, inf beyond all."""
+        if abs(self.tilt) >= math.pi / 2.0:
+            return math.copysign(math.inf, self.tilt)
+        return self.top + self.height / 2.0 * (1.0 + math.tan(self.tilt) / self.half_height)
+
+    def image_angles(self, pixels: npt.ArrayLike) -> Floats:
+        """Angles from the picture's centre [rad], left and up, of pixels; shape (..., 2) both."""
+        return np.arctan(self._tangents(pixels))
+
+    def pixels_of_image_angles(self, angles: npt.ArrayLike) -> Floats:
+        """The reverse of `image_angles`; NaN for a right angle and more."""
+        given = np.asarray(angles, np.float64)
+        within = np.abs(given) < math.pi / 2.0
+        return self._pixels(np.tan(np.where(within, given, np.nan)))
+
+    def mount_angles(self, image_angles: npt.ArrayLike) -> Floats:
+        """Angles left of straight ahead and up from the horizontal [rad], shape (..., 2) both."""
+        ahead, left, up = self._level(np.tan(np.asarray(image_angles, np.float64)))
+        return np.stack(
+            (self.pan + np.arctan2(left, ahead), np.arctan2(up, np.hypot(ahead, left))), axis=-1
+        )
+
+    def image_angles_of_mount(self, mount_angles: npt.ArrayLike) -> Floats:
+        """The reverse of `mount_angles`; NaN for what is behind the camera."""
+        aside, up = np.moveaxis(np.asarray(mount_angles, np.float64), -1, 0)
+        aside = aside - self.pan
+        level = np.cos(up)
+        rays = self._tilted(level * np.cos(aside), level * np.sin(aside), np.sin(up))
+        depth = np.where(rays[..., 0] > _LEAST_DEPTH, rays[..., 0], np.nan)
+        return np.arctan(rays[..., 1:] / depth[..., None])
+
+    def ground(self, pixels: npt.ArrayLike) -> GroundPoints:
+        """What pixels, shape (..., 2), show of the ground."""
+        ahead, left, up = self._level(self._tangents(pixels))
+        on_ground = up < -_LEAST_DEPRESSION * np.sqrt(ahead**2 + left**2 + up**2)
+        reach = self.mount_height / np.where(on_ground, -up, np.nan)
+        cos, sin = math.cos(self.pan), math.sin(self.pan)
+        points = np.stack((ahead * cos - left * sin, ahead * sin + left * cos), axis=-1)
+        points *= reach[..., None]
+        points[..., 0] += self.mount_forward
+        return GroundPoints(points=points, on_ground=on_ground)
+
+    def ground_point(self, x: float, y: float) -> tuple[float, float] | None:
+        """What one pixel shows in the robot's frame [m], or None: it is not on the ground."""
+        found = self.ground((x, y))
+        if not found.on_ground:
+            return None
+        ahead, left = found.points.tolist()
+        return ahead, left
+
+    def pixels(self, points: npt.ArrayLike) -> SeenPoints:
+        """Where points of the ground in the robot's frame [m], shape (..., 2), are seen."""
+        rays = self.rays(points)
+        in_front = rays[..., 0] > _LEAST_DEPTH
+        pixels = self.pixels_of_rays(np.where(in_front[..., None], rays, np.nan))
+        corner = np.array((self.left, self.top))
+        size = np.array((self.width, self.height))
+        inside = ((pixels >= corner) & (pixels < corner + size)).all(axis=-1)
+        return SeenPoints(pixels=pixels, in_front=in_front, inside=inside)
+
+    def pixel(self, ahead: float, left: float) -> Seen:
+        """Where one point of the ground in the robot's frame [m] is seen."""
+        seen = self.pixels((ahead, left))
+        if not seen.in_front:
+            return Seen(sight=Sight.BEHIND, pixel=None)
+        x, y = seen.pixels.tolist()
+        return Seen(sight=Sight.INSIDE if seen.inside else Sight.OUTSIDE, pixel=(x, y))
+
+    def spreads(self, pixels: npt.ArrayLike) -> Floats:
+        """How much ground pixels cover along and across the line of sight [m], shape (..., 2) both.
+
+        To first order, and NaN for pixels that are not on the ground.
+        """
+        ahead, left, up = self._level(self._tangents(pixels))
+        on_ground = up < -_LEAST_DEPRESSION * np.sqrt(ahead**2 + left**2 + up**2)
+        down = np.where(on_ground, -up, np.nan)
+        # A step to the side turns the ray to the left only, a step downward ahead and down.
+        aside = 2.0 * self.half_width / self.width
+        below = 2.0 * self.half_height / self.height
+        side = np.stack((np.zeros_like(down), aside / down), axis=-1)
+        ahead_step, down_step = below * math.sin(self.tilt), below * math.cos(self.tilt)
+        near = np.stack((ahead_step * down - ahead * down_step, -left * down_step), axis=-1)
+        near /= down[..., None] ** 2
+        away = np.arctan2(left, ahead)
+        cos, sin = np.cos(away), np.sin(away)
+        covered = np.zeros_like(side)
+        for step in (side, near):
+            covered[..., 0] += np.abs(step[..., 0] * cos + step[..., 1] * sin)
+            covered[..., 1] += np.abs(step[..., 1] * cos - step[..., 0] * sin)
+        return covered * self.mount_height
+
+    def spread(self, x: float, y: float) -> Spread | None:
+        """How much ground one pixel covers, or None: it is not on the ground."""
+        along, across = self.spreads((x, y)).tolist()
+        return None if math.isnan(along) else Spread(along=along, across=across)
+
+    def rays(self, points: npt.ArrayLike) -> Floats:
+        """From the camera to points of the ground in the robot's frame [m], shape (..., 2).
+
+        Returns:
+            Along the optical axis, to the left and up in the picture [m], shape (..., 3).
+        """
+        x, y = np.moveaxis(np.asarray(points, np.float64), -1, 0)
+        x = x - self.mount_forward
+        cos, sin = math.cos(self.pan), math.sin(self.pan)
+        down = np.full(np.shape(x), -self.mount_height)
+        return self._tilted(x * cos + y * sin, y * cos - x * sin, down)
+
+    def pixels_of_rays(self, rays: Floats) -> Floats:
+        """Pixels, shape (..., 2), of rays as from `rays`, all of them ahead of the camera."""
+        return self._pixels(rays[..., 1:] / rays[..., :1])
+
+    def _tangents(self, pixels: npt.ArrayLike) -> Floats:
+        """Tangents of the image angles, left and up."""
+        x, y = np.moveaxis(np.asarray(pixels, np.float64), -1, 0)
+        return np.stack(
+            (
+                (1.0 - 2.0 * (x - self.left) / self.width) * self.half_width,
+                (1.0 - 2.0 * (y - self.top) / self.height) * self.half_height,
+            ),
+            axis=-1,
+        )
+
+    def _pixels(self, tangents: Floats) -> Floats:
+        left, up = np.moveaxis(tangents, -1, 0)
+        return np.stack(
+            (
+                self.left + self.width / 2.0 * (1.0 - left / self.half_width),
+                self.top + self.height / 2.0 * (1.0 - up / self.half_height),
+            ),
+            axis=-1,
+        )
+
+    def _level(self, tangents: Floats) -> tuple[Floats, Floats, Floats]:
+        """Rays turned by the tilt: level ahead, left, and up from the ground."""
+        left, up = np.moveaxis(tangents, -1, 0)
+        cos, sin = math.cos(self.tilt), math.sin(self.tilt)
+        return cos - up * sin, left, sin + up * cos
+
+    def _tilted(self, ahead: Floats, left: Floats, up: Floats) -> Floats:
+        """The reverse of `_level`: along the optical axis, left and up, shape (..., 3)."""
+        cos, sin = math.cos(self.tilt), math.sin(self.tilt)
+        return np.stack((ahead * cos + up * sin, left, up * cos - ahead * sin), axis=-1)

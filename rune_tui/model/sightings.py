@@ -1,0 +1,80 @@
+"""What is found out about pixels and points of the ground; the unknown is never a number."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+
+
+class Sight(enum.Enum):
+    """Whether a point of the ground is in the picture.
+
+    Attributes:
+        INSIDE: It is.
+        OUTSIDE: It is ahead of the camera, beyond an edge of the picture.
+        BEHIND: It is beside or behind the camera, so that no pixel stands for it.
+    """
+
+    INSIDE = "inside"
+    OUTSIDE = "outside"
+    BEHIND = "behind"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Seen:
+    """Where one point of the ground is in the picture.
+
+    Attributes:
+        sight: Whether it is in the picture.
+        pixel: x and y [px]; beyond the edges if OUTSIDE, None if BEHIND.
+    """
+
+    sight: Sight
+    pixel: tuple[float, float] | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class GroundPoints:
+    """What pixels show.
+
+    Attributes:
+        points: In the robot's frame [m], shape (..., 2); NaN where `on_ground` is false.
+        on_ground: Whether the pixel is below the horizon, shape (...).
+    """
+
+    points: Floats
+    on_ground: Bools
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SeenPoints:
+    """Where points of the ground are in the picture.
+
+    Attributes:
+        pixels: x and y [px], shape (..., 2); NaN where `in_front` is false.
+        in_front: Whether the point is ahead of the camera, shape (...).
+        inside: Whether it is within the picture, shape (...).
+    """
+
+    pixels: Floats
+    in_front: Bools
+    inside: Bools
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spread:
+    """How much ground one pixel covers: by so much a point may be wrong.
+
+    Attributes:
+        along: Toward and away from the camera [m].
+        across: Sideways as seen from the camera [m].
+    """
+
+    along: float
+    across: float

@@ -1,0 +1,45 @@
+"""The ground that a round body passes over while it keeps its velocities."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+
+from rune_tui.model.sightings import Floats
+
+_STEP: Final = math.radians(4.0)
+"""Change of heading from one corner of a drawn arc to the next [rad]."""
+_TURN: Final = 2.0 * math.pi
+
+
+def swept_edges(
+    radius: float, linear: float, angular: float, seconds: float
+) -> tuple[Floats, Floats]:
+    """Where the leftmost and the rightmost point of the body will pass.
+
+    A body with constant velocities drives a circular arc, of which the chord is known in closed
+    form (Thrun, Burgard, Fox: Probabilistic Robotics, 5.3), straight lines included. What comes
+    after a full turn is left out, as it repeats.
+
+    Args:
+        radius: Of the body [m].
+        linear: Velocity forward [m/s]; negative backwards, 0 on the spot.
+        angular: Turn rate [rad/s], counter-clockwise.
+        seconds: How long it keeps them [s].
+
+    Returns:
+        The left and the right edge in the robot's frame now [m], each of shape (n, 2), n >= 2,
+        in the order of time.
+    """
+    turned = angular * seconds
+    share = min(1.0, _TURN / abs(turned)) if turned else 1.0
+    count = max(2, math.ceil(abs(turned * share) / _STEP) + 1)
+    time = np.linspace(0.0, seconds * share, count)
+    half = angular * time / 2.0
+    # numpy's sinc(x) is sin(pi x) / (pi x): the chord over the way.
+    chord = linear * time * np.sinc(half / math.pi)
+    centre = np.stack((chord * np.cos(half), chord * np.sin(half)), axis=1)
+    beside = radius * np.stack((-np.sin(2.0 * half), np.cos(2.0 * half)), axis=1)
+    return centre + beside, centre - beside

@@ -1,0 +1,130 @@
+"""What the simulated camera shows lies where the geometry says."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from hub.gcm.vision import CameraCommand, CameraMotion
+from hub.robots.magellan import SimulatedCamera
+from rune_tui.model.geometry import PictureGeometry
+from rune_tui.model.pose import Pose
+from tests.hub.sim.arenas import VOID, arena_of
+
+POST = (3.0, 4.0)
+POST_RADIUS = 0.06
+FEET_LOW, FEET_HIGH = (-2.17, -3.88), (-1.83, -3.38)
+"""The legs of the sitting victim, whose middle is at (-2, -4), which looks north."""
+
+LANDMARK = "[[cylinder]]\nat=[3.0, 4.0]\nradius=0.06\nheight=0.5\n"
+VICTIM = '[[victim]]\nname="a"\nat=[-2.0, -4.0]\nfacing="north"\npose="sitting"\ncolour="red"\n'
+
+
+@functools.cache
+def camera(things: str) -> SimulatedCamera:
+    return SimulatedCamera(arena_of(VOID + things), seed=0)
+
+
+def take(
+    things: str, robot: Pose, aim: tuple[float, float, float], size: tuple[int, int]
+) -> tuple[npt.NDArray[np.uint8], PictureGeometry]:
+    """A picture and its geometry, as the vision module would send them."""
+    taker = camera(things)
+    pan, tilt, zoom = aim
+    taker.move(CameraCommand(motion=CameraMotion.ABSOLUTE, pan=pan, tilt=tilt, zoom=zoom))
+    taker.advance(60.0)
+    taker.place(robot.x, robot.y, robot.theta)
+    picture = taker.take(*size, 0.0)
+    state = dataclasses.replace(taker.camera_state(0.0), horizontal_fov=picture.horizontal_fov)
+    assert (state.pan, state.tilt) == pytest.approx((pan, tilt)), "beyond the head's limits"
+    view = PictureGeometry.of(state, picture.pixels.shape[1], picture.pixels.shape[0])
+    assert view is not None
+    return picture.pixels, view
+
+
+def foot_of(
+    thing: str, robot: Pose, aim: tuple[float, float, float], size: tuple[int, int]
+) -> tuple[float, float, float]:
+    """Where the lowest pixel that a thing covers is on the ground: map x, y [m], and its range."""
+    pixels, view = take(thing, robot, aim, size)
+    empty, _ = take("", robot, aim, size)
+    rows, columns = np.nonzero((pixels != empty).any(axis=2))
+    lowest = rows.max()
+    assert 0 < lowest < size[1] - 1, "its foot is not in the picture"
+    # The foot is between the centres of the lowest row it covers and of the next one.
+    found = view.ground_point(columns[rows == lowest].mean() + 0.5, lowest + 1.0)
+    assert found is not None
+    x, y = robot.to_map(found).tolist()
+    return x, y, math.hypot(*found)
+
+
+def aimed(robot: Pose, at: tuple[float, float], aside: float, up: float) -> tuple[float, float]:
+    """Pan and tilt that look at a place on the ground, and by so much beside it [rad]."""
+    ahead, left = robot.from_map(at).tolist()
+    ahead -= 0.05
+    return math.atan2(left, ahead) + aside, -math.atan2(0.37, math.hypot(ahead, left)) + up
+
+
+@pytest.mark.parametrize("size", [(160, 120), (320, 240), (240, 240), (320, 120)])
+@pytest.mark.parametrize(
+    ("heading", "distance", "zoom", "aside", "up"),
+    [
+        (0.0, 2.0, 0.0, 0.0, 0.0),
+        (0.9, 1.0, 0.0, 0.15, 0.1),
+        (-0.7, 1.5, 0.0, -0.2, -0.02),
+        (1.4, 2.5, 0.5, 0.1, 0.05),
+        (-1.5, 2.5, 0.9, 0.0, 0.02),
+        (0.3, 4.0, 0.97, -0.01, -0.01),
+    ],
+)
+def test_the_foot_of_a_post_is_found_within_3_percent(
+    size: tuple[int, int], heading: float, distance: float, zoom: float, aside: float, up: float
+) -> None:
+    """`heading` is that of the robot beside the way to the post, so it is the pan as well."""
+    bearing = 0.8
+    robot = Pose(
+        x=POST[0] - distance * math.cos(bearing),
+        y=POST[1] - distance * math.sin(bearing),
+        theta=bearing + heading,
+    )
+    pan, tilt = aimed(robot, POST, aside, up)
+    x, y, away = foot_of(LANDMARK, robot, (pan, tilt, zoom), size)
+    assert abs(math.dist((x, y), POST) - POST_RADIUS) < 0.03 * away
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "zoom", "aside", "up"),
+    [
+        (-2.0, -1.5, 0.0, 0.0, 0.0),
+        (-1.2, -2.0, 0.0, 0.2, 0.05),
+        (-3.5, -1.0, 0.3, -0.1, -0.05),
+        (-2.3, 0.5, 0.8, 0.02, 0.02),
+    ],
+)
+def test_the_feet_of_a_victim_are_found_within_3_percent(
+    x: float, y: float, zoom: float, aside: float, up: float
+) -> None:
+    robot = Pose(x=x, y=y, theta=-2.0)
+    nearest = tuple(np.clip((x, y), FEET_LOW, FEET_HIGH).tolist())
+    pan, tilt = aimed(robot, nearest, aside, up)
+    found_x, found_y, away = foot_of(VICTIM, robot, (pan, tilt, zoom), (320, 240))
+    beyond = np.clip((found_x, found_y), FEET_LOW, FEET_HIGH) - (found_x, found_y)
+    assert float(np.hypot(*beyond)) < 0.03 * away
+
+
+@pytest.mark.parametrize(
+    ("tilt", "zoom"), [(-0.3, 0.0), (-0.1, 0.6), (0.0, 0.9), (0.2, 0.0), (0.1, 0.3)]
+)
+def test_the_horizon_is_where_no_ray_of_the_simulator_falls_any_more(
+    tilt: float, zoom: float
+) -> None:
+    """Floor and ceiling of the empty hall differ in colour; their border is the horizon."""
+    pixels, view = take("", Pose(x=0.0, y=0.0, theta=0.3), (0.4, tilt, zoom), (160, 120))
+    ground = view.ground(np.stack(np.indices((120, 160))[::-1] + 0.5, axis=-1)).on_ground
+    ceiling = pixels.astype(int)[..., 2] - pixels.astype(int)[..., 0]
+    assert ceiling[~ground].min() > ceiling[ground].max()
