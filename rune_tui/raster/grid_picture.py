@@ -1,0 +1,137 @@
+"""Occupancy grids to pictures: turned, shifted, enlarged or shrunk without losing a thin wall."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from rune_tui.model.map_window import MapWindow
+from rune_tui.model.robot_state import OccupancyMap
+from rune_tui.model.sightings import Floats
+from rune_tui.raster.canvas import Colour
+
+Cells = npt.NDArray[np.int8]
+Places = npt.NDArray[np.intp]
+
+UNKNOWN: Final = -1
+"""A cell of which nothing is known; the others are 0 (free) to 100 (occupied)."""
+OUTSIDE: Final = -2
+"""Stands for what is beyond the grid."""
+
+_SURELY_MET: Final = math.sqrt(0.5)
+"""Edge of a pixel in cells up to which every cell has a pixel's middle in it, however turned."""
+
+
+def grid_colours(
+    *, free: Colour, occupied: Colour, unknown: Colour, outside: Colour
+) -> npt.NDArray[np.uint8]:
+    """The colour of each cell's value, shape (256, 4), by the value as an unsigned byte.
+
+    Between free and occupied colours are mixed; values that mean nothing look unknown.
+    """
+    colours = np.empty((256, 4), np.uint8)
+    colours[:] = unknown
+    share = np.linspace(0.0, 1.0, 101)[:, None]
+    colours[:101] = np.rint(np.array(free) * (1.0 - share) + np.array(occupied) * share)
+    colours[OUTSIDE] = outside
+    return colours
+
+
+def grid_picture(
+    grid: OccupancyMap, window: MapWindow, colours: npt.NDArray[np.uint8]
+) -> npt.NDArray[np.uint8]:
+    """The part of a grid that a window shows.
+
+    Args:
+        grid: The map.
+        window: What to show.
+        colours: As made by `grid_colours`.
+
+    Returns:
+        Red, green, blue, alpha, shape (window.height, window.width, 4).
+    """
+    return colours[grid_values(grid, window).view(np.uint8)]
+
+
+def grid_values(grid: OccupancyMap, window: MapWindow) -> Cells:
+    """The value that each pixel of a window shows; arguments as for `grid_picture`.
+
+    A pixel that is much smaller than a cell shows the cell at its middle. For larger ones, blocks
+    of cells that are no larger than a pixel are reduced to the most occupied of theirs; a pixel
+    shows the most occupied of the block at its middle and those whose middles are in it. So what
+    is seen is about half a pixel from its place, and nothing occupied is left out.
+
+    Returns:
+        Shape (window.height, window.width); OUTSIDE beyond the grid.
+    """
+    cells, resolution, origin = grid.cells, grid.resolution, (grid.origin_x, grid.origin_y)
+    values = np.full((window.height, window.width), OUTSIDE, np.int8)
+    if not resolution > 0.0 or not all(map(math.isfinite, origin)):
+        return values
+    scale = window.metres_per_pixel / resolution
+    step = max(1, math.floor(min(scale, max(cells.shape))))
+    first_column, first_row, seen = _in_window(grid, window, step)
+    blocks = _most_occupied(_most_occupied(seen, step).T, step).T
+    if not blocks.size:
+        return values
+    corner = np.array(origin) + np.array((first_column, first_row)) * resolution
+    edge = step * resolution
+    column, row, within = _lattice(
+        lambda pixels: (window.points(pixels) - corner) / edge, values.shape, blocks.shape
+    )
+    values[within] = blocks[row[within], column[within]]
+    if scale > _SURELY_MET:
+        column, row, within = _lattice(
+            lambda places: window.pixels(corner + places * edge), blocks.shape, values.shape
+        )
+        place = row[within] * window.width + column[within]
+        np.maximum.at(values.reshape(-1), place, blocks[within])
+    return values
+
+
+def _in_window(grid: OccupancyMap, window: MapWindow, step: int) -> tuple[int, int, Cells]:
+    """First column and row of what can be seen, whole blocks from the grid's corner, and that."""
+    wide, high = float(window.width), float(window.height)
+    corners = window.points([(0.0, 0.0), (wide, 0.0), (0.0, high), (wide, high)])
+    places = (corners - np.array((grid.origin_x, grid.origin_y))) / grid.resolution
+    largest = np.array(grid.cells.shape[::-1], np.float64)
+    low = (np.clip(places.min(axis=0) // step, 0.0, largest // step) * step).astype(int)
+    end = np.clip(np.ceil(places.max(axis=0) / step) * step, 0.0, largest).astype(int)
+    return int(low[0]), int(low[1]), grid.cells[low[1] : end[1], low[0] : end[0]]
+
+
+def _most_occupied(cells: Cells, step: int) -> Cells:
+    """The greatest of each `step` rows; of fewer at the end."""
+    greatest = cells[::step].copy()
+    for offset in range(1, min(step, len(cells))):
+        rows = cells[offset::step]
+        np.maximum(greatest[: len(rows)], rows, out=greatest[: len(rows)])
+    return greatest
+
+
+def _lattice(
+    affine: Callable[[Floats], Floats], shape: tuple[int, ...], target: tuple[int, ...]
+) -> tuple[Places, Places, npt.NDArray[np.bool_]]:
+    """Where the middles of one raster's squares fall in another one.
+
+    Args:
+        affine: From coordinates (x, y) in the one to those in the other, shape (n, 2).
+        shape: Rows and columns of the one.
+        target: Rows and columns of the other.
+
+    Returns:
+        Column, row, and whether they are within the other, each of the one's shape.
+    """
+    start, right, below = affine(np.array([(0.5, 0.5), (1.5, 0.5), (0.5, 1.5)]))
+    across, down = np.arange(shape[1]), np.arange(shape[0])[:, None]
+    # Equal steps stay equal when they are turned and scaled.
+    column, row = (
+        np.floor(start[axis] + (right - start)[axis] * across + (below - start)[axis] * down)
+        for axis in (0, 1)
+    )
+    within = (column >= 0) & (column < target[1]) & (row >= 0) & (row < target[0])
+    return column.astype(np.intp), row.astype(np.intp), within
