@@ -3,7 +3,8 @@
     ConsoleError
     ├── LayoutError (ValueError)        a layout file with mistakes, all of them listed
     ├── DemoError (RuntimeError)        the demo's hub did not come up
-    └── PictureFileError (OSError)      `rune shot` cannot write its file
+    ├── PictureFileError (OSError)      `rune shot` cannot write its file
+    └── FontError (OSError)             a font that cannot be drawn with
 
 A lost hub, a lost joystick and a stale picture are no errors but drawn states.
 """
@@ -57,3 +58,7 @@ class DemoError(ConsoleError, RuntimeError):
 
 class PictureFileError(ConsoleError, OSError):
     """A picture file that cannot be written."""
+
+
+class FontError(ConsoleError, OSError):
+    """A font whose file cannot be read or is none, or a size that cannot be drawn."""

@@ -1,0 +1,143 @@
+"""Large text from TrueType fonts, drawn on the pixels of a canvas.
+
+A terminal's pixel is half a cell, so text of 12 points is 12 pixels or 6 rows of cells high; a
+point is a pixel, as it was on screens of 72 dots per inch.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image, ImageDraw, ImageFont
+
+from rune_tui.errors import FontError
+from rune_tui.raster.canvas import Canvas, Colour
+
+SMALLEST_PT: Final = 4.0
+LARGEST_PT: Final = 200.0
+LONGEST: Final = 128
+"""Characters of a text that are drawn; no view is so wide that more would be seen."""
+
+_FONTS_KEPT: Final = 16
+_TEXTS_KEPT: Final = 32
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Font:
+    """A TrueType font in one size.
+
+    Attributes:
+        file: Path of its file; empty for the one that is built in.
+        points: Its size, within SMALLEST_PT and LARGEST_PT.
+    """
+
+    file: str = ""
+    points: float = 16.0
+
+
+def check_font(font: Font) -> None:
+    """Make sure that a font can be drawn.
+
+    Raises:
+        FontError: Its file cannot be read or is no font, or it is too small or too large.
+    """
+    _loaded(font)
+
+
+def measured(string: str, font: Font) -> tuple[int, int]:
+    """Width and height that a text takes [pixels]; the height is the same for all of a font's.
+
+    Raises:
+        FontError: As `check_font`.
+    """
+    height, width = _coverage(_shown(string), font).shape
+    return width, height
+
+
+def letter(
+    canvas: Canvas,
+    at: tuple[float, float],
+    string: str,
+    font: Font,
+    colour: Colour,
+    *,
+    align: tuple[float, float] = (0.0, 0.0),
+) -> None:
+    """Draw one line of text over what is on a canvas, clipped at its edges.
+
+    Args:
+        canvas: What to draw on.
+        at: x and y [pixels]; may be outside.
+        string: The text; line breaks and tabs become spaces.
+        font: How it looks.
+        colour: Its colour and alpha.
+        align: Which part of the text is at `at`: (0, 0) its upper left corner, (0.5, 0.5) its
+            middle, (1, 1) its lower right corner.
+
+    Raises:
+        FontError: As `check_font`.
+    """
+    coverage = _coverage(_shown(string), font)
+    height, width = coverage.shape
+    x, y = round(at[0] - align[0] * width), round(at[1] - align[1] * height)
+    left, top = max(0, x), max(0, y)
+    right, bottom = min(canvas.width, x + width), min(canvas.height, y + height)
+    if left >= right or top >= bottom:
+        return
+    ink = np.empty((bottom - top, right - left, 4), np.uint8)
+    ink[..., :3] = colour[:3]
+    share = coverage[top - y : bottom - y, left - x : right - x].astype(np.uint16) * colour[3]
+    ink[..., 3] = (share + 127) // 255
+    under = canvas.pixels[top:bottom, left:right]
+    over = Image.alpha_composite(Image.fromarray(np.ascontiguousarray(under)), Image.fromarray(ink))
+    under[...] = np.asarray(over)
+
+
+def _shown(string: str) -> str:
+    return "".join(" " if c.isspace() else c for c in string[:LONGEST])
+
+
+@functools.lru_cache(maxsize=_FONTS_KEPT)
+def _loaded(font: Font) -> ImageFont.FreeTypeFont:
+    name = font.file or "the built-in font"
+    if not SMALLEST_PT <= font.points <= LARGEST_PT:
+        message = (
+            f"{name}: {font.points:g} points cannot be drawn; "
+            f"give {SMALLEST_PT:g} to {LARGEST_PT:g}"
+        )
+        raise FontError(message)
+    if not font.file:
+        built_in = ImageFont.load_default(font.points)
+        if isinstance(built_in, ImageFont.FreeTypeFont):
+            return built_in
+        message = "Pillow was built without FreeType and cannot draw text; install its wheel"
+        raise FontError(message)
+    try:
+        # Opened here, as Pillow would look in the system's folders for a name it does not find.
+        with Path(font.file).open("rb") as file:
+            return ImageFont.truetype(file, font.points)
+    except OSError as error:
+        reason = error.strerror or "it is no font that can be drawn; give a TrueType file"
+        message = f"font {font.file}: {reason}"
+        raise FontError(message) from error
+
+
+@functools.lru_cache(maxsize=_TEXTS_KEPT)
+def _coverage(string: str, font: Font) -> npt.NDArray[np.uint8]:
+    """How much of each pixel a text covers, 0 to 255, shape (height, width)."""
+    loaded = _loaded(font)
+    first, _, end, _ = loaded.getbbox(string, anchor="ls")
+    ascent, descent = loaded.getmetrics()
+    # Letters may reach beyond where the line begins and ends.
+    first, end = math.floor(min(0.0, first)), math.ceil(max(end, loaded.getlength(string)))
+    image = Image.new("L", (end - first, ascent + descent))
+    ImageDraw.Draw(image).text((-first, ascent), string, 255, loaded, anchor="ls")
+    coverage = np.asarray(image)
+    coverage.flags.writeable = False
+    return coverage
