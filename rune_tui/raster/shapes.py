@@ -1,11 +1,13 @@
-"""Lines, rectangles, circles, pies and polygons on a canvas, rasterised by Pillow."""
+"""Lines, rectangles, circles, pies, polygons and marks on a canvas, rasterised by Pillow."""
 
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -15,6 +17,9 @@ from rune_tui.raster.canvas import Canvas, Colour
 Point = tuple[float, float]
 """x right, y down from the upper left corner of the canvas [pixels]; pixel (0, 0) spans 0 to 1."""
 
+_ARROW_BACK: Final = math.radians(140.0)
+"""From an arrow's tip to its other two corners, seen from its middle [rad]."""
+
 
 @dataclass(frozen=True, slots=True)
 class Pen:
@@ -23,15 +28,65 @@ class Pen:
     Attributes:
         draw: Pillow's drawing on the enlarged picture.
         scale: How many of its pixels make one of the canvas.
+        width: Width of the canvas [pixels].
+        height: Height of the canvas [pixels].
     """
 
     draw: ImageDraw.ImageDraw
     scale: int
+    width: int
+    height: int
 
     def line(self, points: Sequence[Point], colour: Colour, width: float = 1.0) -> None:
         """Join points by straight lines `width` pixels thick."""
         thickness = max(1, round(width * self.scale))
         self.draw.line([self._at(point) for point in points], colour, thickness, joint="curve")
+
+    def dashes(
+        self, points: Sequence[Point], colour: Colour, *, dash: float, gap: float, width: float = 1
+    ) -> None:
+        """Join points by dashed straight lines.
+
+        Args:
+            points: Corners; the pattern goes on around them.
+            colour: Its colour.
+            dash: Length of a dash [pixels], greater than 0.
+            gap: Length of a gap [pixels], at least 0.
+            width: Thickness [pixels].
+        """
+        period = dash + gap
+        gone = 0.0
+        for begin, end in itertools.pairwise(points):
+            length = math.dist(begin, end)
+            # Only where the line can be seen: it may come from far outside the canvas.
+            near, far = self._near(begin, end, length)
+            for number in range(
+                math.floor((gone + near) / period), math.ceil((gone + far) / period)
+            ):
+                first = max(near, number * period - gone)
+                last = min(far, number * period + dash - gone)
+                if first < last:
+                    spots = (_between(begin, end, way / length) for way in (first, last))
+                    self.line(list(spots), colour, width)
+            gone = (gone + length) % period
+
+    def arrow(self, centre: Point, radius: float, direction: float, fill: Colour) -> None:
+        """A slender triangle within a circle of `radius` [pixels] that points in a direction.
+
+        Args:
+            centre: Middle of the circle.
+            radius: From there to the tip.
+            direction: Where it points [rad], counter-clockwise from up.
+            fill: Its colour.
+        """
+        corners = (0.0, _ARROW_BACK, -_ARROW_BACK)
+        self.polygon([toward(centre, radius, direction + corner) for corner in corners], fill)
+
+    def cross(self, centre: Point, reach: float, colour: Colour, width: float = 1.0) -> None:
+        """A diagonal cross that reaches this far from its centre to each side [pixels]."""
+        x, y = centre
+        for side in (reach, -reach):
+            self.line([(x - reach, y - side), (x + reach, y + side)], colour, width)
 
     def rectangle(self, left: float, top: float, right: float, bottom: float, fill: Colour) -> None:
         """Fill from `left` to `right` and `top` to `bottom`; an empty span draws nothing."""
@@ -83,6 +138,17 @@ class Pen:
         reach = radius * self.scale
         return x - reach, y - reach, x + reach, y + reach
 
+    def _near(self, begin: Point, end: Point, length: float) -> tuple[float, float]:
+        """From where to where a line is in the circle around the canvas, as ways from `begin`."""
+        if not length:
+            return 0.0, 0.0
+        ahead = (end[0] - begin[0]) / length, (end[1] - begin[1]) / length
+        to_centre = self.width / 2.0 - begin[0], self.height / 2.0 - begin[1]
+        along = to_centre[0] * ahead[0] + to_centre[1] * ahead[1]
+        aside = to_centre[0] * ahead[1] - to_centre[1] * ahead[0]
+        half = math.sqrt(max(0.0, (self.width**2 + self.height**2) / 4.0 - aside**2))
+        return max(0.0, along - half), min(length, along + half)
+
 
 @contextlib.contextmanager
 def drawing(canvas: Canvas, *, smoothing: int = 1) -> Iterator[Pen]:
@@ -100,7 +166,7 @@ def drawing(canvas: Canvas, *, smoothing: int = 1) -> Iterator[Pen]:
     if smoothing > 1:
         size = (canvas.width * smoothing, canvas.height * smoothing)
         image = image.resize(size, Image.Resampling.NEAREST)
-    yield Pen(ImageDraw.Draw(image), smoothing)
+    yield Pen(ImageDraw.Draw(image), smoothing, canvas.width, canvas.height)
     if smoothing > 1:
         # Pillow weighs colours by alpha here, so clear pixels do not darken the edges.
         image = image.reduce(smoothing)
@@ -110,6 +176,10 @@ def drawing(canvas: Canvas, *, smoothing: int = 1) -> Iterator[Pen]:
 def toward(centre: Point, distance: float, direction: float) -> Point:
     """The point at this distance [pixels] and direction [rad], counter-clockwise from up."""
     return centre[0] - distance * math.sin(direction), centre[1] - distance * math.cos(direction)
+
+
+def _between(begin: Point, end: Point, share: float) -> Point:
+    return begin[0] + (end[0] - begin[0]) * share, begin[1] + (end[1] - begin[1]) * share
 
 
 def _pillow_angles(direction: float, opening: float) -> tuple[float, float]:

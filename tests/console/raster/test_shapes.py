@@ -86,3 +86,69 @@ def test_lines_polygons_and_arcs_leave_their_colour() -> None:
     assert tuple(canvas.pixels[22, 24]) == RED
     assert tuple(canvas.pixels[12, 10]) == BLUE
     assert canvas.pixels[20, 10, 3] == 0
+
+
+def test_dashes_cover_what_their_lengths_say() -> None:
+    canvas = Canvas.blank(20, 3)
+    with drawing(canvas, smoothing=4) as pen:
+        pen.dashes([(0.0, 1.5), (20.0, 1.5)], RED, dash=3.0, gap=2.0)
+    alpha = canvas.pixels[1, :, 3]
+    shown = np.arange(20) % 5 < 3
+    assert (alpha[shown] > 150).all()
+    assert (alpha[~shown] < 100).all()
+
+
+def test_dashes_go_on_around_a_corner() -> None:
+    canvas = Canvas.blank(30, 30)
+    with drawing(canvas) as pen:
+        pen.dashes([(0.0, 5.0), (12.0, 5.0), (12.0, 29.0)], RED, dash=5.0, gap=5.0)
+    red = canvas.pixels[..., 3] > 0
+    assert red[5, 2]
+    assert not red[5, 7]
+    assert red[5, 11]
+    assert red[7, 12]
+    assert not red[10, 12]
+    assert not red[12, 12]
+    assert red[14, 12]
+
+
+def test_dashes_from_far_outside_show_the_same_and_take_no_time() -> None:
+    near, far = Canvas.blank(20, 20), Canvas.blank(20, 20)
+    with drawing(near) as pen:
+        pen.dashes([(-9.75, 4.0), (30.0, 4.0)], RED, dash=3.0, gap=2.0)
+    with drawing(far) as pen:
+        pen.dashes([(-999_999_999.75, 4.0), (1e9, 4.0)], RED, dash=3.0, gap=2.0)
+        pen.dashes([(-1e9, 400.0), (1e9, 400.0)], RED, dash=3.0, gap=2.0)
+    assert near.pixels.any()
+    assert (near.pixels == far.pixels).all()
+
+
+def test_dashes_without_length_draw_nothing() -> None:
+    canvas = Canvas.blank(9, 9)
+    with drawing(canvas) as pen:
+        pen.dashes([(4.0, 4.0), (4.0, 4.0)], RED, dash=3.0, gap=2.0)
+        pen.dashes([(4.0, 4.0)], RED, dash=3.0, gap=2.0)
+    assert not canvas.pixels.any()
+
+
+@pytest.mark.parametrize(
+    ("direction", "tip"),
+    [(0.0, (20, 4)), (math.pi / 2, (4, 20)), (math.pi, (20, 36)), (-math.pi / 2, (36, 20))],
+)
+def test_arrows_point_counter_clockwise_from_up(direction: float, tip: tuple[int, int]) -> None:
+    canvas = Canvas.blank(41, 41)
+    with drawing(canvas) as pen:
+        pen.arrow((20.5, 20.5), 18.0, direction, RED)
+    x, y = tip
+    assert canvas.pixels[y, x, 3] > 0
+    assert canvas.pixels[20, 20, 3] > 0
+    assert canvas.pixels[40 - y, 40 - x, 3] == 0
+
+
+def test_a_cross_reaches_its_corners_and_leaves_its_sides() -> None:
+    canvas = Canvas.blank(21, 21)
+    with drawing(canvas) as pen:
+        pen.cross((10.0, 10.0), 6.0, RED)
+    red = canvas.pixels[..., 3] > 0
+    assert red[[4, 4, 16, 16, 10], [4, 16, 4, 16, 10]].all()
+    assert not red[[4, 16, 10, 10], [10, 10, 4, 16]].any()
