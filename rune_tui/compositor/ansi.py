@@ -1,4 +1,4 @@
-"""Cells to terminal bytes: exact truecolour half blocks, every row complete in itself.
+"""Cells to terminal bytes: half blocks and characters, every row complete in itself.
 
 A frame is laid out as a matrix of four-byte words, one token of the escape sequence each, padded
 with zero bytes; one `bytes.translate` takes the padding and what was left out.
@@ -7,37 +7,44 @@ with zero bytes; one `bytes.translate` takes the padding and what was left out.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from rune_tui.compositor.blend import RGB_MASK
 from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.depth import ColourDepth
+from rune_tui.compositor.sgr import FORMS, NO_COLOUR, Form, Words, words
 
-Words = npt.NDArray[np.uint32]
+Flags = npt.NDArray[np.bool_]
 
 _SPACE = 32
-_UPPER_HALF = 0x2580
 _REPLACEMENT = 0x3F  # question mark
 
 
-def _words(tokens: Sequence[bytes]) -> Words:
-    """Tokens of up to four bytes as words that read the same in memory."""
-    return np.frombuffer(b"".join(token.ljust(4, b"\0") for token in tokens), np.uint32)
-
-
-_DIGITS = _words([b";%d" % value for value in range(256)])
-# Where the parts of a cell stand: ESC[ 38;2 ;R ;G ;B ; 48;2 ;R ;G ;B m glyph
-_CELL = _words([b"\x1b[", b"38;2", b"", b"", b"", b";", b"48;2", b"", b"", b"", b"m", b""])
-# The semicolon between the colours goes with either of them.
-_FOREGROUND, _BACKGROUND = slice(1, 6), slice(5, 10)
-_FOREGROUND_DIGITS, _BACKGROUND_DIGITS = slice(2, 5), slice(7, 10)
-_AROUND = slice(0, 11, 10)  # the introducer and the final letter
-_GLYPH = 11
-_ROW_END = _words([b"\x1b[0m", b"\n"])
-_HALF_BLOCK, _BLANK = _words(["▀".encode(), b" "])
-_NO_COLOUR = np.uint32(0xFFFFFFFF)
+_ROW_END = words([b"\x1b[0m", b"\n"])
+_UPPER, _LOWER, _FULL, _BLANK = words(["▀".encode(), "▄".encode(), "█".encode(), b" "])
 _LOW_BITS_OFF = np.uint32(0xFEFEFEFE)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Planes:
+    """What is written; all of shape (rows, columns).
+
+    Attributes:
+        foreground: Colours, only the bytes that count.
+        background: The same.
+        marks: The characters in UTF-8.
+        ink_shows: Where the foreground can be seen.
+        ground_shows: Where the background can be seen.
+    """
+
+    foreground: Words
+    background: Words
+    marks: Words
+    ink_shows: Flags
+    ground_shows: Flags
 
 
 class RowEncoder:
@@ -70,50 +77,57 @@ class RowEncoder:
 
     def _joined(self, cells: Cells, numbers: npt.NDArray[np.intp] | Sequence[int] | None) -> bytes:
         """All rows, each ended by a line feed, which no cell can hold."""
-        foreground, background, marks, blank = _planes(cells, numbers)
-        rows, columns = (int(length) for length in foreground.shape)
+        form = FORMS[cells.depth]
+        planes = _planes(cells, numbers, form)
+        rows, columns = (int(length) for length in planes.marks.shape)
         if not rows or not columns:
             return b"\x1b[0m\n" * rows
-        self._fit(rows, columns)
-        new_ink = self._new_foreground(foreground, blank)
-        new_ground = np.ones((rows, columns), bool)
-        np.not_equal(background[:, 1:], background[:, :-1], out=new_ground[:, 1:])
-        words = self._buffer[:, : -len(_ROW_END)].reshape(rows, columns, len(_CELL))
-        words[...] = _CELL
-        words[..., _FOREGROUND_DIGITS] = _digits(foreground)
-        words[..., _BACKGROUND_DIGITS] = _digits(background)
-        words[..., _GLYPH] = marks
-        _clear(words, ~new_ink, _FOREGROUND)
-        _clear(words, ~new_ground, _BACKGROUND)
-        _clear(words, ~(new_ink | new_ground), _AROUND)
+        length = len(form.cell)
+        self._fit(rows, columns, length)
+        told = planes.ink_shows & (form.foreground != slice(0))
+        new_ink = self._new(planes.foreground, told, NO_COLOUR)
+        new_ground = self._new(planes.background, planes.ground_shows, form.at_start)
+        cell = self._buffer[:, : -len(_ROW_END)].reshape(rows, columns, length)
+        cell[...] = form.cell
+        cell[..., form.ink] = _told(planes.foreground, form.ink_words, form.counts)
+        cell[..., form.ground] = _told(planes.background, form.ground_words, form.counts)
+        cell[..., -1] = planes.marks
+        _clear(cell, ~new_ink, form.foreground)
+        _clear(cell, ~new_ground, form.background)
+        _clear(cell, ~(new_ink | new_ground), slice(0, length - 1, length - 2))
+        reset = planes.background[:, -1] != form.at_start
+        self._buffer[:, -len(_ROW_END)] = np.where(reset, _ROW_END[0], 0)
         joined: bytes = self._buffer.tobytes().translate(None, b"\0")
         return joined
 
-    def _fit(self, rows: int, columns: int) -> None:
-        width = columns * len(_CELL) + len(_ROW_END)
-        if self._buffer.shape != (rows, width):
+    def _fit(self, rows: int, columns: int, length: int) -> None:
+        width = columns * length + len(_ROW_END)
+        if self._buffer.shape != (rows, width) or len(self._order) != columns:
             self._buffer = np.zeros((rows, width), np.uint32)
             self._buffer[:, -len(_ROW_END) :] = _ROW_END
             self._order = np.arange(columns)
 
-    def _new_foreground(
-        self, foreground: Words, blank: npt.NDArray[np.bool_]
-    ) -> npt.NDArray[np.bool_]:
-        """Where the foreground must be set: blanks show none and leave the last one in force."""
-        new = ~blank
-        before = foreground[:, :-1]
-        if blank.any():
-            foreground[blank[:, 0], 0] = _NO_COLOUR
-            last = np.where(blank, 0, self._order)
+    def _new(self, colours: Words, shows: Flags, at_start: np.uint32) -> Flags:
+        """Where a colour must be set: cells that show none leave the last one in force."""
+        new = shows.copy()
+        before = colours[:, :-1]
+        if not shows.all():
+            colours[~shows[:, 0], 0] = at_start
+            last = np.where(shows, self._order, 0)
             np.maximum.accumulate(last, axis=1, out=last)
-            before = np.take_along_axis(foreground, last, axis=1)[:, :-1]
-        new[:, 1:] &= foreground[:, 1:] != before
+            before = np.take_along_axis(colours, last, axis=1)[:, :-1]
+        new[:, 0] &= colours[:, 0] != at_start
+        new[:, 1:] &= colours[:, 1:] != before
         return new
 
 
 def changed_rows(previous: Cells | None, current: Cells) -> npt.NDArray[np.intp]:
-    """Numbers of the rows that look different, all when there was no frame of the same size."""
-    if previous is None or previous.glyphs.shape != current.glyphs.shape:
+    """Numbers of the rows that look different, all when there was no frame of the same kind."""
+    if (
+        previous is None
+        or previous.depth is not current.depth
+        or previous.glyphs.shape != current.glyphs.shape
+    ):
         return np.arange(current.rows)
     same_rows = 2 * current.columns
     pixels = (_packed(previous.pixels) ^ _packed(current.pixels)) & RGB_MASK
@@ -125,25 +139,42 @@ def changed_rows(previous: Cells | None, current: Cells) -> npt.NDArray[np.intp]
 
 
 def _planes(
-    cells: Cells, numbers: npt.NDArray[np.intp] | Sequence[int] | None
-) -> tuple[Words, Words, Words, npt.NDArray[np.bool_]]:
-    """Foreground, background, what is written, and where only the background shows."""
+    cells: Cells, numbers: npt.NDArray[np.intp] | Sequence[int] | None, form: Form
+) -> _Planes:
     pixels = _packed(cells.pixels)
     upper, lower, glyphs, ink = pixels[0::2], pixels[1::2], cells.glyphs, _packed(cells.ink)
     if numbers is not None:
         chosen = np.asarray(numbers, np.intp)
         upper, lower, glyphs, ink = (plane[chosen] for plane in (upper, lower, glyphs, ink))
-    foreground, background = upper & RGB_MASK, lower & RGB_MASK
-    blank = foreground == background
-    marks = np.where(blank, _BLANK, _HALF_BLOCK)
+    first, second = upper & form.mask, lower & form.mask
+    foreground, background = first, second
+    ink_shows = first != second
+    ground_shows = np.ones_like(ink_shows)
+    marks = np.where(ink_shows, _UPPER, _BLANK)
+    if cells.depth is not ColourDepth.TRUECOLOUR:
+        # With few colours, the same two often lie the other way round in the next cell.
+        foreground, background = np.maximum(first, second), np.minimum(first, second)
+        marks[first < second] = _LOWER
+        full = ~ink_shows & (first >= form.bright)
+        marks[full] = _FULL
+        ink_shows[full] = True
+        background[full] = 0
+        ground_shows[full] = form.at_start != NO_COLOUR
     place = np.nonzero(glyphs)
     if place[0].size:
-        first, second = foreground[place], background[place]
-        background[place] = (first & second) + (((first ^ second) & _LOW_BITS_OFF) >> 1)
-        foreground[place] = ink[place] & RGB_MASK
-        blank[place] = glyphs[place] == _SPACE
+        above, below = first[place], second[place]
+        background[place] = (above & below) + (((above ^ below) & _LOW_BITS_OFF) >> 1)
+        foreground[place] = ink[place] & form.mask
+        ink_shows[place] = glyphs[place] != _SPACE
+        ground_shows[place] = True
         marks[place] = _utf8(glyphs[place])
-    return foreground, background, marks, blank
+    return _Planes(
+        foreground=foreground,
+        background=background,
+        marks=marks,
+        ink_shows=ink_shows,
+        ground_shows=ground_shows,
+    )
 
 
 def _packed(pixels: npt.NDArray[np.uint8]) -> Words:
@@ -152,16 +183,16 @@ def _packed(pixels: npt.NDArray[np.uint8]) -> Words:
     return words
 
 
-def _digits(colours: Words) -> Words:
-    """The parts ;R ;G ;B of every colour, shape (rows, columns, 3)."""
+def _told(colours: Words, told: Words, counts: slice) -> Words:
+    """What tells each byte that counts of every colour, shape (rows, columns, bytes)."""
     parts = np.ascontiguousarray(colours).view(np.uint8).reshape(*colours.shape, 4)
-    return np.take(_DIGITS, parts[..., :3])
+    return told.take(parts[..., counts], mode="clip")
 
 
-def _clear(words: Words, where: npt.NDArray[np.bool_], parts: slice) -> None:
+def _clear(cell: Words, where: Flags, parts: slice) -> None:
     rows, columns = np.nonzero(where)
     if rows.size:
-        words[rows, columns, parts] = 0
+        cell[rows, columns, parts] = 0
 
 
 def _utf8(code_points: Words) -> Words:

@@ -101,6 +101,16 @@ def mean(first: npt.NDArray[np.uint8], second: npt.NDArray[np.uint8]) -> npt.NDA
     return (first & second) + ((first ^ second) >> 1)
 
 
+def glyph_grounds(cells: Cells) -> npt.NDArray[np.uint8]:
+    """The pixels as shown: both of a cell with a character have their mean, shape as `pixels`."""
+    ground = mean(cells.pixels[0::2], cells.pixels[1::2])
+    shown = cells.pixels.copy()
+    written = cells.glyphs > 0
+    for half in (shown[0::2], shown[1::2]):
+        half[written] = ground[written]
+    return shown
+
+
 def _share_of_255(total: npt.NDArray[np.uint16]) -> npt.NDArray[np.uint8]:
     """round(total / 255) for totals up to 255 * 255, after J. Blinn, "Three wrongs" (1995)."""
     total = total + _HALF

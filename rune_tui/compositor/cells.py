@@ -7,22 +7,27 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from rune_tui.compositor.depth import ColourDepth
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cells:
     """A screenful of cells.
 
     Attributes:
-        pixels: Red, green, blue, unused; shape (2 * rows, columns, 4). A cell's upper half shows
-            row 2r in its foreground colour, its lower half row 2r + 1 in its background colour.
+        pixels: Red, green, blue, number; shape (2 * rows, columns, 4). A cell's upper half shows
+            row 2r, its lower half row 2r + 1. The number is that of the colour where the depth
+            numbers its colours, and unused in truecolour.
         glyphs: Unicode code points, shape (rows, columns); 0 where the cell shows its two pixels.
             A cell with a glyph shows it in `ink` on the mean of its two pixels.
-        ink: Red, green, blue, unused of the glyphs, shape (rows, columns, 4).
+        ink: Red, green, blue, number of the glyphs, shape (rows, columns, 4).
+        depth: Which colours there are in `pixels` and `ink`.
     """
 
     pixels: npt.NDArray[np.uint8]
     glyphs: npt.NDArray[np.uint32]
     ink: npt.NDArray[np.uint8]
+    depth: ColourDepth = ColourDepth.TRUECOLOUR
 
     @property
     def rows(self) -> int:

@@ -9,13 +9,19 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
-from rune_tui.compositor.blend import mean
+from rune_tui.compositor.blend import glyph_grounds, mean
 from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.depth import ColourDepth
 from rune_tui.errors import PictureFileError
 
 SUFFIXES = (".txt", ".svg", ".png")
 
 _RAMP = np.array([ord(c) for c in " .:-=+*#%@"], np.uint32)
+_HALVES = np.array([ord(c) for c in " ▄▀█"], np.uint32)
+_SHADES = {0x2591: 1, 0x2592: 2, 0x2593: 3}
+"""Characters that fill so many quarters of their cell with dots."""
+_DOTS = np.array([[0, 2], [3, 1]])
+"""A dot of the picture is set from so many quarters on."""
 _LUMA = np.array([299, 587, 114], np.uint32)  # ITU-R BT.601, thousandths
 
 
@@ -50,9 +56,10 @@ def image(cells: Cells, *, scale: int = 8) -> Image.Image:
     picture = Image.fromarray(np.ascontiguousarray(shown[..., :3]))
     size = (cells.columns * scale, 2 * cells.rows * scale)
     picture = picture.resize(size, Image.Resampling.NEAREST)
+    _shade(picture, cells, scale)
     draw = ImageDraw.Draw(picture)
     font = ImageFont.load_default(1.6 * scale)
-    for row, column in np.argwhere(cells.glyphs > ord(" ")).tolist():
+    for row, column in _characters(cells):
         red, green, blue = cells.ink[row, column, :3].tolist()
         place = ((column + 0.5) * scale, (2 * row + 1.55) * scale)
         glyph = _visible(int(cells.glyphs[row, column]))
@@ -62,10 +69,16 @@ def image(cells: Cells, *, scale: int = 8) -> Image.Image:
 
 
 def plain_text(cells: Cells) -> str:
-    """Characters where there are some, elsewhere one that is as dense as the cell is bright."""
-    upper, lower = cells.pixels[0::2, :, :3], cells.pixels[1::2, :, :3]
-    brightness = mean(upper, lower) @ _LUMA // 1000
-    shades = _RAMP[brightness * len(_RAMP) // 256]
+    """Characters where there are some, elsewhere one that is as dense as the cell is bright.
+
+    Without colours, half blocks show the pixels exactly.
+    """
+    upper, lower = cells.pixels[0::2], cells.pixels[1::2]
+    if cells.depth is ColourDepth.MONO:
+        shades = _HALVES[2 * upper[..., 3] + lower[..., 3]]
+    else:
+        brightness = mean(upper, lower)[..., :3] @ _LUMA // 1000
+        shades = _RAMP[brightness * len(_RAMP) // 256]
     lines = np.where(cells.glyphs > 0, cells.glyphs, shades).tolist()
     return "".join("".join(map(_visible, line)).rstrip() + "\n" for line in lines)
 
@@ -88,11 +101,18 @@ def svg(cells: Cells, *, scale: int = 8) -> str:
             f'height="{scale}" fill="{_hexadecimal(line[first])}"/>'
             for first, end in _runs(line[:, :3])
         ]
+    for row, column in np.argwhere(np.isin(cells.glyphs, list(_SHADES))).tolist():
+        share = _SHADES[int(cells.glyphs[row, column])] / 4
+        parts.append(
+            f'<rect x="{column * scale}" y="{2 * row * scale}" width="{scale}" '
+            f'height="{2 * scale}" fill="{_hexadecimal(cells.ink[row, column])}" '
+            f'fill-opacity="{share}"/>'
+        )
     parts.append(
         f'<g font-family="monospace" font-size="{1.6 * scale:g}" text-anchor="middle" '
         'xml:space="preserve">'
     )
-    for row, column in np.argwhere(cells.glyphs > ord(" ")).tolist():
+    for row, column in _characters(cells):
         glyph = escape(_visible(int(cells.glyphs[row, column])))
         parts.append(
             f'<text x="{(column + 0.5) * scale:g}" y="{(2 * row + 1.55) * scale:g}" '
@@ -101,14 +121,23 @@ def svg(cells: Cells, *, scale: int = 8) -> str:
     return "\n".join([*parts, "</g>", "</svg>", ""])
 
 
-def glyph_grounds(cells: Cells) -> npt.NDArray[np.uint8]:
-    """The pixels as shown: both of a cell with a character have their mean, shape as `pixels`."""
-    ground = mean(cells.pixels[0::2], cells.pixels[1::2])
-    shown = cells.pixels.copy()
-    written = cells.glyphs > 0
-    for half in (shown[0::2], shown[1::2]):
-        half[written] = ground[written]
-    return shown
+def _characters(cells: Cells) -> list[tuple[int, int]]:
+    """Row and column of every character that a font has to draw."""
+    drawn = (cells.glyphs > ord(" ")) & ~np.isin(cells.glyphs, list(_SHADES))
+    return [(row, column) for row, column in np.argwhere(drawn).tolist()]
+
+
+def _shade(picture: Image.Image, cells: Cells, scale: int) -> None:
+    """Draw the shades into a picture of the cells: dots, as terminals have them."""
+    for shade, quarters in _SHADES.items():
+        where = cells.glyphs == shade
+        if where.any():
+            dots = np.tile(quarters > _DOTS, (cells.rows * scale, -(-cells.columns * scale // 2)))
+            mask = np.kron(where, np.ones((2 * scale, scale), bool))
+            mask &= dots[:, : mask.shape[1]]
+            ink = Image.fromarray(np.ascontiguousarray(cells.ink[..., :3]))
+            ink = ink.resize(picture.size, Image.Resampling.NEAREST)
+            picture.paste(ink, mask=Image.fromarray(mask))
 
 
 def _runs(line: npt.NDArray[np.uint8]) -> list[tuple[int, int]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 
 import numpy as np
@@ -12,33 +13,12 @@ from hypothesis import strategies as st
 
 from rune_tui.compositor.ansi import RowEncoder, changed_rows
 from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.colours import at_depth
+from rune_tui.compositor.depth import ColourDepth
+from tests.console.compositor.frames import flat, frames, random_cells
 
+FEWER = [depth for depth in ColourDepth if depth is not ColourDepth.TRUECOLOUR]
 Shown = tuple[str, tuple[int, ...] | None, tuple[int, ...] | None]
-
-GLYPHS = [32, 33, 65, 0xB0, 0x416, 0x2588, 0x2580, 0x1D400]
-
-
-def random_cells(seed: int, columns: int, rows: int, colours: int, written: float) -> Cells:
-    """Cells of few colours, so that neighbours are often equal, some with characters."""
-    random = np.random.default_rng(seed)
-    palette = random.integers(0, 256, (colours, 4), np.uint8)
-    glyphs = random.choice(np.array(GLYPHS, np.uint32), (rows, columns))
-    glyphs[random.random((rows, columns)) >= written] = 0
-    return Cells(
-        pixels=palette[random.integers(0, colours, (2 * rows, columns))],
-        glyphs=glyphs,
-        ink=palette[random.integers(0, colours, (rows, columns))],
-    )
-
-
-frames = st.builds(
-    random_cells,
-    st.integers(0, 100_000),
-    st.integers(1, 14),
-    st.integers(1, 6),
-    st.integers(1, 5),
-    st.sampled_from([0.0, 0.2, 1.0]),
-)
 
 
 def wanted(cells: Cells, row: int, column: int) -> Shown:
@@ -109,6 +89,85 @@ def test_pyte_that_eats_the_rows_shows_the_cells(cells: Cells) -> None:
                 assert tuple(bytes.fromhex(cell.fg)) == ink
 
 
+def looks(cell: pyte.screens.Char, depth: ColourDepth) -> tuple[str, int, int]:
+    """Character and the numbers of foreground and background."""
+    if depth is ColourDepth.MONO:
+        assert (cell.fg, cell.bg) == ("default", "default")
+        return cell.data, int(not cell.reverse), int(cell.reverse)
+    names = [pyte.graphics.FG_BG_256] * 2
+    if depth is ColourDepth.INDEXED_16:
+        names = [
+            [plain[first + number] for number in range(8)]
+            + [bright[first + 60 + number] for number in range(8)]
+            for first, plain, bright in (
+                (30, pyte.graphics.FG_ANSI, pyte.graphics.FG_AIXTERM),
+                (40, pyte.graphics.BG_ANSI, pyte.graphics.BG_AIXTERM),
+            )
+        ]
+    numbers = [
+        -1 if colour == "default" else len(palette) - 1 - palette[::-1].index(colour)
+        for colour, palette in zip((cell.fg, cell.bg), names, strict=True)
+    ]
+    return cell.data, numbers[0], numbers[1]
+
+
+@pytest.mark.parametrize("depth", FEWER)
+@settings(max_examples=25, deadline=None)
+@given(cells=frames)
+def test_pyte_shows_the_cells_in_the_colours_that_there_are(
+    depth: ColourDepth, cells: Cells
+) -> None:
+    cells = at_depth(cells, depth)
+    screen = pyte.Screen(cells.columns, cells.rows)
+    screen.reset_mode(pyte.modes.DECAWM)
+    stream = pyte.Stream(screen)
+    for number, row in enumerate(RowEncoder().encode_text(cells)):
+        stream.feed(f"\x1b[{number + 1};1H{row}")
+    assert screen.cursor.attrs.bg == "default"
+    assert not screen.cursor.attrs.reverse
+    for row, column in np.ndindex(cells.glyphs.shape):
+        upper, lower = cells.pixels[2 * row : 2 * row + 2, column, 3].tolist()
+        mark, ink, ground = looks(screen.buffer[row][column], depth)
+        if cells.glyphs[row, column]:
+            assert (mark, ground) == (chr(cells.glyphs[row, column]), lower)
+            assert mark == " " or ink == cells.ink[row, column, 3]
+        else:
+            halves = {
+                "▀": (ink, ground),
+                "▄": (ground, ink),
+                "█": (ink, ink),
+                " ": (ground, ground),
+            }
+            assert halves[mark] == (upper, lower)
+
+
+def test_colours_are_told_in_the_fewest_bytes_of_their_depth() -> None:
+    def row(depth: ColourDepth, *pairs: tuple[int, int]) -> str:
+        cells = flat(len(pairs), 1, 0)
+        cells.pixels[:, :, :3] = np.array(pairs).T[..., None]
+        (text,) = RowEncoder().encode_text(at_depth(cells, depth))
+        return text
+
+    black, white = (0, 0), (255, 255)
+    up, down = (255, 0), (0, 255)
+    assert row(ColourDepth.INDEXED_256, black, black) == "\x1b[48;5;16m  \x1b[0m"
+    assert row(ColourDepth.INDEXED_256, up, down) == "\x1b[38;5;231;48;5;16m▀▄\x1b[0m"
+    assert row(ColourDepth.INDEXED_16, black, black) == "\x1b[40m  \x1b[0m"
+    # Bright colours are foregrounds: some terminals have no bright backgrounds.
+    assert row(ColourDepth.INDEXED_16, white, up, down) == "\x1b[97m█\x1b[40m▀▄\x1b[0m"
+    assert row(ColourDepth.MONO, black, up, down, white) == " ▀▄█"
+
+
+def test_without_colours_only_text_on_bright_ground_needs_an_escape() -> None:
+    cells = flat(4, 1, 255)
+    cells.glyphs[0, 1:3] = ord("A")
+    mono = at_depth(cells, ColourDepth.MONO)
+    assert RowEncoder().encode_text(mono) == ["█\x1b[7mAA\x1b[27m█"]
+    cells.glyphs[0, 3] = ord("A")
+    mono = at_depth(cells, ColourDepth.MONO)
+    assert RowEncoder().encode_text(mono) == ["█\x1b[7mAAA\x1b[0m"]
+
+
 @given(frames)
 def test_bytes_and_text_say_the_same(cells: Cells) -> None:
     encoder = RowEncoder()
@@ -118,7 +177,8 @@ def test_bytes_and_text_say_the_same(cells: Cells) -> None:
 @given(st.lists(frames, min_size=2, max_size=5))
 def test_nothing_is_left_over_from_earlier_frames(sequence: list[Cells]) -> None:
     encoder = RowEncoder()
-    for cells in sequence:
+    depths = itertools.cycle(ColourDepth)
+    for cells in map(at_depth, sequence, depths):
         assert encoder.encode(cells) == RowEncoder().encode(cells)
 
 
@@ -127,14 +187,6 @@ def test_chosen_rows_are_the_rows_of_the_whole(cells: Cells, data: st.DataObject
     numbers = data.draw(st.lists(st.integers(0, cells.rows - 1)))
     whole = RowEncoder().encode(cells)
     assert RowEncoder().encode(cells, numbers) == [whole[number] for number in numbers]
-
-
-def flat(columns: int, rows: int, colour: int) -> Cells:
-    return Cells(
-        pixels=np.full((2 * rows, columns, 4), colour, np.uint8),
-        glyphs=np.zeros((rows, columns), np.uint32),
-        ink=np.zeros((rows, columns, 4), np.uint8),
-    )
 
 
 def test_a_flat_row_sets_its_colour_once() -> None:
@@ -177,6 +229,8 @@ def test_the_unused_byte_of_a_pixel_makes_no_difference() -> None:
 def test_all_rows_are_changed_without_a_frame_of_the_same_size() -> None:
     assert changed_rows(None, flat(4, 3, 0)).tolist() == [0, 1, 2]
     assert changed_rows(flat(5, 3, 0), flat(4, 3, 0)).tolist() == [0, 1, 2]
+    mono = at_depth(flat(4, 3, 0), ColourDepth.MONO)
+    assert changed_rows(flat(4, 3, 0), mono).tolist() == [0, 1, 2]
 
 
 def test_only_rows_that_look_different_are_changed() -> None:

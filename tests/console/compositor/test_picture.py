@@ -13,6 +13,8 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.colours import at_depth
+from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.picture import image, plain_text, save, svg
 from rune_tui.errors import PictureFileError
 
@@ -49,6 +51,38 @@ def test_the_picture_shows_characters_in_ink_on_the_mean(cells: Cells) -> None:
 
 def test_plain_text_shows_characters_and_brightness(cells: Cells) -> None:
     assert plain_text(cells) == ":@\n  R\n"
+
+
+@pytest.fixture
+def shades() -> Cells:
+    """Five cells without colours: ground, shades of a quarter, a half and three quarters, ink."""
+    pixels = np.zeros((2, 5, 4), np.uint8)
+    pixels[..., :3] = np.array([0, 64, 128, 192, 255])[:, None]
+    blank = np.zeros((1, 5), np.uint32)
+    cells = Cells(pixels=pixels, glyphs=blank, ink=np.zeros((1, 5, 4), np.uint8))
+    return at_depth(cells, ColourDepth.MONO)
+
+
+def test_without_colours_the_picture_has_black_and_white_dots_as_dense_as_the_shades(
+    shades: Cells,
+) -> None:
+    dots = np.asarray(image(shades, scale=8))[..., 0]
+    assert set(dots.flat) == {0, 255}
+    assert dots.reshape(16, 5, 8).mean(axis=(0, 2)).tolist() == [0, 63.75, 127.5, 191.25, 255]
+
+
+def test_without_colours_the_text_has_the_shades_and_half_blocks(shades: Cells) -> None:
+    shades.pixels[:, 0] = [[0, 0, 0, 0], [255, 255, 255, 1]]
+    assert plain_text(shades) == "▄░▒▓█\n"
+
+
+def test_without_colours_the_drawing_has_shades_as_veils(shades: Cells) -> None:
+    veils = [item.attrib for item in ET.fromstring(svg(shades)) if "fill-opacity" in item.attrib]
+    assert [(v["x"], v["fill"], v["fill-opacity"]) for v in veils] == [
+        ("8", "#ffffff", "0.25"),
+        ("16", "#ffffff", "0.5"),
+        ("24", "#ffffff", "0.75"),
+    ]
 
 
 def test_the_drawing_merges_runs_and_holds_the_text(cells: Cells) -> None:

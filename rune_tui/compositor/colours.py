@@ -1,0 +1,129 @@
+"""Cells in the colours that a terminal has: 256, 16, or none at all."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import cache
+
+import numpy as np
+import numpy.typing as npt
+
+from rune_tui.compositor.blend import mean
+from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.depth import ColourDepth
+from rune_tui.compositor.palettes import (
+    LUMA,
+    PALETTE_16,
+    PALETTE_256,
+    PALETTE_MONO,
+    dithered_16,
+    nearest_of_16,
+    nearest_of_256,
+)
+
+Bytes = npt.NDArray[np.uint8]
+
+_LEAST_CONTRAST = 60
+"""Of a character with its ground, in brightness of 0 to 255."""
+_STRONG = 96
+"""From this difference between its channels on, of 255, a colour is strong."""
+_SHADE_BITS = 5
+"""Of brightness, by which patterns are looked up."""
+# What a cell without colours can show: share of ink in its upper and lower half, and the two
+# pixels or the character for it.
+_PATTERNS = np.array(
+    [
+        *((0.0, 0.0, 0, 0, 0), (1.0, 1.0, 1, 1, 0), (1.0, 0.0, 1, 0, 0), (0.0, 1.0, 0, 1, 0)),
+        *((0.25, 0.25, 0, 0, 0x2591), (0.5, 0.5, 0, 0, 0x2592), (0.75, 0.75, 0, 0, 0x2593)),
+    ]
+)
+
+
+_BLACK_AND_WHITE = np.array([[0, 0, 0, 0], [255, 255, 255, 0]], np.uint8)
+
+# The palette, the nearest to colours of text, and those to show a picture with.
+_INDEXED: Mapping[ColourDepth, tuple[Bytes, Callable[[Bytes], Bytes], Callable[[Bytes], Bytes]]] = {
+    ColourDepth.INDEXED_256: (PALETTE_256, nearest_of_256, nearest_of_256),
+    ColourDepth.INDEXED_16: (PALETTE_16, nearest_of_16, dithered_16),
+}
+
+
+def at_depth(cells: Cells, depth: ColourDepth) -> Cells:
+    """The cells as a terminal of that depth can show them.
+
+    Both pixels of a cell with a character become one colour, and a character that would hardly
+    stand out from it becomes black or white. Without colours, pixels become half blocks and
+    shades, and characters stand in ink on ground or, on what is brighter than they are and on what
+    has a strong colour, such as an alarm, the other way round.
+
+    Args:
+        cells: In truecolour.
+        depth: What there is.
+    """
+    if depth is ColourDepth.TRUECOLOUR:
+        return cells
+    written = np.nonzero(cells.glyphs)
+    behind = mean(cells.pixels[0::2][written], cells.pixels[1::2][written])
+    if depth is ColourDepth.MONO:
+        palette = PALETTE_MONO
+        numbers, glyphs = _patterns(cells)
+        ground = _turned(behind, cells.ink[written]).astype(np.uint8)
+        ink = 1 - ground
+    else:
+        palette, nearest, nearest_pixels = _INDEXED[depth]
+        numbers, glyphs = nearest_pixels(cells.pixels), cells.glyphs
+        ground = nearest(behind)
+        ink = nearest(cells.ink[written])
+        brightness = _brightness(palette)
+        faint = np.abs(brightness[ink] - brightness[ground]) < _LEAST_CONTRAST
+        black, white = nearest(_BLACK_AND_WHITE)
+        ink[faint] = np.where(brightness[ground] < 128, white, black)[faint]
+    numbers[0::2][written] = ground
+    numbers[1::2][written] = ground
+    inks = (glyphs != 0).astype(np.uint8)
+    inks[written] = ink
+    return Cells(
+        pixels=palette.take(numbers, axis=0),
+        glyphs=glyphs,
+        ink=palette.take(inks, axis=0),
+        depth=depth,
+    )
+
+
+def _patterns(cells: Cells) -> tuple[Bytes, npt.NDArray[np.uint32]]:
+    """Pixels of ink (1) and ground (0), and the characters, where shades stand for pixels too."""
+    brightness = _brightness(cells.pixels) >> (8 - _SHADE_BITS)
+    chosen = _table_of_patterns()[brightness[0::2], brightness[1::2]]
+    numbers = np.zeros(brightness.shape, np.uint8)
+    numbers[0::2] = _PATTERNS[:, 2].astype(np.uint8).take(chosen)
+    numbers[1::2] = _PATTERNS[:, 3].astype(np.uint8).take(chosen)
+    glyphs = _PATTERNS[:, 4].astype(np.uint32).take(chosen)
+    np.copyto(glyphs, cells.glyphs, where=cells.glyphs != 0)
+    return numbers, glyphs
+
+
+@cache
+def _table_of_patterns() -> npt.NDArray[np.intp]:
+    """The pattern nearest to the brightness of an upper and a lower pixel."""
+    shares = np.linspace(0.0, 1.0, 1 << _SHADE_BITS)
+    upper = (shares[:, None] - _PATTERNS[:, 0]) ** 2
+    lower = (shares[:, None] - _PATTERNS[:, 1]) ** 2
+    nearest: npt.NDArray[np.intp] = (upper[:, None] + lower[None]).argmin(axis=2)
+    return nearest
+
+
+def _turned(behind: Bytes, ink: Bytes) -> npt.NDArray[np.bool_]:
+    """Which characters stand in the terminal's ground on its ink; colours of shape (n, 4)."""
+    channels = behind[:, :3]
+    strong = channels.max(axis=1) - channels.min(axis=1) >= _STRONG
+    turned: npt.NDArray[np.bool_] = strong | (_brightness(behind) > _brightness(ink))
+    return turned
+
+
+def _brightness(colours: Bytes) -> npt.NDArray[np.int32]:
+    """0 to 255, of colours of shape (..., 4)."""
+    total = colours[..., 0] * np.int32(LUMA[0])
+    total += colours[..., 1] * np.int32(LUMA[1])
+    total += colours[..., 2] * np.int32(LUMA[2])
+    total >>= 8
+    return total
