@@ -93,6 +93,7 @@ def part_of(cells: Cells, row: int, start: int, end: int) -> Cells:
         pixels=cells.pixels[2 * row : 2 * row + 2, start:end],
         glyphs=cells.glyphs[row : row + 1, start:end],
         ink=cells.ink[row : row + 1, start:end],
+        depth=cells.depth,
     )
 
 

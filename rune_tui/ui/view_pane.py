@@ -12,6 +12,8 @@ from textual.widget import Widget
 
 from rune_tui.compositor.ansi import RowEncoder, changed_rows
 from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.colours import at_depth
+from rune_tui.compositor.depth import ColourDepth
 from rune_tui.ui.pixel_strip import PixelStrip
 
 
@@ -20,14 +22,17 @@ class ViewPane(Widget, can_focus=False):
 
     DEFAULT_CSS = "ViewPane { width: 100%; height: 100%; background: black; }"
 
-    def __init__(self) -> None:
+    def __init__(self, depth: ColourDepth = ColourDepth.TRUECOLOUR) -> None:
+        """Prepare to show cells in colours of that depth."""
         super().__init__()
+        self._depth = depth
         self._cells: Cells | None = None
         self._strips: list[Strip] = []
         self._encoder = RowEncoder()
 
     def show(self, cells: Cells) -> None:
-        """Show a frame."""
+        """Show a frame in truecolour as well as the terminal can."""
+        cells = at_depth(cells, self._depth)
         rows = changed_rows(self._cells, cells)
         if self._cells is None or len(self._strips) != cells.rows:
             self._strips = [Strip.blank(cells.columns)] * cells.rows
