@@ -17,6 +17,7 @@ from collections.abc import Iterable, Mapping
 from textual import events
 from textual.app import App, ComposeResult
 
+from rune_tui.compositor.depth import ColourDepth
 from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.keyboard import KeyboardHold, name_of_key
 from rune_tui.controls.stall_guard import StallGuard
@@ -51,12 +52,15 @@ class Console(App[None], inherit_bindings=False):
     ENABLE_COMMAND_PALETTE = False
     CSS = "Screen { layers: view; overflow: hidden; }"
 
-    def __init__(self, layout: LayoutSpec, links: Mapping[str, RobotLink]) -> None:
+    def __init__(
+        self, layout: LayoutSpec, links: Mapping[str, RobotLink], depth: ColourDepth
+    ) -> None:
         """Prepare.
 
         Args:
             layout: What is shown, and what keys do.
             links: A connection for each robot of the layout, not yet started.
+            depth: What colours the terminal has.
         """
         super().__init__(driver_class=terminal_driver())
         self.title = f"Rune {layout.path}"
@@ -70,7 +74,7 @@ class Console(App[None], inherit_bindings=False):
         self._keyboard = KeyboardHold()
         self._stalls = StallGuard()
         self._leaving = False
-        self._pane = ViewPane()
+        self._pane = ViewPane(depth)
 
     def compose(self) -> ComposeResult:
         """One pane for everything: the layout says what is in it."""

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rune_tui.compositor.depth import ColourDepth
 from rune_tui.errors import ConsoleError
 
 if TYPE_CHECKING:
@@ -70,7 +71,7 @@ def _run(options: argparse.Namespace) -> int:
     layout = _load(options.layout)
     links = _links(layout, _endpoint(options.hub), options.keys)
     _log_to_file()
-    return _console(layout, links)
+    return _console(layout, links, options.colors)
 
 
 def _demo(options: argparse.Namespace) -> int:
@@ -81,7 +82,7 @@ def _demo(options: argparse.Namespace) -> int:
         import rune_tui.app  # noqa: F401 - loaded while the hub starts
 
         layout = _load(options.layout)
-        return _console(layout, _links(layout, hub.endpoint()))
+        return _console(layout, _links(layout, hub.endpoint()), options.colors)
 
 
 def _check(options: argparse.Namespace) -> int:
@@ -119,6 +120,7 @@ def _shot(options: argparse.Namespace) -> int:
             _links(layout, hub, options.keys),
             size=options.size,
             seconds=options.seconds,
+            depth=ColourDepth(options.colors),
             path=path,
         )
     if answered:
@@ -127,10 +129,12 @@ def _shot(options: argparse.Namespace) -> int:
     return ExitCode.NO_HUB
 
 
-def _console(layout: LayoutSpec, links: dict[str, RobotLink]) -> int:
+def _console(layout: LayoutSpec, links: dict[str, RobotLink], colors: str | None) -> int:
     from rune_tui.app import Console
+    from rune_tui.ui.terminal import colour_depth
 
-    return Console(layout, links).run_to_end()
+    depth = ColourDepth(colors) if colors else colour_depth(os.environ)
+    return Console(layout, links, depth).run_to_end()
 
 
 def _load(name_or_path: str) -> LayoutSpec:
@@ -211,14 +215,18 @@ def _parser() -> argparse.ArgumentParser:
     layout_help = "a layout file, or the name of a shipped layout"
     keys_help = "your key's file, for a hub on another machine"
     hub_help = "HOST, HOST:PORT or tcp://HOST:PORT instead of the layout's hub"
+    colors = [depth.value for depth in ColourDepth]
+    colors_help = "what the terminal can show, where it does not say so itself"
 
     run = commands.add_parser("run", help="open the console with a layout")
     run.add_argument("layout", help=layout_help)
     run.add_argument("--hub", default="", help=hub_help)
     run.add_argument("--keys", type=Path, help=keys_help)
+    run.add_argument("--colors", choices=colors, help=colors_help)
 
     demo = commands.add_parser("demo", help="open the console on a simulated robot")
     demo.add_argument("layout", nargs="?", default=_DEMO_LAYOUT, help="default: %(default)s")
+    demo.add_argument("--colors", choices=colors, help=colors_help)
 
     check = commands.add_parser("check", help="report all that is wrong with layout files")
     check.add_argument("layouts", nargs="+", metavar="LAYOUT", help=layout_help)
@@ -230,6 +238,7 @@ def _parser() -> argparse.ArgumentParser:
         "--size", type=_size, default=(120, 40), metavar="COLUMNSxROWS", help="default: 120x40"
     )
     shot.add_argument("--seconds", type=_seconds, default=3.0, help="watch so long (%(default)s)")
+    shot.add_argument("--colors", choices=colors, default=colors[0], help="default: %(default)s")
     source = shot.add_mutually_exclusive_group()
     source.add_argument("--hub", default="", help=hub_help)
     shot.add_argument("--keys", type=Path, help=keys_help)

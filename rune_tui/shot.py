@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from rune_tui.compositor import picture
+from rune_tui.compositor.colours import at_depth
+from rune_tui.compositor.depth import ColourDepth
 from rune_tui.errors import PictureFileError
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.robot_link import RobotLink
@@ -24,6 +26,7 @@ def take(
     *,
     size: tuple[int, int],
     seconds: float,
+    depth: ColourDepth,
     path: Path,
 ) -> bool:
     """Watch the robots for a while, then write what the console would show.
@@ -33,6 +36,7 @@ def take(
         links: A connection for each robot, not yet started.
         size: Columns and rows of the terminal [cells].
         seconds: How long to watch [s].
+        depth: What colours the terminal would have.
         path: File to write; its ending says what: .txt, .svg or .png.
 
     Returns:
@@ -68,7 +72,7 @@ def take(
             link.close()
     if cells is not None:
         try:
-            picture.save(cells, path)
+            picture.save(at_depth(cells, depth), path)
         except OSError as error:
             text = f"{path} cannot be written: {error.strerror or error}"
             raise PictureFileError(text) from error

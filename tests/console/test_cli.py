@@ -6,6 +6,7 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
 from hub.ipc.central import Central
 from hub.ipc.keyring import Keyring
@@ -47,3 +48,13 @@ def test_a_picture_is_drawn_of_a_robot_behind_a_gateway(tmp_path: Path) -> None:
         where = ["--hub", central.endpoints[1], "--keys", str(keyring.make("one", Role.OBSERVE))]
         assert main(["shot", "demo", *where, "--seconds", "1.5", "-o", str(picture)]) == ExitCode.OK
         assert "OBSERVER: this key may watch" in picture.read_text("utf-8")
+
+
+@pytest.mark.parametrize("colors", ["truecolor", "256", "16", "mono"])
+def test_a_picture_is_drawn_in_the_colours_asked_for(tmp_path: Path, colors: str) -> None:
+    path = tmp_path / "shot.png"
+    where = ["--hub", f"ipc://{tmp_path}/nobody", "--seconds", "0", "-o", str(path)]
+    assert main(["shot", "demo", *where, "--colors", colors]) == ExitCode.NO_HUB
+    with Image.open(path) as picture:
+        corner = picture.getpixel((1, 100))
+    assert corner == {"truecolor": (24, 28, 34), "256": (28, 28, 28)}.get(colors, (0, 0, 0))

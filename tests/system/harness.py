@@ -61,6 +61,7 @@ def in_soak(*values: Any) -> list[Any]:
     return [pytest.param(value, marks=pytest.mark.soak) for value in values]
 
 
+_TERMINAL = {"TERM": "xterm-256color", "COLORTERM": "truecolor"}
 _FRESH_S = 0.08
 """Ground truth comes every 20 ms; what is older than this may be queued [s]."""
 
@@ -174,7 +175,7 @@ class ConsoleProcess:
             start_new_session=True,
             # The terminal has to be the console's own, so that closing it hangs up.
             preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),  # noqa: PLW1509
-            env={**os.environ, "TERM": "xterm-256color", **(environment or {})},
+            env={**_surroundings(), **_TERMINAL, **(environment or {})},
         )
         os.close(inner)
         os.set_blocking(self.terminal, False)
@@ -259,6 +260,11 @@ class ConsoleProcess:
                 self.process.kill()
                 self.process.wait()
         os.close(self.terminal)
+
+
+def _surroundings() -> dict[str, str]:
+    """This process's environment, but for what it says of its own terminal."""
+    return {name: value for name, value in os.environ.items() if name != "NO_COLOR"}
 
 
 def gone(processes: Sequence[psutil.Process]) -> bool:
