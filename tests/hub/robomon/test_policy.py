@@ -1,16 +1,10 @@
-"""What the daemon decides: rules one by one, and thousands of random histories."""
+"""What the daemon decides, rule by rule."""
 
 from __future__ import annotations
 
 import itertools
-import random
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Any
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from hub.gcm.supervision import LEASE_S, CapabilityPhase, ModuleOrder, ModulePhase
 from hub.robomon.life import Deed, Life
@@ -21,134 +15,8 @@ from hub.robomon.policy import (
     STRANGER_S,
     Supervisor,
 )
-from hub.robomon.table import ModuleSpec
 from hub.robomon.wants import MAX_HOLDERS, Wants
-
-STEP_S = 0.05
-
-
-@dataclass
-class Process:
-    """A module as it behaves; times are on the world's clock."""
-
-    pid: int
-    announce_at: float
-    crash_at: float = float("inf")
-    hang_at: float = float("inf")
-    deaf_to: frozenset[Deed] = frozenset()
-    end_at: float = float("inf")
-    deeds: list[tuple[float, Deed]] = field(default_factory=list)
-
-
-def ways(**values: Any) -> Callable[[str], dict[str, Any]]:
-    """All modules behave like this; times are from their start on."""
-    return lambda _: values
-
-
-class World:
-    """The policy with modules that behave as they are told to."""
-
-    def __init__(self, *specs: ModuleSpec, needs: dict[str, str] | None = None) -> None:
-        self.supervisor = Supervisor(specs)
-        self.now = 100.0
-        self.behave: Callable[[str], dict[str, Any]] = ways()
-        self.processes: dict[str, Process] = {}
-        self.log: list[tuple[float, str, str]] = []
-        self._pids = 1000
-        self._can = {
-            spec.name: (spec.capabilities, tuple((needs or {}).get(spec.name, "").split()))
-            for spec in specs
-        }
-
-    def __getitem__(self, name: str) -> Life:
-        return self.supervisor.lives[name]
-
-    def run(self, seconds: float, *, wants: str = "") -> None:
-        """Let time pass; somebody wants these capabilities all the while."""
-        end = self.now + seconds
-        while self.now < end:
-            self.now += STEP_S
-            if wants:
-                self.supervisor.wants.renew(7, "console", wants.split(), self.now)
-            self._live()
-            for life, deed in self.supervisor.step(self.now):
-                self._do(life, deed)
-
-    def starts(self, name: str) -> list[float]:
-        return [time for time, who, what in self.log if (who, what) == (name, "start")]
-
-    def _live(self) -> None:
-        for name, process in list(self.processes.items()):
-            ends = min(process.crash_at, process.end_at)
-            if self.now >= ends:
-                del self.processes[name]
-                self.log.append((self.now, name, "end"))
-                self[name].ended("ended with exit code 1", self.now)
-            elif process.announce_at <= self.now < process.hang_at:
-                self.supervisor.announced(name, process.pid, *self._can[name], self.now)
-
-    def _do(self, life: Life, deed: Deed) -> None:
-        name = life.spec.name
-        if deed is Deed.START:
-            assert name not in self.processes, "two at the same time"
-            lacking = [
-                need
-                for need in self._can[name][1]
-                if life.asked
-                and not self._runs(need)
-                and self._could_run(need)
-                and not self._circular(need, name, set())
-            ]
-            assert not lacking, f"{name} was started before {lacking}"
-            self._pids += 1
-            self.log.append((self.now, name, "start"))
-            ways = {"announce_at": self.now + 0.3} | {
-                key: value + self.now if key.endswith("_at") else value
-                for key, value in self.behave(name).items()
-            }
-            self.processes[name] = Process(pid=self._pids, **ways)
-            life.started(self._pids, self.now)
-            return
-        process = self.processes[name]
-        self.log.append((self.now, name, deed.value))
-        process.deeds.append((self.now, deed))
-        if deed not in process.deaf_to and not (
-            deed is Deed.COMMAND and self.now >= process.hang_at
-        ):
-            process.end_at = self.now + 0.1
-
-    def _runs(self, capability: str) -> bool:
-        return any(
-            capability in self._can[name][0] and life.phase is ModulePhase.RUNNING
-            for name, life in self.supervisor.lives.items()
-        )
-
-    def _circular(self, need: str, name: str, seen: set[str]) -> bool:
-        """Whether who has a capability needs this module in turn."""
-        owners = [other for other, (has, _) in self._can.items() if need in has]
-        if name in owners:
-            return True
-        seen.add(need)
-        return any(
-            self._circular(further, name, seen)
-            for owner in owners
-            for further in self._can[owner][1]
-            if further not in seen
-        )
-
-    def _could_run(self, capability: str) -> bool:
-        return any(
-            capability in self._can[name][0] and life.usable
-            for name, life in self.supervisor.lives.items()
-        )
-
-
-def spec(name: str, capabilities: str = "", **values: Any) -> ModuleSpec:
-    return ModuleSpec(name=name, command=("x",), capabilities=tuple(capabilities.split()), **values)
-
-
-def demand(name: str, capabilities: str, **values: Any) -> ModuleSpec:
-    return spec(name, capabilities, always=False, **values)
+from tests.hub.robomon.world import STEP_S, World, demand, spec, ways
 
 
 def test_wanted_capability_starts_what_it_needs_first_and_stops_when_nobody_wants_it() -> None:
@@ -204,7 +72,7 @@ def test_crash_is_followed_by_a_start_at_once_then_by_longer_pauses_then_by_none
     assert world["bad"].phase is ModulePhase.FAILED
     assert "given up" in world["bad"].why
     world.behave = ways()
-    assert world.supervisor.ordered("bad", ModuleOrder.START, world.now)[0]
+    assert world.order("bad", ModuleOrder.START)[0]
     world.run(2.0)
     assert world["bad"].phase is ModulePhase.RUNNING
 
@@ -260,7 +128,7 @@ def test_stop_goes_from_command_to_kill() -> None:
     world = World(spec("deaf", ask_timeout_s=1.0, stop_timeout_s=2.5))
     world.behave = ways(deaf_to=frozenset({Deed.COMMAND, Deed.TERMINATE}))
     world.run(2.0)
-    world.supervisor.ordered("deaf", ModuleOrder.STOP, world.now)
+    world.order("deaf", ModuleOrder.STOP)
     world.run(5.0)
     times = [time for time, _, what in world.log if what not in ("start", "end")]
     assert [what for _, _, what in world.log[1:4]] == [
@@ -370,7 +238,7 @@ def test_last_words_of_an_earlier_process_are_not_taken_for_the_new_one() -> Non
 
 def test_orders_are_answered_in_words() -> None:
     world = World(spec("a"), spec("b"))
-    done, text = world.supervisor.ordered("c", ModuleOrder.STOP, world.now)
+    done, text = world.order("c", ModuleOrder.STOP)
     assert not done
     assert "this robot has a, b" in text
 
@@ -378,123 +246,14 @@ def test_orders_are_answered_in_words() -> None:
 def test_a_start_that_has_to_wait_says_for_what() -> None:
     world = World(demand("autonomy", "AUT"), demand("map", "MAP"), needs={"autonomy": "MAP"})
     world["autonomy"].learned(world["autonomy"].provides, frozenset({"MAP"}))
-    world.supervisor.ordered("map", ModuleOrder.STOP, world.now)
+    world.order("map", ModuleOrder.STOP)
     text = "autonomy starts as soon as a module for MAP may start"
-    assert world.supervisor.ordered("autonomy", ModuleOrder.START, world.now) == (True, text)
+    assert world.order("autonomy", ModuleOrder.START) == (True, text)
     world.run(2.0)
     assert not world.processes
-    assert world.supervisor.ordered("map", ModuleOrder.START, world.now)[1] == "map is started"
+    assert world.order("map", ModuleOrder.START)[1] == "map is started"
     world.run(2.0)
     assert world["autonomy"].phase is ModulePhase.RUNNING
-
-
-_MODULES = ("a", "b", "c", "d")
-_CAPABILITIES = ("A", "B", "C")
-
-
-@settings(max_examples=60)
-@given(st.integers(0, 2**32))
-def test_random_histories(seed: int) -> None:
-    """Whatever modules do and whoever wants what: no storm, no doubles, no zombie, no deadlock."""
-    chance = random.Random(seed)
-    specs = [
-        ModuleSpec(
-            name=name,
-            command=("x",),
-            capabilities=tuple(chance.sample(_CAPABILITIES, chance.randint(0, 2))),
-            always=chance.random() < 0.4,
-            keep_alive_s=chance.choice([0.0, 2.0, 5.0]),
-            start_timeout_s=3.0,
-            linger_s=chance.choice([0.0, 1.0, 3.0]),
-            restart_limit=chance.randint(0, 4),
-            restart_window_s=chance.choice([5.0, 1000.0]),
-        )
-        for name in _MODULES
-    ]
-    needs = {name: chance.choice(["", "", *_CAPABILITIES]) for name in _MODULES}
-    world = World(*specs, needs=needs)
-    for each in specs:
-        if chance.random() < 0.7:
-            lacks = frozenset(needs[each.name].split())
-            world[each.name].learned(frozenset(each.capabilities), lacks)
-
-    def behave(name: str) -> dict[str, Any]:
-        del name
-        far = float("inf")
-        return {
-            "announce_at": chance.choice([0.1, 0.3, 1.0, far]),
-            "crash_at": chance.choice([far, far, far, 0.0, 0.5, 4.0]),
-            "hang_at": chance.choice([far, far, 2.0]),
-            "deaf_to": frozenset(
-                deed for deed in (Deed.COMMAND, Deed.TERMINATE) if chance.random() < 0.2
-            ),
-        }
-
-    world.behave = behave
-    restarts_allowed = True
-    for _ in range(chance.randint(5, 25)):
-        kind = chance.random()
-        if kind < 0.25:
-            order = chance.choice(list(ModuleOrder))
-            name = chance.choice(_MODULES)
-            world.supervisor.ordered(name, order, world.now)
-            restarts_allowed = restarts_allowed and order is ModuleOrder.STOP
-            if order is ModuleOrder.STOP:
-                held = len(world.starts(name))
-                world.run(3.0, wants="A B C")
-                assert len(world.starts(name)) == held
-                assert name not in world.processes, "lives on after a stop"
-        wants = " ".join(chance.sample(_CAPABILITIES, chance.randint(0, 3)))
-        world.run(chance.choice([0.2, 1.0, 4.0]), wants=wants)
-    _check(world, orders=not restarts_allowed)
-    # From now on all behave: whatever is wanted and not given up comes to run, the rest ends.
-    world.behave = ways()
-    for process in world.processes.values():
-        process.deaf_to = frozenset()
-    world.run(40.0, wants="A")
-    view = world.supervisor.capabilities(world.now).get("A")
-    able = [name for name, life in world.supervisor.lives.items() if "A" in life.provides]
-    reachable = any(world[name].usable and not _lacks_for_ever(world, name, set()) for name in able)
-    assert view is not None
-    assert (view.phase is CapabilityPhase.RUNNING) or not reachable
-    world.run(40.0)
-    for name, life in world.supervisor.lives.items():
-        needed = any(
-            other.phase is ModulePhase.RUNNING and life.provides & other.needs
-            for other in world.supervisor.lives.values()
-        )
-        replaces = any(f"{name} does its work" in o.why for o in world.supervisor.lives.values())
-        if life.up and not needed and not replaces:
-            assert life.spec.always or life.pinned, f"{name} runs and nobody wants it"
-
-
-def _check(world: World, *, orders: bool) -> None:
-    """No module is started more often than it may be."""
-    for name, life in world.supervisor.lives.items():
-        if orders:
-            continue
-        starts = world.starts(name)
-        failures = [time for time, who, what in world.log if (who, what) == (name, "end")]
-        for start in starts:
-            recent = [t for t in failures if start - life.spec.restart_window_s < t <= start]
-            assert len(recent) <= life.spec.restart_limit + len(starts), name
-    for name, process in world.processes.items():
-        kinds = [deed for _, deed in process.deeds]
-        assert len(kinds) == len(set(kinds)), f"{name} was told the same twice"
-
-
-def _lacks_for_ever(world: World, name: str, seen: set[str]) -> bool:
-    """Whether a module needs what no usable module has."""
-    if name in seen:
-        return False
-    seen.add(name)
-    return any(
-        not any(
-            need in life.provides and life.usable and not _lacks_for_ever(world, other, seen)
-            for other, life in world.supervisor.lives.items()
-        )
-        for need in world[name].needs
-    )
 
 
 def test_modules_that_all_need_each_other_start() -> None:
