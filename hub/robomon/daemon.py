@@ -90,7 +90,6 @@ class Daemon:
             client.every(self._notifier.period, self._notifier.alive)
         self._notifier.ready(f"{self._table.robot.name}: starting modules")
         robot_file = self._table.robot.path
-        reporting = Reporting(client, self._supervisor, outputs, self._table.robot.name)
         keeper = Keeper(
             self._supervisor,
             client,
@@ -99,7 +98,7 @@ class Daemon:
             description_arguments=robot_arguments(robot_file),
             changed=lambda: self._changed(reporting),
         )
-        reporting.keeper = keeper
+        reporting = Reporting(client, keeper, outputs, self._table.robot.name)
         ready = False
         try:
             keeper.look()

@@ -14,7 +14,6 @@ from hub.ipc.reception import Reception
 from hub.robomon.keeper import BY_ROBOMON, Keeper
 from hub.robomon.life import Life
 from hub.robomon.outputs import REMEMBERED_LINES, Outputs
-from hub.robomon.policy import Supervisor
 from hub.runtime import publish_on_request
 
 _MOST_TEXT = 262_144
@@ -24,16 +23,13 @@ _MOST_TEXT = 262_144
 class Reporting:
     """Connects the policy with the bus."""
 
-    def __init__(
-        self, client: Client, supervisor: Supervisor, outputs: Outputs, robot: str
-    ) -> None:
+    def __init__(self, client: Client, keeper: Keeper, outputs: Outputs, robot: str) -> None:
         self._client = client
-        self._supervisor = supervisor
+        self._keeper = keeper
+        self._supervisor = keeper.supervisor
         self._outputs = outputs
         self._robot = robot
         self._clock = time.monotonic
-        self._told: object = None
-        self.keeper: Keeper | None = None
         client.define(supervision.MODULE_REPORTS, supervision.CAPABILITY_REPORTS, COMMON_COMMAND)
         client.subscribe(supervision.MODULE_INFO, self._announced)
         client.subscribe(supervision.CAPABILITY_WANTS, self._wanted)
@@ -55,13 +51,13 @@ class Reporting:
         self._supervisor.announced(
             info.name, info.pid, info.capabilities.split(), info.needs.split(), self._clock()
         )
-        self._look()
+        self._keeper.look()
 
     def _wanted(self, wants: supervision.CapabilityWants, reception: Reception) -> None:
         capabilities = wants.capabilities.split()
         now = self._clock()
         self._supervisor.wants.renew(reception.publisher, wants.holder, capabilities, now)
-        self._look()
+        self._keeper.look()
 
     def _commanded(self, command: CommonCommand, reception: Reception) -> None:
         """Somebody tells modules directly; their ends and starts are then meant."""
@@ -74,11 +70,11 @@ class Reporting:
                     life.told_to_stop(self._clock())
                 elif command.command is CommonCommandKind.START:
                     life.told_to_start()
-        self._look()
+        self._keeper.look()
 
     def _ordered(self, command: supervision.ModuleCommand) -> supervision.ModuleResult:
         done, text = self._supervisor.ordered(command.module, command.order, self._clock())
-        self._look()
+        self._keeper.look()
         return supervision.ModuleResult(done=int(done), text=text)
 
     def _lines(self, request: supervision.LogRequest) -> supervision.LogLines:
@@ -100,10 +96,6 @@ class Reporting:
     def _presence(self, presence: Presence) -> None:
         if presence.change is Change.DISCONNECTED:
             self._supervisor.wants.gone(presence.module)
-
-    def _look(self) -> None:
-        if self.keeper is not None:
-            self.keeper.look()
 
     def _publish_modules(self) -> None:
         lives = self._supervisor.lives
@@ -135,7 +127,6 @@ class Reporting:
         )
 
     def _report(self, name: str, life: Life, now: float) -> supervision.ModuleReport:
-        keeper = self.keeper
         return supervision.ModuleReport(
             name=name,
             phase=life.phase,
@@ -145,8 +136,8 @@ class Reporting:
             asked=int(life.asked),
             always=int(life.spec.always),
             starts=life.starts,
-            processor=keeper.processor(name) if keeper else float("nan"),
-            memory_mb=keeper.memory_mb(name) if keeper else float("nan"),
+            processor=self._keeper.processor(name),
+            memory_mb=self._keeper.memory_mb(name),
             age_s=now - life.since if life.has_process else 0.0,
             why=life.why,
         )
