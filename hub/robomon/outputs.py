@@ -1,7 +1,8 @@
 """What the modules write: read at once, so that none waits, and kept in files that rotate.
 
 One thread reads all the pipes and never waits for anything else. A second one writes files and
-standard error, which may be slow; what it cannot take in time is left out and counted.
+standard error, which may be slow; what it cannot take in time is left out there, and how much that
+was is said where it is missing.
 """
 
 from __future__ import annotations
@@ -48,6 +49,13 @@ class _Source:
     second: int = 0
     read: int = 0
     left_out: int = 0
+    unwritten: int = 0
+
+    def missing(self) -> str:
+        """A line that says how many others were not written since the last one; empty if none."""
+        count, self.unwritten = self.unwritten, 0
+        what = f"{count} lines of {self.name} were" if count > 1 else f"a line of {self.name} was"
+        return f"({what} left out here, as the disk was too slow)\n" if count else ""
 
 
 class Outputs:
@@ -164,22 +172,35 @@ class Outputs:
         with self._lock:
             source.lines.extend(texts)
             source.count += len(texts)
-        for text in texts:
-            with contextlib.suppress(queue.Full):
-                self._written.put_nowait((source.name, text))
+            for text in texts:
+                if self._written.full():
+                    source.unwritten += 1
+                else:
+                    self._written.put_nowait((source.name, source.missing() + text))
 
     def _write(self) -> None:
         files: dict[str, LogFile] = {}
-        while (item := self._written.get()) is not None:
-            name, text = item
-            logs.pass_on(text)
-            if self._folder is None:
-                continue
-            if name not in files:
-                files[name] = LogFile(self._folder / f"{name}.log")
-            files[name].write(text, time.monotonic())
+        going_on = True
+        while going_on:
+            item = self._written.get()
+            going_on = item is not None
+            written = [item] if item else []
+            if self._written.empty():
+                with self._lock:
+                    missing = [(each.name, each.missing()) for each in self._sources.values()]
+                written += [(name, text) for name, text in missing if text]
+            for name, text in written:
+                self._write_one(files, name, text)
         for file in files.values():
             file.close()
+
+    def _write_one(self, files: dict[str, LogFile], name: str, text: str) -> None:
+        logs.pass_on(text)
+        if self._folder is None:
+            return
+        if name not in files:
+            files[name] = LogFile(self._folder / f"{name}.log")
+        files[name].write(text, time.monotonic())
 
 
 def _readable(line: bytes) -> str:

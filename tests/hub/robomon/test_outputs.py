@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import threading
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
@@ -14,6 +15,7 @@ from hypothesis import strategies as st
 
 from hub.gcm.supervision import LOG_LINES, LogLines
 from hub.robomon import log_file
+from hub.robomon import outputs as robomon_outputs
 from hub.robomon.log_file import FILES, RETRY_S, LogFile
 from hub.robomon.outputs import LINE_BYTES, REMEMBERED_LINES, Outputs, _readable
 from tests.waiting import until
@@ -107,6 +109,34 @@ def test_any_output_fits_into_an_answer(said: bytes) -> None:
 
 def _lines(said: bytes) -> list[str]:
     return [_readable(line) + "\n" for line in said.split(b"\n")]
+
+
+def test_lines_left_out_for_a_slow_disk_are_counted_where_they_are_missing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    disk, waiting = threading.Event(), threading.Event()
+
+    class Slow(LogFile):
+        def write(self, text: str, now: float) -> None:
+            waiting.set()
+            disk.wait(10.0)
+            super().write(text, now)
+
+    monkeypatch.setattr(robomon_outputs, "LogFile", Slow)
+    monkeypatch.setattr(robomon_outputs, "_ROOM", 2)
+    log = tmp_path / "one.log"
+    log.touch()
+    with closing(Outputs(tmp_path)) as outputs:
+        source, pipe = os.pipe()
+        outputs.add("one", source)
+        with os.fdopen(pipe, "wb", buffering=0) as file:
+            file.write(b"0\n")
+            until(waiting.is_set, 5.0)
+            file.write(b"1\n2\n3\n4\n5\n")
+            until(lambda: len(outputs.recent("one", 0, 9)[1]) == 6, 5.0)
+            disk.set()
+            said = "(3 lines of one were left out here, as the disk was too slow)\n"
+            until(lambda: log.read_text() == f"0\n1\n2\n{said}", 5.0)
 
 
 def test_endless_line_is_cut() -> None:
