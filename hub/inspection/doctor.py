@@ -22,9 +22,12 @@ MACHINE: Mapping[str, Callable[[], list[Finding]]] = {
     "clock": machine_checks.clock,
     "memory": machine_checks.memory,
     "processors": machine_checks.processors,
+}
+SAYING: Mapping[str, Callable[[str], list[Finding]]] = {
     "service": machine_checks.service,
     "user": machine_checks.user,
 }
+"""What says commands in which the robot file's name stands, as it was given to the doctor."""
 ROBOT: Mapping[str, Callable[[RobotDescription], list[Finding]]] = {
     "ports": port_checks.ports,
     "gateway": port_checks.gateway,
@@ -81,6 +84,9 @@ def _findings(name_or_path: str, load: Callable[[str], object]) -> Iterator[tupl
                 yield name, finding
     for name, of_machine in MACHINE.items():
         for finding in attempt(of_machine):
+            yield name, finding
+    for name, of_name in SAYING.items():
+        for finding in attempt(functools.partial(of_name, name_or_path)):
             yield name, finding
 
 

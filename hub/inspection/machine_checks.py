@@ -7,6 +7,7 @@ import platform
 import pwd
 import re
 import resource
+import shlex
 import shutil
 import time
 from pathlib import Path
@@ -27,12 +28,13 @@ _UNITS = Path("/etc/systemd/system")
 _LINGERING = Path("/var/lib/systemd/linger")
 
 
-def user() -> list[Finding]:
+def user(robot_file: str) -> list[Finding]:
     """As whom the doctor looks, which is as whom it can tell."""
     name = _user_name()
     if os.geteuid() == 0:
         text = "all this was looked at as root, to whom everything is open"
-        return [warning(text, "look as the user of the hub: sudo -u rune rune-hub doctor")]
+        command = f"sudo -u rune rune-hub doctor {shlex.quote(robot_file)}"
+        return [warning(text, f"look as the user of the hub: {command}")]
     return [ok(f"all this holds for {name}")]
 
 
@@ -135,7 +137,7 @@ def judged_load(load: float, count: int) -> Finding:
     return ok(text)
 
 
-def service() -> list[Finding]:
+def service(robot_file: str) -> list[Finding]:
     """Whether systemd can run the hub, and would go on when nobody is logged in."""
     if not _SYSTEMD.is_dir():
         return [ok("systemd does not run this machine; start `rune-hub run` by other means")]
@@ -148,7 +150,8 @@ def service() -> list[Finding]:
         return [warning(text, f"loginctl enable-linger {name}")]
     if own.exists():
         return [ok(f"{own} is there, and {name} lingers")]
-    return [ok("systemd is there; `rune-hub service ROBOT` prints a unit for it")]
+    command = f"rune-hub service {shlex.quote(robot_file)}"
+    return [ok(f"systemd is there; `{command}` prints a unit for it")]
 
 
 def _user_name() -> str:

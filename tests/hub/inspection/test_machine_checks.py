@@ -187,30 +187,32 @@ def test_a_users_own_service_has_to_outlive_the_login(
         (tmp_path / name).mkdir()
         monkeypatch.setattr(machine_checks, name, tmp_path / name)
     monkeypatch.setenv("HOME", str(tmp_path))
-    assert "rune-hub service" in machine_checks.service()[0].text
+    assert "rune-hub service robot.toml" in machine_checks.service("robot.toml")[0].text
     unit = tmp_path / ".config/systemd/user/rune-hub.service"
     unit.parent.mkdir(parents=True)
     unit.touch()
-    (said,) = machine_checks.service()
+    (said,) = machine_checks.service("robot.toml")
     assert said.level is Level.WARNING
     assert "enable-linger" in said.advice
     (tmp_path / "_LINGERING" / machine_checks._user_name()).touch()
-    assert machine_checks.service()[0].level is Level.OK
+    assert machine_checks.service("robot.toml")[0].level is Level.OK
     unit.unlink()
     (tmp_path / "_UNITS" / "rune-hub.service").touch()
-    assert "systemctl status" in machine_checks.service()[0].text
+    assert "systemctl status" in machine_checks.service("robot.toml")[0].text
 
 
 def test_without_systemd_other_means_are_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(machine_checks, "_SYSTEMD", tmp_path / "none")
-    assert "by other means" in machine_checks.service()[0].text
+    assert "by other means" in machine_checks.service("robot.toml")[0].text
 
 
 def test_root_is_told_that_others_may_do_less(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "geteuid", lambda: 0)
-    assert machine_checks.user()[0].level is Level.WARNING
+    (said,) = machine_checks.user("my robot.toml")
+    assert said.level is Level.WARNING
+    assert said.advice.endswith("rune-hub doctor 'my robot.toml'")
     monkeypatch.setattr(os, "geteuid", lambda: 4_000_000)  # somebody without a name
-    (said,) = machine_checks.user()
+    (said,) = machine_checks.user("robot.toml")
     assert (said.level, said.text) == (Level.OK, "all this holds for 4000000")
