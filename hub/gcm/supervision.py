@@ -73,7 +73,7 @@ class ModuleReport:
         processor: Part of one processor that it takes; NaN when not known.
         memory_mb: Resident memory [MB]; NaN when not known.
         age_s: Time since it was started [s]; 0 while it does not run.
-        why: Why it is in this phase, for people.
+        why: Why it is in this phase, for people, after its name; empty where it simply runs.
     """
 
     name: str

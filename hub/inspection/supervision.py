@@ -15,6 +15,7 @@ from hub.errors import (
     NoHandlerError,
     QueryError,
     QueryTimeoutError,
+    UnknownModuleError,
 )
 from hub.gcm import supervision
 from hub.gcm.supervision import CapabilityPhase, ModuleOrder
@@ -52,7 +53,8 @@ def modules(client: Client, *, as_json: bool) -> int:
     heads = ("module", "phase", "runs", "capabilities", "pid", "for", "starts", "cpu", "memory")
     table(heads, rows, words=4)
     for module in reports.modules:
-        put(f"{module.name} {module.why}")
+        if module.why:
+            put(f"{module.name} {module.why}")
     return 0
 
 
@@ -80,8 +82,10 @@ def order(client: Client, module: str, wanted: str) -> int:
         )
     except NoHandlerError as error:
         raise _no_daemon(client) from error
-    (put if result.done else _complain)(result.text)
-    return 0 if result.done else 2
+    if not result.done:
+        raise UnknownModuleError(result.text)
+    put(result.text)
+    return 0
 
 
 def want(client: Client, wanted: Sequence[str], *, seconds: float) -> int:
@@ -142,9 +146,15 @@ def _show(shown: supervision.LogLines) -> None:
 
 def _lines(client: Client, module: str, first: int, most: int) -> supervision.LogLines:
     request = supervision.LogRequest(module=module, first=first, most=min(most, _MOST_LINES))
-    return client.query_response(
-        supervision.LOG_REQUEST, request, supervision.LOG_LINES, timeout=_ANSWER_S
-    )
+    try:
+        return client.query_response(
+            supervision.LOG_REQUEST, request, supervision.LOG_LINES, timeout=_ANSWER_S
+        )
+    except HandlerFailedError as error:
+        reports = _last(client, supervision.MODULE_REPORTS)
+        if module not in (each.name for each in reports.modules):
+            raise UnknownModuleError(str(error)) from error
+        raise
 
 
 def _last(client: Client, definition: Any) -> Any:  # noqa: ANN401 - a report of any kind
@@ -173,7 +183,3 @@ def _outlook(name: str, report: supervision.CapabilityReport | None) -> str:
 
 def _number(value: float, unit: str) -> str:
     return "" if math.isnan(value) else f"{value:.0f}{unit}"
-
-
-def _complain(text: str) -> None:
-    sys.stderr.write(f"rune-hub: {text}\n")

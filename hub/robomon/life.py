@@ -34,7 +34,8 @@ class Life:
     Attributes:
         spec: What the robot file says.
         phase: What is done with it.
-        why: Why it is in this phase, for people, after its name: "was stopped by somebody".
+        why: Why it is in this phase, for people, after its name: "was stopped by somebody"; empty
+            where it runs and always did since somebody had it started.
         pid: Process id; 0 while it has no process.
         since: When it was started last, or was to be.
         starts: How often it was started.
@@ -60,6 +61,7 @@ class Life:
         self.pinned = False
         self.replaced_by = ""
         self._ends: deque[float] = deque()
+        self._failure = ""
         self._early = 0
         self._earlier: deque[int] = deque(maxlen=_REMEMBERED)
         self._heard = 0.0
@@ -105,8 +107,10 @@ class Life:
         self.pid, self.since, self._heard = pid, now, now
         self._heard_itself = False
         self.starts += 1
-        announces = self.spec.keep_alive_s > 0.0
-        self._enter(ModulePhase.STARTING if announces else ModulePhase.RUNNING, "was started")
+        if self.spec.keep_alive_s > 0.0:
+            self._enter(ModulePhase.STARTING, "was started")
+        else:
+            self._run()
 
     def not_started(self, why: str, now: float) -> None:
         """The system could not start it."""
@@ -126,7 +130,7 @@ class Life:
             return False
         self._heard = now
         if self.phase is ModulePhase.STARTING:
-            self._enter(ModulePhase.RUNNING, "announces itself")
+            self._run()
         return True
 
     def stand_back(self, other: str) -> None:
@@ -159,7 +163,7 @@ class Life:
         self.replaced_by = ""
         self.held, self.pinned = False, not self.spec.always
         self._ends.clear()
-        self._early = 0
+        self._failure, self._early = "", 0
         self._start_at = -math.inf
         if not self.has_process:
             self._enter(ModulePhase.STOPPED, "is started by somebody")
@@ -215,7 +219,10 @@ class Life:
         if self.phase is ModulePhase.STARTING and now - self._heard > self.spec.start_timeout_s:
             self._hang(f"did not announce itself in {self.spec.start_timeout_s:g} s", now)
         elif self.phase is ModulePhase.RUNNING and now - self._heard > self.spec.keep_alive_s:
-            self._hang(f"hangs: silent for {self.spec.keep_alive_s:g} s", now)
+            self._hang(f"hung: silent for {self.spec.keep_alive_s:g} s", now)
+
+    def _run(self) -> None:
+        self._enter(ModulePhase.RUNNING, self._failure and f"runs again; it {self._failure}")
 
     def _hang(self, why: str, now: float) -> None:
         self._stop(why, now, deliberate=False)
@@ -248,6 +255,7 @@ class Life:
             self._enter(ModulePhase.FAILED, f"{why}; that was too often, so it is given up")
             return
         settled = now - self.since >= spec.settled_s
+        self._failure = why
         self._early = 1 if settled else self._early + 1
         pause = spec.backoff_s * 2.0 ** (self._early - 2) if self._early > 1 else 0.0
         self._ends.append(now)
@@ -256,3 +264,5 @@ class Life:
 
     def _enter(self, phase: ModulePhase, why: str) -> None:
         self.phase, self.why = phase, why
+        if phase is ModulePhase.STOPPED and not self.replaced_by:
+            self._failure = ""

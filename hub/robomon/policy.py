@@ -16,6 +16,7 @@ from hub.gcm.supervision import CapabilityPhase, ModuleOrder, ModulePhase
 from hub.robomon.life import Deed, Life
 from hub.robomon.table import ModuleSpec
 from hub.robomon.wants import MAX_CAPABILITIES, MAX_NAME, Wants
+from hub.toml_tables import nearest
 
 AWAY_S = 1.0
 """A longer pause between two steps means that this process itself was away [s]."""
@@ -106,14 +107,13 @@ class Supervisor:
         self._over[name] = over
         if over >= _OVER_LIMIT_LOOKS:
             self._over[name] = 0
-            life.over_limit(f"takes {memory_mb:.0f} MB and may take {limit:g}", now)
+            life.over_limit(f"took {memory_mb:.0f} MB and may take {limit:g}", now)
 
     def ordered(self, name: str, order: ModuleOrder, now: float) -> tuple[bool, str]:
         """Somebody wants something done with a module; whether it is, and what or why not."""
         life = self.lives.get(name)
         if life is None:
-            known = ", ".join(self.lives)
-            return False, f"there is no module {name[:40]!r}; this robot has {known}"
+            return False, self.unknown(name)
         if order is ModuleOrder.STOP:
             life.told_to_stop(now)
             return True, f"{name} is stopped, and stays so until somebody starts it"
@@ -130,6 +130,12 @@ class Supervisor:
         if missing:
             return True, f"{name} starts as soon as a module for {' and '.join(missing)} may start"
         return True, f"{name} is started"
+
+    def unknown(self, name: str) -> str:
+        """What to say of a module that the robot does not have."""
+        known = ", ".join(self.lives)
+        near = nearest(name, self.lives)
+        return f"there is no module {name[:40]!r}; this robot has {known}{near}"
 
     def step(self, now: float) -> list[tuple[Life, Deed]]:
         """What is to be done now, in order."""

@@ -150,7 +150,7 @@ class ModuleProcess:
         try:
             output, theirs = os.pipe()
         except OSError as error:
-            text = f"cannot be started: {error.strerror}"
+            text = f"could not be started: {error.strerror}"
             raise ModuleStartError(text) from error
         try:
             self._process = subprocess.Popen(
@@ -167,7 +167,7 @@ class ModuleProcess:
         except (OSError, ValueError) as error:
             os.close(output)
             reason = getattr(error, "strerror", None) or error
-            text = f"cannot be started: {spec.command[0]!r}: {reason}"
+            text = f"could not be started: {spec.command[0]!r}: {reason}"
             raise ModuleStartError(text) from error
         finally:
             os.close(theirs)

@@ -79,9 +79,7 @@ class Reporting:
 
     def _lines(self, request: supervision.LogRequest) -> supervision.LogLines:
         if request.module not in self._supervisor.lives:
-            known = ", ".join(self._supervisor.lives)
-            text = f"there is no module {request.module[:40]!r}; this robot has {known}"
-            raise HandlerFailedError(text)
+            raise HandlerFailedError(self._supervisor.unknown(request.module))
         most = max(0, min(request.most, REMEMBERED_LINES))
         first, lines = self._outputs.recent(request.module, request.first, most)
         room, taken = _MOST_TEXT, 0

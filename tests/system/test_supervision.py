@@ -152,7 +152,7 @@ def test_module_that_crashes_at_every_start_is_reported_without_a_storm(start: S
 def test_module_that_hangs_is_started_anew(start: Start) -> None:
     robot = start(module("one", "hang", keep_alive_s=2.0))
     robot.until(lambda: robot.modules["one"].starts >= 2)
-    assert "hangs: silent for 2 s" in robot.log.read_text()
+    assert "hung: silent for 2 s" in robot.log.read_text()
 
 
 def test_module_that_is_deaf_is_killed(start: Start) -> None:
@@ -287,8 +287,17 @@ def test_commands_for_people(start: Start) -> None:
     assert run(robot, "start", "one").stdout == "one is started\n"
     robot.until(lambda: robot.phase("one") is ModulePhase.RUNNING)
     assert "INFO ready" in run(robot, "logs", "one").stdout
-    nobody = run(robot, "stop", "two")
-    assert (nobody.returncode, "this robot has one" in nobody.stderr) == (2, True)
+    assert len(run(robot, "modules").stdout.splitlines()) == 2, "of one that runs nothing is told"
+    for command in ("stop", "logs"):
+        nobody = run(robot, command, "ome")
+        assert "this robot has one; did you mean 'one'?" in nobody.stderr
+        assert nobody.returncode == 2
+    starts = robot.modules["one"].starts
+    os.kill(robot.modules["one"].pid, signal.SIGKILL)
+    robot.until(lambda: robot.modules["one"].starts > starts)
+    robot.until(lambda: robot.phase("one") is ModulePhase.RUNNING)
+    said = "one runs again; it was ended by signal 9"
+    assert run(robot, "modules").stdout.splitlines()[2:] == [said]
     assert run(robot, "stop", "one").returncode == 0
     robot.until(lambda: robot.phase("one") is ModulePhase.STOPPED)
 

@@ -87,6 +87,35 @@ def test_module_that_ran_for_a_while_is_started_again_at_once_each_time() -> Non
     assert max(pauses) < 2 * STEP_S
 
 
+@pytest.mark.parametrize("keep_alive_s", [0.0, 5.0])
+def test_module_that_runs_again_says_what_ended_it_until_a_person_starts_it(
+    keep_alive_s: float,
+) -> None:
+    world = World(spec("one", keep_alive_s=keep_alive_s))
+    world.run(1.0)
+    assert world["one"].why == ""
+    world.processes["one"].crash_at = world.now
+    world.run(1.0)
+    assert world["one"].phase is ModulePhase.RUNNING
+    assert world["one"].why == "runs again; it ended with exit code 1"
+    world.order("one", ModuleOrder.RESTART)
+    world.run(2.0)
+    assert world["one"].phase is ModulePhase.RUNNING
+    assert world["one"].why == ""
+
+
+def test_module_that_was_not_wanted_meanwhile_does_not_run_again() -> None:
+    world = World(demand("one", "A", linger_s=0.0))
+    world.run(1.0, wants="A")
+    world.processes["one"].crash_at = world.now
+    world.run(1.0, wants="A")
+    assert "exit code 1" in world["one"].why
+    world.run(10.0)
+    world.run(1.0, wants="A")
+    assert world["one"].phase is ModulePhase.RUNNING
+    assert world["one"].why == ""
+
+
 def test_rare_crashes_are_forgotten() -> None:
     world = World(spec("frail", restart_limit=1, restart_window_s=10.0))
     world.behave = ways(crash_at=11.0)
@@ -106,6 +135,7 @@ def test_hanging_module_is_terminated_and_killed_and_started_again() -> None:
     hung, killed = world.log[1][0], world.log[2][0]
     assert hung - world.log[0][0] == pytest.approx(7.0, abs=0.2)
     assert killed - hung == pytest.approx(0.5, abs=2 * STEP_S)
+    assert world["stuck"].why == "runs again; it hung: silent for 2 s"
 
 
 def test_module_that_never_announces_itself_is_ended() -> None:
@@ -150,7 +180,7 @@ def test_memory_beyond_the_limit_starts_it_anew() -> None:
         world.supervisor.used("leaky", 150.0, world.now)
     assert world["leaky"].phase is ModulePhase.RUNNING, "not for a moment's need"
     world.supervisor.used("leaky", 150.0, world.now)
-    assert world["leaky"].why == "takes 150 MB and may take 100"
+    assert world["leaky"].why == "took 150 MB and may take 100"
     world.run(2.0)
     assert len(world.starts("leaky")) == 2
     assert world["leaky"].phase is ModulePhase.RUNNING
@@ -237,10 +267,10 @@ def test_last_words_of_an_earlier_process_are_not_taken_for_the_new_one() -> Non
 
 
 def test_orders_are_answered_in_words() -> None:
-    world = World(spec("a"), spec("b"))
-    done, text = world.order("c", ModuleOrder.STOP)
+    world = World(spec("driver"), spec("vision"))
+    done, text = world.order("driwer", ModuleOrder.STOP)
     assert not done
-    assert "this robot has a, b" in text
+    assert text.endswith("this robot has driver, vision; did you mean 'driver'?")
 
 
 def test_a_start_that_has_to_wait_says_for_what() -> None:
@@ -316,7 +346,7 @@ def test_module_that_cannot_be_started_is_tried_with_pauses() -> None:
         for life, deed in supervisor.step(now):
             assert deed is Deed.START
             tries.append(now)
-            life.not_started("cannot be started", now)
+            life.not_started("could not be started", now)
     pauses = [later - earlier for earlier, later in itertools.pairwise(tries)]
     assert pauses == pytest.approx([STEP_S, 0.2, 0.4, 0.8, 1.6], abs=1.5 * STEP_S)
     assert supervisor.lives["one"].phase is ModulePhase.FAILED
