@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 import os
+import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -122,7 +123,11 @@ def rate(client: Client, name: str, *, seconds: float, as_json: bool) -> int:
 def send(
     client: Client, name: str, assignments: Sequence[str], *, rate_hz: float, zero_first: bool
 ) -> int:
-    """Publish one message, or at `rate_hz` until Ctrl-C; if wanted, one of zeros before."""
+    """Publish one message, or at `rate_hz` until Ctrl-C; if wanted, one of zeros before.
+
+    Returns:
+        The exit code: 1 if nobody listens.
+    """
     definition = find(client, name)
     value = values.value_from_text(definition, assignments)
     client.define(definition)
@@ -133,11 +138,15 @@ def send(
         _serve_for(client, _BETWEEN_S)
     client.publish(definition, value)
     client.wait_published(_ANSWER_S)
+    heard = client.has_subscribers(definition)
+    if not heard:
+        text = "`rune-hub modules` shows which modules run, `rune-hub start` starts one"
+        sys.stderr.write(f"rune-hub: nobody listens to {name} at {client.endpoint}; {text}\n")
     if rate_hz > 0:
         client.every(1.0 / rate_hz, lambda: client.publish(definition, value))
         while True:
             client.listen(0.2)
-    return 0
+    return 0 if heard else 1
 
 
 def query(

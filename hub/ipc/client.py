@@ -212,6 +212,10 @@ class Client:
         """Broadcast a payload that is encoded already; who receives it checks it."""
         self._outlet(definition).publish_payload([payload], measured)
 
+    def has_subscribers(self, definition: MessageDefinition[Any]) -> bool:
+        """Whether anybody subscribes to what we publish; known after `wait_published`."""
+        return self._outlet(definition).wanted
+
     def subscribe(
         self,
         definition: MessageDefinition[T],

@@ -124,6 +124,11 @@ class Outlet:
         """Whether messages wait until the way is open."""
         return bool(self._held)
 
+    @property
+    def wanted(self) -> bool:
+        """Whether somebody subscribes, as far as the way is open."""
+        return any(self.takers) or self._ways.is_wanted(self.topic)
+
     def publish(self, value: Any, measured: float | None) -> None:
         """Send to all who subscribe.
 

@@ -284,6 +284,10 @@ def test_commands_for_people(start: Start) -> None:
     assert wanted.returncode == 1
     asking = run(robot, "query", "GCM_Map_Request")
     assert (asking.returncode, "`rune-hub modules` shows" in asking.stderr) == (3, True)
+    sent = run(robot, "send", "GCM_Night_Command", "on=1")
+    assert (sent.returncode, "nobody listens to GCM_Night_Command" in sent.stderr) == (1, True)
+    heard = run(robot, "send", "GCM_Common_Command", "module=nobody", "command=START")
+    assert (heard.returncode, heard.stderr) == (0, "")
     assert run(robot, "start", "one").stdout == "one is started\n"
     robot.until(lambda: robot.phase("one") is ModulePhase.RUNNING)
     assert "INFO ready" in run(robot, "logs", "one").stdout

@@ -16,7 +16,7 @@ from hub.ipc.chores import Timers
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from tests.hub.ipc import vocabulary as v
-from tests.hub.ipc.conftest import Peer
+from tests.hub.ipc.conftest import Make, Peer
 from tests.hub.ipc.vocabulary import Number
 from tests.waiting import until
 
@@ -346,3 +346,18 @@ def test_reception_is_a_frozen_value(connect: Connect) -> None:
     one.publish_until(v.LOG, received)
     with pytest.raises(AttributeError):
         received[0][1].age = 0.0
+
+
+@pytest.mark.parametrize("near", [True, False])
+@pytest.mark.parametrize("other_near", [True, False])
+def test_publisher_knows_whether_anybody_subscribes(
+    make: Make, *, near: bool, other_near: bool
+) -> None:
+    one, other = make("one", near=near), make("other", near=other_near)
+    other.collect(v.LOG)
+    other.stands()
+    one.open(v.LOG, v.EVENT)
+    assert one.call(lambda: one.client.has_subscribers(v.LOG))
+    assert not one.call(lambda: one.client.has_subscribers(v.EVENT))
+    other.close()
+    until(lambda: not one.call(lambda: one.client.has_subscribers(v.LOG)), 5.0)
