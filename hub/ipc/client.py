@@ -235,7 +235,7 @@ class Client:
             priority: Messages of higher priority are handed on first; default 0.
             last: Also ask for the last value that was published before.
         """
-        self.define(definition)
+        self._prepare(definition)
         self._inlets.subscribe(definition, handler, queue=queue, priority=priority)
         if last:
             self._questions.ask_last(definition.name, _LAST_S, self._inlets.accept)
@@ -244,7 +244,7 @@ class Client:
         self, definition: MessageDefinition[Any], handler: Callable[[memoryview, Reception], None]
     ) -> None:
         """As `subscribe`, but `handler` gets the payload as it came: to record or forward it."""
-        self.define(definition)
+        self._prepare(definition)
         self._inlets.subscribe(definition, handler, raw=True)
 
     def unsubscribe(
@@ -367,8 +367,13 @@ class Client:
         if self._own_loop:
             self.loop.close()
 
-    def _outlet(self, definition: MessageDefinition[Any]) -> Outlet:
+    def _prepare(self, definition: MessageDefinition[Any]) -> None:
+        """Get ready to broadcast a message or to receive it."""
         self.define(definition)
+        self._session.enter_planes()
+
+    def _outlet(self, definition: MessageDefinition[Any]) -> Outlet:
+        self._prepare(definition)
         outlet = self._ready_outlets[definition] = self._outlets.of(definition)
         return outlet
 

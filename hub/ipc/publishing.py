@@ -23,6 +23,7 @@ from hub.ipc.complaints import Complaints
 from hub.ipc.connection import Connection
 from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.deliveries import Deliveries, Take
+from hub.ipc.handshakes import Handshakes
 from hub.ipc.loop import Loop
 from hub.ipc.outlet import BATCH_S, Batch, Outlet
 from hub.ipc.security import Action, demand
@@ -54,7 +55,9 @@ class Outlets:
         loop: Loop,
         connection: Connection,
         complaints: Complaints,
+        handshakes: Handshakes,
     ) -> None:
+        self._handshakes = handshakes
         self.connection = connection
         self.clock = loop.clock
         self.complaints = complaints
@@ -70,6 +73,11 @@ class Outlets:
         self._marks: dict[bytes, set[str]] = {}
         self._outlets: dict[str, Outlet] = {}
         self._courier = _Courier(self.batch, self.flush)
+
+    @property
+    def used(self) -> bool:
+        """Whether anything is published."""
+        return bool(self._outlets)
 
     @property
     def pending(self) -> bool:
@@ -100,13 +108,13 @@ class Outlets:
         return outlet
 
     def connect(self, addresses: Sequence[str], *, near: bool) -> None:
-        """Connect to a central that does not know us: where each plane goes in."""
-        self.disconnect()
+        """Connect where each plane goes in, at a central that does not know us."""
         self.near = near
         for plane, address in zip(sockets.PLANES, addresses, strict=True):
             if not self.connection.may_publish(plane):
                 continue
             socket = sockets.make_plane(self._context, zmq.XPUB, plane, self.connection.keys)
+            self._handshakes.begin(socket)
             sockets.connect(socket, address)
             self._sockets[plane] = socket
             self._sends[plane] = sockets.sender(socket)
@@ -132,6 +140,7 @@ class Outlets:
             self.batch.count = 0
             self._deliveries.close(linger_ms)
             for socket in self._sockets.values():
+                self._handshakes.end(socket)
                 socket.close(linger_ms)
             self._sockets.clear()
             self._sends.clear()

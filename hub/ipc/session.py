@@ -13,6 +13,7 @@ from hub.ipc.connection import LOST_S, Connection
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.direct import DirectDoor, DirectWay
 from hub.ipc.directory import Directory
+from hub.ipc.handshakes import Handshakes
 from hub.ipc.keys import ClientKeys
 from hub.ipc.loop import Loop
 from hub.ipc.publishing import Outlets
@@ -22,6 +23,8 @@ from hub.ipc.subscribing import Inlets
 
 _CHECK_S = 1.0
 _REPORT_ENTRIES = 1000
+_HANDSHAKE_S = 0.5
+"""How long who leaves waits for handshakes that are under way [s]."""
 
 
 class Session:
@@ -68,13 +71,15 @@ class Session:
             keys=keys,
             near=near,
         )
-        self.outlets = Outlets(context, loop, self.connection, complaints)
-        self.inlets = Inlets(context, loop, self.connection, complaints)
+        self._handshakes = Handshakes()
+        self.outlets = Outlets(context, loop, self.connection, complaints, self._handshakes)
+        self.inlets = Inlets(context, loop, self.connection, complaints, self._handshakes)
         self.questions = Questions(self.connection, self._clock)
         self.answers = Answers(name, self.connection, self.pack, self.outlets.last, self._clock)
         self._context = context
         self._loop = loop
         self._door: DirectDoor | None = None
+        self._way_in: tuple[list[str], bool, bool] | None = None
 
     @property
     def defined(self) -> bool:
@@ -134,8 +139,10 @@ class Session:
             if message.near:
                 # Neighbours connect to us, and ZeroMQ ends a process that has no descriptor left.
                 descriptors.allow_many()
-            self.outlets.connect(addresses[0::2], near=message.near)
-            self.inlets.connect(addresses[1::2], near=message.near, same_run=same_run)
+            self._leave_planes()
+            self._way_in = (addresses, message.near, same_run)
+            if self.outlets.used or self.inlets.used:
+                self.enter_planes()
             self._open_door(near=message.near)
         for definition in self._definitions.values():
             self.connection.tell(description.to_listing(definition))
@@ -146,16 +153,35 @@ class Session:
             if self.directory is not None:
                 self.directory.ask_again()
 
+    def enter_planes(self) -> None:
+        """Connect to where broadcasts go in and come out, unless we have.
+
+        Not before something is published or subscribed to: who only asks needs no broadcasts, and
+        would often leave in the middle of these handshakes.
+        """
+        if self._way_in is not None:
+            addresses, near, same_run = self._way_in
+            self._way_in = None
+            self.outlets.connect(addresses[0::2], near=near)
+            self.inlets.connect(addresses[1::2], near=near, same_run=same_run)
+
+    def _leave_planes(self) -> None:
+        self._way_in = None
+        self.outlets.disconnect()
+        self.inlets.disconnect()
+
     def lost(self, why: str) -> None:
         """Central is gone; nothing may wait for it, because it would be old when it comes."""
         self._confirmed.clear()
-        self.outlets.disconnect()
-        self.inlets.disconnect()
+        self._leave_planes()
         self._close_ways()
         self.questions.end_all(why)
 
     def close(self) -> None:
         """Free everything."""
+        self._way_in = None
+        if self.connection.publisher:
+            self._handshakes.wait(_HANDSHAKE_S)
         self._close_ways()
         self._open_door(near=False)
         self.outlets.close()
@@ -235,6 +261,7 @@ class Session:
     def _check(self, now: float) -> None:
         """What is to be done every second or so."""
         self._next_check = now + _CHECK_S
+        self._handshakes.look()
         self.outlets.check()
         received = self.inlets.reports()[:_REPORT_ENTRIES]
         published = self.outlets.reports()[:_REPORT_ENTRIES]

@@ -13,6 +13,7 @@ from hub.ipc.arrivals import Arrivals
 from hub.ipc.complaints import Complaints
 from hub.ipc.connection import Connection
 from hub.ipc.definition import MessageDefinition, Plane
+from hub.ipc.handshakes import Handshakes
 from hub.ipc.inbox import Inbox
 from hub.ipc.inlet import Handler, Inlet
 from hub.ipc.loop import Loop
@@ -31,7 +32,9 @@ class Inlets:
         loop: Loop,
         connection: Connection,
         complaints: Complaints,
+        handshakes: Handshakes,
     ) -> None:
+        self._handshakes = handshakes
         self._context = context
         self._loop = loop
         self._connection = connection
@@ -52,13 +55,17 @@ class Inlets:
         self._where: dict[Plane, str] = {}
 
     @property
+    def used(self) -> bool:
+        """Whether anything is subscribed to."""
+        return bool(self._inlets)
+
+    @property
     def standing(self) -> bool:
         """Whether every subscription has reached everybody who publishes its message."""
-        return bool(self._sockets) and not self._under_way
+        return not self._under_way
 
     def connect(self, addresses: Sequence[str], *, near: bool, same_run: bool) -> None:
-        """Connect to a central that does not know us: where each plane comes out."""
-        self.disconnect()
+        """Connect where each plane comes out, at a central that does not know us."""
         self._near = near
         self._where = dict(zip(sockets.PLANES, addresses, strict=True))
         # Commands first: they must not wait behind a burst of states.
@@ -80,6 +87,7 @@ class Inlets:
 
     def _connect(self, plane: Plane) -> None:
         socket = sockets.make_plane(self._context, zmq.SUB, plane, self._connection.keys)
+        self._handshakes.begin(socket)
         sockets.connect(socket, self._where[plane])
         self._sockets[plane] = socket
         self._files[plane] = self._loop.register(
@@ -102,7 +110,9 @@ class Inlets:
 
     def _disconnect(self, plane: Plane) -> None:
         self._loop.unregister(self._files[plane])
-        self._sockets.pop(plane).close(0)
+        socket = self._sockets.pop(plane)
+        self._handshakes.end(socket)
+        socket.close(0)
         inbox = self._inboxes.pop(plane, None)
         if inbox is not None:
             inbox.close()

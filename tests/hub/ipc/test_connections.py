@@ -7,6 +7,7 @@ import os
 import socket
 import threading
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 import psutil
@@ -263,6 +264,25 @@ def test_close_leaves_no_threads_files_or_ports(lasting_endpoint: str, tmp_path:
     assert {thread.ident for thread in threading.enumerate()} == threads
     assert psutil.Process().num_fds() == descriptors
     assert [path for path in tmp_path.iterdir() if "central" in path.name] == []
+
+
+@pytest.mark.parametrize("publishes", [False, True])
+def test_client_that_leaves_at_once_is_not_taken_for_a_stranger(
+    central: Central, *, publishes: bool
+) -> None:
+    for number in range(30):
+        with closing(Client(f"brief{number}", central.endpoints[0])) as brief:
+            brief.wait_connected(5.0)
+            if publishes:
+                brief.publish(v.COMMAND, Number(value=number))
+    # What central hears of each place it hears in order, so a stranger's end comes last.
+    door = central._doors[0]
+    for port, path in zip(door.ports, door.paths, strict=True):
+        with socket.socket(socket.AF_INET if port else socket.AF_UNIX) as stranger:
+            stranger.connect(("127.0.0.1", port) if port else path)
+    counts = central.complaints.counts
+    until(lambda: len(counts) == len(door.ports), 5.0, lambda: f"{counts}")
+    assert set(counts.values()) == {1}, counts
 
 
 def test_closing_twice_and_posting_afterwards_is_harmless(central: Central) -> None:
