@@ -264,7 +264,8 @@ class ConsoleProcess:
 
 def _surroundings() -> dict[str, str]:
     """This process's environment, but for what it says of its own terminal."""
-    return {name: value for name, value in os.environ.items() if name != "NO_COLOR"}
+    own = ("NO_COLOR", "COLUMNS", "LINES")
+    return {name: value for name, value in os.environ.items() if name not in own}
 
 
 def gone(processes: Sequence[psutil.Process]) -> bool:
