@@ -19,9 +19,8 @@ import numpy.typing as npt
 from hub.grids.grid import Grid
 from hub.grids.planner import plan
 from hub.modules.navigation.dynamic_window import Body, DynamicWindow
-from hub.modules.navigation.poses import Pose
 from hub.modules.navigation.route import Route
-from hub.sim import geometry
+from hub.plane import Pose
 from hub.sim.kinematics import ANGULAR, LINEAR, approach, moved
 
 Floats = npt.NDArray[np.float64]
@@ -88,7 +87,7 @@ def load() -> tuple[list[World], dict[str, Any]]:
 
 def drive(world: World, choose: Chooser, body_radius: float = BODY.radius) -> Outcome:
     """Drive until the end; wheels follow as those of the simulated Magellan do."""
-    pose = geometry.Pose(x=world.start.x, y=world.start.y, theta=world.start.theta)
+    pose = world.start
     linear = angular = now = 0.0
     cycles = []
     while now < TIMEOUT:
@@ -97,7 +96,7 @@ def drive(world: World, choose: Chooser, body_radius: float = BODY.radius) -> Ou
         away = np.hypot(*(world.cylinders - (pose.x, pose.y)).T)
         seen = world.cylinders[away < SIGHT]
         begun = time.perf_counter()
-        wanted = choose(Pose(x=pose.x, y=pose.y, theta=pose.theta), (linear, angular), seen)
+        wanted = choose(pose, (linear, angular), seen)
         cycles.append((time.perf_counter() - begun) * 1e3)
         for _ in range(STEPS):
             step = PERIOD / STEPS
@@ -128,10 +127,9 @@ def ours(world: World, *, with_plan: bool) -> Chooser:
 def rims(pose: Pose, seen: Floats, world: World) -> tuple[Floats, Floats]:
     """Points on the sides of the cylinders that look to the robot, in its frame [m]."""
     bearing = np.arctan2(pose.y - seen[:, 1], pose.x - seen[:, 0])[:, None] + _RIM
-    x = (seen[:, :1] + world.radius * np.cos(bearing)).reshape(-1) - pose.x
-    y = (seen[:, 1:] + world.radius * np.sin(bearing)).reshape(-1) - pose.y
-    cosine, sine = math.cos(pose.theta), math.sin(pose.theta)
-    return x * cosine + y * sine, y * cosine - x * sine
+    x = (seen[:, :1] + world.radius * np.cos(bearing)).reshape(-1)
+    y = (seen[:, 1:] + world.radius * np.sin(bearing)).reshape(-1)
+    return pose.inward(x, y)
 
 
 def grid_of(world: World) -> Grid:

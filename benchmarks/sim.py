@@ -2,33 +2,20 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from benchmarks.figures import median_ms, report
 from hub.robots.magellan import SimulatedCamera
-from hub.sim.arena import BODY_RADIUS, Arena, load_arena
-from hub.sim.geometry import Pose
+from hub.sim.arena import load_arena
 from hub.sim.range_sensors import RangeSensors
+from tests.hub.sim.arenas import free_poses
 
 POSES = 200
 
 
-def free_poses(arena: Arena, count: int) -> list[Pose]:
-    """Poses at which the robot touches nothing, the same in every run."""
-    random = np.random.default_rng(2003)
-    poses: list[Pose] = []
-    while len(poses) < count:
-        x, y, theta = random.uniform((0.0, 0.0, -math.pi), (10.0, 10.0, math.pi)).tolist()
-        if arena.footprints.distances(x, y).min() > BODY_RADIUS:
-            poses.append(Pose(x=x, y=y, theta=theta))
-    return poses
-
-
 def main() -> None:
     arena = load_arena("yellow")
-    poses = free_poses(arena, POSES)
+    poses = free_poses(arena, POSES, 2003, 0.0, 10.0)
     camera = SimulatedCamera(arena)
     note = f"median over {POSES} poses, {len(arena.boxes)} boxes, one core"
     for width, height, bar in ((160, 120, 6.0), (320, 240, 20.0)):

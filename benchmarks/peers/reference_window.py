@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.barn import BODY, Velocity, World
-from hub.modules.navigation.poses import Pose
+from hub.plane import Pose
 
 Floats = npt.NDArray[np.float64]
 

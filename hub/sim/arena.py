@@ -11,10 +11,11 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.errors import ArenaError
+from hub.plane import Pose
 from hub.sim.arena_file import read_arena_file
 from hub.sim.arena_specs import ArenaSpec
 from hub.sim.building import build
-from hub.sim.geometry import Box, Colour, Cylinder, Pose, Side, Surface
+from hub.sim.geometry import Box, Colour, Cylinder, Side, Surface
 
 SHIPPED = Path(__file__).parent / "arenas"
 """Where the arenas that come with the hub lie."""

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from hub.plane import Pose
 from hub.sim.arena import BODY_RADIUS, Footprints
-from hub.sim.geometry import Pose
 
 TOUCH = 1e-3
 """A bumper is pressed when something is this near [m]."""

@@ -6,7 +6,6 @@ Arena frame: x east, y north, z up [m]; angles counter-clockwise from x [rad].
 from __future__ import annotations
 
 import enum
-import math
 from dataclasses import dataclass
 
 Colour = tuple[int, int, int]
@@ -85,24 +84,3 @@ class Cylinder:
     low: float
     high: float
     surface: Surface
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Pose:
-    """A place and a heading in the plane.
-
-    Attributes:
-        x: Position [m].
-        y: Position [m].
-        theta: Heading [rad], counter-clockwise from x.
-    """
-
-    x: float
-    y: float
-    theta: float
-
-
-def wrap_angle(angle: float) -> float:
-    """The same direction in (-pi, pi] [rad]."""
-    wrapped = math.remainder(angle, 2.0 * math.pi)
-    return math.pi if wrapped <= -math.pi else wrapped

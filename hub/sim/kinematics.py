@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from hub.sim.geometry import Pose, wrap_angle
+from hub.plane import Pose, wrapped
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,5 +52,5 @@ def moved(pose: Pose, distance: float, turn: float) -> Pose:
     return Pose(
         x=pose.x + chord * math.cos(pose.theta + half),
         y=pose.y + chord * math.sin(pose.theta + half),
-        theta=wrap_angle(pose.theta + turn),
+        theta=wrapped(pose.theta + turn),
     )

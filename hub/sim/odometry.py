@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hub.sim.geometry import Pose, wrap_angle
+from hub.plane import Pose, wrapped
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,5 +77,5 @@ class Odometry:
         self.pose = Pose(
             x=self.pose.x + driven * math.cos(heading),
             y=self.pose.y + driven * math.sin(heading),
-            theta=wrap_angle(heading + second_turn),
+            theta=wrapped(heading + second_turn),
         )

@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.gcm.navigation import SENSOR_COUNT
+from hub.plane import Pose
 from hub.sim.arena import BODY_RADIUS, Footprints
-from hub.sim.geometry import Pose
 
 Floats = npt.NDArray[np.float64]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
 from contextlib import ExitStack, closing
@@ -87,9 +86,7 @@ def mapped_share(arena: Arena, grid: Grid) -> float:
     """How much of the ground that the robot can stand on is known in a map, 0 to 1."""
     places = np.argwhere(_standable(arena)) * RESOLUTION + RESOLUTION / 2.0
     # The map's origin is where the robot started, its x axis where it looked then.
-    away = places[:, ::-1] - (arena.start.x, arena.start.y)
-    cos, sin = math.cos(arena.start.theta), math.sin(arena.start.theta)
-    x, y = away[:, 0] * cos + away[:, 1] * sin, away[:, 1] * cos - away[:, 0] * sin
+    x, y = arena.start.inward(places[:, 1], places[:, 0])
     rows = np.floor((y - grid.origin_y) / grid.resolution).astype(int)
     columns = np.floor((x - grid.origin_x) / grid.resolution).astype(int)
     inside = (rows >= 0) & (rows < grid.height_cells) & (columns >= 0)

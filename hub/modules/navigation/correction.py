@@ -12,7 +12,7 @@ import math
 from dataclasses import dataclass
 
 from hub.gcm.navigation import LandmarkCorrection
-from hub.modules.navigation.poses import Pose, wrapped
+from hub.plane import Pose, wrapped
 
 LEAST_APART = 1.0
 """Landmarks nearer to each other than this [m] say too little about the heading."""
@@ -55,7 +55,7 @@ class PoseCorrection:
 
     def shift(self, thought: Pose, real: Pose) -> None:
         """The robot, thought to be at one pose in `map`, is really at another."""
-        self.odom = real.then(_seen_from(thought, self.odom))
+        self.odom = real.then(self.odom.seen_from(thought))
 
     def correct(self, landmark: LandmarkCorrection, robot: Pose, now: float) -> str:
         """Correct by a landmark that is seen now.
@@ -100,12 +100,6 @@ class PoseCorrection:
         should_be = math.atan2(known_y, known_x)
         turn = wrapped(should_be - math.atan2(seen_y, seen_x) - self.odom.theta)
         return turn if abs(turn) <= LARGEST_TURN else None
-
-
-def _seen_from(pose: Pose, other: Pose) -> Pose:
-    """Another pose of the same frame in the frame of this one."""
-    x, y = pose.inward(other.x, other.y)
-    return Pose(x=x, y=y, theta=wrapped(other.theta - pose.theta))
 
 
 def _plausible(landmark: LandmarkCorrection) -> bool:

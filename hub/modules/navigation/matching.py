@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from hub.grids.clearance import clearance
 from hub.grids.grid import Grid
-from hub.modules.navigation.poses import Pose
+from hub.plane import Pose
 
 FEWEST = 40
 """So many points it takes."""
@@ -62,11 +62,9 @@ def drift(grid: Grid, x: Floats, y: Floats, robot: Pose) -> Pose | None:
     best, found = -math.inf, Pose()
     shift_y, shift_x = (part.ravel() for part in np.meshgrid(_SHIFTS, _SHIFTS, indexing="ij"))
     far = (shift_x**2 + shift_y**2) / _LIKELY_SHIFT**2
+    along, aside = x - robot.x, y - robot.y
     for turn in _TURNS.tolist():
-        cosine, sine = math.cos(turn), math.sin(turn)
-        along, aside = x - robot.x, y - robot.y
-        turned_x = robot.x + along * cosine - aside * sine
-        turned_y = robot.y + along * sine + aside * cosine
+        turned_x, turned_y = Pose(x=robot.x, y=robot.y, theta=turn).outward(along, aside)
         rows, columns = _cells(grid, turned_x + shift_x[:, None], turned_y + shift_y[:, None])
         score = fits[rows, columns].mean(axis=1)
         score -= _UNLIKELY * (far + (turn / _LIKELY_TURN) ** 2)

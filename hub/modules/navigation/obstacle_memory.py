@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.gcm.navigation import SENSOR_COUNT
+from hub.plane import Pose, each_wrapped, wrapped
 
 Floats = npt.NDArray[np.float64]
 
@@ -144,12 +145,10 @@ class ObstacleMemory:
         """
         held = np.flatnonzero(self._until > self._time)
         guessed = np.flatnonzero(self._guessed_until > self._time)
-        to_x = np.concatenate((self._x[held], self._guessed_x[guessed])) - x
-        to_y = np.concatenate((self._y[held], self._guessed_y[guessed])) - y
-        near = to_x * to_x + to_y * to_y <= reach * reach
-        to_x, to_y = to_x[near], to_y[near]
-        cosine, sine = math.cos(theta), math.sin(theta)
-        return to_x * cosine + to_y * sine, to_y * cosine - to_x * sine
+        all_x = np.concatenate((self._x[held], self._guessed_x[guessed]))
+        all_y = np.concatenate((self._y[held], self._guessed_y[guessed]))
+        near = np.square(all_x - x) + np.square(all_y - y) <= reach * reach
+        return Pose(x=x, y=y, theta=theta).inward(all_x[near], all_y[near])
 
     def forget(self) -> None:
         """Begin anew."""
@@ -184,7 +183,7 @@ class ObstacleMemory:
         unexplained = np.flatnonzero(blind & ~near)
         if len(unexplained):
             x, y = self.points(scan.x, scan.y, scan.theta, self._radius + _BLIND + 0.02)
-            off = np.abs(wrapped(np.arctan2(y, x) - _AXES[unexplained][:, None]))
+            off = np.abs(each_wrapped(np.arctan2(y, x) - _AXES[unexplained][:, None]))
             known = (off < _EXPLAINS).any(axis=1) if len(x) else np.zeros(len(unexplained), bool)
             at = unexplained[~known]
             self._guess(
@@ -214,7 +213,7 @@ class ObstacleMemory:
         if self._last is not None:
             before, then = self._last
             way = math.hypot(scan.x - before.x, scan.y - before.y) / _MOVING
-            turn = abs(math.remainder(scan.theta - before.theta, 2.0 * math.pi)) / _TURNING
+            turn = abs(wrapped(scan.theta - before.theta)) / _TURNING
             passed = max(now - then, 0.0)
             self._time += min(passed, _STANDING * passed + way + turn)
         self._last = scan, now
@@ -249,15 +248,9 @@ def _elsewhere(scan: Scan, now: float, before: Scan, then: float) -> bool:
     """Whether a look from here, or now, says something that the look before did not."""
     return (
         math.hypot(scan.x - before.x, scan.y - before.y) > 0.01
-        or abs(math.remainder(scan.theta - before.theta, 2.0 * math.pi)) > 0.02
+        or abs(wrapped(scan.theta - before.theta)) > 0.02
         or now - then > 1.0
     )
-
-
-def wrapped(angles: Floats) -> Floats:
-    """The same directions within [-pi, pi) [rad]."""
-    around: Floats = (angles + math.pi) % (2.0 * math.pi) - math.pi
-    return around
 
 
 def _cells(x: Floats, y: Floats) -> npt.NDArray[np.int64]:

@@ -26,9 +26,9 @@ from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.dynamic_window import Body, DynamicWindow
 from hub.modules.navigation.hindrances import Hindrances
 from hub.modules.navigation.matching import Sightings, drift
-from hub.modules.navigation.obstacle_memory import ObstacleMemory, Scan, wrapped
-from hub.modules.navigation.poses import Pose
+from hub.modules.navigation.obstacle_memory import ObstacleMemory, Scan
 from hub.modules.navigation.task import LARGEST_TURN, Aim, Errand, refusal
+from hub.plane import Pose, each_wrapped
 
 REACH = 0.7
 """Obstacles farther away than this [m] do not matter to an operator's velocity."""
@@ -202,11 +202,9 @@ class Pilot:
         if not self._hindrances.held(still=still, now=now) or self._map is None:
             return
         x, y = self._obstacles.points(*_odom(drive), HINDERS)
-        ahead = np.abs(wrapped(np.arctan2(y, x) - bearing)) < HINDERS_ASIDE
-        x, y = x[ahead], y[ahead]
+        ahead = np.abs(each_wrapped(np.arctan2(y, x) - bearing)) < HINDERS_ASIDE
         here = self.pose
-        cosine, sine = math.cos(here.theta), math.sin(here.theta)
-        self._hindrances.note(here.x + x * cosine - y * sine, here.y + x * sine + y * cosine, now)
+        self._hindrances.note(*here.outward(x[ahead], y[ahead]), now)
         self._plan(now)
         self.errand.goes_round(here, now)
 
@@ -215,11 +213,8 @@ class Pilot:
         x, y = self._sightings.taken()
         if self._seen_on is None or self._drive is None or now - self._seen_at > SEEN_S:
             return
-        odom = self.correction.odom
-        cosine, sine = math.cos(odom.theta), math.sin(odom.theta)
-        x, y = odom.x + x * cosine - y * sine, odom.y + x * sine + y * cosine
         here = self.pose
-        moved = drift(self._seen_on, x, y, here)
+        moved = drift(self._seen_on, *self.correction.odom.outward(x, y), here)
         if moved is not None:
             there = Pose(x=here.x + moved.x, y=here.y + moved.y, theta=here.theta + moved.theta)
             self.correction.shift(here, there)

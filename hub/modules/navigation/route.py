@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from itertools import pairwise
 
-from hub.modules.navigation.poses import Pose
+from hub.plane import Pose
 
 Way = tuple[tuple[float, float], ...]
 

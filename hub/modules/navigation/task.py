@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from hub.gcm.navigation import GoalCommand, Task, TurnCommand
-from hub.modules.navigation.poses import Pose, wrapped
 from hub.modules.navigation.route import CARROT, OFF, Route, Way
+from hub.plane import Pose, wrapped
 
 REACHED = 0.1
 """A point counts as reached from so far off [m]."""

@@ -7,6 +7,7 @@ from collections import deque
 from dataclasses import dataclass
 
 from hub.gcm.navigation import RobotState
+from hub.plane import Pose, wrapped
 
 _KEPT_S = 5.0
 """Older poses are forgotten [s]; no picture takes that long."""
@@ -17,22 +18,8 @@ GAP_S = 1.0
 """Between two poses farther apart than this, the pose is not known [s]."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Place:
-    """A pose on the ground; all NaN where it is not known.
-
-    Attributes:
-        x: In `map` [m].
-        y: In `map` [m].
-        theta: Heading in `map` [rad].
-    """
-
-    x: float = math.nan
-    y: float = math.nan
-    theta: float = math.nan
-
-
-UNKNOWN = Place()
+UNKNOWN = Pose(x=math.nan, y=math.nan, theta=math.nan)
+"""What is told of a place that is not known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,8 +50,8 @@ class PoseHistory:
         while self._entries[0].measured < measured - _KEPT_S:
             self._entries.popleft()
 
-    def at(self, time: float) -> Place:
-        """Where the robot was at a time on the same clock [s]."""
+    def at(self, time: float) -> Pose:
+        """Where the robot was in `map` at a time on the same clock [s]; NaN: not known."""
         after = None
         for entry in reversed(self._entries):
             if entry.measured <= time:
@@ -73,32 +60,27 @@ class PoseHistory:
         return UNKNOWN
 
 
-def _carried_on(entry: _Entry, time: float) -> Place:
+def _carried_on(entry: _Entry, time: float) -> Pose:
     """Along the circle that its velocities make, as Thrun, Probabilistic Robotics, 5.3."""
     ahead = time - entry.measured
     if ahead > AHEAD_S:
         return UNKNOWN
     middle = entry.theta + entry.angular * ahead / 2.0
     # A chord, which for half a second of a wheeled robot is the arc to a millimetre.
-    return Place(
+    return Pose(
         x=entry.x + entry.linear * ahead * math.cos(middle),
         y=entry.y + entry.linear * ahead * math.sin(middle),
-        theta=_wrapped(entry.theta + entry.angular * ahead),
+        theta=wrapped(entry.theta + entry.angular * ahead),
     )
 
 
-def _between(before: _Entry, after: _Entry, time: float) -> Place:
+def _between(before: _Entry, after: _Entry, time: float) -> Pose:
     span = after.measured - before.measured
     if span > GAP_S:
         return UNKNOWN
     share = (time - before.measured) / span
-    return Place(
+    return Pose(
         x=before.x + (after.x - before.x) * share,
         y=before.y + (after.y - before.y) * share,
-        theta=_wrapped(before.theta + _wrapped(after.theta - before.theta) * share),
+        theta=wrapped(before.theta + wrapped(after.theta - before.theta) * share),
     )
-
-
-def _wrapped(angle: float) -> float:
-    """The same angle in (-pi, pi] [rad]."""
-    return -((math.pi - angle) % (2.0 * math.pi) - math.pi)

@@ -6,9 +6,9 @@ import tomllib
 
 import numpy as np
 
+from hub.plane import Pose
 from hub.sim.arena import BODY_RADIUS, Arena, arena_from_spec
 from hub.sim.arena_file import check_arena
-from hub.sim.geometry import Pose
 
 VOID = 'name = "void"\n[start]\nat = [0.0, 0.0]\n'
 

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hub.plane import Pose, wrapped
 from hub.robots.magellan import LONGEST_ADVANCE, STEP, SimulatedMagellan
 from hub.sim.arena import BODY_RADIUS, Arena, load_arena
 from hub.sim.battery import Battery
-from hub.sim.geometry import Pose, wrap_angle
 from hub.sim.kinematics import ANGULAR, LINEAR, approach, moved
 from tests.hub.sim.arenas import VOID, arena_of
 
@@ -133,13 +133,6 @@ def test_a_straight_way_and_a_circle_end_where_geometry_says() -> None:
     assert (half.x, half.y, abs(half.theta)) == pytest.approx((-1.0, 2.0, math.pi / 2))
 
 
-@given(angle=st.floats(-1e6, 1e6))
-def test_wrapped_angles_are_the_same_direction_within_one_turn(angle: float) -> None:
-    wrapped = wrap_angle(angle)
-    assert -math.pi < wrapped <= math.pi
-    assert math.cos(wrapped - angle) == pytest.approx(1.0)
-
-
 @pytest.mark.parametrize("bumper", range(16))
 def test_the_bumper_that_faces_the_wall_is_pressed(bumper: int) -> None:
     """The robot stands against a wall in the north, turned so that one bumper faces it."""
@@ -194,7 +187,7 @@ def test_odometry_drifts_but_not_without_bound(seed: int) -> None:
     error = math.hypot(state.x - truth.x, state.y - truth.y)
     # Slip and chance may nearly cancel out, but never quite.
     assert 0.0 < error < 0.25 * way
-    assert 0.0 < abs(wrap_angle(state.theta - truth.theta)) < 1.0
+    assert 0.0 < abs(wrapped(state.theta - truth.theta)) < 1.0
 
 
 def test_odometry_of_most_robots_is_off_by_more_than_a_hundredth_of_a_straight_way() -> None:

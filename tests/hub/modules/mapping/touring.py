@@ -13,9 +13,9 @@ from hub.gcm.navigation import DriveState, GroundTruth, MotionState, RobotState
 from hub.modules.mapping.evidence import SONAR
 from hub.modules.mapping.grid import OccupancyGrid
 from hub.modules.mapping.scans import ScanSelector
+from hub.plane import Pose, wrapped
 from hub.robots.magellan import SimulatedMagellan
 from hub.sim.arena import Arena, Footprints
-from hub.sim.geometry import Pose
 from hub.sim.range_sensors import first_hits
 
 Floats = npt.NDArray[np.float64]
@@ -47,7 +47,7 @@ def tour(robot: SimulatedMagellan, points: Sequence[tuple[float, float]]) -> Ite
             if left < 0.03:
                 break
             direction = math.atan2(goal_y - truth.y, goal_x - truth.x)
-            error = math.remainder(direction - truth.theta, 2.0 * math.pi)
+            error = wrapped(direction - truth.theta)
             if abs(error) > 0.25:
                 robot.set_velocity(0.0, math.copysign(min(0.7, 2.0 * abs(error) + 0.1), error))
             else:
@@ -59,9 +59,7 @@ def tour(robot: SimulatedMagellan, points: Sequence[tuple[float, float]]) -> Ite
 
 def from_start(truth: GroundTruth, start: Pose) -> Pose:
     """Where the robot is, seen from where it started: its true pose in `map`."""
-    x, y = truth.x - start.x, truth.y - start.y
-    cosine, sine = math.cos(start.theta), math.sin(start.theta)
-    return Pose(x=cosine * x + sine * y, y=cosine * y - sine * x, theta=truth.theta - start.theta)
+    return Pose(x=truth.x, y=truth.y, theta=truth.theta).seen_from(start)
 
 
 class PoseSource:
@@ -74,19 +72,15 @@ class PoseSource:
         self._start = start
         self._every = correct_every
         self._due = correct_every
-        self._transform = (0.0, 0.0, 0.0)
+        self._odom = Pose()
 
     def __call__(self, report: Report) -> Pose:
-        drive = report.drive
+        thought = Pose(x=report.drive.x, y=report.drive.y, theta=report.drive.theta)
         if report.time >= self._due:
             self._due += self._every
             true = from_start(report.truth, self._start)
-            turn = true.theta - drive.theta
-            x, y = _turned(drive.x, drive.y, turn)
-            self._transform = (true.x - x, true.y - y, turn)
-        move_x, move_y, turn = self._transform
-        x, y = _turned(drive.x, drive.y, turn)
-        return Pose(x=x + move_x, y=y + move_y, theta=drive.theta + turn)
+            self._odom = true.then(Pose().seen_from(thought))
+        return self._odom.then(thought)
 
 
 def true_pose(start: Pose) -> Callable[[Report], Pose]:
@@ -159,9 +153,7 @@ def score(grid: OccupancyGrid, arena: Arena, surfaces: Floats) -> Score:
     """
     rows, columns = np.nonzero(grid.log_odds >= OCCUPIED)
     cells = np.stack((columns, rows), axis=1) * grid.resolution + grid.low + grid.resolution / 2
-    cosine, sine = math.cos(arena.start.theta), math.sin(arena.start.theta)
-    turn = np.array(((cosine, sine), (-sine, cosine)))
-    cells = cells @ turn + (arena.start.x, arena.start.y)
+    cells = np.stack(arena.start.outward(cells[:, 0], cells[:, 1]), axis=1)
     errors = distances(arena.footprints, cells)
     gaps = np.concatenate(
         [
@@ -203,10 +195,3 @@ def surfaces_in_sight(
         points = origins[met] + rays[met] * away[met, None]
         found.update(map(tuple, np.rint(points / 0.05).astype(int).tolist()))
     return np.array(sorted(found), dtype=np.float64).reshape(-1, 2) * 0.05
-
-
-def _turned(x: float, y: float, angle: float) -> tuple[float, float]:
-    return (
-        x * math.cos(angle) - y * math.sin(angle),
-        x * math.sin(angle) + y * math.cos(angle),
-    )

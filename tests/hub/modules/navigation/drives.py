@@ -10,9 +10,9 @@ import numpy as np
 from hub.gcm.navigation import GroundTruth
 from hub.modules.navigation.dynamic_window import Body
 from hub.modules.navigation.pilot import Pilot
+from hub.plane import Pose
 from hub.robots.magellan import SimulatedMagellan
 from hub.sim.arena import BODY_RADIUS, Arena
-from hub.sim.geometry import Pose
 
 BODY = Body(
     radius=0.205,

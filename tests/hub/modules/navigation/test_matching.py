@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from hub.grids.grid import Grid
 from hub.modules.navigation.matching import FEWEST, Sightings, drift
-from hub.modules.navigation.poses import Pose
+from hub.plane import Pose
 
 CORNER_X = np.concatenate((np.linspace(-1.0, 1.0, 80), np.full(60, 1.0)))
 CORNER_Y = np.concatenate((np.full(80, 1.0), np.linspace(-0.5, 1.0, 60)))
@@ -30,11 +30,8 @@ def walls(width: int = 80) -> Grid:
 def test_a_shift_and_a_turn_are_found(x: float, y: float, turn: float, heading: float) -> None:
     # The points as they seem to lie to a robot whose pose is off by this much.
     thought = Pose(x=0.2 + x, y=0.1 + y, theta=heading + turn)
-    cosine, sine = math.cos(turn), math.sin(turn)
-    along, aside = CORNER_X - 0.2, CORNER_Y - 0.1
-    seen_x = thought.x + along * cosine - aside * sine
-    seen_y = thought.y + along * sine + aside * cosine
-    found = drift(walls(), seen_x, seen_y, thought)
+    turned = Pose(x=thought.x, y=thought.y, theta=turn)
+    found = drift(walls(), *turned.outward(CORNER_X - 0.2, CORNER_Y - 0.1), thought)
     assert found is not None
     assert math.hypot(found.x + x, found.y + y) < 0.07
     assert abs(found.theta + turn) < math.radians(3.0)

@@ -11,9 +11,8 @@ from hub.gcm.navigation import Assistance, GoalCommand, Point, Task, TurnCommand
 from hub.grids.grid import Grid
 from hub.modules.navigation.assistance import LAPSE_S
 from hub.modules.navigation.pilot import known_part
-from hub.modules.navigation.poses import Pose as PilotPose
+from hub.plane import Pose, wrapped
 from hub.sim.arena import Arena, load_arena
-from hub.sim.geometry import Pose
 from tests.hub.modules.navigation.drives import Drive, random_start
 
 EMPTY = load_arena("empty")
@@ -148,7 +147,7 @@ def test_the_pose_is_put_right_by_what_is_seen_of_the_map() -> None:
     drive = Drive(YELLOW, start)
     drive.push(0.0, 0.0, 0.1)
     true_map = seen_from(YELLOW, start)
-    drive.pilot.correction.odom = PilotPose(x=0.12, y=-0.1, theta=0.12)
+    drive.pilot.correction.odom = Pose(x=0.12, y=-0.1, theta=0.12)
     for _ in range(8):
         drive.pilot.mapped(true_map, drive.now)
         drive.push(0.0, 0.3, 1.5)
@@ -157,7 +156,7 @@ def test_the_pose_is_put_right_by_what_is_seen_of_the_map() -> None:
     true_x, true_y = truth.y - start.y, start.x - truth.x
     # Walls of this map are solid and 10 cm thick: a point fits anywhere in them.
     assert math.hypot(thought.x - true_x, thought.y - true_y) < 0.1
-    assert abs(math.remainder(thought.theta - (truth.theta - start.theta), math.tau)) < 0.05
+    assert abs(wrapped(thought.theta - (truth.theta - start.theta))) < 0.05
 
 
 def seen_from(arena: Arena, start: Pose) -> Grid:

@@ -7,7 +7,6 @@ import math
 import pytest
 
 from hub.gcm.navigation import GoalCommand, Point, Task, TurnCommand
-from hub.modules.navigation.poses import Pose
 from hub.modules.navigation.task import (
     BLOCKED_S,
     CLOSELY,
@@ -18,6 +17,7 @@ from hub.modules.navigation.task import (
     Errand,
     refusal,
 )
+from hub.plane import Pose
 
 
 def goal(*places: tuple[float, float], theta: float = math.nan) -> GoalCommand:
