@@ -214,7 +214,8 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="rune-hub",
         description="The hub on a robot: carries messages between modules and keeps them alive.",
-        epilog="Exit codes: 0 ok, 1 a fault, 2 wrong usage or robot file, 3 no hub or no answer.",
+        epilog="Exit codes: 0 ok, 1 a fault or what was asked for cannot be done, 2 wrong usage or "
+        "robot file, 3 no hub or no answer.",
     )
     version = importlib.metadata.version("robot-user-nexus")
     parser.add_argument("--version", action="version", version=f"rune-hub {version}")

@@ -73,4 +73,22 @@ REQUEST_DATA = MessageDefinition(
     lifespan_s=1.0,
 )
 
-MESSAGES = (COMMON_COMMAND, REQUEST_DATA)
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CommonResult:
+    """What is said to a request that can be done or refused.
+
+    Attributes:
+        done: 1 if it is done, 0 if it cannot be.
+        text: What was done, or why not.
+    """
+
+    done: int
+    text: str
+
+
+COMMON_RESULT = MessageDefinition(
+    name="GCM_Common_Result", format="{ubyte,string}", type=CommonResult
+)
+
+MESSAGES = (COMMON_COMMAND, REQUEST_DATA, COMMON_RESULT)

@@ -174,7 +174,7 @@ class MapOrder(enum.IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MapCommand:
-    """Ask mapping to do something with the whole map.
+    """Ask mapping to do something with the whole map; answered by `CommonResult`.
 
     Attributes:
         order: What to do.
@@ -185,25 +185,11 @@ class MapCommand:
     name: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MapResult:
-    """What mapping says to a `MapCommand`.
-
-    Attributes:
-        done: 1 if it did so, 0 if it could not.
-        text: What it did and where, or why not.
-    """
-
-    done: int
-    text: str
-
-
 MAP_COMMAND = MessageDefinition(
     name="GCM_Map_Command",
     format="{{enum:2},string}",
     type=MapCommand,
     plane=Plane.COMMAND,
 )
-MAP_RESULT = MessageDefinition(name="GCM_Map_Result", format="{ubyte,string}", type=MapResult)
 
-MESSAGES = (MAP_REQUEST, MAP, POINT_COMMAND, INTEREST_POINTS, MAP_COMMAND, MAP_RESULT)
+MESSAGES = (MAP_REQUEST, MAP, POINT_COMMAND, INTEREST_POINTS, MAP_COMMAND)

@@ -208,7 +208,7 @@ class ModuleOrder(enum.IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModuleCommand:
-    """Ask the daemon to do something with a module.
+    """Ask the daemon to do something with a module; answered by `CommonResult`.
 
     Attributes:
         module: Its name.
@@ -219,27 +219,11 @@ class ModuleCommand:
     order: ModuleOrder = ModuleOrder.START
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ModuleResult:
-    """What the daemon says to a `ModuleCommand`.
-
-    Attributes:
-        done: 1 if it does so, 0 if it cannot.
-        text: What it does, or why not.
-    """
-
-    done: int
-    text: str
-
-
 MODULE_COMMAND = MessageDefinition(
     name="GCM_Module_Command",
     format="{string,{enum:2}}",
     type=ModuleCommand,
     plane=Plane.COMMAND,
-)
-MODULE_RESULT = MessageDefinition(
-    name="GCM_Module_Result", format="{ubyte,string}", type=ModuleResult
 )
 
 
@@ -282,7 +266,6 @@ MESSAGES = (
     CAPABILITY_REPORTS,
     CAPABILITY_WANTS,
     MODULE_COMMAND,
-    MODULE_RESULT,
     LOG_REQUEST,
     LOG_LINES,
 )

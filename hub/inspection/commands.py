@@ -18,8 +18,9 @@ from hub.errors import (
     UndefinedMessageError,
 )
 from hub.gcm.catalog import BY_NAME
+from hub.gcm.common import CommonResult
 from hub.inspection import values
-from hub.inspection.writing import put
+from hub.inspection.writing import outcome, put
 from hub.ipc import control
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
@@ -152,7 +153,7 @@ def send(
 def query(
     client: Client, name: str, assignments: Sequence[str], *, timeout: float, as_json: bool
 ) -> int:
-    """Ask, and show the answer."""
+    """Ask, and show the answer; 1 if it says that what was asked for cannot be done."""
     definition = find(client, name)
     value = values.value_from_text(definition, assignments)
     try:
@@ -161,8 +162,9 @@ def query(
         text = f"{error}; `rune-hub modules` shows which run, `rune-hub start` starts one"
         raise NoHandlerError(text) from error
     answered = find(client, frame.name)
-    _show(answered, decode(answered, frame), as_json=as_json, reception=None)
-    return 0
+    answer = decode(answered, frame)
+    _show(answered, answer, as_json=as_json, reception=None)
+    return outcome(answer) if isinstance(answer, CommonResult) else 0
 
 
 def find(client: Client, name: str) -> MessageDefinition[Any]:

@@ -18,9 +18,10 @@ from hub.errors import (
     UnknownModuleError,
 )
 from hub.gcm import supervision
+from hub.gcm.common import COMMON_RESULT
 from hub.gcm.supervision import CapabilityPhase, ModuleOrder
 from hub.inspection import values
-from hub.inspection.writing import put, span, table
+from hub.inspection.writing import outcome, printable, put, span, table
 from hub.ipc.client import Client
 from hub.ipc.reception import Reception
 
@@ -78,14 +79,13 @@ def order(client: Client, module: str, wanted: str) -> int:
     command = supervision.ModuleCommand(module=module, order=ModuleOrder[wanted.upper()])
     try:
         result = client.query_response(
-            supervision.MODULE_COMMAND, command, supervision.MODULE_RESULT, timeout=_ANSWER_S
+            supervision.MODULE_COMMAND, command, COMMON_RESULT, timeout=_ANSWER_S
         )
     except NoHandlerError as error:
         raise _no_daemon(client) from error
-    if not result.done:
-        raise UnknownModuleError(result.text)
-    put(result.text)
-    return 0
+    if result.done:
+        put(printable(result.text))
+    return outcome(result)
 
 
 def want(client: Client, wanted: Sequence[str], *, seconds: float) -> int:

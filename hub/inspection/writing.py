@@ -5,11 +5,26 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
+from hub.gcm.common import CommonResult
+
 
 def put(line: str) -> None:
     """Write a line, at once."""
     sys.stdout.write(line + "\n")
     sys.stdout.flush()
+
+
+def outcome(result: CommonResult) -> int:
+    """The exit code for an answer to a request; a refusal is told on standard error."""
+    if result.done:
+        return 0
+    sys.stderr.write(f"rune-hub: {printable(result.text)}\n")
+    return 1
+
+
+def printable(text: str) -> str:
+    """A text of others on one line: it may hold anything, also what a terminal obeys."""
+    return "".join(c if c.isprintable() else "?" for c in text)
 
 
 def table(heads: Sequence[str], rows: Sequence[Sequence[str]], *, words: int = 1) -> None:

@@ -6,7 +6,13 @@ import time
 
 from hub.errors import HandlerFailedError
 from hub.gcm import supervision
-from hub.gcm.common import COMMON_COMMAND, CommonCommand, CommonCommandKind
+from hub.gcm.common import (
+    COMMON_COMMAND,
+    COMMON_RESULT,
+    CommonCommand,
+    CommonCommandKind,
+    CommonResult,
+)
 from hub.gcm.supervision import ModulePhase
 from hub.ipc.client import Client
 from hub.ipc.control import Change, Presence
@@ -34,7 +40,7 @@ class Reporting:
         client.subscribe(supervision.MODULE_INFO, self._announced)
         client.subscribe(supervision.CAPABILITY_WANTS, self._wanted)
         client.subscribe(COMMON_COMMAND, self._commanded)
-        client.respond(supervision.MODULE_COMMAND, supervision.MODULE_RESULT, self._ordered)
+        client.respond(supervision.MODULE_COMMAND, COMMON_RESULT, self._ordered)
         client.respond(supervision.LOG_REQUEST, supervision.LOG_LINES, self._lines)
         client.directory.watch(self._presence)
         publish_on_request(client, supervision.MODULE_REPORTS, self._publish_modules)
@@ -72,10 +78,10 @@ class Reporting:
                     life.told_to_start()
         self._keeper.look()
 
-    def _ordered(self, command: supervision.ModuleCommand) -> supervision.ModuleResult:
+    def _ordered(self, command: supervision.ModuleCommand) -> CommonResult:
         done, text = self._supervisor.ordered(command.module, command.order, self._clock())
         self._keeper.look()
-        return supervision.ModuleResult(done=int(done), text=text)
+        return CommonResult(done=int(done), text=text)
 
     def _lines(self, request: supervision.LogRequest) -> supervision.LogLines:
         if request.module not in self._supervisor.lives:

@@ -11,6 +11,7 @@ from ruamel.yaml import YAML
 
 from hub.gcm import mapping, navigation
 from hub.gcm.autonomy import Behaviour, Pilot
+from hub.gcm.common import COMMON_RESULT
 from hub.gcm.navigation import Task
 from tests.system.exploring_hub import Tour
 
@@ -62,7 +63,7 @@ def test_a_whole_arena_is_mapped_without_a_contact(tour: Tour, tmp_path: Path) -
 
     save = mapping.MapCommand(order=mapping.MapOrder.SAVE, name="arena")
     result = tour.observer.client.query_response(
-        mapping.MAP_COMMAND, save, mapping.MAP_RESULT, timeout=10.0
+        mapping.MAP_COMMAND, save, COMMON_RESULT, timeout=10.0
     )
     assert result.done == 1, result.text
     described = YAML(typ="safe").load(tmp_path / "maps" / "arena.yaml")

@@ -100,6 +100,9 @@ def _succeeds(words: list[str], hub: HubProcess, folder: Path) -> None:
             with pytest.MonkeyPatch.context() as patch:
                 patch.chdir(folder)
                 patch.setattr(hub_cli, "start_logging", lambda *_: None)
+                if "order=LOAD" in arguments:
+                    saved = [word.replace("order=LOAD", "order=SAVE") for word in arguments]
+                    assert hub_cli.main(saved) == 0
                 assert hub_cli.main(arguments) == 0
             return
     process = subprocess.Popen(

@@ -17,7 +17,7 @@ from PIL import Image
 
 from hub.errors import HandlerFailedError
 from hub.gcm import map_coding, mapping, navigation
-from hub.gcm.common import REQUEST_DATA, RequestData
+from hub.gcm.common import COMMON_RESULT, REQUEST_DATA, CommonResult, RequestData
 from tests.system.harness import HubProcess, Observer, robot_file
 
 WHOLE = mapping.MapRequest(x=math.nan)
@@ -55,11 +55,9 @@ def farthest(watch: Observer) -> float:
     return found.origin_x + found.width_cells * found.resolution
 
 
-def order(watch: Observer, what: mapping.MapOrder, name: str = "") -> mapping.MapResult:
+def order(watch: Observer, what: mapping.MapOrder, name: str = "") -> CommonResult:
     command = mapping.MapCommand(order=what, name=name)
-    return watch.client.query_response(
-        mapping.MAP_COMMAND, command, mapping.MAP_RESULT, timeout=TIMEOUT
-    )
+    return watch.client.query_response(mapping.MAP_COMMAND, command, COMMON_RESULT, timeout=TIMEOUT)
 
 
 def points(watch: Observer) -> tuple[mapping.InterestPoint, ...]:

@@ -19,7 +19,13 @@ import psutil
 import pytest
 
 from hub.gcm import supervision
-from hub.gcm.common import COMMON_COMMAND, CommonCommand, CommonCommandKind
+from hub.gcm.common import (
+    COMMON_COMMAND,
+    COMMON_RESULT,
+    CommonCommand,
+    CommonCommandKind,
+    CommonResult,
+)
 from hub.gcm.supervision import CapabilityPhase, ModulePhase
 from hub.ipc.client import Client
 from tests.system.harness import family, gone
@@ -73,10 +79,10 @@ class Robot:
     def phase(self, name: str) -> ModulePhase:
         return self.modules[name].phase
 
-    def order(self, name: str, order: supervision.ModuleOrder) -> supervision.ModuleResult:
+    def order(self, name: str, order: supervision.ModuleOrder) -> CommonResult:
         command = supervision.ModuleCommand(module=name, order=order)
         return self.client.query_response(
-            supervision.MODULE_COMMAND, command, supervision.MODULE_RESULT, timeout=5.0
+            supervision.MODULE_COMMAND, command, COMMON_RESULT, timeout=5.0
         )
 
     def close(self) -> None:
@@ -292,10 +298,10 @@ def test_commands_for_people(start: Start) -> None:
     robot.until(lambda: robot.phase("one") is ModulePhase.RUNNING)
     assert "INFO ready" in run(robot, "logs", "one").stdout
     assert len(run(robot, "modules").stdout.splitlines()) == 2, "of one that runs nothing is told"
-    for command in ("stop", "logs"):
+    for command, code in (("stop", 1), ("logs", 2)):
         nobody = run(robot, command, "ome")
         assert "this robot has one; did you mean 'one'?" in nobody.stderr
-        assert nobody.returncode == 2
+        assert nobody.returncode == code
     starts = robot.modules["one"].starts
     os.kill(robot.modules["one"].pid, signal.SIGKILL)
     robot.until(lambda: robot.modules["one"].starts > starts)

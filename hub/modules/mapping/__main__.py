@@ -11,6 +11,7 @@ from hub.errors import HandlerFailedError, MapFileError, RobotFileError
 from hub.folders import for_maps
 from hub.gcm import map_coding, mapping, navigation
 from hub.gcm.capability import Abilities, Capability
+from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.ipc.client import Client
 from hub.ipc.reception import Reception
 from hub.modules.mapping import storage
@@ -39,7 +40,7 @@ class Mapping:
         client.subscribe(navigation.ROBOT_STATE, self._state)
         client.subscribe(mapping.POINT_COMMAND, self._point)
         client.respond(mapping.MAP_REQUEST, mapping.MAP, self._map)
-        client.respond(mapping.MAP_COMMAND, mapping.MAP_RESULT, self._command)
+        client.respond(mapping.MAP_COMMAND, COMMON_RESULT, self._command)
         client.define(mapping.INTEREST_POINTS)
         publish_on_request(client, mapping.INTEREST_POINTS, self._publish_points)
         client.every(_POINTS_PERIOD, self._publish_points)
@@ -96,14 +97,14 @@ class Mapping:
     def _publish_points(self) -> None:
         self._client.publish(mapping.INTEREST_POINTS, self._points.message)
 
-    def _command(self, command: mapping.MapCommand) -> mapping.MapResult:
+    def _command(self, command: mapping.MapCommand) -> CommonResult:
         try:
             text = self._carry_out(command)
         except MapFileError as error:
             _logger.warning("%s", error)
-            return mapping.MapResult(done=0, text=str(error))
+            return CommonResult(done=0, text=str(error))
         _logger.info("%s", text)
-        return mapping.MapResult(done=1, text=text)
+        return CommonResult(done=1, text=text)
 
     def _carry_out(self, command: mapping.MapCommand) -> str:
         """Do it, and say what was done.
