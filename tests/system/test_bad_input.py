@@ -6,14 +6,13 @@ import contextlib
 import json
 import random
 import socket
-import subprocess
-import sys
 
 import psutil
 import zmq
 
 from hub.gcm.navigation import GROUND_TRUTH, GroundTruth
 from hub.ipc import frames
+from tests.command_line import rune_hub
 from tests.system.harness import ConsoleProcess, HubProcess, Observer, family
 
 HUGE_FRAME = (
@@ -80,12 +79,7 @@ def test_rubbish_on_every_port_changes_nothing(
         _through_zeromq(port, rubbish)
         console.hold_until("w", lambda: observer.truth.linear > 0.2)
     assert len(family(hub.process.pid)) == 5
-    listing = subprocess.run(
-        [sys.executable, "-m", "hub", "list", "--json", "--hub", hub.endpoint],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    listing = rune_hub("list", "--json", "--hub", hub.endpoint)
     dropped = {entry["reason"]: entry["count"] for entry in json.loads(listing.stdout)["dropped"]}
     assert dropped["malformed control frame"] >= 10
     assert any("malformed frame" in reason for reason in dropped)

@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 
-from hub import cli as hub_cli
 from hub.ipc.keyring import Keyring, default_folder
 from hub.ipc.security import Role
+from tests.command_line import rune_hub
 from tests.system.harness import ConsoleProcess, HubProcess
 from tests.waiting import until
 
@@ -46,7 +46,11 @@ def test_there_are_commands() -> None:
 
 @pytest.mark.parametrize("command", ALL)
 def test_command_works(
-    command: str, lasting_hub: HubProcess, request: pytest.FixtureRequest, tmp_path: Path
+    command: str,
+    lasting_hub: HubProcess,
+    request: pytest.FixtureRequest,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     words = shlex.split(command)
     if words[0] == "rune-hub" and words[1] in ("start", "stop", "restart"):
@@ -61,7 +65,7 @@ def test_command_works(
     elif words[:2] in (["rune", "demo"], ["rune", "run"]):
         _shows_a_picture(words, lasting_hub)
     else:
-        _succeeds(words, lasting_hub, tmp_path)
+        _succeeds(words, lasting_hub, tmp_path, monkeypatch)
 
 
 def _starts_and_ends(words: list[str], folder: Path) -> None:
@@ -89,21 +93,21 @@ def _shows_a_picture(words: list[str], hub: HubProcess) -> None:
         assert console.wait_ended() == 0
 
 
-def _succeeds(words: list[str], hub: HubProcess, folder: Path) -> None:
+def _succeeds(
+    words: list[str], hub: HubProcess, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     arguments = [str(ROOT / word) if word.endswith(".xml") else word for word in words[1:]]
     if words[:2] == ["rune-hub", "keys"]:
         if words[2] == "remove":
             Keyring(default_folder()).make(words[3], Role.OBSERVE)
     elif words[0] == "rune-hub" and words[1] not in ("doctor", "service"):
         arguments += ["--hub", hub.endpoint]
-        if "-r" not in arguments:  # in this process, as starting another takes most of the time
-            with pytest.MonkeyPatch.context() as patch:
-                patch.chdir(folder)
-                patch.setattr(hub_cli, "start_logging", lambda *_: None)
-                if "order=LOAD" in arguments:
-                    saved = [word.replace("order=LOAD", "order=SAVE") for word in arguments]
-                    assert hub_cli.main(saved) == 0
-                assert hub_cli.main(arguments) == 0
+        if "-r" not in arguments:
+            monkeypatch.chdir(folder)
+            if "order=LOAD" in arguments:
+                rune_hub(*(word.replace("order=LOAD", "order=SAVE") for word in arguments))
+            done = rune_hub(*arguments)
+            assert done.returncode == 0, done.stderr
             return
     process = subprocess.Popen(
         [sys.executable, "-m", MODULES[words[0]], *arguments],

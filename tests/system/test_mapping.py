@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
@@ -18,6 +16,7 @@ from PIL import Image
 from hub.errors import HandlerFailedError
 from hub.gcm import map_coding, mapping, navigation
 from hub.gcm.common import COMMON_RESULT, REQUEST_DATA, CommonResult, RequestData
+from tests.command_line import run
 from tests.system.harness import HubProcess, Observer, robot_file
 
 WHOLE = mapping.MapRequest(x=math.nan)
@@ -156,7 +155,6 @@ def test_a_map_of_too_many_cells_is_refused_before_anything_is_made(tmp_path: Pa
     robot = tmp_path / "robot.toml"
     text = robot_file()
     robot.write_text(text.replace("[mapping]", "[mapping]\nsize = 1000.0\nresolution = 0.01"))
-    command = [sys.executable, "-m", "hub.modules.mapping", "--robot", str(robot), "--describe"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=20, check=False)
+    done = run("hub.modules.mapping", "--robot", str(robot), "--describe")
     assert done.returncode == 2
     assert "more than 4096 cells" in done.stderr

@@ -28,6 +28,7 @@ from hub.gcm.common import (
 )
 from hub.gcm.supervision import CapabilityPhase, ModulePhase
 from hub.ipc.client import Client
+from tests.command_line import rune_hub
 from tests.system.harness import family, gone
 from tests.waiting import until
 
@@ -270,11 +271,7 @@ def test_systemd_is_told_and_modules_do_not_answer_for_the_daemon(
 
 
 def run(robot: Robot, *arguments: str) -> subprocess.CompletedProcess[str]:
-    hub = robot.endpoint.removeprefix("tcp://")
-    return subprocess.run(
-        [sys.executable, "-m", "hub", *arguments, "--hub", hub],
-        capture_output=True, text=True, check=False, timeout=30.0,
-    )  # fmt: skip
+    return rune_hub(*arguments, "--hub", robot.endpoint.removeprefix("tcp://"))
 
 
 def test_commands_for_people(start: Start) -> None:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import socket
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -14,24 +12,16 @@ from hub.cli import ExitCode
 from hub.inspection import doctor
 from hub.inspection.finding import Finding, Level, ok
 from hub.robomon.table import load_robot_table
+from tests.command_line import rune_hub
 from tests.hub.inspection.robots import robot_file
 from tests.ports import free_port
 
 MACHINE = {*doctor.MACHINE, *doctor.SAYING}
 
 
-def run_doctor(*arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "hub", "doctor", *arguments],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-
-
 def test_a_healthy_machine_has_a_line_for_each_check_and_no_problem(tmp_path: Path) -> None:
     path = robot_file(tmp_path, f"[hub]\nport = {free_port()}")
-    done = run_doctor(str(path), "--json")
+    done = rune_hub("doctor", str(path), "--json")
     said = [json.loads(line) for line in done.stdout.splitlines()]
     assert {line["check"] for line in said} == {"robot file", *doctor.ROBOT, *MACHINE}
     assert all(set(line) == {"check", "level", "text", "advice"} for line in said)
@@ -45,7 +35,7 @@ def test_an_occupied_port_is_a_problem_in_one_line(tmp_path: Path) -> None:
     with socket.socket() as other:
         other.bind(("127.0.0.1", port + 1))
         other.listen()
-        done = run_doctor(str(robot_file(tmp_path, f"[hub]\nport = {port}")))
+        done = rune_hub("doctor", str(robot_file(tmp_path, f"[hub]\nport = {port}")))
     (line,) = [line for line in done.stdout.splitlines() if line.startswith("problem ")]
     assert f"port {port + 1} is used by another program" in line
     assert " -> " in line
@@ -55,7 +45,7 @@ def test_an_occupied_port_is_a_problem_in_one_line(tmp_path: Path) -> None:
 
 def test_all_mistakes_of_a_robot_file_are_told_and_the_rest_is_looked_at(tmp_path: Path) -> None:
     path = robot_file(tmp_path, '[hub]\nport = "x"\n[body]\nradius = 99', driver="runs = 1")
-    done = run_doctor(str(path), "--json")
+    done = rune_hub("doctor", str(path), "--json")
     said = [json.loads(line) for line in done.stdout.splitlines()]
     wrong = [line["text"] for line in said if line["check"] == "robot file"]
     assert len(wrong) == 4
@@ -70,7 +60,7 @@ def test_without_a_readable_robot_file_the_machine_is_looked_at(
     path = tmp_path / "robot.toml"
     if content is not None:
         path.write_text(content)
-    done = run_doctor(str(path), "--json")
+    done = rune_hub("doctor", str(path), "--json")
     checks = [json.loads(line)["check"] for line in done.stdout.splitlines()]
     assert checks[0] == "robot file"
     assert set(checks[1:]) == MACHINE

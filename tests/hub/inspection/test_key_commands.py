@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -13,15 +12,11 @@ from hub.cli import ExitCode
 from hub.ipc.keyring import Keyring, default_folder
 from hub.ipc.keys import read_client_keys
 from hub.ipc.security import Role
+from tests.command_line import run, rune_hub
 
 
 def keys(*arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "hub", "keys", *arguments],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    return rune_hub("keys", *arguments)
 
 
 def said(*arguments: str) -> str:
@@ -53,7 +48,9 @@ def test_what_the_terminal_cannot_show_is_spelt_out(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PYTHONIOENCODING", "ascii")
-    assert "gr\\xf6\\xdfe" in said("list", "--folder", str(tmp_path / "größe"))
+    done = run("hub", "keys", "list", "--folder", str(tmp_path / "größe"))
+    assert (done.returncode, done.stderr) == (ExitCode.OK, "")
+    assert "gr\\xf6\\xdfe" in done.stdout
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from hub.cli import ExitCode
 from hub.robomon.service import DEVICE_GROUPS, ServiceSpec, unit
+from tests.command_line import rune_hub
 
 ROBOT = """name = "{name}"
 kind = "simulated-magellan"
@@ -42,19 +43,10 @@ SPEC = ServiceSpec(
 )
 
 
-def service(*arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "hub", "service", *arguments],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-
-
 def written(folder: Path, hub: str, user: str) -> subprocess.CompletedProcess[str]:
     path = folder / "robot file.toml"
     path.write_text(ROBOT.format(name="magellan", hub=hub))
-    done = service(str(path), "--user", user)
+    done = rune_hub("service", str(path), "--user", user)
     assert done.returncode == ExitCode.OK, done.stderr
     return done
 
@@ -100,7 +92,7 @@ def test_paths_of_the_robot_file_begin_beside_it(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("arguments", [["no_such_robot"], ["magellan", "--user", "a\nb"]])
 def test_a_mistake_is_a_usage_error_and_no_unit(arguments: list[str]) -> None:
-    done = service(*arguments)
+    done = rune_hub("service", *arguments)
     assert (done.returncode, done.stdout) == (ExitCode.USAGE, "")
     assert done.stderr.startswith("rune-hub: ")
 
