@@ -14,10 +14,11 @@ from hub.grids.grid import Grid
 from hub.modules.autonomy.pilot import Pilot as Autonomy
 from hub.modules.mapping.grid import GridPicture, OccupancyGrid
 from hub.modules.mapping.scans import ScanSelector
-from hub.modules.navigation.dynamic_window import Body
+from hub.modules.navigation.dynamic_window import body_of
 from hub.modules.navigation.pilot import Pilot as Navigator
 from hub.modules.navigation.reports import robot_state, status
 from hub.modules.navigation.speed_governor import SpeedGovernor
+from hub.robots.description import find_robot_file, read_description
 from hub.robots.magellan import SimulatedMagellan
 from hub.sim.arena import load_arena
 
@@ -25,15 +26,8 @@ STEP = 0.05
 """Time between two commands to the wheels, and two reports [s]."""
 LATE_S = 0.1
 """So late a map comes after it was asked for [s]."""
-BODY = Body(
-    radius=0.205,
-    margin=0.05,
-    linear_limit=0.5,
-    angular_limit=1.0,
-    linear_braking=2.0,
-    angular_braking=4.0,
-)
-RESOLUTION, SIZE = 0.05, 40.0
+ROBOT = read_description(find_robot_file("magellan"))[0]
+BODY = body_of(ROBOT)
 _OURS = 1
 _STEPS_PER_ACT, _STEPS_PER_MAP = 2, 30
 
@@ -57,7 +51,7 @@ class Exploration:
         self.now = 0.0
         self.navigator = Navigator(BODY)
         self.autonomy = Autonomy(radius=BODY.radius + BODY.margin, seed=seed)
-        self.occupancy = OccupancyGrid(RESOLUTION, SIZE)
+        self.occupancy = OccupancyGrid(ROBOT.map_resolution, ROBOT.map_size)
         self._governor = SpeedGovernor(BODY.linear_limit, BODY.angular_limit, 0.0)
         self._scans = ScanSelector()
         self._mail: list[tuple[float, Callable[[], None]]] = []

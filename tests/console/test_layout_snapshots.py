@@ -12,21 +12,19 @@ import numpy as np
 import pytest
 
 from hub.gcm.navigation import MotionState
-from hub.gcm.navigation import RobotState as NavigationState
-from hub.gcm.vision import CameraState
 from rune_tui.compositor.picture import plain_text
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
 from rune_tui.opening import open_layout
 from rune_tui.view import View
 from tests.console.states import rendered, robot_of
+from tests.messages import camera_state, robot_state
 
 ROOT = Path(__file__).parents[2]
 SNAPSHOTS = ROOT / "tests" / "golden" / "layouts"
 NOW = 100.0
 
-CAMERA = CameraState(
-    stamp=0.0,
+CAMERA = camera_state(
     pan=0.5,
     tilt=-0.1,
     zoom=0.2,
@@ -36,10 +34,8 @@ CAMERA = CameraState(
     mount_height=0.37,
     pan_limit=1.745,
     tilt_limit=0.436,
-    slewing=0,
 )
-NAVIGATION = NavigationState(
-    stamp=0.0,
+NAVIGATION = robot_state(
     x=1.0,
     y=2.0,
     theta=0.3,
@@ -48,12 +44,8 @@ NAVIGATION = NavigationState(
     commanded_linear=0.5,
     commanded_angular=-0.2,
     sonar=np.linspace(0.5, 4.0, 16).astype(np.float32),
-    infrared=np.full(16, np.inf, np.float32),
-    bumpers=0,
     battery_voltage=24.6,
-    battery_fraction=0.87,
     motion=MotionState.MOVING,
-    refused=0,
 )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 import re
 from typing import Any
 
@@ -13,8 +12,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hub.gcm.navigation import MotionState
-from hub.gcm.navigation import RobotState as NavigationState
-from hub.gcm.vision import CameraState
 from rune_tui.compositor.ansi import RowEncoder
 from rune_tui.compositor.cells import Cells
 from rune_tui.layout.spec import ViewportSpec, ViewSpec
@@ -23,37 +20,16 @@ from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, 
 from rune_tui.raster.canvas import Canvas
 from rune_tui.view import MIN_COLUMNS, MIN_ROWS, View, placed
 from tests.console.states import layout_of, rendered, robot_of, visualizer_spec
+from tests.messages import camera_state, robot_state
 
 STATE = ConsoleState(now=100.0)
-CAMERA = CameraState(
-    stamp=0.0,
-    pan=0.5,
-    tilt=0.1,
-    zoom=0.0,
-    horizontal_fov=0.8,
-    vertical_fov=0.6,
-    mount_forward=0.1,
-    mount_height=0.5,
-    pan_limit=1.6,
-    tilt_limit=0.5,
-    slewing=0,
-)
-NAVIGATION = NavigationState(
-    stamp=0.0,
-    x=0.0,
-    y=0.0,
-    theta=0.0,
+CAMERA = camera_state(pan=0.5, tilt=0.1)
+NAVIGATION = robot_state(
     linear=0.1,
-    angular=0.0,
     commanded_linear=0.1,
-    commanded_angular=0.0,
     sonar=np.full(16, 1.5, np.float32),
-    infrared=np.full(16, math.inf, np.float32),
-    bumpers=0,
-    battery_voltage=24.0,
     battery_fraction=0.5,
     motion=MotionState.MOVING,
-    refused=0,
 )
 
 

@@ -13,7 +13,7 @@ from hub.gcm.navigation import Assistance, MotionState, Task
 from hub.grids.grid import grid_of
 from hub.ipc.client import Client
 from hub.ipc.reception import Reception
-from hub.modules.navigation.dynamic_window import Body
+from hub.modules.navigation.dynamic_window import body_of
 from hub.modules.navigation.pilot import Pilot
 from hub.modules.navigation.reports import robot_state, status
 from hub.modules.navigation.speed_governor import SpeedGovernor
@@ -207,18 +207,6 @@ class Navigation:
     def _publish_status(self) -> None:
         said = status(self._pilot.errand, self._governor.driver)
         self._client.publish(navigation.NAVIGATION_STATUS, said)
-
-
-def body_of(robot: RobotDescription) -> Body:
-    """What the pilot has to know of a robot."""
-    return Body(
-        radius=robot.radius,
-        margin=robot.margin,
-        linear_limit=robot.linear_limit,
-        angular_limit=robot.angular_limit,
-        linear_braking=robot.linear_acceleration,
-        angular_braking=robot.angular_acceleration,
-    )
 
 
 def abilities(robot: RobotDescription) -> Abilities:

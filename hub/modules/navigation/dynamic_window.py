@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.modules.navigation.arcs import free_ways
+from hub.robots.description import RobotDescription
 
 Floats = npt.NDArray[np.float64]
 
@@ -64,6 +65,18 @@ class Body:
     linear_braking: float
     angular_braking: float
     reaction: float = 0.12
+
+
+def body_of(robot: RobotDescription) -> Body:
+    """What the pilot has to know of a robot."""
+    return Body(
+        radius=robot.radius,
+        margin=robot.margin,
+        linear_limit=robot.linear_limit,
+        angular_limit=robot.angular_limit,
+        linear_braking=robot.linear_acceleration,
+        angular_braking=robot.angular_acceleration,
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,61 +10,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hub.gcm.navigation import MotionState
-from hub.gcm.navigation import RobotState as NavigationState
-from hub.gcm.vision import CameraState
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.registry import VISUALIZERS
 from rune_tui.visualizers.visualizer import Visualizer
 from tests.console.states import robot_of, visualizer_spec
+from tests.messages import camera_state, robot_state
 
 NOW = 100.0
 GOLDEN = Path(__file__).parents[2] / "golden" / "cells"
 LETTERS = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
 
 Draw = Callable[..., Canvas]
-
-
-def navigation(**changes: Any) -> NavigationState:
-    """Standing in the open: every sonar reads 2 m, infrared sees nothing."""
-    values: dict[str, Any] = {
-        "stamp": 0.0,
-        "x": 0.0,
-        "y": 0.0,
-        "theta": 0.0,
-        "linear": 0.0,
-        "angular": 0.0,
-        "commanded_linear": 0.0,
-        "commanded_angular": 0.0,
-        "sonar": np.full(16, 2.0, np.float32),
-        "infrared": np.full(16, np.inf, np.float32),
-        "bumpers": 0,
-        "battery_voltage": 24.1,
-        "battery_fraction": 0.87,
-        "motion": MotionState.STANDING,
-        "refused": 0,
-    }
-    return NavigationState(**values | changes)
-
-
-def camera(**changes: Any) -> CameraState:
-    """Looking straight ahead, wide."""
-    values: dict[str, Any] = {
-        "stamp": 0.0,
-        "pan": 0.0,
-        "tilt": 0.0,
-        "zoom": 0.0,
-        "horizontal_fov": 0.8,
-        "vertical_fov": 0.6,
-        "mount_forward": 0.1,
-        "mount_height": 0.5,
-        "pan_limit": 1.6,
-        "tilt_limit": 0.5,
-        "slewing": 0,
-    }
-    return CameraState(**values | changes)
 
 
 def picture() -> Picture:
@@ -74,7 +32,7 @@ def picture() -> Picture:
     pixels[:3, 4:, 1] = 200
     pixels[3:, :4, 2] = 200
     pixels[3:, 4:] = 200
-    return Picture(pixels=pixels, camera=camera())
+    return Picture(pixels=pixels, camera=camera_state())
 
 
 def received(value: Any, age: float = 0.1, number: int = 1) -> Received[Any]:
@@ -85,8 +43,8 @@ class Made:
     """Makes states; ages are in seconds before `NOW`."""
 
     now = NOW
-    navigation = staticmethod(navigation)
-    camera = staticmethod(camera)
+    navigation = staticmethod(robot_state)
+    camera = staticmethod(camera_state)
     picture = staticmethod(picture)
     received = staticmethod(received)
 
@@ -100,8 +58,8 @@ class Made:
         values: dict[str, Any] = {
             "link": self.link(),
             "picture": received(picture()),
-            "navigation": received(navigation()),
-            "camera": received(camera()),
+            "navigation": received(robot_state()),
+            "camera": received(camera_state()),
         }
         return robot_of(name="magellan", **values | parts)
 

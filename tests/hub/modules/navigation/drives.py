@@ -8,20 +8,14 @@ import math
 import numpy as np
 
 from hub.gcm.navigation import GroundTruth
-from hub.modules.navigation.dynamic_window import Body
+from hub.modules.navigation.dynamic_window import body_of
 from hub.modules.navigation.pilot import Pilot
 from hub.plane import Pose
+from hub.robots.description import find_robot_file, read_description
 from hub.robots.magellan import SimulatedMagellan
 from hub.sim.arena import BODY_RADIUS, Arena
 
-BODY = Body(
-    radius=0.205,
-    margin=0.05,
-    linear_limit=0.5,
-    angular_limit=1.0,
-    linear_braking=2.0,
-    angular_braking=4.0,
-)
+BODY = body_of(read_description(find_robot_file("magellan"))[0])
 STEP = 0.01
 STEPS_PER_REPORT = 2
 STEPS_PER_CHOICE = 5

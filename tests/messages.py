@@ -1,0 +1,50 @@
+"""What a robot reports, with the fields that a test is about."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from hub.gcm.navigation import SENSOR_COUNT, MotionState, RobotState
+from hub.gcm.vision import CameraState
+
+
+def robot_state(**changes: Any) -> RobotState:
+    """Standing in the open: every sonar reads 2 m, infrared sees nothing."""
+    values: dict[str, Any] = {
+        "stamp": 0.0,
+        "x": 0.0,
+        "y": 0.0,
+        "theta": 0.0,
+        "linear": 0.0,
+        "angular": 0.0,
+        "commanded_linear": 0.0,
+        "commanded_angular": 0.0,
+        "sonar": np.full(SENSOR_COUNT, 2.0, np.float32),
+        "infrared": np.full(SENSOR_COUNT, np.inf, np.float32),
+        "bumpers": 0,
+        "battery_voltage": 24.1,
+        "battery_fraction": 0.87,
+        "motion": MotionState.STANDING,
+        "refused": 0,
+    }
+    return RobotState(**values | changes)
+
+
+def camera_state(**changes: Any) -> CameraState:
+    """Looking straight ahead, wide."""
+    values: dict[str, Any] = {
+        "stamp": 0.0,
+        "pan": 0.0,
+        "tilt": 0.0,
+        "zoom": 0.0,
+        "horizontal_fov": 0.8,
+        "vertical_fov": 0.6,
+        "mount_forward": 0.1,
+        "mount_height": 0.5,
+        "pan_limit": 1.6,
+        "tilt_limit": 0.5,
+        "slewing": 0,
+    }
+    return CameraState(**values | changes)
