@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from tests.system.harness import MODULES, ConsoleProcess, HubProcess, Observer
+from tests.system.harness import ConsoleProcess, HubProcess, Observer
 
 LAYOUT = """<rune run="1">
   <robot name="magellan" hub="{hub}">
@@ -65,12 +65,11 @@ def hub(start_hub: Callable[..., HubProcess]) -> HubProcess:
 def lasting_hub(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[HubProcess]:
-    """A hub for the tests of a file that leave its processes alone; its modules: `HUB_MODULES`."""
-    modules = getattr(request.module, "HUB_MODULES", MODULES)
+    """A hub for the tests of a file that leave its processes alone, with the options in `HUB`."""
     folder = tmp_path_factory.mktemp("hub")
     with pytest.MonkeyPatch.context() as patch, ExitStack() as stack:
         patch.setenv("XDG_STATE_HOME", str(folder))
-        hub = HubProcess(folder, modules=modules)
+        hub = HubProcess(folder, **getattr(request.module, "HUB", {}))
         stack.enter_context(closing(hub))
         yield hub
 
@@ -86,12 +85,16 @@ def start_console(tmp_path: Path, stack: ExitStack) -> Callable[..., ConsoleProc
     """Start a console with the tests' layout on a hub."""
 
     def start(hub_endpoint: str, **options: Any) -> ConsoleProcess:
-        layout = tmp_path / "layout.xml"
-        layout.write_text(LAYOUT.format(hub=hub_endpoint))
-        console = ConsoleProcess(["run", str(layout)], **options)
-        return stack.enter_context(closing(console))
+        return stack.enter_context(closing(console_of(hub_endpoint, tmp_path, **options)))
 
     return start
+
+
+def console_of(hub_endpoint: str, folder: Path, **options: Any) -> ConsoleProcess:
+    """A console with the tests' layout."""
+    layout = folder / "layout.xml"
+    layout.write_text(LAYOUT.format(hub=hub_endpoint))
+    return ConsoleProcess(["run", str(layout)], **options)
 
 
 @pytest.fixture

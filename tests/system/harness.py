@@ -14,7 +14,7 @@ import sys
 import termios
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -143,7 +143,12 @@ class Observer:
         """Ground truth with times on this process's monotonic clock."""
         return self.seen[navigation.GROUND_TRUTH.name]
 
-    def wait(self, condition: Any, timeout: float, why: str = "it did not happen") -> None:
+    def wait(
+        self,
+        condition: Any,
+        timeout: float,
+        why: str | Callable[[], str] = "it did not happen",
+    ) -> None:
         until(condition, timeout, why, meanwhile=lambda: self.client.listen(0.01))
 
     def close(self) -> None:
@@ -266,6 +271,21 @@ def _surroundings() -> dict[str, str]:
     """This process's environment, but for what it says of its own terminal."""
     own = ("NO_COLOR", "COLUMNS", "LINES")
     return {name: value for name, value in os.environ.items() if name not in own}
+
+
+STILL = 1e-3
+"""A robot that is slower stands [m/s]."""
+
+
+def drive(console: ConsoleProcess, observer: Observer) -> None:
+    """Hold the key for forward until the robot drives."""
+    console.hold_until("w", lambda: observer.truth.linear > 0.2)
+
+
+def expect_stop(observer: Observer) -> None:
+    """The robot is told to stop soon, and does."""
+    observer.wait(lambda: observer.truth.commanded_linear == 0.0, 2.0, "the wheels are driven on")
+    observer.wait(lambda: abs(observer.truth.linear) < STILL, 2.0, "it rolls on")
 
 
 def gone(processes: Sequence[psutil.Process]) -> bool:

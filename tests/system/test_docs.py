@@ -7,7 +7,7 @@ import shlex
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
 
@@ -21,7 +21,7 @@ from tests.waiting import until
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
-HUB_MODULES = ("driver", "navigation", "vision", "mapping", "autonomy")
+HUB = {"modules": ("driver", "navigation", "vision", "mapping", "autonomy")}
 MODULES = {"rune": "rune_tui", "rune-hub": "hub"}
 
 
@@ -33,28 +33,40 @@ def commands(page: Path) -> Iterator[str]:
                 yield line[2:].partition("  #")[0].strip()
 
 
+EVERY = [(page.name, command) for page in PAGES for command in dict.fromkeys(commands(page))]
+CHANGING = [
+    command
+    for command in dict.fromkeys(command for _, command in EVERY)
+    if command.startswith(("rune-hub start ", "rune-hub stop ", "rune-hub restart "))
+]
+"""After these, a hub has other processes than before."""
 ALL = [
-    pytest.param(command, id=f"{page.name}: {command}")
-    for page in PAGES
-    for command in dict.fromkeys(commands(page))
+    pytest.param(command, id=f"{page}: {command}")
+    for page, command in EVERY
+    if command not in CHANGING
 ]
 
 
 def test_there_are_commands() -> None:
     assert len(ALL) > 10
+    assert len(CHANGING) > 2
+
+
+def test_commands_that_change_processes_work(start_hub: Callable[..., HubProcess]) -> None:
+    hub = start_hub(**HUB)
+    for command in CHANGING:
+        done = rune_hub(*shlex.split(command)[1:], "--hub", hub.endpoint)
+        assert done.returncode == 0, f"{command}: {done.stderr}"
 
 
 @pytest.mark.parametrize("command", ALL)
 def test_command_works(
     command: str,
     lasting_hub: HubProcess,
-    request: pytest.FixtureRequest,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     words = shlex.split(command)
-    if words[0] == "rune-hub" and words[1] in ("start", "stop", "restart"):
-        lasting_hub = request.getfixturevalue("hub")  # it has other processes afterwards
     if words[0] == "make":
         targets = re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
         assert words[1] in targets

@@ -2,16 +2,35 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import closing
+
 import pytest
 
-from tests.system.harness import ConsoleProcess, HubProcess, Observer
-
-STILL = 1e-3
+from tests.system.conftest import console_of
+from tests.system.harness import STILL, ConsoleProcess, HubProcess, Observer, drive
 
 
 @pytest.fixture
 def hub(lasting_hub: HubProcess) -> HubProcess:
     return lasting_hub
+
+
+@pytest.fixture(scope="module")
+def lasting_console(
+    lasting_hub: HubProcess, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[ConsoleProcess]:
+    with closing(console_of(lasting_hub.endpoint, tmp_path_factory.mktemp("console"))) as started:
+        started.wait_for_picture()
+        yield started
+
+
+@pytest.fixture
+def console(lasting_console: ConsoleProcess) -> ConsoleProcess:
+    """Has the focus; no key is down, and the robot stands."""
+    lasting_console.type("\x1b[I")
+    lasting_console.wait(lambda: "STANDING" in lasting_console.text, 10.0)
+    return lasting_console
 
 
 def test_w_drives_forward_and_letting_go_stops(console: ConsoleProcess, observer: Observer) -> None:
@@ -43,7 +62,7 @@ def test_s_drives_back_and_a_and_d_turn(console: ConsoleProcess, observer: Obser
 def test_space_stops_at_once_and_the_held_key_no_longer_drives(
     console: ConsoleProcess, observer: Observer
 ) -> None:
-    console.hold_until("w", lambda: observer.truth.linear > 0.2)
+    drive(console, observer)
     console.type(" ")
     console.hold("w", 0.5)
     assert observer.truth.commanded_linear == 0.0
@@ -61,13 +80,17 @@ def test_j_turns_the_camera_to_the_left(console: ConsoleProcess) -> None:
     console.wait(lambda: "left" in console.text, 5.0)
 
 
-def test_q_quits_with_the_terminal_restored(console: ConsoleProcess) -> None:
+def test_q_quits_with_the_terminal_restored(
+    hub: HubProcess, start_console: Callable[..., ConsoleProcess]
+) -> None:
+    console = start_console(hub.endpoint)
+    console.wait_for_picture()
     console.type("q")
     assert console.wait_ended() == 0
 
 
 def test_losing_the_focus_lets_go_of_all_keys(console: ConsoleProcess, observer: Observer) -> None:
-    console.hold_until("w", lambda: observer.truth.linear > 0.2)
+    drive(console, observer)
     console.type("\x1b[O")
     # Sooner than the key would count as released for want of repeats alone.
     observer.wait(lambda: observer.truth.commanded_linear == 0.0, 5.0, "it drives on")

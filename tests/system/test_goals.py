@@ -14,9 +14,11 @@ from hub.gcm import map_coding, mapping, navigation
 from hub.gcm.common import REQUEST_DATA, RequestData
 from hub.gcm.navigation import Assistance, MotionState, Task
 from hub.ipc.definition import MessageDefinition
+from hub.plane import Pose
 from tests.system.harness import HubProcess, Observer
 from tests.waiting import until
 
+HUB = {"modules": ("driver", "navigation")}
 COMMANDS = (
     navigation.GOAL_COMMAND,
     navigation.TURN_COMMAND,
@@ -38,12 +40,15 @@ class Scene:
         self.client.define(*COMMANDS)
         self.client.wait_defined(5.0)
         self.client.wait_subscribed(5.0)
+        self.tasks_before = self.status.number
 
     def say(self, definition: MessageDefinition[Any], value: Any) -> None:
         self.client.publish(definition, value)
 
     def go(self, *places: tuple[float, float]) -> None:
-        points = tuple(navigation.Point(x=x, y=y) for x, y in places)
+        """Go to places that are given as seen from where the robot is [m]."""
+        seen = (self.pose.outward(x, y) for x, y in places)
+        points = tuple(navigation.Point(x=x, y=y) for x, y in seen)
         self.say(navigation.GOAL_COMMAND, navigation.GoalCommand(count=len(points), points=points))
 
     def push(self, linear: float, angular: float = 0.0) -> None:
@@ -59,6 +64,11 @@ class Scene:
         return newest
 
     @property
+    def pose(self) -> Pose:
+        """Where the robot stands in `map`."""
+        return Pose(x=self.state.x, y=self.state.y, theta=self.state.theta)
+
+    @property
     def status(self) -> navigation.NavigationStatus:
         history = self.observer.seen[navigation.NAVIGATION_STATUS.name]
         newest: navigation.NavigationStatus = history[-1][1]
@@ -66,31 +76,32 @@ class Scene:
 
     def wait_for(self, task: Task, timeout: float = 30.0) -> None:
         self.observer.wait(
-            lambda: self.status.task is task, timeout, f"never {task.name}: {self.status}"
+            lambda: self.status.task is task and self.status.number > self.tasks_before,
+            timeout,
+            lambda: f"never {task.name}: {self.status}",
         )
 
 
 @pytest.fixture
-def hub(start_hub: Callable[..., HubProcess]) -> HubProcess:
-    return start_hub(modules=("driver", "navigation"))
-
-
-@pytest.fixture
-def scene(hub: HubProcess, stack: ExitStack) -> Scene:
-    return Scene(hub, stack)
+def scene(lasting_hub: HubProcess, stack: ExitStack) -> Scene:
+    """The robot stands."""
+    scene = Scene(lasting_hub, stack)
+    scene.observer.wait(lambda: scene.state.linear == scene.state.angular == 0.0, 10.0)
+    return scene
 
 
 def test_a_goal_and_a_turn_are_carried_out(scene: Scene) -> None:
+    goal = scene.pose.outward(1.0, 0.3)
     scene.go((1.0, 0.3))
     scene.observer.wait(lambda: scene.state.motion is MotionState.GOING, 5.0, "it does not go")
     scene.wait_for(Task.REACHED)
-    assert math.dist((scene.state.x, scene.state.y), (1.0, 0.3)) < 0.25
+    assert math.dist((scene.state.x, scene.state.y), goal) < 0.25
     assert scene.status.sender != 0
     scene.say(navigation.TURN_COMMAND, navigation.TurnCommand(angle=1.0))
     scene.wait_for(Task.TURNING)
     scene.wait_for(Task.REACHED)
     scene.observer.wait(lambda: scene.state.motion is MotionState.STANDING, 5.0)
-    assert scene.status.number == 2
+    assert scene.status.number == scene.tasks_before + 2
 
 
 @pytest.mark.parametrize("how", ["stop", "no points", "stick"])
@@ -123,13 +134,14 @@ def test_goals_that_are_nowhere_do_not_move_it(scene: Scene) -> None:
     scene.say(navigation.TURN_COMMAND, navigation.TurnCommand(angle=math.nan))
     scene.go((0.5, 0.0))
     scene.wait_for(Task.REACHED)
-    assert scene.status.number == 1
+    assert scene.status.number == scene.tasks_before + 1
 
 
 def test_a_map_shows_the_way(scene: Scene) -> None:
     resolution, side = 0.05, 200
     cells = np.zeros((side, side), dtype=np.int8)
     cells[60:140, 112:114] = 100  # a wall across the straight way that only the map knows
+    here = scene.pose
 
     def answer(request: mapping.MapRequest) -> mapping.Map:
         del request
@@ -139,17 +151,17 @@ def test_a_map_shows_the_way(scene: Scene) -> None:
             resolution=resolution,
             width_cells=side,
             height_cells=side,
-            origin_x=-5.0,
-            origin_y=-5.0,
+            origin_x=here.x - 5.0,
+            origin_y=here.y - 5.0,
             length=len(data),
             data=data,
         )
 
     scene.client.respond(mapping.MAP_REQUEST, mapping.MAP, answer)
     scene.client.wait_defined(5.0)
-    scene.go((2.0, 0.0))
+    scene.go(here.inward(here.x + 2.0, here.y))
     scene.observer.wait(lambda: scene.status.count > 2, 10.0, "it has no way")
-    assert max(abs(point.y) for point in scene.status.path) > 1.5
+    assert max(abs(point.y - here.y) for point in scene.status.path) > 1.5
     scene.observer.wait(lambda: scene.status.distance_left > 3.0, 5.0, "it goes straight")
     scene.go()
     scene.wait_for(Task.CANCELLED)
@@ -158,7 +170,7 @@ def test_a_map_shows_the_way(scene: Scene) -> None:
 def test_assistance_stops_before_a_wall_and_says_so(
     start_hub: Callable[..., HubProcess], stack: ExitStack
 ) -> None:
-    scene = Scene(start_hub(arena="yellow"), stack)
+    scene = Scene(start_hub(arena="yellow", modules=HUB["modules"]), stack)
 
     def stopped() -> bool:
         scene.push(0.5)
@@ -190,12 +202,16 @@ def test_assistance_stops_before_a_wall_and_says_so(
 
 
 def test_a_landmark_moves_the_pose(scene: Scene) -> None:
+    seen = Pose(theta=scene.state.theta).outward(2.0, 0.0)
+    real = scene.state.x + 3.0 - seen[0], scene.state.y + 1.0 - seen[1]
     scene.say(
         navigation.LANDMARK_CORRECTION,
-        navigation.LandmarkCorrection(x=3.0, y=1.0, seen_x=2.0, seen_y=0.0),
+        navigation.LandmarkCorrection(
+            x=scene.state.x + 3.0, y=scene.state.y + 1.0, seen_x=2.0, seen_y=0.0
+        ),
     )
     scene.observer.wait(
-        lambda: math.dist((scene.state.x, scene.state.y), (1.0, 1.0)) < 0.05, 5.0, "it stays"
+        lambda: math.dist((scene.state.x, scene.state.y), real) < 0.05, 5.0, "it stays"
     )
 
 

@@ -37,21 +37,3 @@ def test_console_comes_back_when_the_hub_does(
         observer.close()
     finally:
         second.close()
-
-
-def test_a_terminal_that_stops_reading_delays_no_stop(
-    console: ConsoleProcess, observer: Observer
-) -> None:
-    # From here on nobody reads what the console writes, while keys still come.
-    observer.wait(
-        lambda: (console.type("w"), observer.client.listen(0.03), observer.truth.linear > 0.2)[2],
-        20.0,
-        "keys do not reach the robot",
-    )
-    for _ in range(40):
-        console.type("w")
-        observer.client.listen(0.03)
-    console.type(" ")
-    observer.wait(lambda: observer.truth.commanded_linear == 0.0, 5.0, "the stop did not come")
-    console.pump(1.0)
-    console.wait(lambda: "STANDING" in console.text, 10.0, "the picture does not come back")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -23,18 +23,24 @@ WHOLE = mapping.MapRequest(x=math.nan)
 TIMEOUT = 10.0
 
 
-@pytest.fixture
-def yellow(start_hub: Callable[..., HubProcess]) -> HubProcess:
-    return start_hub(arena="yellow", modules=("driver", "navigation", "mapping"))
+HUB = {"arena": "yellow", "modules": ("driver", "navigation", "mapping")}
 
 
-@pytest.fixture
-def watch(yellow: HubProcess) -> Iterator[Observer]:
-    """Sees ground truth and interest points."""
-    with closing(
-        Observer(yellow.endpoint, navigation.GROUND_TRUTH, mapping.INTEREST_POINTS)
-    ) as observer:
+@pytest.fixture(scope="module")
+def lasting_watch(lasting_hub: HubProcess) -> Iterator[Observer]:
+    definitions = navigation.GROUND_TRUTH, mapping.INTEREST_POINTS
+    with closing(Observer(lasting_hub.endpoint, *definitions)) as observer:
         yield observer
+
+
+@pytest.fixture
+def watch(lasting_watch: Observer) -> Observer:
+    """Sees ground truth and interest points, of which there are none; much is mapped."""
+    for point in points(lasting_watch):
+        lasting_watch.client.publish(mapping.POINT_COMMAND, remove(point.number))
+    lasting_watch.wait(lambda: not points(lasting_watch), 5.0, "points stay")
+    lasting_watch.wait(lambda: known(lasting_watch) > 500, 10.0, "nothing is mapped")
+    return lasting_watch
 
 
 def map_of(watch: Observer, request: mapping.MapRequest = WHOLE) -> tuple[mapping.Map, Any]:
@@ -72,8 +78,12 @@ def mark(x: float, **fields: Any) -> mapping.PointCommand:
     return mapping.PointCommand(point=point)
 
 
+def remove(number: int) -> mapping.PointCommand:
+    point = mark(0.0, number=number).point
+    return mapping.PointCommand(action=mapping.PointAction.REMOVE, point=point)
+
+
 def test_the_map_grows_where_the_robot_drives_and_comes_in_windows(watch: Observer) -> None:
-    watch.wait(lambda: known(watch) > 500, 10.0, "nothing is mapped")
     found, before = map_of(watch)
     assert found.resolution == 0.05
     assert found.stamp > 0.0
@@ -107,11 +117,11 @@ def test_points_are_told_to_all_when_they_change_and_on_request(watch: Observer)
     watch.client.publish(mapping.POINT_COMMAND, mark(2.5, note="waves"))
     watch.wait(lambda: points(watch), 5.0, "the point is not told")
     (point,) = points(watch)
-    assert (point.number, point.x, point.note) == (1, 2.5, "waves")
+    assert (point.x, point.note) == (2.5, "waves")
     assert point.by
     assert point.stamp > 1e9
     watch.client.publish(mapping.POINT_COMMAND, mark(math.nan))
-    watch.client.publish(mapping.POINT_COMMAND, mark(3.5, number=1, by="Ada"))
+    watch.client.publish(mapping.POINT_COMMAND, mark(3.5, number=point.number, by="Ada"))
     watch.wait(lambda: points(watch)[0].x == 3.5, 5.0, "the point is not replaced")
     assert (len(points(watch)), points(watch)[0].by) == (1, "Ada")
     history = watch.seen[mapping.INTEREST_POINTS.name]
@@ -119,20 +129,16 @@ def test_points_are_told_to_all_when_they_change_and_on_request(watch: Observer)
     watch.client.publish(REQUEST_DATA, RequestData(message=mapping.INTEREST_POINTS.name))
     # Sooner than the five seconds after which they come anyway.
     watch.wait(lambda: len(history) > told, 3.0, "they are not told on request")
-    gone = mapping.PointCommand(action=mapping.PointAction.REMOVE, point=mark(0.0, number=1).point)
-    watch.client.publish(mapping.POINT_COMMAND, gone)
+    watch.client.publish(mapping.POINT_COMMAND, remove(point.number))
     watch.wait(lambda: not points(watch), 5.0, "the point is not removed")
 
 
-def test_a_map_is_saved_loaded_and_cleared(
-    watch: Observer, yellow: HubProcess, tmp_path: Path
-) -> None:
-    watch.wait(lambda: known(watch) > 500, 10.0, "nothing is mapped")
+def test_a_map_is_saved_loaded_and_cleared(watch: Observer, lasting_hub: HubProcess) -> None:
     watch.client.publish(mapping.POINT_COMMAND, mark(2.5))
     watch.wait(lambda: points(watch), 5.0, "the point is not told")
     saved = order(watch, mapping.MapOrder.SAVE, "office")
     assert saved.done == 1, saved.text
-    described = tmp_path / "maps" / "office.yaml"
+    described = lasting_hub.log.parent / "maps" / "office.yaml"
     image = Image.open(described.with_suffix(".pgm"))
     assert {0, 205, 254} == set(np.unique(np.asarray(image)).tolist())
     elsewhere = re.sub(r"origin: .*", "origin: [15.0, 15.0, 0.0]", described.read_text())
@@ -148,7 +154,7 @@ def test_a_map_is_saved_loaded_and_cleared(
         refused = order(watch, mapping.MapOrder.LOAD, name)
         assert refused.done == 0
         assert name in refused.text
-    assert "mapping was ended" not in yellow.log.read_text()
+    assert "mapping was ended" not in lasting_hub.log.read_text()
 
 
 def test_a_map_of_too_many_cells_is_refused_before_anything_is_made(tmp_path: Path) -> None:

@@ -1,26 +1,21 @@
-"""Whatever dies, the robot stops. Times are generous here; benchmarks/start.py measures them."""
+"""Whatever becomes of the console, the robot stops.
+
+Times are generous here; benchmarks/start.py measures them.
+"""
 
 from __future__ import annotations
 
-import os
 import signal
 
 import pytest
 
 from hub.gcm import navigation
-from tests.system.harness import ConsoleProcess, HubProcess, Observer, in_soak
-from tests.waiting import until
-
-STILL = 1e-3
+from tests.system.harness import ConsoleProcess, HubProcess, Observer, drive, expect_stop, in_soak
 
 
-def _drive(console: ConsoleProcess, observer: Observer) -> None:
-    console.hold_until("w", lambda: observer.truth.linear > 0.2)
-
-
-def _expect_stop(observer: Observer) -> None:
-    observer.wait(lambda: observer.truth.commanded_linear == 0.0, 2.0, "the wheels are driven on")
-    observer.wait(lambda: abs(observer.truth.linear) < STILL, 2.0, "it rolls on")
+@pytest.fixture
+def hub(lasting_hub: HubProcess) -> HubProcess:
+    return lasting_hub
 
 
 @pytest.mark.parametrize(
@@ -29,9 +24,9 @@ def _expect_stop(observer: Observer) -> None:
 def test_console_gone_robot_stops(
     console: ConsoleProcess, observer: Observer, number: signal.Signals
 ) -> None:
-    _drive(console, observer)
+    drive(console, observer)
     console.process.send_signal(number)
-    _expect_stop(observer)
+    expect_stop(observer)
     if number is signal.SIGSTOP:
         # Awake again, it must not drive off with the key that was held before.
         observer.history.clear()
@@ -54,46 +49,10 @@ def test_keys_typed_while_the_console_was_stopped_do_not_drive(
     assert all(truth.commanded_linear == 0.0 for _, truth in observer.history)
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
-def test_navigation_gone_robot_stops(
-    hub: HubProcess, console: ConsoleProcess, observer: Observer, number: signal.Signals
-) -> None:
-    _drive(console, observer)
-    os.kill(hub.pids["navigation"], number)
-    for _ in range(10):
-        console.hold("w", 0.05)
-        observer.client.listen(0.01)
-    _expect_stop(observer)
-    if number is signal.SIGSTOP:
-        os.kill(hub.pids["navigation"], signal.SIGCONT)
-
-
-def test_navigation_comes_back_and_waits_for_neutral(
-    hub: HubProcess, console: ConsoleProcess, observer: Observer
-) -> None:
-    _drive(console, observer)
-    os.kill(hub.pids["navigation"], signal.SIGKILL)
-    _expect_stop(observer)
-    console.wait(lambda: "STANDING" in console.text or "WAITING" in console.text, 10.0)
-    console.wait(lambda: "STANDING" in console.text, 10.0, "neutral commands do not reach it")
-    _drive(console, observer)
-
-
-def test_driver_comes_back_and_waits_for_neutral(
-    hub: HubProcess, console: ConsoleProcess, observer: Observer
-) -> None:
-    _drive(console, observer)
-    os.kill(hub.pids["driver"], signal.SIGKILL)
-    until(lambda: "the driver began anew" in hub.log.read_text(), 10.0, meanwhile=console.pump)
-    assert observer.truth.commanded_linear == 0.0
-    console.wait(lambda: "STANDING" in console.text, 10.0, "neutral commands do not reach it")
-    _drive(console, observer)
-
-
 def test_a_stop_from_anyone_stops_until_keys_are_let_go(
     console: ConsoleProcess, observer: Observer
 ) -> None:
-    _drive(console, observer)
+    drive(console, observer)
     observer.client.define(navigation.STOP)
     observer.client.wait_defined(5.0)
     observer.client.publish(navigation.STOP, navigation.Stop(reason="a test"))
@@ -101,4 +60,4 @@ def test_a_stop_from_anyone_stops_until_keys_are_let_go(
     console.hold("w", 0.5)
     assert observer.truth.commanded_linear == 0.0
     console.pump(1.0)
-    _drive(console, observer)
+    drive(console, observer)

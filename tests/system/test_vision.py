@@ -36,6 +36,11 @@ def pixels_of(image: vision.Image) -> np.ndarray:
 
 
 @pytest.fixture
+def hub(lasting_hub: HubProcess) -> HubProcess:
+    return lasting_hub
+
+
+@pytest.fixture
 def dark_hub(start_hub: StartHub, tmp_path: Path) -> HubProcess:
     """A robot in the yellow arena at night."""
     arena = (SHIPPED / "yellow.toml").read_text().replace("[hall]", "[hall]\nlight = 0.04")
