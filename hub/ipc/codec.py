@@ -49,6 +49,7 @@ class Codec:
     """Encodes and decodes the payloads of one format; use `compiled` to get one.
 
     Attributes:
+        tree: The format.
         text: The format in its canonical spelling.
         fingerprint: 64-bit identity of the format: equal formats have equal fingerprints.
         fixed_length: Whether every payload has the same length.
@@ -63,17 +64,17 @@ class Codec:
         self.flat_letters = codegen.flat_letters(tree)
         digest = hashlib.blake2b(self.text.encode(), digest_size=8).digest()
         self.fingerprint = int.from_bytes(digest, "little")
-        self._tree = tree
+        self.tree = tree
 
     # Generated when they are first used: no program uses all formats that it knows.
 
     @functools.cached_property
     def _encode(self) -> Callable[[Any], list[Buffer]]:
-        return codegen_write.writer(self._tree)
+        return codegen_write.writer(self.tree)
 
     @functools.cached_property
     def _decode(self) -> Callable[[Buffer], Any]:
-        return codegen_read.reader(self._tree)
+        return codegen_read.reader(self.tree)
 
     def encode(self, value: Any) -> list[Buffer]:
         """The payload of `value` in pieces; joined, they are the payload.

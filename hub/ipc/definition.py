@@ -70,11 +70,12 @@ class MessageDefinition(Generic[T]):
 
     def __post_init__(self) -> None:
         check_name(self.name)
-        tree = formats.parse(self.format)
+        compiled = codec.compiled(self.format)
+        tree = compiled.tree
         if not isinstance(tree, formats.Struct):
             raise MessageFormatError(self.format, 0, "a typed message is a struct: {...}")
         object.__setattr__(self, "tree", tree)
-        object.__setattr__(self, "_codec", codec.compiled(self.format))
+        object.__setattr__(self, "_codec", compiled)
         object.__setattr__(self, "_record", Record.of(self.type, tree, self.name))
 
     @property

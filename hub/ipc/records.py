@@ -1,7 +1,8 @@
 """How a dataclass and the plain values that a codec knows turn into each other.
 
 A mapping with the names of the fields is as good as the dataclass, at any depth. The functions are
-generated once for each message, because that is the fastest.
+generated once for each message, because that is the fastest, and when they are first used, because
+no program uses all messages that it knows.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import enum
+import functools
 import types
 import typing
 from collections.abc import Callable, Mapping, Sequence
@@ -45,7 +47,7 @@ class Member:
     shown: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Record:
     """How one dataclass and the values of one struct turn into each other.
 
@@ -53,16 +55,13 @@ class Record:
         kind: The dataclass.
         members: Its fields, in order.
         adapt: From anything else that has those fields, such as a mapping, to an object of them.
-        values: From the dataclass, or a mapping, to the members of the struct; of the first node of
-            a linked list, nested like its dataclasses.
-        build: The way back.
+        next_place: Which member of a linked list's node is the next node; None: it is no list.
     """
 
     kind: type[Any]
     members: tuple[Member, ...]
     adapt: _Converter
-    values: _Converter
-    build: _Converter
+    next_place: int | None
 
     @classmethod
     def of(cls, kind: Any, tree: formats.Struct, where: str) -> Record:
@@ -83,12 +82,24 @@ class Record:
             for field, node in zip(fields, tree.members, strict=True)
         )
         adapt = _adapter(kind, [member.name for member in members], where)
-        values: _Converter = _TakerApart(flat=False).function(kind, members, adapt)
-        build: _Converter = _Builder(flat=False).function(kind, members)
-        if tree.next_place is not None:
-            values = _list_taker_apart(values, tree.next_place)
-            build = _list_builder(build, tree.next_place, kind.__name__)
-        return cls(kind=kind, members=members, adapt=adapt, values=values, build=build)
+        return cls(kind=kind, members=members, adapt=adapt, next_place=tree.next_place)
+
+    @functools.cached_property
+    def values(self) -> _Converter:
+        """The function from the dataclass, or a mapping, to the members of the struct.
+
+        From the first node of a linked list to its members, nested like its dataclasses.
+        """
+        values = _TakerApart(flat=False).function(self.kind, self.members, self.adapt)
+        return values if self.next_place is None else _list_taker_apart(values, self.next_place)
+
+    @functools.cached_property
+    def build(self) -> _Converter:
+        """The way back."""
+        build = _Builder(flat=False).function(self.kind, self.members)
+        if self.next_place is None:
+            return build
+        return _list_builder(build, self.next_place, self.kind.__name__)
 
     @property
     def fields(self) -> str:
@@ -314,8 +325,8 @@ def _member(name: str, hint: Any, node: formats.Format, where: str) -> Member:
             name=name,
             record=record,
             inline=node.next_place is None,
-            outward=record.values,
-            inward=record.build,
+            outward=_late(record, "values"),
+            inward=_late(record, "build"),
             shown="{" + record.fields + "}",
         )
     if isinstance(node, formats.Pointer):
@@ -329,6 +340,15 @@ def _member(name: str, hint: Any, node: formats.Format, where: str) -> Member:
     if isinstance(hint, type) and issubclass(hint, enum.IntEnum):
         return Member(name=name, inward=_enum_reader(hint, where))
     return Member(name=name)
+
+
+def _late(record: Record, function: str) -> _Converter:
+    """One of a record's functions, which is generated when this one is first called."""
+
+    def convert(value: Any) -> Any:
+        return getattr(record, function)(value)
+
+    return convert
 
 
 def _without_none(hint: Any) -> Any:
