@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from rune_tui.errors import LayoutError, LayoutProblem
 from rune_tui.layout import loader
-from rune_tui.layout.loader import LARGEST_FILE
+from rune_tui.layout.loader import LARGEST_FILE, load_layout
 from rune_tui.layout.spec import CapabilitySpec, EventSpec, LayoutSpec
-from rune_tui.opening import open_layout
+from rune_tui.opening import BUILT_IN, open_layout
 
 LAYOUTS = Path(__file__).parents[3] / "layouts"
 GOOD = sorted(LAYOUTS.glob("*.xml"))
@@ -57,7 +57,7 @@ SHORT = """\
 def load(tmp_path: Path, content: str | bytes) -> LayoutSpec:
     path = tmp_path / "layout.xml"
     path.write_bytes(content.encode() if isinstance(content, str) else content)
-    return open_layout(path)
+    return load_layout(path, BUILT_IN)
 
 
 def problems(tmp_path: Path, content: str | bytes) -> tuple[LayoutProblem, ...]:
