@@ -85,6 +85,8 @@ def order(client: Client, module: str, wanted: str) -> int:
         raise _no_daemon(client) from error
     if result.done:
         put(printable(result.text))
+    else:
+        _need_known(client, module, result.text)
     return outcome(result)
 
 
@@ -151,10 +153,15 @@ def _lines(client: Client, module: str, first: int, most: int) -> supervision.Lo
             supervision.LOG_REQUEST, request, supervision.LOG_LINES, timeout=_ANSWER_S
         )
     except HandlerFailedError as error:
-        reports = _last(client, supervision.MODULE_REPORTS)
-        if module not in (each.name for each in reports.modules):
-            raise UnknownModuleError(str(error)) from error
+        _need_known(client, module, str(error))
         raise
+
+
+def _need_known(client: Client, module: str, text: str) -> None:
+    """That something is not done may be because there is no such module: then it is wrong usage."""
+    reports = _last(client, supervision.MODULE_REPORTS)
+    if module not in (each.name for each in reports.modules):
+        raise UnknownModuleError(printable(text))
 
 
 def _last(client: Client, definition: Any) -> Any:  # noqa: ANN401 - a report of any kind
