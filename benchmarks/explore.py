@@ -45,7 +45,7 @@ def main() -> None:
         tour = Tour(stack, folder)
         seconds, asked = tour.explore(LONGEST_S, say), 1
         # On a machine that is too busy for its robot, somebody has to ask again, as in the field.
-        while not tour.state.why.startswith("all is explored") and seconds < LONGEST_S:
+        while not tour.state.why.startswith("explored: ") and seconds < LONGEST_S:
             say(f"asked again: {tour.state.why}")
             tour.observer.wait(lambda: abs(tour.truth.linear) < STILL, 10.0)
             seconds, asked = seconds + tour.explore(LONGEST_S - seconds, say), asked + 1

@@ -30,7 +30,7 @@ from hub.ipc.definition import MessageDefinition
 from hub.ipc.reception import Reception
 from hub.ipc.security import DEFAULT_ENDPOINT
 from hub.logs import LEVELS, start_logging
-from hub.robots.description import RobotDescription, read_description
+from hub.robots.description import RobotDescription, read_description, settings
 
 _logger = logging.getLogger(__name__)
 
@@ -110,7 +110,8 @@ def _parser(name: str, purpose: str) -> argparse.ArgumentParser:
         description=purpose,
         epilog="Exit codes: 0 stopped, 1 a fault, 2 wrong usage or robot file, 3 no hub.",
     )
-    parser.add_argument("--robot", required=True, type=Path, help="the robot file")
+    robot_help = "; ".join(filter(None, ("the robot file", settings(name))))
+    parser.add_argument("--robot", required=True, type=Path, help=robot_help)
     parser.add_argument("--hub", default=DEFAULT_ENDPOINT, help="endpoint of central (%(default)s)")
     parser.add_argument(
         "--describe", action="store_true", help="say as JSON what it can do there, and end"

@@ -35,11 +35,13 @@ class Key:
         read: Turns what TOML gives into the value, or raises `RefusedError`.
         default: Value where the key is absent; `REQUIRED` where it must not be.
         field: Name of the value, if it is not the key's.
+        meaning: For people who ask for help.
     """
 
     read: Reader
     default: Any = REQUIRED
     field: str = ""
+    meaning: str = ""
 
 
 class Problems(list[str]):

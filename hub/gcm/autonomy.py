@@ -14,7 +14,7 @@ class Behaviour(enum.IntEnum):
 
     Attributes:
         HOLD: Nothing; the operator drives.
-        EXPLORE: Go where the map ends, until it has no such places that can be reached.
+        EXPLORE: Go where the map ends, until no such place can be reached or nothing new comes.
         GO: Go to a point.
         FOLLOW: Go to one point after the other.
         RETURN: Go back to where the robot started.
@@ -72,7 +72,7 @@ class AutonomyState:
         x: Where it goes in `map` [m]; NaN: nowhere.
         y: Where it goes in `map` [m].
         frontier_m: Length of the map's edge that is left to explore [m]; NaN: not exploring.
-        why: Why it does so, for people: "the operator took over", "all is explored".
+        why: Why it does so, for people: "the operator took over", "explored: nothing is left".
     """
 
     behaviour: Behaviour

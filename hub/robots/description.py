@@ -16,6 +16,9 @@ from hub.robots.video_source import video_source
 SHIPPED = Path(__file__).parent / "files"
 ROBOTS_OWN = "robot"
 """The source of pictures that is the robot's own camera."""
+NOTHING_NEW_S = 60.0
+NOTHING_NEW_SHARE = 0.01
+"""Exploring ends when the map's free ground grew by less than this share for this time [s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,6 +51,8 @@ class RobotDescription:
         map_resolution: Edge of a cell of the map [m].
         map_size: Extent of the map in both directions, the start in its middle [m].
         map_folder: Where maps are saved; empty: the user's own folder of data.
+        nothing_new_s: Exploring ends when nothing new came for this time, although it drove [s].
+        nothing_new_share: Nothing new means that the map's free ground grew by less than this.
         modules: The tables under [modules], not yet checked.
     """
 
@@ -75,6 +80,8 @@ class RobotDescription:
     map_resolution: float
     map_size: float
     map_folder: str
+    nothing_new_s: float
+    nothing_new_share: float
     modules: dict[str, Any]
 
     @property
@@ -121,9 +128,27 @@ _TABLES = {
         "headlight": toml.Key(toml.truth, default=True),
     },
     "mapping": {
-        "resolution": toml.Key(toml.number(0.01, 1.0), 0.05, "map_resolution"),
-        "size": toml.Key(toml.number(1.0, 1000.0), 40.0, "map_size"),
-        "folder": toml.Key(toml.text(1000), "", "map_folder"),
+        "resolution": toml.Key(
+            toml.number(0.01, 1.0), 0.05, "map_resolution", "edge of a cell of the map [m]"
+        ),
+        "size": toml.Key(
+            toml.number(1.0, 1000.0), 40.0, "map_size", "extent of the map in both directions [m]"
+        ),
+        "folder": toml.Key(
+            toml.text(1000), "", "map_folder", "where maps are saved; without: the user's own"
+        ),
+    },
+    "autonomy": {
+        "nothing_new_s": toml.Key(
+            toml.number(5.0, 86400.0),
+            NOTHING_NEW_S,
+            meaning="exploring ends when nothing new came for this time, although it drove [s]",
+        ),
+        "nothing_new_share": toml.Key(
+            toml.number(0.0, 1.0),
+            NOTHING_NEW_SHARE,
+            meaning="nothing new: the map's free ground grew by less than this share",
+        ),
     },
     "simulation": {
         "arena": toml.Key(toml.text(200), "yellow"),
@@ -173,6 +198,16 @@ def read_description(path: Path) -> tuple[RobotDescription, toml.Problems]:
         fields["camera_source"] = _located(fields["camera_source"], beside)
     fields["camera_fov"] = math.radians(fields["camera_fov"])
     return RobotDescription(path=path, modules=modules, **fields), problems
+
+
+def settings(module: str) -> str:
+    """What the robot file can set for a module, in words; empty: nothing."""
+    keys = _TABLES.get(module, {})
+    told = [
+        f"{name} ({key.default}): {key.meaning}" if key.default != "" else f"{name}: {key.meaning}"
+        for name, key in keys.items()
+    ]
+    return f"its table [{module}] has: {'; '.join(told)}" if told else ""
 
 
 def _located(named: str, folder: Path) -> str:

@@ -57,7 +57,7 @@ def test_it_explores_and_the_operators_stick_takes_over_at_once(tour: Tour) -> N
 @pytest.mark.soak
 def test_a_whole_arena_is_mapped_without_a_contact(tour: Tour, tmp_path: Path) -> None:
     tour.explore(1200.0)
-    assert tour.state.why.startswith("all is explored")
+    assert tour.state.why.startswith("explored: ")
     assert tour.truth.contacts == 0
     assert tour.mapped_share() > 0.9
 

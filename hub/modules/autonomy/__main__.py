@@ -12,6 +12,7 @@ from hub.gcm.capability import Abilities, Capability
 from hub.grids.grid import grid_of
 from hub.ipc.client import Client
 from hub.ipc.reception import Reception
+from hub.modules.autonomy.novelty import Limits
 from hub.modules.autonomy.pilot import Pilot
 from hub.robots.description import RobotDescription
 from hub.runtime import publish_on_request, run_module
@@ -30,7 +31,8 @@ class Autonomy:
     def __init__(self, client: Client, robot: RobotDescription) -> None:
         self._client = client
         self._clock = time.monotonic
-        self._pilot = Pilot(radius=robot.radius + robot.margin, seed=robot.seed)
+        limits = Limits(seconds=robot.nothing_new_s, share=robot.nothing_new_share)
+        self._pilot = Pilot(radius=robot.radius + robot.margin, seed=robot.seed, limits=limits)
         self._said = ""
         self._why = ""
         client.subscribe(autonomy.AUTONOMY_COMMAND, self._command)

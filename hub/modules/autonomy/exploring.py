@@ -1,4 +1,4 @@
-"""The errand of exploring: goes where the map ends until there are no such places left; pure."""
+"""The errand of exploring: goes where the map ends, until there is nothing new to see; pure."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from hub.gcm.navigation import Point
 from hub.grids.frontiers import Frontier, edge_cells, frontiers
 from hub.grids.grid import Grid
 from hub.modules.autonomy.errands import End, Pause, Sight, Target
+from hub.modules.autonomy.novelty import Limits, Novelty
 
 SHORTEST = 0.4
 """Shorter frontiers are gaps between the cones of sensors, no ground to explore [m]."""
@@ -46,38 +47,47 @@ class Explore:
     the map shows narrower than it is, for which a way counts ten times, must not come after every
     gap between two sonars' cones. A frontier that stays although the robot was there, or that it
     cannot get to, is left alone until all others are done, and given up in the end: sonars do not
-    see walls that they look at sideways.
+    see walls that they look at sideways. It also ends when nothing new comes: drift makes places
+    anew that are known already.
 
     Attributes:
         needs_map: True.
         frontier_m: Length of all frontiers that can be reached and are not given up [m].
     """
 
-    def __init__(self, radius: float) -> None:
+    def __init__(self, radius: float, limits: Limits) -> None:
         """Get ready.
 
         Args:
             radius: The robot's, with the margin it must keep [m].
+            limits: When nothing new has come for long enough.
         """
         self.needs_map = True
         self.frontier_m = math.nan
         self._radius = radius
+        self._novelty = Novelty(limits)
         self._vain: list[_Vain] = []
 
     def choose(self, sight: Sight) -> Target | Pause | End:
         """The frontier to go to."""
         if sight.grid is None or not sight.fresh:
             return Pause(why="looks around")
+        self._look(sight, sight.grid)
         found = self._frontiers(sight, sight.grid)
         reachable = [place for place in found if math.isfinite(place.distance)]
         left = [place for place in reachable if not self._given_up(place)]
         self.frontier_m = sum(place.length for place in left)
-        if not left:
-            return End(why=self._summary(len(found) - len(reachable)))
+        nothing_new = self._novelty.over(sight.now)
+        if nothing_new or not left:
+            seconds = self._novelty.limits.seconds
+            reason = f"nothing new for {seconds:g} s" if nothing_new else "nothing is left"
+            counts = len(left), len(found) - len(reachable), len(reachable) - len(left)
+            return End(why=summary(reason, *counts))
         # Places where it was in vain come last, and those that rest are better than none.
         untried = [place for place in left if self._at(place.x, place.y) is None]
         rested = [place for place in left if not self._rests(place, sight.now)]
         best = max(untried or rested or left, key=worth)
+        self._novelty.set_out()
         why = f"explores: a frontier of {best.length:.1f} m, {best.distance:.1f} m away"
         return Target(points=(Point(x=best.x, y=best.y),), why=why)
 
@@ -85,6 +95,7 @@ class Explore:
         """Whether the map still ends there."""
         if sight.grid is None:
             return True
+        self._look(sight, sight.grid)
         goal = target.points[-1]
         return _ends_near(sight.grid, goal.x, goal.y, self._radius + LOOK + NEAR)
 
@@ -125,14 +136,25 @@ class Explore:
         vain = self._at(place.x, place.y)
         return vain is not None and now < vain.until
 
-    def _summary(self, out_of_reach: int) -> str:
-        given_up = sum(vain.visits >= TRIES for vain in self._vain)
-        if not given_up and not out_of_reach:
-            return "all is explored"
-        return (
-            "all is explored that can be: the map also ends at"
-            f" {out_of_reach} places out of reach and {given_up} given up"
-        )
+    def _look(self, sight: Sight, grid: Grid) -> None:
+        free = float(np.count_nonzero(grid.free)) * grid.resolution**2
+        self._novelty.look(free, sight.x, sight.y, sight.now)
+
+
+def summary(reason: str, left: int, out_of_reach: int, given_up: int) -> str:
+    """How exploring ended, for people.
+
+    Args:
+        reason: Why.
+        left: Frontiers that could have been gone to.
+        out_of_reach: Frontiers to which the map shows no way.
+        given_up: Frontiers where it was in vain.
+    """
+    counts = {"left": left, "out of reach": out_of_reach, "given up": given_up}
+    parts = [f"{count} {name}" for name, count in counts.items() if count]
+    if not parts:
+        return f"explored: {reason}"
+    return f"explored: {reason}; frontiers: {', '.join(parts)}"
 
 
 def worth(frontier: Frontier) -> float:

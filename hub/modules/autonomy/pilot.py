@@ -18,6 +18,7 @@ from hub.grids.grid import Grid
 from hub.modules.autonomy.errands import NOWHERE, End, Errand, Sight, Target, Visit
 from hub.modules.autonomy.exploring import Explore
 from hub.modules.autonomy.goal_watch import GoalWatch, Outcome
+from hub.modules.autonomy.novelty import Limits
 from hub.modules.autonomy.senses import MAP_PERIOD_S, Senses
 from hub.modules.autonomy.wandering import Wander
 
@@ -42,14 +43,16 @@ _OVER = (Outcome.REACHED, Outcome.BLOCKED, Outcome.LOST)
 class Pilot:
     """Decides where navigation is sent; every method gets the present monotonic time [s]."""
 
-    def __init__(self, *, radius: float, seed: int) -> None:
+    def __init__(self, *, radius: float, seed: int, limits: Limits | None = None) -> None:
         """Hold.
 
         Args:
             radius: The robot's, with the margin it must keep [m].
             seed: Of what is drawn by lot.
+            limits: When exploring has brought nothing new for long enough.
         """
         self._radius = radius
+        self._limits = limits or Limits()
         self._seed = seed
         self._senses = Senses()
         self._watch = GoalWatch()
@@ -166,7 +169,7 @@ class Pilot:
 
     def _errand_of(self, behaviour: Behaviour, points: Sequence[Point]) -> Errand:
         if behaviour is Behaviour.EXPLORE:
-            return Explore(self._radius)
+            return Explore(self._radius, self._limits)
         if behaviour is Behaviour.WANDER:
             self._seed += 1
             return Wander(self._radius, self._seed)

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from hub.errors import RobotFileError
 from hub.robomon.table import load_robot_table
+from hub.robots import description
 from hub.robots.description import SHIPPED
 
 GOOD = (SHIPPED / "magellan.toml").read_text()
@@ -63,6 +64,16 @@ def test_camera_of_one_s_own_is_named_beside_the_robot_file(tmp_path: Path) -> N
     assert source('source = "rtsp://10.0.0.7/x"') == "rtsp://10.0.0.7/x"
     source("fov_deg = 90")
     assert load_robot_table(str(robot)).robot.camera_fov == pytest.approx(math.pi / 2)
+
+
+def test_when_exploring_ends_is_set_in_the_robot_file_and_told_to_who_asks(tmp_path: Path) -> None:
+    robot = tmp_path / "robot.toml"
+    robot.write_text(GOOD + "\n[autonomy]\nnothing_new_s = 90\nnothing_new_share = 0.05\n")
+    table = load_robot_table(str(robot))
+    assert (table.robot.nothing_new_s, table.robot.nothing_new_share) == (90.0, 0.05)
+    for setting in ("nothing_new_s (60.0): ", "nothing_new_share (0.01): "):
+        assert setting in description.settings("autonomy")
+    assert not description.settings("vision")
 
 
 @pytest.mark.parametrize(

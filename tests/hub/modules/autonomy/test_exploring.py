@@ -15,6 +15,7 @@ from hub.grids.grid import Grid
 from hub.grids.planner import line_cost, plan
 from hub.modules.autonomy.errands import Sight, Target
 from hub.modules.autonomy.exploring import REST_S, TRIES, Explore, worth
+from hub.modules.autonomy.novelty import Limits
 from tests.hub.modules.autonomy.scene import RADIUS, Scene, hall
 
 BUILDING = """
@@ -87,7 +88,7 @@ def test_a_whole_building_is_explored() -> None:
             break
         assert scene.state.frontier_m > 0.0
         scene.travel()
-    assert scene.why.startswith("all is explored")
+    assert scene.why.startswith("explored: ")
     reachable = clearance(scene.truth >= 65, 0.1, 1.0) >= RADIUS
     known = (scene.known >= 0) & reachable
     assert known.sum() / reachable.sum() > 0.97
@@ -102,7 +103,7 @@ def test_a_frontier_that_stays_is_given_up_after_some_visits() -> None:
         if scene.task is Task.GOING:
             scene.arrive()
     assert scene.state.behaviour is Behaviour.HOLD
-    assert "given up" in scene.why
+    assert scene.why == "explored: nothing is left; frontiers: 1 given up"
     assert len(scene.targets) == TRIES
 
 
@@ -113,7 +114,7 @@ def test_frontiers_that_cannot_be_reached_are_given_up() -> None:
         scene.wait(1.0)
         if scene.task is Task.GOING:
             scene.end(Task.BLOCKED)
-    assert "given up" in scene.why
+    assert scene.why == "explored: nothing is left; frontiers: 1 given up"
     assert len(scene.targets) == TRIES
 
 
@@ -135,7 +136,7 @@ def test_a_place_where_it_was_in_vain_comes_after_all_others_even_when_it_has_re
     grid = hall(known=30)
     grid.cells[19:21, 1:30] = 100
     grid.cells[19:21, 5:12] = 0
-    explore = Explore(RADIUS)
+    explore = Explore(RADIUS, Limits())
     first = explore.choose(Sight(x=0.0, y=0.0, grid=grid, fresh=True, now=0.0))
     assert isinstance(first, Target)
     explore.blocked(first, 1, 0.0)
@@ -208,7 +209,7 @@ def test_what_is_out_of_reach_is_told_at_the_end() -> None:
     scene.grid = grid
     scene.ask(Behaviour.EXPLORE)
     scene.wait(1.0)
-    assert "1 places out of reach and 0 given up" in scene.why
+    assert scene.why == "explored: nothing is left; frontiers: 1 out of reach"
 
 
 def test_nothing_to_explore_is_said_at_once() -> None:
@@ -218,7 +219,7 @@ def test_nothing_to_explore_is_said_at_once() -> None:
     scene.grid = grid
     scene.ask(Behaviour.EXPLORE)
     scene.wait(1.0)
-    assert scene.why == "all is explored"
+    assert scene.why == "explored: nothing is left"
     assert scene.goals == []
     assert math.isnan(scene.state.frontier_m)
 
@@ -228,3 +229,27 @@ def test_what_is_left_is_told() -> None:
     scene.ask(Behaviour.EXPLORE)
     scene.wait(1.0)
     assert scene.state.frontier_m == pytest.approx(3.8)
+
+
+def test_exploring_ends_when_drift_makes_ever_new_frontiers_where_all_is_known() -> None:
+    scene = Scene()
+    scene.grid = _open_at(0)
+    scene.ask(Behaviour.EXPLORE)
+    seconds = 0
+    while scene.state.behaviour is Behaviour.EXPLORE and seconds < 300:
+        scene.wait(1.0)
+        seconds += 1
+        if scene.task is Task.GOING and seconds % 10 == 0:
+            scene.grid = _open_at(seconds // 10)
+            scene.arrive()
+    assert scene.why == f"explored: nothing new for {Limits().seconds:g} s; frontiers: 1 left"
+    assert Limits().seconds <= seconds <= Limits().seconds + 15.0
+
+
+def _open_at(place: int) -> Grid:
+    """A hall with a gap in its right wall, each time in another of ten places."""
+    grid = hall(height=130, known=30)
+    first = 2 + 12 * (place % 10)
+    grid.cells[:, 29] = 100
+    grid.cells[first : first + 6, 29] = 0
+    return grid

@@ -1,0 +1,75 @@
+"""Whether exploring still brings anything new; pure."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from hub.robots.description import NOTHING_NEW_S, NOTHING_NEW_SHARE
+
+LEAST_WAY = 2.0
+"""Nothing new says nothing of a robot that drove less than this [m]."""
+LEAST_PLACES = 2
+"""Nor of one that set out for fewer places: the way to the first may be long and known."""
+LOST = 0.5
+"""A map with less than this share of the free ground before is another one: it was cleared."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limits:
+    """How little is nothing new, and for how long.
+
+    Attributes:
+        seconds: For so long [s].
+        share: The known free ground grew by less than this share of it.
+    """
+
+    seconds: float = NOTHING_NEW_S
+    share: float = NOTHING_NEW_SHARE
+
+
+class Novelty:
+    """Follows how the known free ground grows.
+
+    Each time it has grown by the share, counting begins anew. Drift can make free ground shrink
+    and come back; only what is more than ever before is new.
+    """
+
+    def __init__(self, limits: Limits) -> None:
+        """Begin with the first look.
+
+        Args:
+            limits: When it is enough.
+        """
+        self.limits = limits
+        self._free = 0.0
+        self._since = math.inf
+        self._place: tuple[float, float] | None = None
+        self._way = 0.0
+        self._places = 0
+
+    def look(self, free: float, x: float, y: float, now: float) -> None:
+        """See the map.
+
+        Args:
+            free: Free ground in it, in any unit that stays the same.
+            x: Of the robot in `map` [m].
+            y: Likewise [m].
+            now: Monotonic time [s].
+        """
+        if self._place is not None:
+            self._way += math.dist(self._place, (x, y))
+        self._place = (x, y)
+        first = math.isinf(self._since)
+        if first or free > self._free * (1.0 + self.limits.share) or free < self._free * LOST:
+            self._free, self._since = free, now
+            self._way, self._places = 0.0, 0
+
+    def set_out(self) -> None:
+        """The robot is sent to a place."""
+        self._places += 1
+
+    def over(self, now: float) -> bool:
+        """Whether nothing new came for long enough, although the robot drove."""
+        drove = self._way >= LEAST_WAY and self._places >= LEAST_PLACES
+        return drove and now - self._since >= self.limits.seconds
