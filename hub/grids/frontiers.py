@@ -47,8 +47,9 @@ def frontiers(
     reach: float = 0.3,
     squeeze: float = SQUEEZE,
     shortest: float = 0.0,
+    in_sight: bool = True,
 ) -> tuple[Frontier, ...]:
-    """All frontiers of a map, the longest first.
+    """All frontiers of a map, the longest first; those of equal length in reading order.
 
     Args:
         grid: The map.
@@ -57,6 +58,7 @@ def frontiers(
         reach: A frontier counts as reached from so far off, beyond the radius [m].
         squeeze: Places that keep only this share of the radius are passed at ten times the way.
         shortest: Shorter frontiers are left out [m].
+        in_sight: Whether occupied cells hide a frontier from where the robot can stand.
 
     Returns:
         None of them if the robot is outside the map.
@@ -73,7 +75,8 @@ def frontiers(
     costs = spread(factors, first)
     costs[factors >= TIGHT] = np.inf  # the robot may pass there, but not stay
     reach_cells = (radius + reach) / grid.resolution
-    places, lengths = _standing_places(costs, grid.occupied, edge, reach_cells)
+    opaque = grid.occupied if in_sight else np.zeros_like(grid.occupied)
+    places, lengths = _standing_places(costs, opaque, edge, reach_cells)
     names = groups(edge, grid.cells.shape)
     found = []
     for name in range(int(names.max()) + 1):
@@ -129,7 +132,7 @@ _AHEAD = ((0, 0), (1, 0), (1, 1), (1, 2))
 
 
 def _standing_places(
-    costs: Costs, occupied: Mask, edge: Numbers, reach_cells: float
+    costs: Costs, opaque_cells: Mask, edge: Numbers, reach_cells: float
 ) -> tuple[Numbers, npt.NDArray[np.float64]]:
     """For each cell of the edge, the nearest place from which it is in sight, and the way there.
 
@@ -146,7 +149,7 @@ def _standing_places(
     edged = np.pad(costs, reach, constant_values=np.inf)
     stride = edged.shape[1]
     flat = edged.reshape(-1)
-    opaque = np.pad(occupied, reach).reshape(-1)
+    opaque = np.pad(opaque_cells, reach).reshape(-1)
     own = (edge[:, 0] + reach) * stride + edge[:, 1] + reach
     place = own.copy()
     open_ = np.flatnonzero(~np.isfinite(flat[own]))

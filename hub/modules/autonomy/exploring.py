@@ -17,6 +17,8 @@ SHORTEST = 0.4
 """Shorter frontiers are gaps between the cones of sensors, no ground to explore [m]."""
 LOOK = 0.3
 """From so far off, beyond the robot's radius, a frontier is looked into [m]."""
+FAR_LOOK = 1.5
+"""Likewise in the end, and through walls: what closes the way may turn out to be none near by."""
 NEAR = 0.35
 """Places nearer to each other than this are one and the same [m]."""
 REST_S = 30.0
@@ -24,6 +26,7 @@ REST_S = 30.0
 TRIES = 2
 """After so many visits in vain a place is given up."""
 
+_NOTHING = "nothing is left"
 _LONG = 2.0
 """A frontier that is longer is not worth more: the robot sees no more of it at once [m]."""
 _NEAR_WAY = 1.0
@@ -47,8 +50,11 @@ class Explore:
     the map shows narrower than it is, for which a way counts ten times, must not come after every
     gap between two sonars' cones. A frontier that stays although the robot was there, or that it
     cannot get to, is left alone until all others are done, and given up in the end: sonars do not
-    see walls that they look at sideways. It also ends when nothing new comes: drift makes places
-    anew that are known already.
+    see walls that they look at sideways.
+
+    Drift makes places anew that are known already, so exploring does not go on when nothing new
+    comes. Before it ends, the robot goes as near as it can to those frontiers that the map shows no
+    way to: noise closes doors until the robot is near.
 
     Attributes:
         needs_map: True.
@@ -66,6 +72,8 @@ class Explore:
         self.frontier_m = math.nan
         self._radius = radius
         self._novelty = Novelty(limits)
+        self._reach = LOOK
+        self._last_looks = False
         self._vain: list[_Vain] = []
 
     def choose(self, sight: Sight) -> Target | Pause | End:
@@ -73,20 +81,39 @@ class Explore:
         if sight.grid is None or not sight.fresh:
             return Pause(why="looks around")
         self._look(sight, sight.grid)
-        found = self._frontiers(sight, sight.grid)
-        reachable = [place for place in found if math.isfinite(place.distance)]
+        near = self._frontiers(sight, sight.grid, LOOK)
+        far = self._frontiers(sight, sight.grid, FAR_LOOK, in_sight=False)
+        reachable = [place for place in near if math.isfinite(place.distance)]
         left = [place for place in reachable if not self._given_up(place)]
+        # Both are of the same edges, in the same order.
+        beyond = [
+            there
+            for here, there in zip(near, far, strict=True)
+            if math.isinf(here.distance)
+            and math.isfinite(there.distance)
+            and not self._given_up(there)
+        ]
         self.frontier_m = sum(place.length for place in left)
-        nothing_new = self._novelty.over(sight.now)
-        if nothing_new or not left:
-            seconds = self._novelty.limits.seconds
-            reason = f"nothing new for {seconds:g} s" if nothing_new else "nothing is left"
-            counts = len(left), len(found) - len(reachable), len(reachable) - len(left)
+        counts = len(left), len(near) - len(reachable), len(reachable) - len(left)
+        if self._novelty.over(sight.now):
+            if self._last_looks:
+                beyond = []
+            self._last_looks = True
+            self._novelty.begin_anew(sight.now)
+        if not beyond and (self._last_looks or not left):
+            reason = f"nothing new for {self._novelty.limits.seconds:g} s" if left else _NOTHING
             return End(why=summary(reason, *counts))
+        if self._last_looks or not left:
+            return self._target(beyond, sight.now, FAR_LOOK)
+        return self._target(left, sight.now, LOOK)
+
+    def _target(self, left: list[Frontier], now: float, look: float) -> Target:
+        """The best of the frontiers that are left."""
         # Places where it was in vain come last, and those that rest are better than none.
         untried = [place for place in left if self._at(place.x, place.y) is None]
-        rested = [place for place in left if not self._rests(place, sight.now)]
+        rested = [place for place in left if not self._rests(place, now)]
         best = max(untried or rested or left, key=worth)
+        self._reach = look
         self._novelty.set_out()
         why = f"explores: a frontier of {best.length:.1f} m, {best.distance:.1f} m away"
         return Target(points=(Point(x=best.x, y=best.y),), why=why)
@@ -97,7 +124,7 @@ class Explore:
             return True
         self._look(sight, sight.grid)
         goal = target.points[-1]
-        return _ends_near(sight.grid, goal.x, goal.y, self._radius + LOOK + NEAR)
+        return _ends_near(sight.grid, goal.x, goal.y, self._radius + self._reach + NEAR)
 
     def reached(self, target: Target, now: float) -> None:
         """What is still unknown there will stay so for now."""
@@ -108,12 +135,16 @@ class Explore:
         del left
         self._note(target, now)
 
-    def _frontiers(self, sight: Sight, grid: Grid) -> tuple[Frontier, ...]:
+    def _frontiers(
+        self, sight: Sight, grid: Grid, look: float, *, in_sight: bool = True
+    ) -> tuple[Frontier, ...]:
         here = (sight.x, sight.y)
         wide = grid.covering((here,), self._radius)
         if wide is None:
             return ()
-        return frontiers(wide, here, radius=self._radius, reach=LOOK, shortest=SHORTEST)
+        return frontiers(
+            wide, here, radius=self._radius, reach=look, shortest=SHORTEST, in_sight=in_sight
+        )
 
     def _note(self, target: Target, now: float) -> None:
         goal = target.points[-1]
@@ -138,7 +169,8 @@ class Explore:
 
     def _look(self, sight: Sight, grid: Grid) -> None:
         free = float(np.count_nonzero(grid.free)) * grid.resolution**2
-        self._novelty.look(free, sight.x, sight.y, sight.now)
+        if self._novelty.look(free, sight.x, sight.y, sight.now):
+            self._last_looks = False
 
 
 def summary(reason: str, left: int, out_of_reach: int, given_up: int) -> str:

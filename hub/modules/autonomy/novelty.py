@@ -48,8 +48,8 @@ class Novelty:
         self._way = 0.0
         self._places = 0
 
-    def look(self, free: float, x: float, y: float, now: float) -> None:
-        """See the map.
+    def look(self, free: float, x: float, y: float, now: float) -> bool:
+        """See the map; whether there is something new in it.
 
         Args:
             free: Free ground in it, in any unit that stays the same.
@@ -62,8 +62,14 @@ class Novelty:
         self._place = (x, y)
         first = math.isinf(self._since)
         if first or free > self._free * (1.0 + self.limits.share) or free < self._free * LOST:
-            self._free, self._since = free, now
-            self._way, self._places = 0.0, 0
+            self._free = free
+            self.begin_anew(now)
+            return True
+        return False
+
+    def begin_anew(self, now: float) -> None:
+        """Count from now on."""
+        self._since, self._way, self._places = now, 0.0, 0
 
     def set_out(self) -> None:
         """The robot is sent to a place."""

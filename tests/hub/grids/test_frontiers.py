@@ -49,6 +49,8 @@ def test_a_frontier_behind_a_wall_is_not_seen_from_this_side() -> None:
     wall = drawn("?????????", "#........", "#########", "#.......#", "#.......#", "#########")
     (behind,) = frontiers(wall, (0.15, 0.15), radius=0.05, reach=0.3, shortest=0.3)
     assert math.isinf(behind.distance)
+    (through,) = frontiers(wall, (0.15, 0.15), radius=0.05, reach=0.3, shortest=0.3, in_sight=False)
+    assert (through.length, through.y) == (behind.length, pytest.approx(0.25))
     (ahead,) = frontiers(wall, (0.15, 0.45), radius=0.05, reach=0.3, shortest=0.3)
     assert math.isfinite(ahead.distance)
 

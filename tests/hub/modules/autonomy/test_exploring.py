@@ -204,12 +204,59 @@ def test_a_speck_in_a_door_does_not_end_the_exploring() -> None:
 
 def test_what_is_out_of_reach_is_told_at_the_end() -> None:
     scene = Scene()
-    grid = hall(known=30)
+    grid = hall(known=45)
     grid.cells[:, 20] = 100
     scene.grid = grid
     scene.ask(Behaviour.EXPLORE)
     scene.wait(1.0)
     assert scene.why == "explored: nothing is left; frontiers: 1 out of reach"
+
+
+def with_a_closed_door() -> Grid:
+    """A hall whose right part the map shows no way to; it also ends at the left."""
+    grid = hall(known=30)
+    grid.cells[:, 22] = 100
+    grid.cells[1:8, 0] = 0
+    return grid
+
+
+def test_a_closed_door_is_gone_to_when_no_other_place_is_left() -> None:
+    scene = Scene()
+    scene.grid = with_a_closed_door()
+    scene.ask(Behaviour.EXPLORE)
+    scene.wait(1.0)
+    assert scene.targets[0][0] < 0.0
+    scene.grid.cells[1:8, 0] = 100
+    scene.arrive()
+    for tried in range(1, TRIES + 1):
+        scene.wait(3.0)
+        assert len(scene.targets) == 1 + tried
+        assert 0.5 < scene.targets[-1][0] < 1.2
+        scene.arrive()
+    scene.wait(3.0)
+    assert scene.why == "explored: nothing is left; frontiers: 1 out of reach"
+
+
+def test_closed_doors_are_gone_to_when_nothing_new_comes_until_something_does() -> None:
+    explore = Explore(RADIUS, Limits(seconds=60.0))
+    grid = with_a_closed_door()
+
+    def look(now: float) -> float:
+        """Where it is sent; it has driven since."""
+        target = explore.choose(Sight(x=now / 30.0 % 1.0, y=0.0, grid=grid, fresh=True, now=now))
+        assert isinstance(target, Target)
+        return target.points[0].x
+
+    places = [look(10.0 * step) for step in range(12)]
+    assert all(place < 0.0 for place in places[:6])
+    assert all(place > 0.5 for place in places[6:])
+    grid.cells[:, 26:] = 0
+    grid.cells[:, 23:26] = 0
+    grid.cells[8:30, 0] = 0  # nothing was known there before
+    grid = Grid(
+        cells=np.pad(grid.cells, ((0, 10), (0, 0))), resolution=0.1, origin_x=-1.0, origin_y=-1.0
+    )
+    assert look(125.0) < 0.5
 
 
 def test_nothing_to_explore_is_said_at_once() -> None:
