@@ -1,4 +1,4 @@
-"""A robot explores the yellow arena by itself: contacts, how much it maps, how long it takes.
+"""A robot explores the yellow arena by itself: contacts, how much it maps, how far off it is.
 
 First the same parts without processes, several seeds, faster than a robot; then real processes: a
 hub with a simulated Magellan, navigation, mapping and autonomy.
@@ -6,35 +6,57 @@ hub with a simulated Magellan, navigation, mapping and autonomy.
 
 from __future__ import annotations
 
+import math
+import statistics
 import tempfile
 from contextlib import ExitStack
 from pathlib import Path
 
 from benchmarks.exploring import Exploration
 from benchmarks.figures import report, say
+from hub.plane import Pose
 from hub.sim.arena import load_arena
+from tests.hub.modules.mapping.touring import from_start
 from tests.system.exploring_hub import Tour, mapped_share
 
 LONGEST_S = 900.0
 STILL = 0.005
 SEEDS = (1, 2, 3)
-LONGEST_SEED_S = 600.0
+LONGEST_SEED_S = 900.0
 ENOUGH = 0.9
 
 
 def seeds() -> None:
-    """How often enough is mapped in time, in explorations without processes."""
-    shares, contacts, notes = [], 0, []
+    """How much is mapped and how far off the pose is, in explorations without processes."""
+    arena = load_arena("yellow")
+    shares, offs, contacts, notes = [], [], 0, []
     for seed in SEEDS:
         exploration = Exploration(seed)
-        seconds = exploration.explore(LONGEST_SEED_S)
-        shares.append(mapped_share(load_arena("yellow"), exploration.grid()))
+        errors: list[float] = []
+
+        def watch(here: Exploration = exploration, to: list[float] = errors) -> None:
+            to.append(pose_error(here, arena.start))
+
+        seconds = exploration.explore(LONGEST_SEED_S, watch)
+        shares.append(mapped_share(arena, exploration.grid()))
+        offs.append(statistics.mean(errors))
         contacts += exploration.robot.ground_truth().contacts
-        notes.append(f"seed {seed}: {shares[-1]:.2f} in {seconds:.0f} s")
+        ended = exploration.autonomy.state(exploration.now).why.startswith("explored: ")
+        notes.append(
+            f"seed {seed}: {shares[-1]:.2f} in {seconds:.0f} s, {offs[-1]:.2f} m off,"
+            f" {'ended by itself' if ended else 'did not end'}"
+        )
         say(notes[-1])
-    note = f"{', '.join(notes)}; {contacts} contacts"
+    note = f"{'; '.join(notes)}; {contacts} contacts"
     good = sum(share > ENOUGH for share in shares) / len(shares)
     report("explore.mapped_share_seeds", good, "", bar=0.8, better="higher", note=note)
+    report("explore.pose_error_m", statistics.mean(offs), "m", note="mean over time and seeds")
+
+
+def pose_error(exploration: Exploration, start: Pose) -> float:
+    """How far the robot is from where navigation thinks it is [m]."""
+    true, told = from_start(exploration.robot.ground_truth(), start), exploration.navigator.pose
+    return math.hypot(told.x - true.x, told.y - true.y)
 
 
 def main() -> None:

@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 import statistics
 import time
+from collections.abc import Callable
 
 from benchmarks.figures import report, say
 from hub.modules.mapping.grid import OccupancyGrid
 from hub.modules.mapping.scans import ScanSelector
+from hub.plane import Pose
 from hub.robots.magellan import SimulatedMagellan
 from hub.sim.arena import load_arena
 from tests.hub.modules.mapping.touring import (
+    MatchedPose,
     PoseSource,
     Report,
     mapped,
@@ -54,15 +57,19 @@ def update_times(reports: list[Report]) -> list[float]:
 
 def main() -> None:
     arena = load_arena("yellow")
-    sources = {
-        "map.f1": ("true poses", lambda: true_pose(arena.start)),
+    sources: dict[str, tuple[str, Callable[[OccupancyGrid], Callable[[Report], Pose]]]] = {
+        "map.f1": ("true poses", lambda _: true_pose(arena.start)),
         "map.f1_odometry": (
             "dead reckoning only, off by up to 1.9 m",
-            lambda: PoseSource(arena.start, math.inf),
+            lambda _: PoseSource(arena.start, math.inf),
+        ),
+        "map.f1_matched": (
+            "dead reckoning, corrected by the map itself every 1.5 s",
+            MatchedPose,
         ),
         "map.f1_landmarks": (
             f"dead reckoning, put right every {CORRECTION_PERIOD:g} s",
-            lambda: PoseSource(arena.start, CORRECTION_PERIOD),
+            lambda _: PoseSource(arena.start, CORRECTION_PERIOD),
         ),
     }
     scores: dict[str, list] = {name: [] for name in sources}
@@ -80,7 +87,8 @@ def main() -> None:
             report("map.update_ms", statistics.median(times), "ms", bar=3.0, note=note)
         surfaces = surfaces_in_sight(reports, arena)
         for name, (_, source) in sources.items():
-            grid = mapped(reports, source(), OccupancyGrid(RESOLUTION, SIZE))
+            grid = OccupancyGrid(RESOLUTION, SIZE)
+            mapped(reports, source(grid), grid)
             scores[name].append(score(grid, arena, surfaces))
     for name, (poses, _) in sources.items():
         precision = statistics.mean(item.precision for item in scores[name])

@@ -1,86 +1,119 @@
 """How far dead reckoning has drifted, told by laying what was seen lately onto the map; pure.
 
-Correlative scan matching (E. Olson, Real-Time Correlative Scan Matching, 2009): of all small
-shifts and turns of the points the one counts for which most of them lie on walls of the map, as
-long as the points are not part of that map themselves.
+Correlative scan matching (E. Olson, Real-Time Correlative Scan Matching, 2009): small turns and
+shifts of the points are tried, each is as likely as the points then lie on walls of the map and as
+dead reckoning errs so, and the mean of all tells how the points have to be moved, their spread how
+well that is known. Sensors with wide cones tell a heading badly, so that the likeliest alone would
+jump about; what dead reckoning knows well, such as the heading on a straight way, stays. So it does
+where the points fit nowhere.
 """
 
 from __future__ import annotations
 
 import math
+from collections import deque
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from hub.grids.clearance import clearance
 from hub.grids.grid import Grid
+from hub.modules.navigation.doubt import Spread
 from hub.plane import Pose
 
 FEWEST = 40
-"""So many points it takes."""
-LEAST_SHARE = 0.5
-"""So much of what is possible the points have to agree with the map in the end [share]."""
+"""So many points on known ground it takes."""
 
-_MOST = 200
-_SPREAD = 0.05
+_MOST = 300
+_NEAR_WALL = 0.09
 """Standard deviation of points and walls of the map [m]."""
 _CAP = 0.25
-"""Farther from all walls than this [m] a point says nothing."""
-_TURNS = np.radians(np.arange(-9.0, 9.1, 0.75))
-_SHIFTS = np.arange(-0.15, 0.151, 0.03)
-_LIKELY_TURN = math.radians(4.0)
-_LIKELY_SHIFT = 0.1
-_UNLIKELY = 0.02
-"""What a turn or shift of the likely size costs, as a share of the points."""
+"""Farther from all walls than this [m] all points fit as badly."""
+_ON_UNKNOWN = 0.2
+"""How well a point fits where the map knows nothing."""
+_EVIDENCE = 100.0
+"""What a fit of all points counts [log-likelihood]: fewer than there are, as they err together."""
+_REACH = 2.5
+"""So many standard deviations away turns and shifts are tried."""
+_TURNS = np.linspace(-_REACH, _REACH, 11)
+_SHIFT_Y, _SHIFT_X = (
+    part.ravel() for part in np.meshgrid(*[np.linspace(-_REACH, _REACH, 9)] * 2, indexing="ij")
+)
 
 Floats = npt.NDArray[np.float64]
 
 
-def drift(grid: Grid, x: Floats, y: Floats, robot: Pose) -> Pose | None:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Match:
+    """What the map says of the pose.
+
+    Attributes:
+        moved: What leads from where the robot is thought to be to where it is: a shift in `map` [m]
+            and a turn about the robot [rad].
+        spread: How far that may be off.
+    """
+
+    moved: Pose
+    spread: Spread
+
+
+def drift(grid: Grid, x: Floats, y: Floats, robot: Pose, before: Spread) -> Match | None:
     """How the points have to be moved to lie on the walls of a map.
 
     Args:
-        grid: The map.
+        grid: The map; the points must not be part of it.
         x: Points in `map`, as dead reckoning tells them [m], shape (n,).
         y: Likewise [m].
         robot: The pose around which they turn, in `map`.
+        before: How far the pose may be off.
 
     Returns:
-        What leads from where the robot is thought to be to where it is, as a shift in `map` [m] and
-        a turn about the robot [rad]; None: the map does not tell.
+        None: the map does not tell.
     """
     fits = _fits(grid)
-    # Points on ground of which the map knows nothing say nothing.
     rows, columns = _cells(grid, x, y)
-    near = fits[rows, columns] > 0.0
-    x, y = x[near], y[near]
-    if len(x) < FEWEST:
+    if np.count_nonzero(fits[rows, columns] != _ON_UNKNOWN) < FEWEST:
         return None
     if len(x) > _MOST:
         picked = np.linspace(0, len(x) - 1, _MOST).astype(np.intp)
         x, y = x[picked], y[picked]
-    best, found = -math.inf, Pose()
-    shift_y, shift_x = (part.ravel() for part in np.meshgrid(_SHIFTS, _SHIFTS, indexing="ij"))
-    far = (shift_x**2 + shift_y**2) / _LIKELY_SHIFT**2
+    turns = _TURNS * before.turn
+    shift_x, shift_y = _SHIFT_X * before.way, _SHIFT_Y * before.way
+    fit = np.empty((len(turns), len(shift_x)))
     along, aside = x - robot.x, y - robot.y
-    for turn in _TURNS.tolist():
+    for index, turn in enumerate(turns.tolist()):
         turned_x, turned_y = Pose(x=robot.x, y=robot.y, theta=turn).outward(along, aside)
         rows, columns = _cells(grid, turned_x + shift_x[:, None], turned_y + shift_y[:, None])
-        score = fits[rows, columns].mean(axis=1)
-        score -= _UNLIKELY * (far + (turn / _LIKELY_TURN) ** 2)
-        index = int(score.argmax())
-        if score[index] > best:
-            best = float(score[index])
-            found = Pose(x=float(shift_x[index]), y=float(shift_y[index]), theta=turn)
-    return found if best >= LEAST_SHARE else None
+        fit[index] = fits[rows, columns].mean(axis=1)
+    unlikely = 0.5 * (np.square(_TURNS)[:, None] + np.square(_SHIFT_X) + np.square(_SHIFT_Y))
+    likely = _EVIDENCE * len(x) / _MOST * fit - unlikely
+    likely = np.exp(likely - likely.max())
+    likely /= likely.sum()
+    return _mean(likely, turns, shift_x, shift_y)
+
+
+def _mean(likely: Floats, turns: Floats, shift_x: Floats, shift_y: Floats) -> Match:
+    """Mean and spread of what was tried, shape of `likely` (turns, shifts)."""
+    of_turns, of_shifts = likely.sum(axis=1), likely.sum(axis=0)
+    turn = float(of_turns @ turns)
+    x, y = float(of_shifts @ shift_x), float(of_shifts @ shift_y)
+    way = of_shifts @ (np.square(shift_x - x) + np.square(shift_y - y)) / 2.0
+    return Match(
+        moved=Pose(x=x, y=y, theta=turn),
+        spread=Spread(
+            turn=math.sqrt(of_turns @ np.square(turns - turn)),
+            way=math.sqrt(way),
+        ),
+    )
 
 
 def _fits(grid: Grid) -> Floats:
-    """How well a point in each cell fits a wall, 0 to 1, with a frame of cells where none does."""
+    """How well a point in each cell fits a wall, 0 to 1, with a frame of unknown cells."""
     away = clearance(np.pad(grid.occupied, 1), grid.resolution, _CAP)
-    fits: Floats = np.exp(-0.5 * np.square(away / _SPREAD)).astype(np.float64)
-    fits[away >= _CAP - 1e-6] = 0.0
-    fits[[0, -1]] = fits[:, [0, -1]] = 0.0
+    fits: Floats = np.exp(-0.5 * np.square(away / _NEAR_WALL)).astype(np.float64)
+    unknown = np.pad(grid.unknown, 1, constant_values=True)
+    fits[unknown] = np.maximum(fits[unknown], _ON_UNKNOWN)
     return fits
 
 
@@ -94,14 +127,15 @@ def _cells(grid: Grid, x: Floats, y: Floats) -> tuple[npt.NDArray[np.intp], npt.
 
 
 class Sightings:
-    """Collects what range sensors meet, in `odom`, until it is asked for."""
+    """Collects what range sensors meet, in `odom`."""
 
-    SONAR_REACH = 2.0
+    SONAR_REACH = 3.0
     """Echoes from farther away than this come from too wide an arc [m]."""
-    MOST_SCANS = 40
+    KEPT_S = 4.0
+    """Older ones are forgotten [s]: meanwhile dead reckoning has drifted by itself."""
 
     def __init__(self) -> None:
-        self._scans: list[tuple[Floats, Floats]] = []
+        self._scans: deque[tuple[float, Floats, Floats]] = deque()
         self._ranges: Floats = np.full(32, np.nan)
 
     def scanned(
@@ -110,6 +144,7 @@ class Sightings:
         sonar: npt.NDArray[np.float32],
         infrared: npt.NDArray[np.float32],
         blind: float,
+        now: float,
     ) -> None:
         """Sensors have reported at a pose in `odom`.
 
@@ -118,21 +153,24 @@ class Sightings:
             sonar: Ranges [m], shape (16,).
             infrared: Likewise.
             blind: Infrared ranges up to this say nothing [m].
+            now: Monotonic time [s].
         """
         ranges = np.concatenate((sonar, infrared)).astype(np.float64)
         usable = (ranges != self._ranges) & np.isfinite(ranges) & (ranges > 0.0)
         usable[:16] &= ranges[:16] < self.SONAR_REACH
         usable[16:] &= ranges[16:] > blind
         self._ranges = ranges
+        while self._scans and self._scans[0][0] < now - self.KEPT_S:
+            self._scans.popleft()
         bearings = np.tile(np.arange(16) * (math.pi / 8.0), 2)[usable] + pose.theta
         if usable.any():
             ranges = ranges[usable]
-            points = pose.x + ranges * np.cos(bearings), pose.y + ranges * np.sin(bearings)
-            self._scans = [*self._scans[-self.MOST_SCANS :], points]
+            x, y = pose.x + ranges * np.cos(bearings), pose.y + ranges * np.sin(bearings)
+            self._scans.append((now, x, y))
 
-    def taken(self) -> tuple[Floats, Floats]:
-        """What was collected [m], shapes (n,); it begins anew."""
-        scans, self._scans = self._scans, []
+    def since(self, start: float) -> tuple[Floats, Floats]:
+        """What was seen after that time [s], as far as it is kept [m], shapes (n,)."""
+        scans = [(x, y) for at, x, y in self._scans if at > start]
         if not scans:
             return np.empty(0), np.empty(0)
         return np.concatenate([x for x, _ in scans]), np.concatenate([y for _, y in scans])

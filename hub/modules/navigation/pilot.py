@@ -23,9 +23,9 @@ from hub.grids.grid import Grid
 from hub.grids.planner import plan
 from hub.modules.navigation.assistance import AssistanceSwitch
 from hub.modules.navigation.correction import PoseCorrection
+from hub.modules.navigation.drift_watch import DriftWatch
 from hub.modules.navigation.dynamic_window import Body, DynamicWindow
 from hub.modules.navigation.hindrances import Hindrances
-from hub.modules.navigation.matching import Sightings, drift
 from hub.modules.navigation.obstacle_memory import ObstacleMemory, Scan
 from hub.modules.navigation.task import LARGEST_TURN, Aim, Errand, refusal
 from hub.plane import Pose, each_wrapped
@@ -41,10 +41,6 @@ DETOUR = 5.0
 HINDERS = 0.6
 """What holds the robot up is nearer than this [m], and not farther aside than HINDERS_ASIDE."""
 HINDERS_ASIDE = math.radians(60.0)
-SEEN_S = 10.0
-"""An older map is not laid what is seen onto [s]: it may be another one by now."""
-BLIND = 0.11
-"""What is nearer to the rim than this [m] infrared sensors cannot measure."""
 PLAN_AGAIN_S = 1.0
 """A way that was left is not planned anew sooner than this [s]."""
 
@@ -68,12 +64,10 @@ class Pilot:
         self._window = DynamicWindow(body)
         self._obstacles = ObstacleMemory(body.radius)
         self._hindrances = Hindrances()
-        self._sightings = Sightings()
+        self._drift = DriftWatch(self.correction, body.radius)
         self._switch = AssistanceSwitch()
         self._drive: DriveState | None = None
         self._map: Grid | None = None
-        self._seen_on: Grid | None = None
-        self._seen_at = -math.inf
         self._whole = False
         self._planned_at = -math.inf
         self._planned_for: tuple[float, float] | None = None
@@ -96,8 +90,7 @@ class Pilot:
             bumpers=drive.bumpers,
         )
         self._obstacles.scanned(scan, now)
-        here = Pose(x=drive.x, y=drive.y, theta=drive.theta)
-        self._sightings.scanned(here, drive.sonar, drive.infrared, self._body.radius + BLIND)
+        self._drift.reported(drive, now)
 
     def assisted(self, wanted: Velocity, now: float) -> Velocity:
         """What is left of the velocity that an operator wants [m/s, rad/s]."""
@@ -154,7 +147,11 @@ class Pilot:
         if self._drive is None:
             return "refused: nobody knows where the robot is"
         x, y, theta = _odom(self._drive)
-        return self.correction.correct(landmark, Pose(x=x, y=y, theta=theta), now)
+        before = self.correction.odom
+        said = self.correction.correct(landmark, Pose(x=x, y=y, theta=theta), now)
+        if self.correction.odom is not before:
+            self._drift.met_landmark()
+        return said
 
     @property
     def window(self) -> MapRequest | None:
@@ -174,9 +171,10 @@ class Pilot:
 
     def mapped(self, grid: Grid | None, now: float) -> None:
         """A map has come; None: there is none."""
-        self._match(now)
         self._map = None if grid is None else known_part(grid)
-        self._seen_on, self._seen_at = self._map, now
+        if self._drive is not None:
+            x, y, theta = _odom(self._drive)
+            self._drift.mapped(self._map, Pose(x=x, y=y, theta=theta), now)
         self._plan(now)
 
     def assist(self, assistance: Assistance, now: float) -> None:
@@ -207,17 +205,6 @@ class Pilot:
         self._hindrances.note(*here.outward(x[ahead], y[ahead]), now)
         self._plan(now)
         self.errand.goes_round(here, now)
-
-    def _match(self, now: float) -> None:
-        """Lay what was seen since the last map onto that map, and correct the pose."""
-        x, y = self._sightings.taken()
-        if self._seen_on is None or self._drive is None or now - self._seen_at > SEEN_S:
-            return
-        here = self.pose
-        moved = drift(self._seen_on, *self.correction.odom.outward(x, y), here)
-        if moved is not None:
-            there = Pose(x=here.x + moved.x, y=here.y + moved.y, theta=here.theta + moved.theta)
-            self.correction.shift(here, there)
 
     def _plan(self, now: float) -> None:
         """Plan the way to the present point on the map, if there is one."""

@@ -10,18 +10,23 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.gcm.navigation import DriveState, GroundTruth, MotionState, RobotState
+from hub.grids.grid import Grid
 from hub.modules.mapping.evidence import SONAR
 from hub.modules.mapping.grid import OccupancyGrid
 from hub.modules.mapping.scans import ScanSelector
+from hub.modules.navigation.correction import PoseCorrection
+from hub.modules.navigation.drift_watch import DriftWatch
 from hub.plane import Pose, wrapped
 from hub.robots.magellan import SimulatedMagellan
-from hub.sim.arena import Arena, Footprints
+from hub.sim.arena import BODY_RADIUS, Arena, Footprints
 from hub.sim.range_sensors import first_hits
 
 Floats = npt.NDArray[np.float64]
 
 PERIOD = 0.05
 """Time between two reports, as navigation gives them [s]."""
+MAP_PERIOD = 1.5
+"""Time between two maps that come to navigation [s]."""
 TOLERANCE = 0.1
 """How far from the truth a mark on the map may be [m]."""
 OCCUPIED = math.log(0.65 / 0.35)
@@ -81,6 +86,32 @@ class PoseSource:
             true = from_start(report.truth, self._start)
             self._odom = true.then(Pose().seen_from(thought))
         return self._odom.then(thought)
+
+
+class MatchedPose:
+    """The pose that navigation tells when maps come to it, as they do while it has a goal."""
+
+    def __init__(self, grid: OccupancyGrid) -> None:
+        self._grid = grid
+        self._correction = PoseCorrection()
+        self._watch = DriftWatch(self._correction, BODY_RADIUS)
+        self._due = MAP_PERIOD
+
+    def __call__(self, report: Report) -> Pose:
+        drive = report.drive
+        self._watch.reported(drive, report.time)
+        if report.time >= self._due:
+            self._due += MAP_PERIOD
+            picture = self._grid.whole()
+            grid = Grid(
+                cells=picture.cells,
+                resolution=picture.resolution,
+                origin_x=picture.origin_x,
+                origin_y=picture.origin_y,
+            )
+            here = Pose(x=drive.x, y=drive.y, theta=drive.theta)
+            self._watch.mapped(grid, here, report.time)
+        return self._correction.pose(drive.x, drive.y, drive.theta)
 
 
 def true_pose(start: Pose) -> Callable[[Report], Pose]:

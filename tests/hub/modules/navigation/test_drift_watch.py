@@ -1,0 +1,101 @@
+"""The map that a robot makes keeps its pose from drifting away."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from hub.gcm.navigation import DriveState
+from hub.grids.grid import Grid
+from hub.modules.mapping.grid import OccupancyGrid
+from hub.modules.navigation.correction import PoseCorrection
+from hub.modules.navigation.drift_watch import OLDEST_S, YOUNGEST_S, DriftWatch
+from hub.plane import Pose
+from hub.robots.magellan import SimulatedMagellan
+from hub.sim.arena import load_arena
+from tests.hub.modules.mapping.touring import (
+    MatchedPose,
+    PoseSource,
+    Report,
+    from_start,
+    mapped,
+    tour,
+)
+
+ROUND = ((5.2, 4.6), (2.7, 4.35), (2.7, 1.9), (1.9, 1.5), (5.2, 1.4), (5.2, 4.6))
+"""In the yellow arena's office and hall [m]."""
+
+
+@pytest.fixture(scope="module")
+def reports() -> list[Report]:
+    return list(tour(SimulatedMagellan(load_arena("yellow"), seed=2), ROUND * 2))
+
+
+def test_the_pose_drifts_much_less_than_dead_reckoning(reports: list[Report]) -> None:
+    start = load_arena("yellow").start
+    grid = OccupancyGrid(0.05, 24.0)
+    source, dead = MatchedPose(grid), PoseSource(start, math.inf)
+    errors: list[tuple[float, float]] = []
+
+    def pose(report: Report) -> Pose:
+        true, told, reckoned = from_start(report.truth, start), source(report), dead(report)
+        errors.append(
+            (
+                math.hypot(told.x - true.x, told.y - true.y),
+                math.hypot(reckoned.x - true.x, reckoned.y - true.y),
+            )
+        )
+        return told
+
+    mapped(reports, pose, grid)
+    matched, reckoned = np.mean(errors, axis=0)
+    assert reckoned > 0.4
+    assert matched < 0.5 * reckoned
+
+
+def _seen(now: float) -> DriveState:
+    """From the origin, walls all around at about 0.6 m, but shifted by 5 cm along x."""
+    bearings = np.arange(16) * math.pi / 8.0
+    ranges = (0.6 + 0.05 * np.cos(bearings) + 1e-4 * math.sin(now * 1e3)).astype(np.float32)
+    return dataclasses.replace(
+        SimulatedMagellan(load_arena("empty"), seed=1).drive_state(0.0),
+        x=0.0,
+        y=0.0,
+        theta=0.0,
+        sonar=ranges,
+        infrared=ranges,
+    )
+
+
+def _ring() -> Grid:
+    x = (np.arange(60) + 0.5) * 0.05 - 1.5
+    away = np.hypot(x, x[:, None])
+    cells = np.where(np.abs(away - 0.6) < 0.04, 100, 0).astype(np.int8)
+    return Grid(cells=cells, resolution=0.05, origin_x=-1.5, origin_y=-1.5)
+
+
+def shifted(*, wait: float) -> float:
+    """By how much the pose is shifted when the second map comes so long after the first [m]."""
+    correction = PoseCorrection()
+    watch = DriftWatch(correction, 0.205)
+    state = _seen(0.0)
+    watch.mapped(_ring(), Pose(), 0.0)
+    for step in range(1, round(wait * 10.0) + 1):
+        now = step / 10.0
+        # It drove a little, so that its pose may be off.
+        state = dataclasses.replace(_seen(now), x=0.05 * (step % 2))
+        watch.reported(state, now)
+    watch.mapped(_ring(), Pose(x=state.x), wait)
+    return correction.odom.x
+
+
+def test_what_was_seen_is_laid_onto_a_map_that_does_not_show_it_yet() -> None:
+    assert shifted(wait=YOUNGEST_S + 0.1) == pytest.approx(-0.05, abs=0.035)
+    assert shifted(wait=YOUNGEST_S - 0.1) == 0.0
+
+
+def test_an_old_map_is_not_used() -> None:
+    assert shifted(wait=OLDEST_S + 0.1) == 0.0
