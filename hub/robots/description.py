@@ -17,7 +17,7 @@ SHIPPED = Path(__file__).parent / "files"
 ROBOTS_OWN = "robot"
 """The source of pictures that is the robot's own camera."""
 NOTHING_NEW_S = 60.0
-NOTHING_NEW_SHARE = 0.01
+NOTHING_NEW_SHARE = 0.02
 """Exploring ends when the map's free ground grew by less than this share for this time [s]."""
 
 
