@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from hub.ipc.definition import MessageDefinition
 from rune_tui.model.robot_state import Received
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
@@ -34,11 +35,19 @@ class Staleness(enum.IntEnum):
     STALE = 2
 
 
-def staleness(age: float) -> Staleness:
-    """How data of this age [s] is shown."""
-    if age > HATCH_AFTER_S:
+def pause_of(definition: MessageDefinition[Any]) -> float:
+    """How long a newer message may be on its way while all is well [s].
+
+    It counts for messages that come once a second or less often, which else were always old.
+    """
+    return 1.0 / definition.rate_hz if 0.0 < definition.rate_hz <= 1.0 / DIM_AFTER_S else 0.0
+
+
+def staleness(age: float, pause: float = 0.0) -> Staleness:
+    """How data of this age [s] is shown, where that long a pause [s] is usual."""
+    if age > HATCH_AFTER_S + pause:
         return Staleness.STALE
-    return Staleness.OLD if age > DIM_AFTER_S else Staleness.FRESH
+    return Staleness.OLD if age > DIM_AFTER_S + pause else Staleness.FRESH
 
 
 def age_text(age: float) -> str:
@@ -51,16 +60,16 @@ def age_text(age: float) -> str:
     return f"{int(age / 60.0)} min" if age < 7200.0 else f"{int(age / 3600.0)} h"
 
 
-def age_look(received: Received[Any], now: float) -> tuple[Staleness, str]:
+def age_look(received: Received[Any], now: float, pause: float = 0.0) -> tuple[Staleness, str]:
     """What `weather` and `mark_age` make of a value's age: the same look, the same drawing."""
     age = received.age(now)
-    step = staleness(age)
+    step = staleness(age, pause)
     return step, age_text(age) if step is Staleness.STALE else ""
 
 
-def weather(canvas: Canvas, age: float) -> None:
+def weather(canvas: Canvas, age: float, pause: float = 0.0) -> None:
     """Make what has been drawn look as old as it is [s]; clear pixels stay clear."""
-    step = staleness(age)
+    step = staleness(age, pause)
     if step is Staleness.FRESH:
         return
     for colours in (canvas.pixels, canvas.ink):
@@ -73,9 +82,9 @@ def weather(canvas: Canvas, age: float) -> None:
         canvas.pixels[stripes, :3] //= 3
 
 
-def mark_age(canvas: Canvas, age: float, theme: Theme) -> None:
+def mark_age(canvas: Canvas, age: float, theme: Theme, pause: float = 0.0) -> None:
     """Write "STALE 4.2 s" over the middle of the first cell row, once data is that old [s]."""
-    if staleness(age) is not Staleness.STALE:
+    if staleness(age, pause) is not Staleness.STALE:
         return
     full = f" STALE {age_text(age)} "
     string = full if len(full) <= canvas.width else f"!{age_text(age)}"

@@ -10,9 +10,9 @@ from rune_tui.layout.rules import VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
-from rune_tui.model.theme import Colour, Theme
 from rune_tui.raster.canvas import Canvas, printable_text
-from rune_tui.visualizers.status_words import Mood, Part, status_parts
+from rune_tui.visualizers.mood import ink_of
+from rune_tui.visualizers.status_words import Part, status_parts
 
 _GAP = 2
 
@@ -36,25 +36,15 @@ class Status:
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Write what there is room for in the first row."""
         canvas.fill(state.theme.panel)
-        inks = _inks(state.theme)
         parts = fitting(status_parts(robot, state), canvas.width)
         column = 0 if _width(parts) + 2 > canvas.width else 1
         for part in parts:
-            canvas.text(column, 0, part.text, inks[part.mood])
+            canvas.text(column, 0, part.text, ink_of(part.mood, state.theme))
             column += len(printable_text(part.text)) + _GAP
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with any word of it."""
         return status_parts(robot, state), state.theme.name
-
-
-def _inks(theme: Theme) -> dict[Mood, Colour]:
-    return {
-        Mood.PLAIN: theme.ink,
-        Mood.GOOD: theme.good,
-        Mood.WARNING: theme.warning,
-        Mood.ALARM: theme.alarm_ink,
-    }
 
 
 def fitting(parts: Sequence[Part], columns: int) -> tuple[Part, ...]:

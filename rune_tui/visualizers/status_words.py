@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import enum
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,10 +12,12 @@ from hub.gcm.navigation import SENSOR_COUNT, MotionState
 from hub.gcm.navigation import RobotState as NavigationState
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase, RobotState
+from rune_tui.visualizers.mood import Mood
 from rune_tui.visualizers.range_data import BODY_RADIUS_M, is_near
 from rune_tui.visualizers.staleness import MENTION_AFTER_S, Staleness, age_text, staleness
 
 LOW_BATTERY = 0.2
+CRITICAL_BATTERY = 0.1
 OFF_CENTRE_DEG = 5.0
 
 _SIDES = ("ahead", "left", "behind", "right")
@@ -30,15 +31,6 @@ _MOTION = {
     MotionState.GOING: "GOING by itself",
 }
 _UNHINDERED = frozenset({MotionState.STANDING, MotionState.MOVING, MotionState.GOING})
-
-
-class Mood(enum.Enum):
-    """How a part is meant."""
-
-    PLAIN = "plain"
-    GOOD = "good"
-    WARNING = "warning"
-    ALARM = "alarm"
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +86,7 @@ def _motion(robot: RobotState, now: float) -> Iterator[Part]:
     halted = navigation.motion not in _UNHINDERED
     yield Part(_MOTION[navigation.motion], 7, Mood.ALARM if halted else Mood.PLAIN)
     yield Part(
-        f"{_signed(navigation.linear, 2)} m/s {_signed(math.degrees(navigation.angular), 0)}°/s", 6
+        f"{signed(navigation.linear, 2)} m/s {signed(math.degrees(navigation.angular), 0)}°/s", 6
     )
     yield from _battery(navigation)
     yield from _nearest(navigation)
@@ -109,7 +101,8 @@ def _battery(navigation: NavigationState) -> Iterator[Part]:
     if not words:
         return
     low = navigation.battery_fraction < LOW_BATTERY
-    text = " ".join(["BATTERY LOW" if low else "battery", *words])
+    grave = "CRITICAL" if navigation.battery_fraction < CRITICAL_BATTERY else "LOW"
+    text = " ".join([f"BATTERY {grave}" if low else "battery", *words])
     yield Part(text, 6 if low else 3, Mood.ALARM if low else Mood.PLAIN)
 
 
@@ -150,7 +143,7 @@ def _held(state: ConsoleState) -> Iterator[Part]:
         yield Part(f"keys {' '.join(state.held)}", 1)
 
 
-def _signed(value: float, digits: int) -> str:
+def signed(value: float, digits: int) -> str:
     """With its sign, but for what rounds to zero."""
     if not math.isfinite(value):
         return "?"
