@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from hub.gcm import autonomy, common, mapping, navigation, supervision, vision
+from hub.gcm import autonomy, common, flight, mapping, navigation, supervision, vision
 from hub.ipc.definition import MessageDefinition
 
 MESSAGES: tuple[MessageDefinition[Any], ...] = (
     *common.MESSAGES,
     *navigation.MESSAGES,
+    *flight.MESSAGES,
     *vision.MESSAGES,
     *mapping.MESSAGES,
     *autonomy.MESSAGES,

@@ -1,0 +1,61 @@
+"""Messages of robots that tilt, fly or dive; frames as in `hub.gcm.navigation`."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from hub.ipc.definition import MessageDefinition
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Attitude:
+    """How the robot is tilted: the turns that lead from `map` to `base_link`.
+
+    They are made one after the other about the axes as they then lie, yaw first, then pitch,
+    then roll. sensor_msgs/Imu would tell more than most sensors know: covariances and
+    accelerations.
+
+    Attributes:
+        stamp: When it was measured [s since the epoch]; for records only.
+        roll: About x [rad], in (-pi, pi], positive right side down.
+        pitch: About y [rad], in [-pi/2, pi/2], positive nose down.
+        yaw: About z [rad], in (-pi, pi], counter-clockwise; NaN when not measured.
+    """
+
+    stamp: float
+    roll: float
+    pitch: float
+    yaw: float = math.nan
+
+
+ATTITUDE = MessageDefinition(
+    name="GCM_Attitude", format="{double,double,double,double}", type=Attitude, rate_hz=20.0
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Altitude:
+    """How high or deep the robot is.
+
+    Attributes:
+        stamp: When it was measured [s since the epoch]; for records only.
+        height: Above the origin of `map` [m]; NaN when not measured.
+        above_ground: Above what lies below it, the sea's floor included [m]; NaN when not
+            measured.
+        depth: Below the water's surface [m]; NaN when not measured.
+        climb: Vertical velocity [m/s], positive up; NaN when not measured.
+    """
+
+    stamp: float
+    height: float = math.nan
+    above_ground: float = math.nan
+    depth: float = math.nan
+    climb: float = math.nan
+
+
+ALTITUDE = MessageDefinition(
+    name="GCM_Altitude", format="{double,double,double,double,double}", type=Altitude, rate_hz=10.0
+)
+
+MESSAGES = (ATTITUDE, ALTITUDE)
