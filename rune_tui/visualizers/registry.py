@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from typing import Final
 
+from rune_tui.visualizers.attitude import Attitude
+from rune_tui.visualizers.battery import Battery
 from rune_tui.visualizers.camera_image import CameraImage
+from rune_tui.visualizers.compass import Compass
+from rune_tui.visualizers.depth import Depth
+from rune_tui.visualizers.heading import Heading
 from rune_tui.visualizers.label import Label
 from rune_tui.visualizers.pan_data import PanData
 from rune_tui.visualizers.range_data import RangeData
+from rune_tui.visualizers.speed_gauge import Speed
 from rune_tui.visualizers.status import Status
 from rune_tui.visualizers.tilt_data import TiltData
 from rune_tui.visualizers.visualizer import Visualizer
@@ -21,4 +27,10 @@ VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
     "visualizeRangeData": RangeData,
     "visualizeStatus": Status,
     "visualizeTiltData": TiltData,
+    "visualizeAttitude": Attitude,
+    "visualizeBattery": Battery,
+    "visualizeCompass": Compass,
+    "visualizeDepth": Depth,
+    "visualizeHeading": Heading,
+    "visualizeSpeed": Speed,
 }

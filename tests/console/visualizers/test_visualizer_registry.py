@@ -6,9 +6,11 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from rune_tui.model.robot_state import LinkPhase
 from rune_tui.visualizers.registry import VISUALIZERS
 from rune_tui.visualizers.staleness import Staleness, age_text, staleness
 from tests.console.states import visualizer_spec
+from tests.console.visualizers.known import everything
 
 
 def test_every_name_makes_its_visualizer() -> None:
@@ -17,10 +19,15 @@ def test_every_name_makes_its_visualizer() -> None:
 
 
 @pytest.mark.parametrize("name", sorted(VISUALIZERS))
-@pytest.mark.parametrize("size", [(1, 1), (1, 2), (2, 1), (3, 5), (40, 2), (2, 40)])
+@pytest.mark.parametrize(
+    "size", [(1, 1), (1, 2), (2, 1), (3, 5), (20, 7), (40, 2), (2, 40), (120, 40)]
+)
 def test_every_visualizer_draws_on_any_canvas_with_and_without_data(made, draw, name, size) -> None:
-    draw(name, made.robot(), size, text="words")
-    draw(name, made.robot(picture=None, navigation=None, camera=None), size, text="words")
+    text = {"text": "words"} if VISUALIZERS[name].rule.text else {}
+    known = {definition.name: made.received(v) for definition, v in everything().items()}
+    for phase in LinkPhase:
+        draw(name, made.robot(messages=known, link=made.link(phase)), size, **text)
+    draw(name, made.robot(picture=None, navigation=None, camera=None), size, **text)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,114 @@
+"""visualizeBattery: how much charge is left, as a bar and in words."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+from hub.gcm.navigation import ROBOT_STATE
+from hub.gcm.navigation import RobotState as NavigationState
+from rune_tui.layout.rules import NumberOption, VisualizerRule
+from rune_tui.model.robot_state import RobotState
+from rune_tui.model.theme import Theme
+from rune_tui.raster.canvas import Canvas
+from rune_tui.raster.shapes import drawing
+from rune_tui.visualizers.mood import Mood, ink_of
+from rune_tui.visualizers.reading import Reading
+from rune_tui.visualizers.rows import fitting_form
+from rune_tui.visualizers.status_words import CRITICAL_BATTERY, LOW_BATTERY
+
+_LEAST_BAR = 8
+
+
+@dataclass(frozen=True, slots=True)
+class _Charge:
+    """What is known of the battery.
+
+    Attributes:
+        percent: Charge left, 0 to 100; None when not known.
+        volts: Voltage as words; empty when not measured.
+        mood: How grave it is.
+    """
+
+    percent: int | None
+    volts: str
+    mood: Mood
+
+
+class Battery(Reading[NavigationState, _Charge]):
+    """A bar as long as the charge, and words; low and critical are words too."""
+
+    rule: ClassVar = VisualizerRule(
+        meaning="the battery's charge, as a bar and in words",
+        message=ROBOT_STATE.name,
+        options={
+            "low_percent": NumberOption(
+                default=100 * LOW_BATTERY,
+                least=0.0,
+                most=100.0,
+                unit="%",
+                meaning="charge below which it is called low",
+            ),
+            "critical_percent": NumberOption(
+                default=100 * CRITICAL_BATTERY,
+                least=0.0,
+                most=100.0,
+                unit="%",
+                meaning="charge below which it is called critical",
+            ),
+        },
+    )
+    definition = ROBOT_STATE
+    subject = "battery"
+
+    def reading(self, value: NavigationState, robot: RobotState) -> _Charge:  # noqa: ARG002
+        """Whole percents and tenths of a volt."""
+        volts = f"{value.battery_voltage:.1f} V" if math.isfinite(value.battery_voltage) else ""
+        if not math.isfinite(value.battery_fraction):
+            return _Charge(None, volts, Mood.PLAIN)
+        percent = 100.0 * value.battery_fraction
+        critical = percent < self.options.number("critical_percent")
+        low = percent < self.options.number("low_percent")
+        mood = Mood.ALARM if critical else Mood.WARNING if low else Mood.PLAIN
+        return _Charge(round(min(100.0, max(0.0, percent))), volts, mood)
+
+    def show(self, canvas: Canvas, reading: _Charge, theme: Theme) -> None:
+        """Words in the first row; the bar below it, or behind them where there is one row."""
+        words = _words(reading, canvas.width)
+        ink = ink_of(reading.mood, theme)
+        canvas.text(0, 0, words, ink)
+        if reading.percent is None:
+            return
+        left = len(words) + 1 if canvas.rows == 1 else 0
+        room = canvas.width - left - 2
+        if room < _LEAST_BAR:
+            return
+        length = round(reading.percent * room / 100.0)
+        if canvas.rows == 1:
+            canvas.text(left, 0, f"[{'#' * length}{'-' * (room - length)}]", ink)
+            return
+        fill = theme.accent if reading.mood is Mood.PLAIN else ink
+        with drawing(canvas) as pen:
+            pen.rectangle(1, 2, 1 + length, canvas.height, fill)
+        for row in range(1, canvas.rows):
+            canvas.text(0, row, "[", theme.ink)
+            canvas.text(canvas.width - 1, row, "]", theme.ink)
+
+
+def _words(charge: _Charge, columns: int) -> str:
+    if charge.percent is None:
+        volts = charge.volts or "nothing measured"
+        return fitting_form(columns, f"battery: {volts}, charge not known", volts, "?")
+    percent = f"{charge.percent}%"
+    word = {Mood.ALARM: "CRITICAL", Mood.WARNING: "LOW"}.get(charge.mood, "")
+    name = f"battery {word}" if word else "battery"
+    advice = ": bring it home" if charge.mood is Mood.ALARM else ""
+    return fitting_form(
+        columns,
+        f"{name} {percent} {charge.volts}".rstrip() + advice,
+        f"{name} {percent} {charge.volts}".rstrip(),
+        f"{name} {percent}",
+        f"{word} {percent}".strip(),
+        f"!{percent}" if word else percent,
+    )
