@@ -118,6 +118,11 @@ def is_near(range_m: float) -> bool:
     return range_m - BODY_RADIUS_M < NEAR_M
 
 
+def pressed_bumpers(navigation: NavigationState) -> list[int]:
+    """Numbers of the bumpers that are pressed."""
+    return [sensor for sensor in range(SENSOR_COUNT) if navigation.bumpers >> sensor & 1]
+
+
 def _direction(sensor: int) -> float:
     return sensor * _OPENING
 
@@ -139,7 +144,7 @@ def _draw_ranges(pen: Pen, plan: _Plan, navigation: NavigationState, theme: Them
 
 
 def _draw_body(pen: Pen, plan: _Plan, navigation: NavigationState, theme: Theme) -> None:
-    for sensor in _pressed(navigation):
+    for sensor in pressed_bumpers(navigation):
         pen.pie(plan.centre, plan.body + 2.0, _direction(sensor), _OPENING, theme.alarm)
     pen.circle(plan.centre, plan.body, fill=theme.panel, rim=theme.ink)
     pen.line([plan.centre, toward(plan.centre, plan.body + 1.0, 0.0)], theme.ink)
@@ -150,7 +155,7 @@ def _write_marks(canvas: Canvas, plan: _Plan, navigation: NavigationState, theme
         if is_near(reading):
             reach = max(plan.length(reading), plan.body) + 1.5
             _write_at(canvas, toward(plan.centre, reach, _direction(sensor)), "!", theme.warning)
-    for sensor in _pressed(navigation):
+    for sensor in pressed_bumpers(navigation):
         _write_at(
             canvas, toward(plan.centre, plan.body + 1.0, _direction(sensor)), "B", theme.on_alarm
         )
@@ -160,7 +165,3 @@ def _write_at(canvas: Canvas, point: Point, mark: str, colour: Colour) -> None:
     column = int(np.clip(point[0], 0, canvas.width - 1))
     row = int(np.clip(point[1], 0, canvas.height - 1)) // 2
     canvas.text(column, row, mark, colour)
-
-
-def _pressed(navigation: NavigationState) -> list[int]:
-    return [sensor for sensor in range(SENSOR_COUNT) if navigation.bumpers >> sensor & 1]

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from typing import Final
 
+from rune_tui.visualizers.alarms import Alarms
 from rune_tui.visualizers.attitude import Attitude
 from rune_tui.visualizers.battery import Battery
 from rune_tui.visualizers.camera_image import CameraImage
+from rune_tui.visualizers.capabilities import Capabilities
 from rune_tui.visualizers.compass import Compass
 from rune_tui.visualizers.depth import Depth
+from rune_tui.visualizers.event_log import EventLog
 from rune_tui.visualizers.heading import Heading
 from rune_tui.visualizers.label import Label
+from rune_tui.visualizers.link_words import Link
+from rune_tui.visualizers.marks import Marks
+from rune_tui.visualizers.modules import Modules
 from rune_tui.visualizers.pan_data import PanData
 from rune_tui.visualizers.range_data import RangeData
 from rune_tui.visualizers.speed_gauge import Speed
@@ -33,4 +39,10 @@ VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
     "visualizeDepth": Depth,
     "visualizeHeading": Heading,
     "visualizeSpeed": Speed,
+    "visualizeAlarms": Alarms,
+    "visualizeCapabilities": Capabilities,
+    "visualizeEventLog": EventLog,
+    "visualizeLink": Link,
+    "visualizeMarks": Marks,
+    "visualizeModules": Modules,
 }

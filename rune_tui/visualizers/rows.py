@@ -15,6 +15,7 @@ GAP = 2
 NARROW = 60
 """Columns of a canvas below which what is free text in a table gets rows of its own."""
 
+_TROUBLE = frozenset({Mood.WARNING, Mood.ALARM})
 _ELLIPSIS = "…"
 _LEAST_TEXT = 12
 
@@ -26,16 +27,34 @@ class Row:
     Attributes:
         text: What it says.
         mood: How it is meant.
+        continues: Whether it belongs to the row above it.
     """
 
     text: str
     mood: Mood = Mood.PLAIN
+    continues: bool = False
 
 
 def cut(text: str, columns: int) -> str:
     """The text as it is shown, with an ellipsis in place of what there is no room for."""
     shown = printable_text(text)
     return shown if len(shown) <= columns else f"{shown[: max(0, columns - 1)]}{_ELLIPSIS}"
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One entry of a table.
+
+    Attributes:
+        cells: What it says.
+        why: Why it is so; in the last column, or below the entry where it is in trouble and room
+            is short.
+        mood: How it is meant.
+    """
+
+    cells: tuple[str, ...]
+    why: str = ""
+    mood: Mood = Mood.PLAIN
 
 
 def fitting_form(columns: int, *forms: str) -> str:
@@ -49,8 +68,9 @@ def wrapped(row: Row, columns: int, indent: str = "  ") -> Iterator[Row]:
     """A row as several, those after the first indented."""
     indent = indent if columns >= 4 * len(indent) else ""
     text = printable_text(row.text)
-    for line in textwrap.wrap(text, max(1, columns), subsequent_indent=indent):
-        yield Row(line, row.mood)
+    lines = textwrap.wrap(text, max(1, columns), subsequent_indent=indent)
+    for index, line in enumerate(lines):
+        yield Row(line, row.mood, row.continues or index > 0)
 
 
 def flowing(words: Iterable[Row], columns: int) -> Iterator[tuple[Row, ...]]:
@@ -96,10 +116,23 @@ def tabled(cells: Sequence[Sequence[str]], weights: Sequence[int], columns: int)
     )
 
 
+def entry_rows(entries: Sequence[Entry], weights: Sequence[int], columns: int) -> Iterator[Row]:
+    """A table of entries; `weights` as for `tabled`, that of the reason last."""
+    if columns >= NARROW:
+        lines = tabled([(*entry.cells, entry.why) for entry in entries], weights, columns)
+    else:
+        lines = tabled([entry.cells for entry in entries], weights[:-1], columns)
+    for entry, line in zip(entries, lines, strict=True):
+        yield Row(line, entry.mood)
+        if columns < NARROW and entry.why and entry.mood in _TROUBLE:
+            yield from wrapped(Row(f"  {entry.why}", entry.mood, continues=True), columns)
+
+
 def write_rows(canvas: Canvas, rows: Sequence[Row], theme: Theme) -> None:
-    """Write rows from the top; in place of those that do not fit, how many they are."""
+    """Write rows from the top; in place of those that do not fit, how many things they tell of."""
     if len(rows) > canvas.rows > 1:
-        left_out = len(rows) - canvas.rows + 1
-        rows = [*rows[: canvas.rows - 1], Row(f"{left_out} more", Mood.FAINT)]
+        left_out = sum(not row.continues for row in rows[canvas.rows - 1 :])
+        more = f"{left_out} more" if left_out else _ELLIPSIS
+        rows = [*rows[: canvas.rows - 1], Row(more, Mood.FAINT)]
     for index, row in enumerate(rows):
         canvas.text(0, index, cut(row.text, canvas.width), ink_of(row.mood, theme))

@@ -113,8 +113,7 @@ def _nearest(navigation: NavigationState) -> Iterator[Part]:
     sensor = int(ranges.argmin())
     if not math.isfinite(ranges[sensor]):
         return
-    # Each side takes a quarter of the circle around its middle.
-    side = _SIDES[round(4 * sensor / SENSOR_COUNT) % 4]
+    side = side_of(sensor)
     distance = max(0.0, float(ranges[sensor]) - BODY_RADIUS_M)
     near = is_near(float(ranges[sensor]))
     word = "NEAR" if near else "nearest"
@@ -141,6 +140,11 @@ def _picture_age(robot: RobotState, now: float) -> Iterator[Part]:
 def _held(state: ConsoleState) -> Iterator[Part]:
     if state.held:
         yield Part(f"keys {' '.join(state.held)}", 1)
+
+
+def side_of(sensor: int) -> str:
+    """Where a sensor looks; each side takes a quarter of the circle around its middle."""
+    return _SIDES[round(4 * sensor / SENSOR_COUNT) % 4]
 
 
 def signed(value: float, digits: int) -> str:

@@ -1,0 +1,94 @@
+"""visualizeLink: how the connection to the robot stands, and what it carries."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Iterator
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+from hub.gcm.navigation import ROBOT_STATE
+from rune_tui.layout.rules import VisualizerRule
+from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import LinkPhase, LinkState, RobotState
+from rune_tui.raster.canvas import Canvas
+from rune_tui.visualizers.mood import Mood, ink_of
+from rune_tui.visualizers.rows import GAP, Row, cut, flowing, wrapped
+from rune_tui.visualizers.staleness import Staleness, age_text, staleness
+
+_KILO = 1000.0
+_LONG_S = 120.0
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """Words, as many on a row as fit: phase, age of the state and picture, rates, losses."""
+
+    rule: ClassVar = VisualizerRule(
+        meaning="the connection in words: phase, age of what came, round trip, rates, losses",
+        others=(ROBOT_STATE.name,),
+    )
+    whole_cells: ClassVar[bool] = True
+
+    @classmethod
+    def from_spec(cls, spec: VisualizerSpec) -> Self:  # noqa: ARG003 it has no options
+        """The visualizer that a layout asks for."""
+        return cls()
+
+    def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
+        """Write the words; what there is no room for is left out from the end."""
+        canvas.fill(state.theme.panel)
+        lines = [*flowing(_words(robot, state.now), canvas.width)]
+        if robot.link.detail:
+            lines += [(row,) for row in wrapped(Row(robot.link.detail), canvas.width)]
+        for index, line in enumerate(lines[: canvas.rows]):
+            column = 0
+            for word in line:
+                text = cut(word.text, canvas.width)
+                canvas.text(column, index, text, ink_of(word.mood, state.theme))
+                column += len(text) + GAP
+
+    def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
+        """Changes with any word of it."""
+        return tuple(_words(robot, state.now)), robot.link.detail, state.theme.name
+
+
+def _words(robot: RobotState, now: float) -> Iterator[Row]:
+    link = robot.link
+    yield _phase(link, now)
+    if not link.may_command:
+        yield Row("may only watch", Mood.WARNING)
+    if link.missed:
+        yield Row(f"{link.missed} message{'s' if link.missed > 1 else ''} lost", Mood.WARNING)
+    for name, received in (("state", robot.navigation), ("picture", robot.picture)):
+        if received is not None:
+            age = received.age(now)
+            fresh = staleness(age) is Staleness.FRESH
+            yield Row(f"{name} {age_text(age)} old", Mood.PLAIN if fresh else Mood.ALARM)
+    # What is counted is counted for as long as central answers.
+    connected = link.phase is LinkPhase.CONNECTED
+    if connected and math.isfinite(link.round_trip):
+        yield Row(f"round trip {_KILO * link.round_trip:.0f} ms")
+    if connected and math.isfinite(link.messages_per_s):
+        yield Row(f"{link.messages_per_s:.0f} messages/s")
+    if connected and math.isfinite(link.bytes_per_s):
+        yield Row(_amount(link.bytes_per_s))
+
+
+def _phase(link: LinkState, now: float) -> Row:
+    seconds = max(0.0, now - link.since)
+    since = f"{int(seconds)} s" if seconds < _LONG_S else age_text(seconds)
+    if link.phase is LinkPhase.CONNECTED:
+        return Row("linked", Mood.GOOD)
+    if link.phase is LinkPhase.CONNECTING:
+        return Row(f"connecting {since}", Mood.WARNING)
+    return Row(f"LINK LOST {since}", Mood.ALARM)
+
+
+def _amount(bytes_per_s: float) -> str:
+    if bytes_per_s < _KILO:
+        return f"{bytes_per_s:.0f} B/s"
+    if bytes_per_s < _KILO**2:
+        return f"{bytes_per_s / _KILO:.0f} kB/s"
+    return f"{bytes_per_s / _KILO**2:.1f} MB/s"

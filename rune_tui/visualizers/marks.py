@@ -1,0 +1,79 @@
+"""visualizeMarks: the victims and landmarks that were found, as a list."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from typing import ClassVar
+
+from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints
+from rune_tui.layout.rules import VisualizerRule
+from rune_tui.model.robot_state import RobotState
+from rune_tui.model.theme import Theme
+from rune_tui.raster.canvas import Canvas
+from rune_tui.visualizers.mood import Mood
+from rune_tui.visualizers.reading import Reading
+from rune_tui.visualizers.rows import NARROW, Row, fitting_form, tabled, write_rows
+
+_Cells = tuple[str, ...]
+_WEIGHTS = (9, 8, 7, 4, 3, 5)
+
+
+class Marks(Reading[InterestPoints, tuple[str, tuple[_Cells, ...]]]):
+    """How many there are of each kind, then each: number, kind, place, when, who, note.
+
+    The newest is at the top, so that it is seen where there is no room for all. Where room is
+    short a kind is a letter.
+    """
+
+    rule: ClassVar = VisualizerRule(
+        meaning="the victims and landmarks marked so far, as a list",
+        message=INTEREST_POINTS.name,
+    )
+    definition = INTEREST_POINTS
+    subject = "marks"
+
+    def reading(
+        self,
+        value: InterestPoints,
+        robot: RobotState,  # noqa: ARG002
+    ) -> tuple[str, tuple[_Cells, ...]]:
+        """The head line, and the cells of each mark."""
+        newest_first = sorted(value.points, key=lambda point: point.number, reverse=True)
+        return _head(value), tuple(map(_cells, newest_first))
+
+    def show(self, canvas: Canvas, reading: tuple[str, tuple[_Cells, ...]], theme: Theme) -> None:
+        """The head line where there are two rows, and the list."""
+        head, marks = reading
+        if canvas.width < NARROW:
+            marks = tuple((number, kind[0].upper(), *rest) for number, kind, *rest in marks)
+        rows = [Row(line) for line in tabled(marks, _WEIGHTS, canvas.width)]
+        if canvas.rows > 1 or not rows:
+            rows.insert(0, Row(fitting_form(canvas.width, head, _short(head)), Mood.FAINT))
+        write_rows(canvas, rows, theme)
+
+
+def _head(value: InterestPoints) -> str:
+    if not value.points:
+        return "nothing marked yet"
+    counts = Counter(point.kind for point in value.points)
+    return ", ".join(
+        f"{count} {kind.name.lower()}{'s' if count > 1 else ''}"
+        for kind, count in sorted(counts.items())
+    )
+
+
+def _short(head: str) -> str:
+    """Such as "2 v, 1 l"."""
+    return ", ".join(part[: part.find(" ") + 2] for part in head.split(", "))
+
+
+def _cells(point: InterestPoint) -> _Cells:
+    return (
+        f"{point.number:>2}",
+        point.kind.name.lower(),
+        f"{point.x:.2f}, {point.y:.2f}",
+        time.strftime("%H:%M:%S", time.localtime(point.stamp)) if point.stamp > 0.0 else "",
+        point.by,
+        point.note,
+    )

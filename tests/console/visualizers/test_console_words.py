@@ -1,0 +1,204 @@
+"""visualizeLink, visualizeEventLog, visualizeAlarms: what the console itself knows, in words."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+
+from hub.gcm.navigation import Assistance, MotionState
+from rune_tui.model.console_state import ConsoleState, Notice
+from rune_tui.model.robot_state import LinkPhase
+from rune_tui.model.theme import DARK, LIGHT
+from tests.console.visualizers.conftest import NOW, made_by, words
+
+NOTICES = (
+    Notice(text="connected", when=1.0, clock="14:03:01", robot="magellan"),
+    Notice(text="recording", when=2.0, clock="14:03:05"),
+    Notice(text="the link is lost", when=3.0, clock="14:03:22", robot="blimp", alarm=True),
+)
+
+
+def rows(canvas) -> list[str]:
+    return [row for row in words(canvas) if row]
+
+
+@pytest.fixture
+def link(made, draw):
+    """The link's words on a canvas of this size."""
+
+    def say(size, phase=LinkPhase.CONNECTED, *, age=0.1, **changes) -> list[str]:
+        robot = made.robot(
+            link=made.link(phase, **changes),
+            navigation=made.received(made.navigation(), age),
+            picture=None,
+        )
+        return rows(draw("visualizeLink", robot, size))
+
+    return say
+
+
+def test_the_link_tells_ages_rates_and_losses(link) -> None:
+    known = {"round_trip": 0.0123, "bytes_per_s": 32e4, "messages_per_s": 21.2, "missed": 3}
+    (line,) = link((120, 2), age=0.15, **known)
+    assert line == (
+        "linked  3 messages lost  state 0.1 s old  round trip 12 ms  21 messages/s  320 kB/s"
+    )
+    assert link((20, 16), age=0.15, **known) == line.split("  ")
+
+
+@pytest.mark.parametrize(
+    ("phase", "text"),
+    [(LinkPhase.CONNECTING, "connecting 3 s"), (LinkPhase.LOST, "LINK LOST 3 s")],
+)
+def test_a_link_that_does_not_stand_says_so_and_tells_no_rates(link, phase, text) -> None:
+    said = link((20, 16), phase, age=7.05, bytes_per_s=32e4, detail="closed by the hub")
+    assert said == [text, "state 7.0 s old", "closed by the hub"]
+
+
+def test_the_link_tells_who_may_only_watch(link) -> None:
+    assert "may only watch" in link((20, 16), may_command=False)
+
+
+@pytest.mark.parametrize(
+    ("rate", "text"), [(12.0, "12 B/s"), (12e3, "12 kB/s"), (1.24e6, "1.2 MB/s")]
+)
+def test_a_rate_has_the_unit_that_fits(link, rate, text) -> None:
+    assert link((20, 16), bytes_per_s=rate)[-1] == text
+
+
+def test_the_links_token_changes_with_its_words(made) -> None:
+    shown, state = made_by("visualizeLink"), ConsoleState(now=NOW)
+
+    def token(**changes):
+        return shown.source(made.robot(link=made.link(**changes)), state)
+
+    assert token(round_trip=0.0121) == token(round_trip=0.0122) != token(round_trip=0.02)
+    assert token() != token(detail="refused")
+
+
+@pytest.fixture
+def log(made, draw):
+    """The rows of the log of some notices."""
+
+    def say(size, notices=NOTICES, **options) -> list[str]:
+        state = ConsoleState(now=NOW, notices=notices)
+        return rows(draw("visualizeEventLog", made.robot(), size, state=state, **options))
+
+    return say
+
+
+def test_the_log_has_the_newest_at_the_bottom_and_marks_alarms(log) -> None:
+    lines = [
+        "14:03:01 magellan: connected",
+        "14:03:05 recording",
+        "14:03:22 ! blimp: the link is lost",
+    ]
+    assert log((60, 12)) == lines
+    assert log((60, 4)) == lines[1:]
+    assert log((60, 12), newest="top") == lines[::-1]
+
+
+@pytest.mark.parametrize("newest", ["top", "bottom"])
+def test_a_long_notice_is_wrapped_and_begins_where_it_is_read_first(log, newest) -> None:
+    lines = ["14:03 ! blimp: the", "    link is lost"]
+    assert log((20, 4), newest=newest) == lines
+    assert log((20, 2), newest=newest) == lines[:1]
+
+
+def test_the_log_of_one_robot_leaves_out_the_others(log) -> None:
+    assert log((60, 12), robots="its own") == [
+        "14:03:01 magellan: connected",
+        "14:03:05 recording",
+    ]
+
+
+def test_an_empty_log_says_so(log) -> None:
+    assert log((60, 12), ()) == ["nothing has happened yet"]
+
+
+def test_the_logs_token_changes_with_its_notices_only(made) -> None:
+    shown, robot = made_by("visualizeEventLog", robots="its own"), made.robot()
+
+    def token(now, notices, theme=DARK):
+        return shown.source(robot, ConsoleState(now=now, notices=notices, theme=theme))
+
+    assert token(NOW, NOTICES[:2]) == token(NOW + 5, NOTICES) != token(NOW, NOTICES[:1])
+    assert token(NOW, NOTICES) != token(NOW, NOTICES, LIGHT)
+
+
+@pytest.fixture
+def alarms(made, draw):
+    """The rows of the annunciator."""
+
+    def say(size=(60, 20), *, age=0.1, link=None, **changes) -> list[str]:
+        robot = made.robot(
+            navigation=made.received(made.navigation(**changes), age), link=link or made.link()
+        )
+        return rows(draw("visualizeAlarms", robot, size))
+
+    return say
+
+
+def test_nothing_wrong_is_told_quietly(made, draw, alarms) -> None:
+    assert alarms() == ["magellan: all well"]
+    assert (draw("visualizeAlarms", made.robot(), (30, 4)).pixels == DARK.panel).all()
+
+
+@pytest.mark.parametrize(
+    ("changes", "text"),
+    [
+        ({"age": 1.5}, "!! STATE 1.5 s OLD"),
+        ({"battery_fraction": 0.15}, "!! BATTERY LOW 15% 24.1 V"),
+        ({"battery_fraction": 0.05}, "!! BATTERY CRITICAL 5% 24.1 V"),
+        ({"motion": MotionState.SILENCE}, "!! STOPPED: commands fell silent"),
+        ({"motion": MotionState.NO_DRIVER}, "!! NO DRIVER: cannot move"),
+        ({"bumpers": 0b11}, "!! BUMPER PRESSED ahead"),
+        ({"bumpers": 1 << 4 | 1 << 8}, "!! BUMPER PRESSED left and behind"),
+        ({"assistance": Assistance.OFF}, "! ASSISTANCE OFF: it drives into walls"),
+    ],
+)
+def test_every_trouble_is_told_in_words_with_its_sign(alarms, changes, text) -> None:
+    assert alarms(**changes) == [text]
+
+
+def test_a_lost_link_and_a_wanted_capability_that_is_missing_are_told(made, alarms) -> None:
+    link = made.link(LinkPhase.LOST, lacking={"VIS_VID": "no module has it"})
+    assert alarms(link=link) == ["!! LINK LOST 3 s", "! VIS_VID MISSING: no module has it"]
+
+
+def test_a_robot_that_never_told_its_state_is_not_well(made, draw) -> None:
+    canvas = draw("visualizeAlarms", made.robot(navigation=None), (40, 4))
+    assert rows(canvas) == ["! no robot state yet"]
+
+
+def test_the_worst_comes_first_and_the_rest_is_counted(made, alarms) -> None:
+    link = made.link(lacking={"VIS_VID": "starting"})
+    wrong = {"battery_fraction": 0.05, "assistance": Assistance.OFF, "age": 5.0}
+    assert alarms((40, 8), link=link, **wrong) == [
+        "!! STATE 5.0 s OLD",
+        "!! BATTERY CRITICAL 5% 24.1 V",
+        "! ASSISTANCE OFF: it drives into walls",
+        "! VIS_VID MISSING: starting",
+    ]
+    assert alarms((40, 4), link=link, **wrong)[1].endswith(" +2")
+    assert alarms((20, 2), link=link, **wrong) == ["!! STATE 5.0 s O… +3"]
+
+
+def test_alarms_lie_on_the_alarms_colour_and_warnings_do_not(made, draw) -> None:
+    wrong = made.navigation(battery_fraction=0.05, assistance=Assistance.OFF)
+    robot = made.robot(navigation=made.received(wrong))
+    canvas = draw("visualizeAlarms", robot, (40, 4))
+    assert (canvas.pixels[:2] == DARK.alarm).all()
+    assert (canvas.pixels[2:] == DARK.panel).all()
+
+
+def test_the_token_of_alarms_changes_with_their_words_only(made) -> None:
+    shown, state = made_by("visualizeAlarms"), ConsoleState(now=NOW)
+
+    def token(**changes):
+        return shown.source(made.robot(navigation=made.received(made.navigation(**changes))), state)
+
+    assert token(linear=0.5) == token() != token(battery_fraction=0.05)
+    light = dataclasses.replace(state, theme=LIGHT)
+    assert shown.source(made.robot(), state) != shown.source(made.robot(), light)
