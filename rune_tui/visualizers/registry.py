@@ -7,6 +7,7 @@ from typing import Final
 from rune_tui.visualizers.alarms import Alarms
 from rune_tui.visualizers.attitude import Attitude
 from rune_tui.visualizers.battery import Battery
+from rune_tui.visualizers.button import Button
 from rune_tui.visualizers.camera_image import CameraImage
 from rune_tui.visualizers.capabilities import Capabilities
 from rune_tui.visualizers.compass import Compass
@@ -18,6 +19,7 @@ from rune_tui.visualizers.link_words import Link
 from rune_tui.visualizers.marks import Marks
 from rune_tui.visualizers.modules import Modules
 from rune_tui.visualizers.pan_data import PanData
+from rune_tui.visualizers.plot import Plot
 from rune_tui.visualizers.range_data import RangeData
 from rune_tui.visualizers.speed_gauge import Speed
 from rune_tui.visualizers.status import Status
@@ -45,4 +47,6 @@ VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
     "visualizeLink": Link,
     "visualizeMarks": Marks,
     "visualizeModules": Modules,
+    "visualizeButton": Button,
+    "visualizePlot": Plot,
 }

@@ -183,6 +183,7 @@ def test_the_worst_comes_first_and_the_rest_is_counted(made, alarms) -> None:
     ]
     assert alarms((40, 4), link=link, **wrong)[1].endswith(" +2")
     assert alarms((20, 2), link=link, **wrong) == ["!! STATE 5.0 s O… +3"]
+    assert alarms((12, 2), link=link, **wrong) == ["!! STATE… +3"]
 
 
 def test_alarms_lie_on_the_alarms_colour_and_warnings_do_not(made, draw) -> None:

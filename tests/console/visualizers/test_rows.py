@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from rune_tui.model.theme import DARK
@@ -58,6 +58,7 @@ def test_free_text_in_the_last_column_is_cut_before_a_column_goes() -> None:
     assert line == "a  b  some words th…"
 
 
+@example("ab ab", 3)
 @given(st.text("ab ", max_size=60), COLUMNS)
 def test_a_wrapped_row_keeps_its_letters_and_the_width(text: str, columns: int) -> None:
     rows = list(wrapped(Row(text), columns))

@@ -79,7 +79,7 @@ def test_a_lists_token_changes_with_its_rows_and_their_age_only(made, name) -> N
     empty = {"visualizeMarks": points(), "visualizeModules": modules()}
     assert token(value) == token(value, 0.5, 2)
     assert token(value) != token(empty.get(name, capabilities()))
-    assert token(value) != token(value, 30.0)
+    assert token(value, 0.9) == token(value, 1.1) != token(value, 30.0)
 
 
 def test_marks_are_listed_newest_first_with_all_that_is_known_of_them(listed) -> None:

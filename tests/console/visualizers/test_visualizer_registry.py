@@ -6,9 +6,12 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from hub.gcm.mapping import INTEREST_POINTS
+from hub.gcm.navigation import ROBOT_STATE, STOP
+from hub.gcm.supervision import MODULE_REPORTS
 from rune_tui.model.robot_state import LinkPhase
 from rune_tui.visualizers.registry import VISUALIZERS
-from rune_tui.visualizers.staleness import Staleness, age_text, staleness
+from rune_tui.visualizers.staleness import Staleness, age_text, pause_of, staleness
 from tests.console.states import visualizer_spec
 from tests.console.visualizers.known import everything
 
@@ -42,6 +45,11 @@ def test_every_visualizer_draws_on_any_canvas_with_and_without_data(made, draw, 
 )
 def test_the_steps_of_age_are_one_and_three_seconds(age: float, expected: Staleness) -> None:
     assert staleness(age) is expected
+
+
+def test_only_what_comes_once_a_second_or_less_may_pause() -> None:
+    definitions = (ROBOT_STATE, STOP, MODULE_REPORTS, INTEREST_POINTS)
+    assert [pause_of(definition) for definition in definitions] == [0.0, 0.0, 1.0, 5.0]
 
 
 @pytest.mark.parametrize(

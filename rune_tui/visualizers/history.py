@@ -1,0 +1,115 @@
+"""A number of a message, found by its path, and how it went over time, in bounded memory."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+SLOTS = 1024
+"""Parts into which the time that is kept is divided; more columns has hardly a terminal."""
+
+_PLAIN = (int, float, np.number, np.bool_)
+
+
+def number_at(value: object, path: str) -> float | None:
+    """The number at a path such as `linear`, `sonar[0]` or `points[2].x`; None if there is none."""
+    found = value
+    for step in path.replace("[", ".[").split("."):
+        found = _element(found, step) if step.startswith("[") else _field(found, step)
+    return float(found) if isinstance(found, _PLAIN) else None
+
+
+def _field(value: object, name: str) -> object:
+    if not dataclasses.is_dataclass(value) or name not in {f.name for f in fields(value)}:
+        return None
+    return getattr(value, name)
+
+
+def _element(value: object, step: str) -> object:
+    digits = step[1:-1]
+    if not (isinstance(value, tuple | np.ndarray) and step.endswith("]") and digits.isdecimal()):
+        return None
+    return value[int(digits)] if int(digits) < len(value) else None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Slot:
+    """What a number was during a short time.
+
+    Attributes:
+        begin: When the first value of it was measured, on the console's monotonic clock [s].
+        end: When the last one was.
+        first: The first value.
+        last: The last one.
+        low: The lowest.
+        high: The highest.
+        joined: Whether nothing is missing between the slot before and this one.
+    """
+
+    begin: float
+    end: float
+    first: float
+    last: float
+    low: float
+    high: float
+    joined: bool
+
+
+class History:
+    """The newest seconds of a number."""
+
+    def __init__(self, seconds: float, gap: float) -> None:
+        """Begin with nothing.
+
+        Args:
+            seconds: How long values are kept [s].
+            gap: Time between two values from which on something is missing between them [s].
+        """
+        self._seconds = seconds
+        self._gap = gap
+        self._slots: deque[Slot] = deque(maxlen=SLOTS)
+        self._broken = False
+        self.count = 0
+        """How many values came; tells whether there is something new."""
+
+    def add(self, when: float, value: float) -> None:
+        """Note a value; what is not finite leaves a gap."""
+        self.count += 1
+        if not math.isfinite(value):
+            self._broken = True
+            return
+        newest = self._slots[-1] if self._slots else None
+        joined = newest is not None and not self._broken and 0.0 <= when - newest.end <= self._gap
+        self._broken = False
+        if newest is not None and joined and self._place(newest.begin) == self._place(when):
+            self._slots[-1] = dataclasses.replace(
+                newest,
+                end=when,
+                last=value,
+                low=min(newest.low, value),
+                high=max(newest.high, value),
+            )
+            return
+        self._slots.append(
+            Slot(
+                begin=when,
+                end=when,
+                first=value,
+                last=value,
+                low=value,
+                high=value,
+                joined=joined,
+            )
+        )
+
+    def since(self, when: float) -> Iterator[Slot]:
+        """All that was measured from this time on [s]."""
+        return (slot for slot in self._slots if slot.end >= when)
+
+    def _place(self, when: float) -> int:
+        return int(when * SLOTS / self._seconds)
