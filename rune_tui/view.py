@@ -125,6 +125,8 @@ class View:
         self._columns = 0
         self._rows = 0
         self._panes: list[_Pane] = []
+        # Some remember what they have seen, so they outlive the size of the terminal.
+        self._visualizers: dict[int, Visualizer] = {}
         self._complete = False
 
     def resize(self, columns: int, rows: int) -> None:
@@ -135,9 +137,11 @@ class View:
         self._panes = []
         if self._too_small:
             return
-        for viewport in self._spec.viewports:
+        for number, viewport in enumerate(self._spec.viewports):
             if viewport.visualizer and viewport.transparency < 255:
-                shown = _made(viewport, self._vocabulary)
+                known = self._visualizers.get(number)
+                shown = known or _made(viewport, self._vocabulary)
+                self._visualizers[number] = shown
                 place = placed(viewport, self._spec, columns, rows, whole_cells=shown.whole_cells)
                 self._panes.append(_Pane(spec=viewport, visualizer=shown, place=place))
 

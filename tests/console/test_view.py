@@ -196,6 +196,19 @@ def test_ageing_alone_gives_a_new_frame_at_each_step() -> None:
     assert rendered(screen, robots, ConsoleState(now=103.0)) is not None
 
 
+def test_a_plot_keeps_its_history_when_the_terminal_changes_its_size() -> None:
+    screen = View(layout_of(view(viewport("visualizePlot", (0, 0, 160, 96)))))
+    lengths = []
+    for number, columns in ((1, 80), (2, 60)):
+        screen.resize(columns, 24)
+        measured = known(NAVIGATION, number, age=0.9 / number**3)
+        cells = rendered(screen, {"magellan": robot(navigation=measured)}, STATE)
+        assert cells is not None
+        line = (cells.pixels[..., :3] == STATE.theme.accent[:3]).all(axis=2)
+        lengths.append(int(line.sum()))
+    assert lengths[1] > lengths[0]
+
+
 def test_the_nearer_viewport_covers_the_farther() -> None:
     front = viewport("visualizeLabel", (0, 0, 160, 2), text="front", zpos=2)
     back = viewport("visualizeLabel", (0, 0, 160, 2), text="behind", zpos=1)
