@@ -12,6 +12,7 @@ from hub.gcm.catalog import BY_NAME
 from rune_tui.layout import names
 from rune_tui.layout.grammar import Mistake, Node, Rules, hint, quoted
 from rune_tui.layout.inputs import TakenInputs, input_mistakes
+from rune_tui.layout.references import reference_mistakes
 from rune_tui.layout.rules import HandlerRule, NumberOption, Option, Vocabulary
 from rune_tui.layout.spec import CHOSEN
 
@@ -44,6 +45,7 @@ def find_mistakes(root: Node, rules: Rules, vocabulary: Vocabulary) -> Iterator[
                 yield from _widget_mistakes(child, rules, vocabulary, viewport=None)
                 yield from inputs.claim(child, None)
     yield from _duplicates(viewports, "viewport", rules)
+    yield from reference_mistakes(root, rules, vocabulary)
 
 
 def viewport_robot(viewport: Node, robots: tuple[str, ...], rules: Rules) -> str:

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, Literal, Protocol
 
 _DECIMAL = re.compile(r"[+-]?([0-9]{1,18}(\.[0-9]{0,99})?|\.[0-9]{1,99})")
 
@@ -86,16 +86,20 @@ class TextOption:
     Attributes:
         default: Its value where the layout is silent.
         longest: How many characters are allowed.
+        names: What of the layout it names; empty if it may be any words.
         meaning: What it does, for the reference.
     """
 
     default: str = ""
     longest: int = 200
+    names: Literal["", "robot", "viewport"] = ""
     meaning: str
 
     @property
     def allowed(self) -> str:
         """What may be given, in words."""
+        if self.names:
+            return f"name of a {self.names} of the layout"
         return f"at most {self.longest} characters"
 
     def accepts(self, text: str) -> bool:
@@ -176,6 +180,10 @@ class HandlerRule:
         sends: Names of the messages that it sends.
         uses: Names of the messages that it makes use of.
         pointed: Whether it wants to know where the mouse was, and so needs events of the mouse.
+        words: What a positive and a negative value do, by control (empty where there is none),
+            for the help.
+        held: Whether it acts while an input is held, so that a mere moment of it is nothing.
+        under_help: Whether its keys count while the help covers everything.
     """
 
     meaning: str
@@ -185,6 +193,9 @@ class HandlerRule:
     sends: tuple[str, ...] = ()
     uses: tuple[str, ...] = ()
     pointed: bool = False
+    words: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    held: bool = False
+    under_help: bool = False
 
 
 class RuledVisualizer(Protocol):
