@@ -47,11 +47,9 @@ def take(
     """
     view = View(layout)
     view.resize(*size)
-    state = ConsoleState(
-        now=time.monotonic(),
-        run_number=layout.run_number,
+    state = dataclasses.replace(
+        ConsoleState.at_start(layout, time.monotonic()),
         robots={name: link.state for name, link in links.items()},
-        chosen=layout.robots[0].name,
     )
     sizes = view.picture_sizes(state)
     for name, link in links.items():

@@ -11,14 +11,14 @@ from rune_tui.compositor.blend import Layer, compose, tinted
 from rune_tui.compositor.cells import Cells
 from rune_tui.controls.events import Hit
 from rune_tui.layout.rules import Vocabulary
-from rune_tui.layout.spec import CHOSEN, LayoutSpec, ViewportSpec, ViewSpec
+from rune_tui.layout.spec import LayoutSpec, ViewportSpec, ViewSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.resize import fitted_size
 from rune_tui.visualizers.notice import write_notice
 from rune_tui.visualizers.registry import CAMERA_IMAGE
-from rune_tui.visualizers.visualizer import Locating, Visualizer
+from rune_tui.visualizers.visualizer import Locating, Picturing, Visualizer
 
 _logger = logging.getLogger(__name__)
 
@@ -52,7 +52,8 @@ class _Pane:
 
     def visible(self, state: ConsoleState) -> bool:
         """Whether it is to be seen."""
-        return state.shown.get(self.spec.name, self.spec.visible)
+        shown = state.shown.get(self.spec.name, self.spec.visible)
+        return shown or state.full == self.spec.name
 
     def refresh(self, state: ConsoleState) -> bool:
         """Draw again if that would show something else; whether it did."""
@@ -89,7 +90,7 @@ class _Pane:
 
     def robot(self, state: ConsoleState) -> RobotState | None:
         """The robot that it shows."""
-        return state.robots.get(state.chosen if self.spec.robot == CHOSEN else self.spec.robot)
+        return state.robot(self.spec.robot)
 
     def hit(self, x: int, y: int, state: ConsoleState) -> Hit | None:
         """Where in it a pixel of the terminal lies, if it does and somebody can see it."""
@@ -98,15 +99,19 @@ class _Pane:
         inside = 0 <= across < place.width and 0 <= down < place.height
         if not inside or not self.visible(state):
             return None
-        shown = None
+        shown, in_picture = None, None
+        pixel, size = (across + 0.5, down + 0.5), (place.width, place.height)
         if robot is not None and isinstance(self.visualizer, Locating):
-            size = (place.width, place.height)
-            shown = self.visualizer.locate((across + 0.5, down + 0.5), size, robot, state)
+            shown = self.visualizer.locate(pixel, size, robot, state)
+        if robot is not None and isinstance(self.visualizer, Picturing):
+            in_picture = self.visualizer.in_picture(pixel, size, robot)
         return Hit(
             viewport=self.spec.name,
-            x=(across + 0.5) / place.width,
-            y=(down + 0.5) / place.height,
+            x=pixel[0] / place.width,
+            y=pixel[1] / place.height,
             place=shown,
+            robot=robot.name if robot is not None else "",
+            in_picture=in_picture,
         )
 
     def _drawn(self, robot: RobotState, state: ConsoleState) -> Canvas:
@@ -128,6 +133,7 @@ class View:
         # Some remember what they have seen, so they outlive the size of the terminal.
         self._visualizers: dict[int, Visualizer] = {}
         self._complete = False
+        self._full = ""
 
     def resize(self, columns: int, rows: int) -> None:
         """Place everything on a terminal of this size [cells]; the next frame is drawn anew."""
@@ -138,17 +144,20 @@ class View:
         if self._too_small:
             return
         for number, viewport in enumerate(self._spec.viewports):
-            if viewport.visualizer and viewport.transparency < 255:
+            if _is_drawn(viewport) and self._full in {"", viewport.name}:
                 known = self._visualizers.get(number)
                 shown = known or _made(viewport, self._vocabulary)
                 self._visualizers[number] = shown
                 place = placed(viewport, self._spec, columns, rows, whole_cells=shown.whole_cells)
+                if self._full:
+                    place = Place(x=0, y=0, width=columns, height=2 * rows)
                 self._panes.append(_Pane(spec=viewport, visualizer=shown, place=place))
 
     def render(self, state: ConsoleState) -> Cells | None:
         """The picture as it is now, or None when it is the one returned last."""
         if not self._columns or not self._rows:
             return None
+        self._arrange(state)
         # Every pane is asked: no short cut after the first that changed.
         changed = [pane.refresh(state) for pane in self._panes]
         if self._complete and not any(changed) and self._theme == state.theme.name:
@@ -163,6 +172,8 @@ class View:
 
     def hits(self, x: int, y: int, state: ConsoleState) -> tuple[Hit, ...]:
         """The viewports at a pixel of the terminal (column, 2 * row), the nearest first."""
+        if state.help:
+            return ()
         panes = sorted(self._panes, key=lambda pane: pane.spec.zpos)
         found = (pane.hit(x, y, state) for pane in reversed(panes))
         return tuple(hit for hit in found if hit is not None)
@@ -173,6 +184,7 @@ class View:
         Robots of which no camera image is on the screen are missing; the console needs to ask
         them for none.
         """
+        self._arrange(state)
         sizes: dict[str, tuple[int, int]] = {}
         for pane in self._panes:
             robot = pane.robot(state)
@@ -182,6 +194,14 @@ class View:
                 sizes[robot.name] = max(size, sizes.get(robot.name, MIN_PICTURE))
         return sizes
 
+    def _arrange(self, state: ConsoleState) -> None:
+        """Place the viewports anew if one of them begins to fill the view, or ends to."""
+        known = {viewport.name for viewport in self._spec.viewports if _is_drawn(viewport)}
+        full = state.full if state.full in known else ""
+        if full != self._full:
+            self._full = full
+            self.resize(self._columns, self._rows)
+
     @property
     def _too_small(self) -> bool:
         return self._columns < MIN_COLUMNS or self._rows < MIN_ROWS
@@ -190,6 +210,10 @@ class View:
         canvas = Canvas.blank(self._columns, 2 * self._rows)
         write_notice(canvas, "too small", state.theme)
         return Layer(canvas=canvas, x=0, y=0)
+
+
+def _is_drawn(viewport: ViewportSpec) -> bool:
+    return viewport.visualizer is not None and viewport.transparency < 255
 
 
 def _made(viewport: ViewportSpec, vocabulary: Vocabulary) -> Visualizer:

@@ -16,12 +16,17 @@ class Hit:
         x: Where in it, right of its left edge, as a share of its width, 0 to 1.
         y: Where in it, below its upper edge, as a share of its height, 0 to 1.
         place: Where in the world that is, if the viewport shows the world there.
+        robot: The robot it shows; empty if it shows none.
+        in_picture: Where in the camera's picture that is, if the viewport shows that: right of
+            its left edge and below its upper edge, as shares of its width and height, 0 to 1.
     """
 
     viewport: str
     x: float
     y: float
     place: WorldPoint | None = None
+    robot: str = ""
+    in_picture: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Self
 
 from hub.gcm.vision import ImageCoding, ImageKind
+from rune_tui.layout.spec import CHOSEN, LayoutSpec
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import DARK, Theme
 
@@ -60,14 +62,16 @@ class ConsoleState:
         run_number: The layout's run number.
         robots: All that is known of each robot, by name.
         chosen: The robot that viewports of `CHOSEN` show and command.
-        shown: Viewports that somebody showed (True) or hid (False).
+        shown: Which viewports are shown (True) or hidden (False).
         zooms: How many times larger than its layout says a viewport shows the world, by name.
         wishes: What pictures somebody wants of a robot, by the robot's name.
         night: Robots whose night mode somebody switched on, by name.
         theme: The colours.
         notices: What happened, the newest last.
         help: Whether the page that says what keys do lies over everything.
-        recording: Where to everything is being recorded; empty if it is not.
+        full: The viewport that is shown over the whole view; empty if none is.
+        operator: Who sits here.
+        clock: The time of day now, such as "14:03:22".
     """
 
     now: float
@@ -82,4 +86,25 @@ class ConsoleState:
     theme: Theme = DARK
     notices: tuple[Notice, ...] = ()
     help: bool = False
-    recording: str = ""
+    full: str = ""
+    operator: str = ""
+    clock: str = ""
+
+    @classmethod
+    def at_start(cls, layout: LayoutSpec, now: float, operator: str = "") -> Self:
+        """The state in which a layout begins; its robots are still to come."""
+        return cls(
+            now=now,
+            run_number=layout.run_number,
+            chosen=layout.robots[0].name,
+            shown={viewport.name: viewport.visible for viewport in layout.view.viewports},
+            operator=operator,
+        )
+
+    def robot(self, name: str) -> RobotState | None:
+        """The robot of this name, which may be `CHOSEN`; None if there is none."""
+        return self.robots.get(self.chosen if name == CHOSEN else name)
+
+    def notice(self, text: str, *, robot: str = "", alarm: bool = False) -> Notice:
+        """Something that happens now, for the operator to read."""
+        return Notice(text=text, when=self.now, clock=self.clock, robot=robot, alarm=alarm)

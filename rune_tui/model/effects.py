@@ -44,7 +44,7 @@ class NextLayoutEffect:
 
 @dataclass(frozen=True, slots=True)
 class ScreenshotEffect:
-    """Write what is shown into a file."""
+    """Write what is shown into files, a picture and a text."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,18 +58,21 @@ class ExportEffect:
     robot: str
 
 
+@dataclass(frozen=True, slots=True)
+class PaletteEffect:
+    """Open the list of all that the layout's inputs do, to choose from."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShowViewport:
     """Show or hide a viewport.
 
     Attributes:
         viewport: Its name.
-        by_layout: Whether the layout shows it at the start.
         shown: What is wanted; None: the other than it is.
     """
 
     viewport: str
-    by_layout: bool
     shown: bool | None = None
 
 
@@ -140,8 +143,14 @@ class ToggleHelp:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Record:
-    """Begin to record everything, or end it."""
+class FillView:
+    """Show one viewport over the whole view; if it is, show all of them again.
+
+    Attributes:
+        viewport: Its name.
+    """
+
+    viewport: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -156,26 +165,32 @@ class Tell:
 
 
 StateEffect = (
-    ShowViewport | ChooseRobot | Zoom | WishPictures | ToggleNight | SetTheme | ToggleHelp | Tell
+    ShowViewport
+    | FillView
+    | ChooseRobot
+    | Zoom
+    | WishPictures
+    | ToggleNight
+    | SetTheme
+    | ToggleHelp
+    | Tell
 )
 """What only changes the console's state."""
-Effect = (
-    SendEffect
-    | QuitEffect
-    | NextLayoutEffect
-    | ScreenshotEffect
-    | ExportEffect
-    | Record
-    | StateEffect
+DeedEffect = (
+    SendEffect | QuitEffect | NextLayoutEffect | ScreenshotEffect | ExportEffect | PaletteEffect
 )
+"""What the app has to do."""
+Effect = DeedEffect | StateEffect
 
 
 def changed(state: ConsoleState, effect: StateEffect) -> ConsoleState:
     """The console's state after an effect that concerns nothing else."""
     match effect:
-        case ShowViewport(viewport=name, by_layout=by_layout, shown=shown):
-            wanted = not state.shown.get(name, by_layout) if shown is None else shown
+        case ShowViewport(viewport=name, shown=shown):
+            wanted = not state.shown.get(name, True) if shown is None else shown
             return dataclasses.replace(state, shown=_with(state.shown, name, wanted))
+        case FillView(viewport=name):
+            return dataclasses.replace(state, full="" if state.full == name else name)
         case ChooseRobot(robot=name):
             return dataclasses.replace(state, chosen=name or _next(state.chosen, state.robots))
         case Zoom(viewport=name, factor=factor):

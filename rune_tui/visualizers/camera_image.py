@@ -11,7 +11,7 @@ from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
-from rune_tui.raster.resize import fitted
+from rune_tui.raster.resize import fitted, fitted_size
 from rune_tui.visualizers.notice import link_trouble, write_notice
 from rune_tui.visualizers.staleness import age_look, mark_age, weather
 
@@ -41,6 +41,18 @@ class CameraImage:
             mark_age(canvas, age, state.theme)
         if trouble:
             write_notice(canvas, trouble, state.theme)
+
+    def in_picture(
+        self, pixel: tuple[float, float], size: tuple[int, int], robot: RobotState
+    ) -> tuple[float, float] | None:
+        """Where in the camera's picture a pixel of the viewport is; None beside the picture."""
+        if robot.picture is None or not robot.picture.value.pixels.size:
+            return None
+        height, width = robot.picture.value.pixels.shape[:2]
+        wide, high = fitted_size(width, height, *size)
+        across = (pixel[0] - (size[0] - wide) // 2) / wide
+        down = (pixel[1] - (size[1] - high) // 2) / high
+        return (across, down) if 0.0 <= across <= 1.0 and 0.0 <= down <= 1.0 else None
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with the picture, the look of its age, and the words."""

@@ -60,3 +60,22 @@ class Locating(Protocol):
         Returns:
             None where no ground is shown.
         """
+
+
+@runtime_checkable
+class Picturing(Protocol):
+    """A visualizer that shows the camera's picture, and can tell where in it a pixel is."""
+
+    def in_picture(
+        self, pixel: tuple[float, float], size: tuple[int, int], robot: RobotState
+    ) -> tuple[float, float] | None:
+        """Where in the camera's picture a pixel of the newest drawing is.
+
+        Args:
+            pixel: Right of the left edge and below the upper edge of the viewport [pixels].
+            size: Width and height of the viewport [pixels].
+            robot: What was drawn, not what is known since.
+
+        Returns:
+            Shares of the picture's width and height, 0 to 1; None beside the picture.
+        """

@@ -18,8 +18,10 @@ from rune_tui.widgets.widget import PressWidget
 class _AdjustCamera(PressWidget):
     """Moves the camera by a step."""
 
+    repeats: ClassVar[bool] = True
+
     @abstractmethod
-    def command(self, value: float) -> CameraCommand:
+    def command(self, value: float, control: str) -> CameraCommand:
         """The step that an event of this value makes."""
 
     def press(
@@ -29,7 +31,7 @@ class _AdjustCamera(PressWidget):
         state: ConsoleState,  # noqa: ARG002 - a step is a step at any time
     ) -> tuple[Effect, ...]:
         """One step; a repeat is one more."""
-        value = self.command(event_spec.value * event.value)
+        value = self.command(event_spec.value * event.value, event_spec.control)
         return (SendEffect(robot=self.robot, definition=CAMERA_COMMAND, value=value),)
 
 
@@ -44,9 +46,10 @@ class AdjustPan(_AdjustCamera):
             )
         },
         sends=("GCM_Camera_Command",),
+        words={"": ("left", "right")},
     )
 
-    def command(self, value: float) -> CameraCommand:
+    def command(self, value: float, control: str) -> CameraCommand:  # noqa: ARG002 - it has one
         """The option `step_deg` times the value."""
         return CameraCommand(pan=math.radians(self.spec.options.number("step_deg")) * value)
 
@@ -62,11 +65,39 @@ class AdjustTilt(_AdjustCamera):
             )
         },
         sends=("GCM_Camera_Command",),
+        words={"": ("up", "down")},
     )
 
-    def command(self, value: float) -> CameraCommand:
+    def command(self, value: float, control: str) -> CameraCommand:  # noqa: ARG002 - it has one
         """The option `step_deg` times the value."""
         return CameraCommand(tilt=math.radians(self.spec.options.number("step_deg")) * value)
+
+
+class AdjustPanTilt(_AdjustCamera):
+    """Turns and tilts the camera: a hat switch, two axes or four keys."""
+
+    rule: ClassVar = HandlerRule(
+        meaning=(
+            "Turns and tilts the camera by a step for each press and repeat. Positive `pan` is "
+            "left, positive `tilt` is up."
+        ),
+        controls=("pan", "tilt"),
+        options={
+            "pan_deg": NumberOption(
+                default=5.0, least=0.1, most=90.0, unit="deg", meaning="turn a press, to the left"
+            ),
+            "tilt_deg": NumberOption(
+                default=3.0, least=0.1, most=90.0, unit="deg", meaning="turn a press, upwards"
+            ),
+        },
+        sends=("GCM_Camera_Command",),
+        words={"pan": ("left", "right"), "tilt": ("up", "down")},
+    )
+
+    def command(self, value: float, control: str) -> CameraCommand:
+        """The option of the control times the value."""
+        step = math.radians(self.spec.options.number(f"{control}_deg")) * value
+        return CameraCommand(pan=step) if control == "pan" else CameraCommand(tilt=step)
 
 
 class AdjustZoom(_AdjustCamera):
@@ -80,9 +111,10 @@ class AdjustZoom(_AdjustCamera):
             )
         },
         sends=("GCM_Camera_Command",),
+        words={"": ("closer", "wider")},
     )
 
-    def command(self, value: float) -> CameraCommand:
+    def command(self, value: float, control: str) -> CameraCommand:  # noqa: ARG002 - it has one
         """The option `step` times the value."""
         return CameraCommand(zoom=self.spec.options.number("step") * value)
 
@@ -97,12 +129,10 @@ class HomePTZ(PressWidget):
 
     def press(
         self,
-        event: ControlEvent,
-        event_spec: EventSpec,  # noqa: ARG002 - home is home
+        event: ControlEvent,  # noqa: ARG002 - home is home
+        event_spec: EventSpec,  # noqa: ARG002
         state: ConsoleState,  # noqa: ARG002
     ) -> tuple[Effect, ...]:
-        """One command; a repeat adds nothing."""
-        if event.repeat:
-            return ()
+        """One command."""
         home = CameraCommand(motion=CameraMotion.HOME)
         return (SendEffect(robot=self.robot, definition=CAMERA_COMMAND, value=home),)

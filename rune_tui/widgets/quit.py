@@ -16,7 +16,9 @@ class Quit(PressWidget):
     """Ends the console."""
 
     rule: ClassVar = HandlerRule(
-        meaning="Ends the console; every robot is sent zero speed first.", needs_robot=False
+        meaning="Ends the console; every robot is sent zero speed first.",
+        needs_robot=False,
+        under_help=True,
     )
 
     def press(

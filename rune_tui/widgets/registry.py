@@ -4,17 +4,52 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rune_tui.widgets.ptz import AdjustPan, AdjustTilt, AdjustZoom, HomePTZ
+from rune_tui.widgets.marked import CorrectLandmark, ExportMarks, RemoveMark, UndoMark
+from rune_tui.widgets.marks import SetLandmark, SetVictim
+from rune_tui.widgets.orders import Autonomy, GoTo, Safety
+from rune_tui.widgets.ptz import AdjustPan, AdjustPanTilt, AdjustTilt, AdjustZoom, HomePTZ
 from rune_tui.widgets.quit import Quit
+from rune_tui.widgets.seeing import Headlight, SetImageRequest, ToggleNightMode
+from rune_tui.widgets.showing import (
+    ChooseRobotWidget,
+    FullScreen,
+    Help,
+    NextLayout,
+    Screenshot,
+    ShowViewportWidget,
+    ThemeWidget,
+    ZoomMap,
+)
 from rune_tui.widgets.speed import SetSpeed, StopRobot
 from rune_tui.widgets.widget import Widget
 
 WIDGETS: Mapping[str, type[Widget]] = {
     "widgetSetSpeed": SetSpeed,
     "widgetStop": StopRobot,
+    "widgetGoTo": GoTo,
+    "widgetAutonomy": Autonomy,
+    "widgetSafety": Safety,
     "widgetAdjustPan": AdjustPan,
     "widgetAdjustTilt": AdjustTilt,
+    "widgetAdjustPanTilt": AdjustPanTilt,
     "widgetAdjustZoom": AdjustZoom,
     "widgetHomePTZ": HomePTZ,
+    "widgetSetImageRequest": SetImageRequest,
+    "widgetToggleNightMode": ToggleNightMode,
+    "widgetHeadlight": Headlight,
+    "widgetSetVictim": SetVictim,
+    "widgetSetLandmark": SetLandmark,
+    "widgetUndoMark": UndoMark,
+    "widgetRemoveMark": RemoveMark,
+    "widgetCorrectLandmark": CorrectLandmark,
+    "widgetExportMarks": ExportMarks,
+    "widgetShowViewport": ShowViewportWidget,
+    "widgetFullScreen": FullScreen,
+    "widgetZoomMap": ZoomMap,
+    "widgetChooseRobot": ChooseRobotWidget,
+    "widgetNextLayout": NextLayout,
+    "widgetTheme": ThemeWidget,
+    "widgetHelp": Help,
+    "widgetScreenshot": Screenshot,
     "widgetQuit": Quit,
 }

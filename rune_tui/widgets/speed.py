@@ -41,6 +41,8 @@ class SetSpeed:
             ),
         },
         sends=("GCM_Velocity_Command",),
+        words={"translate": ("forward", "backward"), "rotate": ("left", "right")},
+        held=True,
     )
 
     def __init__(self, robot: str, *, linear: float, angular: float) -> None:
@@ -122,7 +124,9 @@ class StopRobot(PressWidget):
             "Stops the robot at once. Keys that are still held no longer drive; press them anew."
         ),
         sends=("GCM_Stop",),
+        under_help=True,
     )
+    repeats: ClassVar[bool] = True
 
     def press(
         self,

@@ -40,9 +40,15 @@ class Widget(Protocol):
 
 
 class PressWidget(ABC):
-    """A widget that single moments wake: no history, nothing held."""
+    """A widget that single moments wake: nothing held.
+
+    Attributes:
+        rule: What layouts may say of it.
+        repeats: Whether a key that repeats means the same again.
+    """
 
     rule: ClassVar[HandlerRule]
+    repeats: ClassVar[bool] = False
 
     def __init__(self, spec: WidgetSpec, robot: str) -> None:
         self.spec = spec
@@ -57,7 +63,7 @@ class PressWidget(ABC):
     def press(
         self, event: ControlEvent, event_spec: EventSpec, state: ConsoleState
     ) -> tuple[Effect, ...]:
-        """Effects of a press or repeat; of a release if that is what the layout asks for."""
+        """Effects of a press, or of a release if that is what the layout asks for."""
 
     def handle(
         self,
@@ -66,7 +72,7 @@ class PressWidget(ABC):
         state: ConsoleState,
     ) -> tuple[Effect, ...]:
         """Effects of what the layout asks for, a press or a release; the other has none."""
-        if event.pressed == event_spec.released:
+        if event.pressed == event_spec.released or (event.repeat and not self.repeats):
             return ()
         return self.press(event, event_spec, state)
 

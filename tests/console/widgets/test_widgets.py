@@ -10,38 +10,21 @@ import pytest
 from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Twist
 from hub.gcm.vision import CAMERA_COMMAND, CameraCommand, CameraMotion
 from rune_tui.controls.events import ControlEvent
-from rune_tui.layout.rules import Options
-from rune_tui.layout.spec import EventSpec, WidgetSpec
-from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import QuitEffect, SendEffect
 from rune_tui.widgets.registry import WIDGETS
 from rune_tui.widgets.speed import SetSpeed
-
-
-def spec(handler: str, **options: float) -> WidgetSpec:
-    rule = WIDGETS[handler].rule
-    return WidgetSpec(handler=handler, options=Options.of(rule.options, options), events=(), line=1)
-
-
-def event_spec(key: str, control: str = "", value: float = 1.0) -> EventSpec:
-    return EventSpec(name=key, control=control, value=value, line=1)
-
-
-def at(now: float) -> ConsoleState:
-    return ConsoleState(now=now)
-
-
-def down(key: str) -> ControlEvent:
-    return ControlEvent(name=key, pressed=True)
-
-
-def again(key: str) -> ControlEvent:
-    return ControlEvent(name=key, pressed=True, repeat=True)
-
-
-def up(key: str) -> ControlEvent:
-    return ControlEvent(name=key, pressed=False)
-
+from tests.console.widgets.presses import (
+    LANDMARK,
+    again,
+    at,
+    click,
+    down,
+    event_spec,
+    marked,
+    seeing,
+    spec,
+    up,
+)
 
 W = event_spec("w", "translate", 1.0)
 S = event_spec("s", "translate", -1.0)
@@ -173,6 +156,35 @@ def test_the_camera_moves_a_step_at_every_press_and_repeat(
     assert widget.handle(up("x"), key, at(0.2)) == ()
 
 
+@pytest.mark.parametrize(
+    ("control", "value", "command"),
+    [
+        ("pan", 1.0, CameraCommand(pan=math.radians(5))),
+        ("pan", -2.0, CameraCommand(pan=-math.radians(10))),
+        ("tilt", 1.0, CameraCommand(tilt=math.radians(4))),
+        ("tilt", -0.5, CameraCommand(tilt=-math.radians(2))),
+    ],
+)
+def test_a_hat_switch_moves_pan_and_tilt_each_by_its_own_step(
+    control: str, value: float, command: CameraCommand
+):
+    widget = WIDGETS["widgetAdjustPanTilt"].from_spec(
+        spec("widgetAdjustPanTilt", tilt_deg=4.0), "magellan"
+    )
+    assert widget.handle(down("x"), event_spec("x", control, value), at(0.0)) == camera(command)
+
+
+def test_a_wheel_zooms_both_ways():
+    widget = WIDGETS["widgetAdjustZoom"].from_spec(spec("widgetAdjustZoom"), "magellan")
+    wheel = event_spec("mouse wheel")
+    away, back = (
+        widget.handle(ControlEvent(name="mouse wheel", pressed=True, value=value), wheel, at(0.0))
+        for value in (1.0, -1.0)
+    )
+    assert away == camera(CameraCommand(zoom=0.05))
+    assert back == camera(CameraCommand(zoom=-0.05))
+
+
 def test_home_is_sent_once_a_press():
     widget = WIDGETS["widgetHomePTZ"].from_spec(spec("widgetHomePTZ"), "magellan")
     home = camera(CameraCommand(motion=CameraMotion.HOME))
@@ -195,10 +207,23 @@ def test_only_speed_widgets_speak_unasked(handler: str):
 
 
 @pytest.mark.parametrize("handler", sorted(WIDGETS))
-def test_every_message_of_a_widget_can_be_encoded(handler: str):
+def test_a_widget_sends_what_it_announced_and_all_of_it_can_be_encoded(handler: str):
+    rule = WIDGETS[handler].rule
     widget = WIDGETS[handler].from_spec(spec(handler), "magellan")
+    control = next(iter(rule.controls), "")
+    effects = widget.handle(click(), event_spec("mouse left", control), seeing(marked(1, LANDMARK)))
+    sent = [effect for effect in effects if isinstance(effect, SendEffect)]
+    for effect in sent:
+        payload = b"".join(map(bytes, effect.definition.encode(effect.value)))
+        again = effect.definition.encode(effect.definition.decode(payload))
+        assert b"".join(map(bytes, again)) == payload
+        assert effect.robot == "magellan"
+    assert {effect.definition.name for effect in sent} == set(rule.sends)
+
+
+@pytest.mark.parametrize("handler", sorted(WIDGETS))
+def test_a_widget_whose_robot_is_not_there_neither_fails_nor_acts_on_another(handler: str):
+    widget = WIDGETS[handler].from_spec(spec(handler), "*")
     control = next(iter(WIDGETS[handler].rule.controls), "")
-    for effect in widget.handle(down("x"), event_spec("x", control), at(0.0)):
-        if isinstance(effect, SendEffect):
-            payload = b"".join(map(bytes, effect.definition.encode(effect.value)))
-            assert effect.definition.decode(payload) == effect.value
+    for effect in widget.handle(click(), event_spec("mouse left", control), at(0.0)):
+        assert getattr(effect, "robot", "*") in {"*", ""}

@@ -1,0 +1,200 @@
+"""Widgets for what is marked already: take back, remove, export, and correct the pose by it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import ClassVar
+
+import numpy as np
+
+from hub.gcm.mapping import (
+    INTEREST_POINTS,
+    MAP,
+    POINT_COMMAND,
+    InterestPoint,
+    PointAction,
+    PointCommand,
+    PointKind,
+)
+from hub.gcm.navigation import LANDMARK_CORRECTION, ROBOT_STATE, LandmarkCorrection
+from rune_tui.controls.events import ControlEvent
+from rune_tui.layout.rules import HandlerRule, NumberOption
+from rune_tui.layout.spec import EventSpec, WidgetSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.effects import Effect, ExportEffect, SendEffect, Tell
+from rune_tui.model.pose import Pose
+from rune_tui.model.robot_state import RobotState
+from rune_tui.model.world import WorldPoint
+from rune_tui.widgets.marks import OPERATOR, points_of
+from rune_tui.widgets.pointing import PointedWidget
+from rune_tui.widgets.widget import PressWidget
+
+_FRESH_S = 1.0
+"""A pose that is older says too little about where something is seen now [s]."""
+_REMOVED_S = 3.0
+"""So long after a point was removed it may still be among those last heard of [s]."""
+
+
+class UndoMark(PressWidget):
+    """Takes back the newest mark of this operator."""
+
+    rule: ClassVar = HandlerRule(
+        meaning="Takes back your newest mark.",
+        options={"operator": OPERATOR},
+        sends=(POINT_COMMAND.name,),
+        uses=(INTEREST_POINTS.name,),
+    )
+
+    def __init__(self, spec: WidgetSpec, robot: str) -> None:
+        super().__init__(spec, robot)
+        self._removed: dict[tuple[str, int], float] = {}
+
+    def press(
+        self,
+        event: ControlEvent,  # noqa: ARG002 - every key of it means the same
+        event_spec: EventSpec,  # noqa: ARG002
+        state: ConsoleState,
+    ) -> tuple[Effect, ...]:
+        """The removal; numbers are never given twice, so the highest is the newest."""
+        robot = state.robot(self.robot)
+        if robot is None:
+            return ()
+        operator = self.spec.options.word("operator") or state.operator
+        mine = [
+            point
+            for point in points_of(robot)
+            if point.by == operator and not self._gone(robot.name, point.number, state.now)
+        ]
+        if not mine:
+            return (Tell(notice=state.notice("you have marked nothing yet", robot=robot.name)),)
+        newest = max(mine, key=lambda point: point.number)
+        self._removed[robot.name, newest.number] = state.now
+        return _removal(newest, robot, state)
+
+    def _gone(self, robot: str, number: int, now: float) -> bool:
+        return now - self._removed.get((robot, number), -math.inf) < _REMOVED_S
+
+
+class RemoveMark(PointedWidget):
+    """Removes the mark that was clicked."""
+
+    purpose: ClassVar[str] = "removed"
+    rule: ClassVar = HandlerRule(
+        meaning="Removes the mark nearest to where you click.",
+        options={
+            "radius": NumberOption(
+                default=0.5, least=0.05, most=20.0, unit="m", meaning="no mark farther away counts"
+            )
+        },
+        sends=(POINT_COMMAND.name,),
+        uses=(INTEREST_POINTS.name,),
+        pointed=True,
+    )
+
+    def point(
+        self,
+        place: WorldPoint,
+        event: ControlEvent,  # noqa: ARG002 - the place says all
+        robot: RobotState,
+        state: ConsoleState,
+    ) -> tuple[Effect, ...]:
+        """The removal, or in words that nothing is there."""
+        radius = self.spec.options.number("radius")
+        nearest = _nearest(place, robot, radius, lambda _: True)
+        if nearest is None:
+            text = f"not removed: no mark is within {radius:g} m of where you clicked"
+            return (Tell(notice=state.notice(text, robot=robot.name)),)
+        return _removal(nearest, robot, state)
+
+
+class CorrectLandmark(PointedWidget):
+    """Corrects the robot's pose: a marked landmark is seen where the operator clicks."""
+
+    purpose: ClassVar[str] = "corrected"
+    rule: ClassVar = HandlerRule(
+        meaning=(
+            "Corrects where the robot thinks it is: click on the foot of a marked landmark, where "
+            "you see it. The nearest marked landmark is the one that is meant."
+        ),
+        options={
+            "radius": NumberOption(
+                default=3.0, least=0.1, most=20.0, unit="m", meaning="largest error to correct"
+            )
+        },
+        sends=(LANDMARK_CORRECTION.name,),
+        uses=(INTEREST_POINTS.name, ROBOT_STATE.name),
+        pointed=True,
+    )
+
+    def point(
+        self,
+        place: WorldPoint,
+        event: ControlEvent,  # noqa: ARG002 - the place says all
+        robot: RobotState,
+        state: ConsoleState,
+    ) -> tuple[Effect, ...]:
+        """The correction and what it means, or in words why there is none.
+
+        A place on screen follows from the pose that the robot believes; seen from that pose it is
+        where the camera really saw it, however wrong the pose is.
+        """
+        radius = self.spec.options.number("radius")
+        landmark = _nearest(place, robot, radius, lambda p: p.kind is PointKind.LANDMARK)
+        known = robot.navigation
+        if landmark is None:
+            text = f"not corrected: no landmark is marked within {radius:g} m of where you clicked"
+        elif known is None or known.age(state.now) > _FRESH_S:
+            text = "not corrected: where the robot is now is not known"
+        else:
+            way = math.hypot(landmark.x - place.x, landmark.y - place.y)
+            text = f"landmark {landmark.number} is seen {way:.2f} m beside its place: corrected"
+            pose = Pose(x=known.value.x, y=known.value.y, theta=known.value.theta)
+            seen_x, seen_y = pose.from_map((place.x, place.y)).tolist()
+            value = LandmarkCorrection(x=landmark.x, y=landmark.y, seen_x=seen_x, seen_y=seen_y)
+            send = SendEffect(robot=robot.name, definition=LANDMARK_CORRECTION, value=value)
+            return (send, Tell(notice=state.notice(text, robot=robot.name)))
+        return (Tell(notice=state.notice(text, robot=robot.name)),)
+
+
+class ExportMarks(PressWidget):
+    """Writes the marks and the map into files."""
+
+    rule: ClassVar = HandlerRule(
+        meaning=(
+            "Writes all marks into files in your documents folder: CSV, GeoJSON, and a page with "
+            "the map and the pictures."
+        ),
+        uses=(INTEREST_POINTS.name, MAP.name),
+    )
+
+    def press(
+        self,
+        event: ControlEvent,  # noqa: ARG002 - every key of it means the same
+        event_spec: EventSpec,  # noqa: ARG002
+        state: ConsoleState,  # noqa: ARG002
+    ) -> tuple[Effect, ...]:
+        """The files."""
+        return (ExportEffect(robot=self.robot),)
+
+
+def _removal(point: InterestPoint, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
+    emptied = InterestPoint(
+        number=point.number, kind=point.kind, x=point.x, y=point.y, thumbnail=np.empty(0, np.uint8)
+    )
+    command = PointCommand(action=PointAction.REMOVE, point=emptied)
+    text = f"{point.kind.name.lower()} {point.number} is removed"
+    send = SendEffect(robot=robot.name, definition=POINT_COMMAND, value=command)
+    return (send, Tell(notice=state.notice(text, robot=robot.name)))
+
+
+def _nearest(
+    place: WorldPoint, robot: RobotState, radius: float, counts: Callable[[InterestPoint], bool]
+) -> InterestPoint | None:
+    """The nearest point that counts; None if all are farther away than the radius [m]."""
+
+    def distance(point: InterestPoint) -> float:
+        return math.hypot(point.x - place.x, point.y - place.y)
+
+    near = [p for p in points_of(robot) if counts(p) and distance(p) <= radius]
+    return min(near, key=distance, default=None)

@@ -1,0 +1,154 @@
+"""Widgets that mark what was found: victims and landmarks, by a click on the video or the map."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.gcm.mapping import (
+    INTEREST_POINTS,
+    POINT_COMMAND,
+    InterestPoint,
+    PointCommand,
+    PointKind,
+)
+from rune_tui.controls.events import ControlEvent
+from rune_tui.layout.rules import HandlerRule, TextOption
+from rune_tui.layout.spec import WidgetSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.effects import Effect, SendEffect, Tell
+from rune_tui.model.robot_state import RobotState
+from rune_tui.model.world import WorldPoint
+from rune_tui.raster.thumbnail import thumbnail
+from rune_tui.widgets.pointing import PointedWidget, uncertainty_words
+
+OPERATOR: Final = TextOption(longest=64, meaning="who marks; empty: the user's name")
+ANSWER_S = 3.0
+"""A mark that is not among the robot's points after this was not taken [s]."""
+_NO_PICTURE: Final = np.empty(0, np.uint8)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Pending:
+    """A mark that is not yet among the robot's points.
+
+    Attributes:
+        robot: On whose map.
+        place: Where, in `map` [m].
+        after: The highest number of a point when it was made; its own will be higher.
+        since: When it was made [s].
+    """
+
+    robot: str
+    place: tuple[float, float]
+    after: int
+    since: float
+
+
+class _SetMark(PointedWidget):
+    """Marks the place that was clicked, and says whether the robot took it."""
+
+    kind: ClassVar[PointKind]
+    purpose: ClassVar[str] = "marked"
+
+    def __init__(self, spec: WidgetSpec, robot: str) -> None:
+        super().__init__(spec, robot)
+        self._pending: list[_Pending] = []
+
+    def point(
+        self, place: WorldPoint, event: ControlEvent, robot: RobotState, state: ConsoleState
+    ) -> tuple[Effect, ...]:
+        """The mark; when it was made, the robot's map notes by its own clock."""
+        picture = picture_at(event, robot)
+        note = ", ".join(filter(None, (self.spec.options.word("note"), uncertainty_words(place))))
+        mark = InterestPoint(
+            kind=self.kind,
+            x=place.x,
+            y=place.y,
+            by=self.spec.options.word("operator") or state.operator,
+            note=note,
+            length=len(picture),
+            thumbnail=picture,
+        )
+        after = max((known.number for known in points_of(robot)), default=0)
+        self._pending.append(
+            _Pending(robot=robot.name, place=(mark.x, mark.y), after=after, since=state.now)
+        )
+        command = PointCommand(point=mark)
+        return (SendEffect(robot=robot.name, definition=POINT_COMMAND, value=command),)
+
+    def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
+        """What became of the marks that were sent."""
+        told: list[Effect] = []
+        for pending in tuple(self._pending):
+            number = self._number(pending, state)
+            if number is None and state.now - pending.since < ANSWER_S:
+                continue
+            self._pending.remove(pending)
+            where = f"at {pending.place[0]:.1f}, {pending.place[1]:.1f} m"
+            if number is None:
+                text = f"the {self.kind.name.lower()} {where} was not taken; its log says why"
+            else:
+                text = f"{self.kind.name.lower()} {number} is marked {where}"
+            notice = state.notice(text, robot=pending.robot, alarm=number is None)
+            told.append(Tell(notice=notice))
+        return tuple(told)
+
+    def _number(self, pending: _Pending, state: ConsoleState) -> int | None:
+        """The number that a mark has now; None if the robot does not have it."""
+        robot = state.robot(pending.robot)
+        for point in points_of(robot) if robot is not None else ():
+            there = (point.x, point.y) == pending.place and point.kind is self.kind
+            if there and point.number > pending.after:
+                return point.number
+        return None
+
+
+class SetVictim(_SetMark):
+    """Marks a victim."""
+
+    kind: ClassVar[PointKind] = PointKind.VICTIM
+    rule: ClassVar = HandlerRule(
+        meaning="Marks a victim where you click, with a small picture of it.",
+        options={
+            "note": TextOption(longest=200, meaning="words to go with it"),
+            "operator": OPERATOR,
+        },
+        sends=(POINT_COMMAND.name,),
+        uses=(INTEREST_POINTS.name,),
+        pointed=True,
+    )
+
+
+class SetLandmark(_SetMark):
+    """Marks a landmark."""
+
+    kind: ClassVar[PointKind] = PointKind.LANDMARK
+    rule: ClassVar = HandlerRule(
+        meaning="Marks a landmark where you click, with a small picture of it.",
+        options={
+            "note": TextOption(longest=200, meaning="words to go with it"),
+            "operator": OPERATOR,
+        },
+        sends=(POINT_COMMAND.name,),
+        uses=(INTEREST_POINTS.name,),
+        pointed=True,
+    )
+
+
+def points_of(robot: RobotState) -> tuple[InterestPoint, ...]:
+    """What is marked on a robot's map, as far as the console knows."""
+    newest = robot.newest(INTEREST_POINTS)
+    return newest.value.points if newest is not None else ()
+
+
+def picture_at(event: ControlEvent, robot: RobotState) -> npt.NDArray[np.uint8]:
+    """A small picture of what was clicked, a JPEG file; empty if it was not in the video."""
+    for hit in event.hits:
+        if hit.robot == robot.name and hit.in_picture is not None and robot.picture is not None:
+            pixels = robot.picture.value.pixels
+            return thumbnail(pixels, hit.in_picture) if pixels.size else _NO_PICTURE
+    return _NO_PICTURE

@@ -1,0 +1,144 @@
+"""Widgets that tell a robot what to do by itself, and how much it may help."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar
+
+from hub.gcm.autonomy import AUTONOMY_COMMAND, AutonomyCommand, Behaviour
+from hub.gcm.navigation import (
+    ASSISTANCE_COMMAND,
+    GOAL_COMMAND,
+    ROBOT_STATE,
+    Assistance,
+    AssistanceCommand,
+    GoalCommand,
+    Point,
+)
+from rune_tui.controls.events import ControlEvent
+from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption
+from rune_tui.layout.spec import EventSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.effects import Effect, SendEffect, Tell
+from rune_tui.model.robot_state import RobotState
+from rune_tui.model.world import WorldPoint
+from rune_tui.widgets.pointing import PointedWidget
+from rune_tui.widgets.widget import PressWidget
+
+_ORDERS = {
+    "explore": Behaviour.EXPLORE,
+    "return": Behaviour.RETURN,
+    "hold": Behaviour.HOLD,
+    "wander": Behaviour.WANDER,
+}
+
+
+class GoTo(PointedWidget):
+    """Sends the robot to the place that was clicked."""
+
+    purpose: ClassVar[str] = "sent"
+    rule: ClassVar = HandlerRule(
+        meaning="Sends the robot where you click; a driving key or a stop ends it.",
+        options={
+            "linear": NumberOption(
+                default=0.0,
+                least=0.0,
+                most=10.0,
+                unit="m/s",
+                meaning="fastest speed; 0: the robot's own limit",
+            )
+        },
+        sends=(GOAL_COMMAND.name,),
+        pointed=True,
+    )
+
+    def point(
+        self,
+        place: WorldPoint,
+        event: ControlEvent,  # noqa: ARG002 - the place says all
+        robot: RobotState,
+        state: ConsoleState,
+    ) -> tuple[Effect, ...]:
+        """The goal, with any heading."""
+        goal = GoalCommand(
+            count=1,
+            points=(Point(x=place.x, y=place.y),),
+            linear_limit=self.spec.options.number("linear") or math.nan,
+        )
+        text = f"sent to {place.x:.1f}, {place.y:.1f} m"
+        send = SendEffect(robot=robot.name, definition=GOAL_COMMAND, value=goal)
+        return (send, Tell(notice=state.notice(text, robot=robot.name)))
+
+
+class Autonomy(PressWidget):
+    """Tells the robot what to do by itself."""
+
+    rule: ClassVar = HandlerRule(
+        meaning="Tells the robot what to do by itself; a driving key or a stop ends it.",
+        options={
+            "order": ChoiceOption(
+                default="explore",
+                choices=tuple(_ORDERS),
+                meaning="explore what is not mapped, return to where it started, hold still for "
+                "the operator, or wander about",
+            )
+        },
+        sends=(AUTONOMY_COMMAND.name,),
+    )
+
+    def press(
+        self,
+        event: ControlEvent,  # noqa: ARG002 - every key of it means the same
+        event_spec: EventSpec,  # noqa: ARG002
+        state: ConsoleState,
+    ) -> tuple[Effect, ...]:
+        """The order."""
+        robot = state.robot(self.robot)
+        if robot is None:
+            return ()
+        order = self.spec.options.word("order")
+        command = AutonomyCommand(behaviour=_ORDERS[order])
+        send = SendEffect(robot=robot.name, definition=AUTONOMY_COMMAND, value=command)
+        return (send, Tell(notice=state.notice(f"told to {order}", robot=robot.name)))
+
+
+class Safety(PressWidget):
+    """Has the robot hold back what would lead it into something, or no longer."""
+
+    rule: ClassVar = HandlerRule(
+        meaning=(
+            "Switches the robot's help on or off. With it, it stops before what is in its way; "
+            "without it, it follows you into walls."
+        ),
+        options={
+            "assistance": ChoiceOption(
+                default="toggle", choices=("toggle", "on", "off"), meaning="what is wanted"
+            )
+        },
+        sends=(ASSISTANCE_COMMAND.name,),
+        uses=(ROBOT_STATE.name,),
+    )
+
+    def press(
+        self,
+        event: ControlEvent,  # noqa: ARG002 - every key of it means the same
+        event_spec: EventSpec,  # noqa: ARG002
+        state: ConsoleState,
+    ) -> tuple[Effect, ...]:
+        """The command, and an alarm if it switches the help off.
+
+        What is not known is switched on.
+        """
+        robot = state.robot(self.robot)
+        if robot is None:
+            return ()
+        wanted = self.spec.options.word("assistance")
+        if wanted == "toggle":
+            known = robot.navigation
+            helped = known is not None and known.value.assistance is Assistance.ON
+            wanted = "off" if helped else "on"
+        command = AssistanceCommand(assistance=Assistance[wanted.upper()])
+        off = command.assistance is Assistance.OFF
+        text = "SAFETY OFF: it follows you into walls" if off else "safety is on"
+        send = SendEffect(robot=robot.name, definition=ASSISTANCE_COMMAND, value=command)
+        return (send, Tell(notice=state.notice(text, robot=robot.name, alarm=off)))

@@ -1,0 +1,65 @@
+"""Widgets that have to know where: a click on the video or on the map."""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from typing import ClassVar
+
+from rune_tui.controls.events import ControlEvent
+from rune_tui.layout.spec import EventSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.effects import Effect, Tell
+from rune_tui.model.robot_state import RobotState
+from rune_tui.model.world import WorldPoint
+from rune_tui.widgets.widget import PressWidget
+
+
+class PointedWidget(PressWidget):
+    """A widget that acts on the place that was clicked."""
+
+    purpose: ClassVar[str]
+    """What was not done if no ground was clicked, such as "marked"."""
+
+    @abstractmethod
+    def point(
+        self, place: WorldPoint, event: ControlEvent, robot: RobotState, state: ConsoleState
+    ) -> tuple[Effect, ...]:
+        """Effects of a click on a place."""
+
+    def press(
+        self,
+        event: ControlEvent,
+        event_spec: EventSpec,  # noqa: ARG002 - every button of it means the same
+        state: ConsoleState,
+    ) -> tuple[Effect, ...]:
+        """What the place that was clicked calls for; words if none was."""
+        robot = state.robot(self.robot)
+        if robot is None:
+            return ()
+        place = place_of(event, self.spec.viewport, robot.name)
+        if place is None:
+            text = f"not {self.purpose}: no ground is known where you clicked"
+            return (Tell(notice=state.notice(text, robot=robot.name)),)
+        return self.point(place, event, robot, state)
+
+
+def place_of(event: ControlEvent, viewport: str, robot: str) -> WorldPoint | None:
+    """The place in the world that was clicked.
+
+    That of the widget's own viewport if that shows the world, else of the nearest viewport of the
+    same robot that does.
+    """
+    hits = [hit for hit in event.hits if hit.place is not None and hit.robot == robot]
+    own = [hit for hit in hits if hit.viewport == viewport]
+    return next((hit.place for hit in (*own, *hits)), None)
+
+
+def uncertainty_words(place: WorldPoint) -> str:
+    """How far away a place was and how far off it may be, in words; empty if neither is known."""
+    words = []
+    if math.isfinite(place.distance):
+        words.append(f"seen from {place.distance:.1f} m away")
+    if math.isfinite(place.uncertainty):
+        words.append(f"give or take {place.uncertainty:.2f} m")
+    return ", ".join(words)

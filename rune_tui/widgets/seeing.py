@@ -1,0 +1,139 @@
+"""Widgets for what the camera sends: kind and size of pictures, seeing in the dark."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar
+
+from hub.gcm.vision import (
+    CAMERA_STATE,
+    NIGHT_COMMAND,
+    ImageCoding,
+    ImageKind,
+    NightCommand,
+)
+from rune_tui.controls.events import ControlEvent
+from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption
+from rune_tui.layout.spec import EventSpec
+from rune_tui.model.console_state import ConsoleState, PictureWish
+from rune_tui.model.effects import Effect, SendEffect, Tell, ToggleNight, WishPictures
+from rune_tui.widgets.widget import PressWidget
+
+_MOST_PIXELS = 4096.0
+_KINDS = tuple(kind.name.lower() for kind in ImageKind)
+_CODINGS = tuple(coding.name.lower() for coding in ImageCoding)
+
+
+class SetImageRequest(PressWidget):
+    """Asks for another kind of pictures, and for the usual ones again."""
+
+    rule: ClassVar = HandlerRule(
+        meaning="Asks for other pictures; pressed again, for the usual ones.",
+        options={
+            "kind": ChoiceOption(default="colour", choices=_KINDS, meaning="colours"),
+            "width": NumberOption(
+                default=0.0,
+                least=0.0,
+                most=_MOST_PIXELS,
+                unit="px",
+                meaning="width wanted; 0: as wide as is shown",
+            ),
+            "height": NumberOption(
+                default=0.0,
+                least=0.0,
+                most=_MOST_PIXELS,
+                unit="px",
+                meaning="height wanted; 0: as high as is shown",
+            ),
+            "quality": NumberOption(
+                default=60.0, least=1.0, most=100.0, meaning="1 is the least, 100 the best"
+            ),
+            "coding": ChoiceOption(
+                default="rle", choices=_CODINGS, meaning="how pictures are coded on their way"
+            ),
+        },
+    )
+
+    def press(
+        self,
+        event: ControlEvent,  # noqa: ARG002 - every key of it means the same
+        event_spec: EventSpec,  # noqa: ARG002
+        state: ConsoleState,
+    ) -> tuple[Effect, ...]:
+        """The other kind, or the usual one if the other is asked for already."""
+        robot = state.robot(self.robot)
+        if robot is None:
+            return ()
+        options = self.spec.options
+        wish = PictureWish(
+            kind=ImageKind[options.word("kind").upper()],
+            width=round(options.number("width")),
+            height=round(options.number("height")),
+            quality=round(options.number("quality")),
+            coding=ImageCoding[options.word("coding").upper()],
+        )
+        if state.wishes.get(robot.name) == wish:
+            wish = PictureWish()
+        return (WishPictures(robot=robot.name, wish=wish),)
+
+
+class ToggleNightMode(PressWidget):
+    """Has the robot see in the dark, or no longer."""
+
+    rule: ClassVar = HandlerRule(
+        meaning=(
+            "Switches night mode on or off: brighter pictures, and the headlight of a robot that "
+            "has one."
+        ),
+        sends=(NIGHT_COMMAND.name,),
+    )
+
+    def press(
+        self,
+        event: ControlEvent,  # noqa: ARG002 - every key of it means the same
+        event_spec: EventSpec,  # noqa: ARG002
+        state: ConsoleState,
+    ) -> tuple[Effect, ...]:
+        """The report's local message, and the command to the robot."""
+        robot = state.robot(self.robot)
+        if robot is None:
+            return ()
+        wanted = robot.name not in state.night
+        command = NightCommand(on=int(wanted))
+        send = SendEffect(robot=robot.name, definition=NIGHT_COMMAND, value=command)
+        return (ToggleNight(robot=robot.name, on=wanted), send)
+
+
+class Headlight(PressWidget):
+    """Lights the headlight, or puts it out."""
+
+    rule: ClassVar = HandlerRule(
+        meaning=(
+            "Lights the headlight or puts it out. Lighting it switches night mode on; putting it "
+            "out leaves that as it is."
+        ),
+        options={
+            "brightness": NumberOption(default=1.0, least=0.05, most=1.0, meaning="how bright")
+        },
+        sends=(NIGHT_COMMAND.name,),
+        uses=(CAMERA_STATE.name,),
+    )
+
+    def press(
+        self,
+        event: ControlEvent,  # noqa: ARG002 - every key of it means the same
+        event_spec: EventSpec,  # noqa: ARG002
+        state: ConsoleState,
+    ) -> tuple[Effect, ...]:
+        """The other than the camera reports."""
+        robot = state.robot(self.robot)
+        if robot is None:
+            return ()
+        if robot.camera is None or math.isnan(robot.camera.value.headlight):
+            text = f"{robot.name} reports no headlight"
+            return (Tell(notice=state.notice(text, robot=robot.name)),)
+        lit = robot.camera.value.headlight > 0.0
+        brightness = 0.0 if lit else self.spec.options.number("brightness")
+        command = NightCommand(on=1, headlight=brightness)
+        send = SendEffect(robot=robot.name, definition=NIGHT_COMMAND, value=command)
+        return (send,) if lit else (ToggleNight(robot=robot.name, on=True), send)

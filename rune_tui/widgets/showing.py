@@ -1,0 +1,181 @@
+"""Widgets that change what the console shows, and command no robot."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import ClassVar
+
+from rune_tui.controls.events import ControlEvent
+from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption, TextOption
+from rune_tui.layout.spec import EventSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.effects import (
+    ChooseRobot,
+    Effect,
+    FillView,
+    NextLayoutEffect,
+    ScreenshotEffect,
+    SetTheme,
+    ShowViewport,
+    ToggleHelp,
+    Zoom,
+)
+from rune_tui.model.theme import THEMES
+from rune_tui.widgets.widget import PressWidget
+
+_NEXT = "next"
+_SHOWN = {"toggle": None, "show": True, "hide": False}
+_VIEWPORT = TextOption(names="viewport", meaning="which one; empty: the widget's own")
+
+
+class _Showing(PressWidget):
+    """A widget whose effect does not depend on what is known."""
+
+    @abstractmethod
+    def effect(self, value: float) -> Effect:
+        """What an input of this value changes."""
+
+    def press(
+        self,
+        event: ControlEvent,
+        event_spec: EventSpec,
+        state: ConsoleState,  # noqa: ARG002 - as the class says
+    ) -> tuple[Effect, ...]:
+        """The change."""
+        return (self.effect(event_spec.value * event.value),)
+
+    def viewport(self) -> str:
+        """The viewport that the layout names, else the widget's own."""
+        return self.spec.options.word("viewport") or self.spec.viewport
+
+
+class ShowViewportWidget(_Showing):
+    """Shows or hides a viewport."""
+
+    rule: ClassVar = HandlerRule(
+        meaning="Shows or hides a viewport.",
+        options={
+            "viewport": _VIEWPORT,
+            "shown": ChoiceOption(
+                default="toggle", choices=tuple(_SHOWN), meaning="what is wanted"
+            ),
+        },
+        needs_robot=False,
+    )
+
+    def effect(self, value: float) -> Effect:  # noqa: ARG002 - a press is a press
+        """The viewport appears or goes."""
+        shown = _SHOWN[self.spec.options.word("shown")]
+        return ShowViewport(viewport=self.viewport(), shown=shown)
+
+
+class FullScreen(_Showing):
+    """Shows one viewport over the whole view, and all of them again."""
+
+    rule: ClassVar = HandlerRule(
+        meaning="Shows one viewport over the whole view; again, all of them.",
+        options={"viewport": _VIEWPORT},
+        needs_robot=False,
+    )
+
+    def effect(self, value: float) -> Effect:  # noqa: ARG002 - a press is a press
+        """The viewport fills the view or goes back to its place."""
+        return FillView(viewport=self.viewport())
+
+
+class ZoomMap(_Showing):
+    """Shows the world larger or smaller."""
+
+    repeats: ClassVar[bool] = True
+    rule: ClassVar = HandlerRule(
+        meaning="Shows the world larger or smaller. The value 0 shows it as the layout says.",
+        options={
+            "viewport": _VIEWPORT,
+            "factor": NumberOption(
+                default=1.25, least=1.01, most=10.0, meaning="how many times larger a press"
+            ),
+        },
+        needs_robot=False,
+        words={"": ("larger", "smaller")},
+    )
+
+    def effect(self, value: float) -> Effect:
+        """The factor to the power of the value; 0 goes back to the layout's."""
+        factor = self.spec.options.number("factor") ** value if value else 0.0
+        return Zoom(viewport=self.viewport(), factor=factor)
+
+
+class ChooseRobotWidget(_Showing):
+    """Chooses the robot that some viewports show and command."""
+
+    rule: ClassVar = HandlerRule(
+        meaning=(
+            "Chooses the robot that viewports of the robot `*` show and command. What is held is "
+            "let go first."
+        ),
+        options={"robot": TextOption(names="robot", meaning="which one; empty: the next")},
+        needs_robot=False,
+    )
+
+    def effect(self, value: float) -> Effect:  # noqa: ARG002 - a press is a press
+        """The choice."""
+        return ChooseRobot(robot=self.spec.options.word("robot"))
+
+
+class NextLayout(_Showing):
+    """Opens the next layout."""
+
+    rule: ClassVar = HandlerRule(
+        meaning="Opens the next of the layouts that the console was started with.",
+        needs_robot=False,
+    )
+
+    def effect(self, value: float) -> Effect:  # noqa: ARG002 - a press is a press
+        """The next layout."""
+        return NextLayoutEffect()
+
+
+class ThemeWidget(_Showing):
+    """Takes other colours."""
+
+    rule: ClassVar = HandlerRule(
+        meaning="Takes other colours.",
+        options={
+            "theme": ChoiceOption(
+                default=_NEXT, choices=(_NEXT, *THEMES), meaning="which; or the next of them"
+            )
+        },
+        needs_robot=False,
+    )
+
+    def effect(self, value: float) -> Effect:  # noqa: ARG002 - a press is a press
+        """The theme."""
+        name = self.spec.options.word("theme")
+        return SetTheme(name="" if name == _NEXT else name)
+
+
+class Help(_Showing):
+    """Shows what keys do."""
+
+    rule: ClassVar = HandlerRule(
+        meaning="Shows what keys and the mouse do, and hides it again.",
+        needs_robot=False,
+        under_help=True,
+    )
+
+    def effect(self, value: float) -> Effect:  # noqa: ARG002 - a press is a press
+        """The help."""
+        return ToggleHelp()
+
+
+class Screenshot(_Showing):
+    """Writes what is shown into files."""
+
+    rule: ClassVar = HandlerRule(
+        meaning="Writes what is shown into files in your pictures folder: PNG and text.",
+        needs_robot=False,
+    )
+
+    def effect(self, value: float) -> Effect:  # noqa: ARG002 - a press is a press
+        """The files."""
+        return ScreenshotEffect()

@@ -1,0 +1,197 @@
+"""Marking, taking back, removing, and correcting the pose: what clicks on places send."""
+
+from __future__ import annotations
+
+import dataclasses
+import io
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from PIL import Image
+
+from hub.gcm.mapping import (
+    POINT_COMMAND,
+    InterestPoint,
+    PointAction,
+    PointCommand,
+    PointKind,
+)
+from hub.gcm.navigation import LANDMARK_CORRECTION
+from hub.plane import Pose
+from rune_tui.controls.events import ControlEvent, Hit
+from rune_tui.model.effects import Effect, ExportEffect, SendEffect, Tell
+from rune_tui.model.robot_state import Picture
+from rune_tui.model.world import WorldPoint
+from rune_tui.widgets.marks import ANSWER_S
+from tests.console.visualizers.conftest import NOW, received
+from tests.console.widgets.presses import (
+    LANDMARK,
+    PLACE,
+    VICTIM,
+    click,
+    down,
+    event_spec,
+    marked,
+    seeing,
+    widget_of,
+)
+from tests.messages import camera_state, robot_state
+
+LEFT = event_spec("mouse left")
+KEY = event_spec("u")
+
+
+def sent(effects: tuple[Effect, ...]) -> PointCommand:
+    (effect,) = [effect for effect in effects if isinstance(effect, SendEffect)]
+    assert effect.definition is POINT_COMMAND
+    command: PointCommand = effect.value
+    return command
+
+
+def told(effects: tuple[Effect, ...]) -> str:
+    """What the operator is told, where nothing is sent."""
+    (effect,) = effects
+    assert isinstance(effect, Tell)
+    assert effect.notice.robot == "magellan"
+    return effect.notice.text
+
+
+@pytest.mark.parametrize(
+    ("handler", "kind"), [("widgetSetVictim", VICTIM), ("widgetSetLandmark", LANDMARK)]
+)
+def test_a_click_on_the_ground_marks_it_with_who_and_how_sure(handler: str, kind: PointKind):
+    point = sent(widget_of(handler).handle(click(), LEFT, seeing())).point
+    assert (point.kind, point.x, point.y, point.number) == (kind, 3.0, -1.0, 0)
+    assert point.by == "jane"
+    assert point.note == "seen from 2.5 m away, give or take 0.12 m"
+    assert point.stamp == 0.0  # the robot's map notes the time by its own clock
+
+
+def test_the_layout_may_say_who_marks_and_what_to_note():
+    widget = widget_of("widgetSetVictim", operator="team 1", note="warm")
+    place = WorldPoint(x=1.0, y=2.0, uncertainty=math.nan)
+    point = sent(widget.handle(click(place), LEFT, seeing())).point
+    assert (point.by, point.note) == ("team 1", "warm")
+
+
+@pytest.mark.parametrize("handler", ["widgetSetVictim", "widgetRemoveMark", "widgetGoTo"])
+def test_a_click_beside_the_ground_sends_nothing_and_says_so(handler: str):
+    effects = widget_of(handler).handle(click(None), LEFT, seeing(marked(1)))
+    assert "no ground is known" in told(effects)
+
+
+def test_a_place_on_another_robots_viewport_does_not_count():
+    effects = widget_of("widgetSetVictim").handle(click(robot="blimp"), LEFT, seeing())
+    assert "no ground is known" in told(effects)
+
+
+def test_the_own_viewport_says_where_before_those_in_front_of_it():
+    near = Hit(viewport="label", x=0.5, y=0.5, place=PLACE, robot="magellan")
+    other = WorldPoint(x=9.0, y=9.0, uncertainty=0.1)
+    own = Hit(viewport="camera", x=0.5, y=0.5, place=other, robot="magellan")
+    event = ControlEvent(name="mouse left", pressed=True, hits=(near, own))
+    assert sent(widget_of("widgetSetVictim").handle(event, LEFT, seeing())).point.x == 9.0
+
+
+def decoded(point: InterestPoint) -> np.ndarray:
+    return np.asarray(Image.open(io.BytesIO(point.thumbnail.tobytes())).convert("RGB"))
+
+
+def test_the_small_picture_shows_what_was_clicked():
+    pixels = np.zeros((120, 160, 3), np.uint8)
+    pixels[60:, 80:] = (255, 0, 0)
+    state = seeing(picture=received(Picture(pixels=pixels, camera=camera_state())))
+    corner = sent(
+        widget_of("widgetSetVictim").handle(click(in_picture=(0.9, 0.9)), LEFT, state)
+    ).point
+    assert corner.length == len(corner.thumbnail) > 0
+    red, green, blue = decoded(corner).mean(axis=(0, 1))
+    assert red > 240 > 15 > max(green, blue)
+    assert sent(widget_of("widgetSetVictim").handle(click(), LEFT, state)).point.length == 0
+
+
+@given(
+    height=st.integers(1, 300),
+    width=st.integers(1, 300),
+    centre=st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)),
+    seed=st.integers(0, 9),
+)
+def test_small_pictures_fit_into_a_point_whatever_they_show(
+    height: int, width: int, centre: tuple[float, float], seed: int
+):
+    noise = np.random.default_rng(seed).integers(0, 256, (height, width, 3), np.uint8)
+    state = seeing(picture=received(Picture(pixels=noise, camera=camera_state())))
+    point = sent(widget_of("widgetSetVictim").handle(click(in_picture=centre), LEFT, state)).point
+    assert 0 < point.length <= 4096
+    assert decoded(point).size
+
+
+def test_a_mark_that_the_robot_takes_is_told_with_its_number():
+    widget = widget_of("widgetSetVictim")
+    widget.handle(click(), LEFT, seeing(marked(4, x=0.0)))
+    assert widget.tick(seeing(marked(4, x=0.0), now=NOW + 0.1)) == ()
+    assert "victim 5 is marked" in told(widget.tick(seeing(marked(5), now=NOW + 0.2)))
+    assert widget.tick(seeing(marked(5), now=NOW + 60.0)) == ()
+
+
+def test_a_mark_that_the_robot_refuses_is_an_alarm():
+    widget = widget_of("widgetSetVictim")
+    same_place = marked(4)
+    widget.handle(click(), LEFT, seeing(same_place))
+    (effect,) = widget.tick(seeing(same_place, now=NOW + ANSWER_S))
+    assert isinstance(effect, Tell)
+    assert effect.notice.alarm
+    assert "not taken" in effect.notice.text
+
+
+def test_undo_removes_the_newest_mark_of_this_operator_and_then_the_one_before():
+    widget = widget_of("widgetUndoMark")
+    state = seeing(marked(1), marked(2, by="joe"), marked(3), marked(4, by="joe"))
+    command = sent(widget.handle(down("u"), KEY, state))
+    assert (command.action, command.point.number) == (PointAction.REMOVE, 3)
+    # The points have not come anew yet.
+    assert sent(widget.handle(down("u"), KEY, state)).point.number == 1
+    assert "nothing" in told(widget.handle(down("u"), KEY, state))
+
+
+def test_remove_takes_the_nearest_mark_within_the_radius():
+    marks = (marked(1, x=3.3), marked(2, x=2.9), marked(3, x=8.0))
+    command = sent(widget_of("widgetRemoveMark").handle(click(), LEFT, seeing(*marks)))
+    assert (command.action, command.point.number) == (PointAction.REMOVE, 2)
+    narrow = widget_of("widgetRemoveMark", radius=0.05)
+    assert "no mark" in told(narrow.handle(click(), LEFT, seeing(*marks)))
+
+
+def test_a_correction_says_where_the_nearest_landmark_is_seen_from_the_robot():
+    marks = (marked(1, x=3.1), marked(2, LANDMARK, x=3.5), marked(3, LANDMARK, x=1.0))
+    effects = widget_of("widgetCorrectLandmark").handle(click(), LEFT, seeing(*marks))
+    (effect,) = [effect for effect in effects if isinstance(effect, SendEffect)]
+    assert effect.definition is LANDMARK_CORRECTION
+    assert (effect.value.x, effect.value.y) == (3.5, -1.0)
+    believed = Pose(x=1.0, y=1.0, theta=0.5)
+    seen = believed.outward(effect.value.seen_x, effect.value.seen_y)
+    assert seen == pytest.approx((PLACE.x, PLACE.y))
+
+
+def test_no_landmark_or_no_fresh_pose_no_correction():
+    widget = widget_of("widgetCorrectLandmark")
+    assert "no landmark" in told(widget.handle(click(), LEFT, seeing(marked(1))))
+    far = seeing(marked(1, LANDMARK, x=7.0))
+    assert "no landmark" in told(widget.handle(click(), LEFT, far))
+    old = received(robot_state(), age=1.5)
+    stale = seeing(marked(1, LANDMARK), navigation=old)
+    assert "not known" in told(widget.handle(click(), LEFT, stale))
+
+
+def test_export_is_of_the_widgets_robot():
+    effects = widget_of("widgetExportMarks", "*").handle(down("e"), KEY, seeing())
+    assert effects == (ExportEffect(robot="*"),)
+
+
+def test_a_chosen_robots_marks_go_to_it_by_name():
+    state = dataclasses.replace(seeing(), chosen="magellan")
+    effects = widget_of("widgetSetVictim", "*").handle(click(), LEFT, state)
+    assert [effect.robot for effect in effects if isinstance(effect, SendEffect)] == ["magellan"]
