@@ -1,0 +1,1 @@
+"""Files that operators take home: what was marked, and where."""

@@ -1,0 +1,88 @@
+"""Interest points as CSV (RFC 4180) and GeoJSON (RFC 7946); pure."""
+
+from __future__ import annotations
+
+import base64
+import csv
+import datetime
+import io
+import json
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from hub.gcm.mapping import InterestPoint
+
+COLUMNS = ("number", "kind", "x_m", "y_m", "time", "by", "note")
+"""Of the table; x and y in `map`, the time in UTC after ISO 8601."""
+_FORMULA_SIGNS = ("=", "+", "-", "@", "\t", "\r")
+"""What spreadsheets take for the beginning of a formula."""
+_JPEG = b"\xff\xd8"
+
+
+def csv_table(points: Sequence[InterestPoint]) -> str:
+    """A table with a line for each point.
+
+    Words that a spreadsheet would compute are written with an apostrophe before them.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text)
+    writer.writerow(COLUMNS)
+    for point in points:
+        place = (f"{point.x:.3f}", f"{point.y:.3f}")
+        words = (_harmless(point.by), _harmless(point.note))
+        writer.writerow(
+            (point.number, point.kind.name.lower(), *place, moment(point.stamp), *words)
+        )
+    return text.getvalue()
+
+
+def geojson(points: Sequence[InterestPoint], robot: str) -> str:
+    """A FeatureCollection; a hub's mapping module reads it as well.
+
+    The coordinates are metres in the robot's `map`, not degrees on the earth, as the member
+    "frame" says.
+    """
+    features: list[dict[str, Any]] = [
+        {
+            "type": "Feature",
+            "geometry": {"type": "Point", "coordinates": [point.x, point.y]},
+            "properties": {
+                "number": point.number,
+                "kind": point.kind.name.lower(),
+                "stamp": point.stamp,
+                "time": moment(point.stamp),
+                "by": point.by,
+                "note": point.note,
+                "thumbnail": thumbnail_text(point),
+            },
+        }
+        for point in points
+        if math.isfinite(point.x) and math.isfinite(point.y) and math.isfinite(point.stamp)
+    ]
+    collection = {
+        "type": "FeatureCollection",
+        "frame": "map",
+        "robot": robot,
+        "features": features,
+    }
+    return json.dumps(collection, indent=1, ensure_ascii=False) + "\n"
+
+
+def moment(stamp: float) -> str:
+    """A time [s since the epoch] as people and programs read it; empty if it is none."""
+    try:
+        when = datetime.datetime.fromtimestamp(stamp, datetime.UTC)
+    except (ValueError, OverflowError, OSError):
+        return ""
+    return when.isoformat(timespec="seconds").replace("+00:00", "Z")
+
+
+def thumbnail_text(point: InterestPoint) -> str:
+    """The JPEG file of a point as base64; empty if there is none."""
+    raw = point.thumbnail.tobytes()
+    return base64.b64encode(raw).decode() if raw.startswith(_JPEG) else ""
+
+
+def _harmless(text: str) -> str:
+    return f"'{text}" if text.startswith(_FORMULA_SIGNS) else text
