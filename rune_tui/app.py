@@ -8,39 +8,54 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import dataclasses
+import datetime
 import os
 import signal
 import threading
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from typing import ClassVar
 
 from textual import events
 from textual.app import App, ComposeResult
+from textual.binding import Binding
 
+from rune_tui import desk
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.keyboard import KeyboardHold, name_of_key
 from rune_tui.controls.stall_guard import StallGuard
 from rune_tui.dispatch import Dispatch
+from rune_tui.layout.actions import Action, actions_of
 from rune_tui.layout.names import MOUSE
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import (
     ChooseRobot,
+    DeedEffect,
     Effect,
+    ExportEffect,
+    NextLayoutEffect,
+    PaletteEffect,
     QuitEffect,
+    ScreenshotEffect,
     SendEffect,
     StateEffect,
+    Tell,
+    ToggleHelp,
     changed,
 )
+from rune_tui.model.happenings import Watch
+from rune_tui.ui.palette import palette_of
 from rune_tui.ui.terminal import output_is_pending, terminal_driver
 from rune_tui.ui.view_pane import ViewPane
 from rune_tui.view import View
 
 _FRAME_S = 1.0 / 30.0
+_COVERED_FRAME_S = 0.5
+"""Between two frames under the palette, where Textual mixes every cell by itself [s]."""
 _TICK_S = 0.05
-_EMERGENCY_KEY = "ctrl+c"
 _BUTTONS = {1: "left", 2: "middle", 3: "right"}
 _LEAVE_S = 3.0
 """How long the end may take before the process is ended as it is [s]."""
@@ -49,7 +64,9 @@ _LEAVE_S = 3.0
 class Console(App[None], inherit_bindings=False):
     """The console on a terminal."""
 
-    ENABLE_COMMAND_PALETTE = False
+    ENABLE_COMMAND_PALETTE = False  # ours opens where the layout does not want its key
+    BINDINGS: ClassVar = [Binding("ctrl+c", "quit", priority=True, show=False)]
+    """Whatever the layout says and whatever is open, there is a way out."""
     CSS = "Screen { layers: view; overflow: hidden; }"
 
     def __init__(
@@ -68,12 +85,13 @@ class Console(App[None], inherit_bindings=False):
         self._links = links
         self._view = View(layout)
         self._dispatch = Dispatch(layout)
-        self._console = ConsoleState(
-            now=time.monotonic(), run_number=layout.run_number, chosen=layout.robots[0].name
-        )
+        self._console = ConsoleState.at_start(layout, time.monotonic(), desk.operator_name())
+        self._actions = actions_of(layout)
+        self._watch = Watch()
         self._keyboard = KeyboardHold()
         self._stalls = StallGuard()
         self._leaving = False
+        self._drawn = 0.0
         self._pane = ViewPane(depth)
 
     def compose(self) -> ComposeResult:
@@ -115,12 +133,12 @@ class Console(App[None], inherit_bindings=False):
 
     def on_key(self, event: events.Key) -> None:
         """A key went down or repeats."""
+        if self._covered:
+            return
         event.stop()
         event.prevent_default()
         now = self._look_up()
         key = name_of_key(event.key, event.character)
-        if key == _EMERGENCY_KEY:
-            self._leave()  # whatever the layout says, there is a way out
         if not self._stalls.deaf(now):
             self._handle(self._keyboard.press(key, now))
 
@@ -147,11 +165,13 @@ class Console(App[None], inherit_bindings=False):
     def _mouse(
         self, event: events.MouseEvent, part: str, *, pressed: bool = True, value: float = 1.0
     ) -> None:
+        if self._covered:
+            return
         event.stop()
         now = self._look_up()
         if not part or self._stalls.deaf(now):
             return
-        state = self._state()
+        state = self.state
         # A cell is two pixels high; which of them the mouse is on, terminals do not tell.
         hits = self._view.hits(int(event.screen_x), 2 * int(event.screen_y) + 1, state)
         moved = ControlEvent(name=MOUSE + part, pressed=pressed, value=value, hits=hits)
@@ -172,7 +192,9 @@ class Console(App[None], inherit_bindings=False):
     def _tick(self) -> None:
         now = self._look_up()
         self._handle(self._keyboard.expire(now))
-        self._execute(self._dispatch.tick(self._state()))
+        state = self.state
+        self._execute(Tell(notice=notice) for notice in self._watch.look(state))
+        self._execute(self._dispatch.tick(state))
 
     def _look_up(self) -> float:
         """The time now; after a pause of the console itself, nothing counts as held."""
@@ -184,7 +206,10 @@ class Console(App[None], inherit_bindings=False):
     def _draw(self) -> None:
         if output_is_pending(self):
             return
-        state = self._state()
+        state = self.state
+        if self._covered and state.now - self._drawn < _COVERED_FRAME_S:
+            return
+        self._drawn = state.now
         cells = self._view.render(state)
         if cells is not None:
             self._pane.show(cells)
@@ -209,37 +234,80 @@ class Console(App[None], inherit_bindings=False):
 
     def _handle(self, control_events: Iterable[ControlEvent]) -> None:
         for event in control_events:
-            self._execute(self._dispatch.handle(event, self._state()))
+            self._execute(self._dispatch.handle(event, self.state))
 
     def _let_go(self) -> None:
         self._keyboard.release_all()
-        self._execute(self._dispatch.released(self._state()))
+        self._execute(self._dispatch.released(self.state))
 
     def _execute(self, effects: Iterable[Effect]) -> None:
         for effect in effects:
-            if isinstance(effect, SendEffect):
-                self._links[effect.robot].send(effect.definition, effect.value)
-            elif isinstance(effect, QuitEffect):
-                self._leave()
-            elif isinstance(effect, StateEffect):
+            if isinstance(effect, StateEffect):
                 self._change(effect)
+            else:
+                self._do(effect)
+
+    def _do(self, effect: DeedEffect) -> None:
+        match effect:
+            case SendEffect(robot=name, definition=definition, value=value):
+                link = self._links[name]
+                link.send(definition, value)
+                if (outcome := desk.undelivered(effect, link.state)) is not None:
+                    self._tell(outcome)
+            case ScreenshotEffect():
+                now, cells = datetime.datetime.now().astimezone(), self._pane.cells
+                if cells is not None:
+                    self._write(lambda: desk.write_screenshot(cells, now))
+            case ExportEffect(robot=name):
+                now, robot = datetime.datetime.now().astimezone(), self._links[name].state
+                self._write(lambda: desk.write_marks(robot, now))
+            case NextLayoutEffect():
+                self._tell(desk.Outcome(text="the console was started with no other layout"))
+            case PaletteEffect():
+                self._let_go()
+                self.push_screen(palette_of(self._actions, self._act))
+            case QuitEffect():
+                self._leave()
+
+    def _act(self, action: Action) -> None:
+        self._execute(self._dispatch.act(action, self.state))
+
+    def _write(self, job: Callable[[], desk.Outcome]) -> None:
+        """Write files without holding up the robot's commands."""
+
+        async def written() -> None:
+            self._tell(await asyncio.to_thread(job))
+
+        self.run_worker(written(), exit_on_error=False)
+
+    def _tell(self, said: desk.Outcome) -> None:
+        notice = self.state.notice(said.text, robot=said.robot, alarm=said.alarm)
+        self._change(Tell(notice=notice))
+
+    @property
+    def _covered(self) -> bool:
+        """Whether the palette lies over the view and has the keys and the mouse."""
+        return len(self.screen_stack) > 1
 
     def _change(self, effect: StateEffect) -> None:
-        if isinstance(effect, ChooseRobot):
-            self._let_go()  # what is held was meant for the robot before
-        self._console = changed(self._state(), effect)
+        if isinstance(effect, ChooseRobot | ToggleHelp):
+            self._let_go()  # what is held was meant for the robot before, and seen
+        self._console = changed(self.state, effect)
         self._ask_for_pictures()
 
     def _ask_for_pictures(self) -> None:
         """Ask each robot for pictures of the size and kind that is shown."""
-        sizes = self._view.picture_sizes(self._state())
+        sizes = self._view.picture_sizes(self.state)
         for name, link in self._links.items():
             link.want_pictures(sizes.get(name), self._console.wishes.get(name))
 
-    def _state(self) -> ConsoleState:
+    @property
+    def state(self) -> ConsoleState:
+        """What the console is doing and what it knows now."""
         return dataclasses.replace(
             self._console,
             now=time.monotonic(),
+            clock=time.strftime("%H:%M:%S"),
             held=self._keyboard.held,
             robots={name: link.state for name, link in self._links.items()},
         )

@@ -4,19 +4,31 @@ from __future__ import annotations
 
 import dataclasses
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import cast
 
 from hub.gcm.navigation import STOP
 from rune_tui.controls.events import ControlEvent
+from rune_tui.layout.actions import Action
 from rune_tui.layout.names import MOUSE
 from rune_tui.layout.spec import CHOSEN, EventSpec, LayoutSpec
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import Effect, ExportEffect, SendEffect, ToggleNight, WishPictures
-from rune_tui.widgets.speed import SetSpeed
+from rune_tui.model.effects import (
+    Effect,
+    ExportEffect,
+    PaletteEffect,
+    SendEffect,
+    ToggleHelp,
+    ToggleNight,
+    WishPictures,
+)
+from rune_tui.widgets.speed import SetSpeed, StopRobot
 from rune_tui.widgets.widget import Widget
 
+_UNLESS_BOUND: Mapping[str, Effect] = {"?": ToggleHelp(), "ctrl+p": PaletteEffect()}
+"""What keys do that the layout binds to nothing."""
+_CLOSE_HELP = "escape"
 _TO_ROBOTS = SendEffect | ExportEffect | WishPictures | ToggleNight
 
 
@@ -35,6 +47,8 @@ class Dispatch:
     Only one of a robot's speed widgets speaks at a time, the one whose key was pressed last; two
     that spoke at once would contradict each other 20 times a second. After a stop, a robot's
     other widgets forget what is held.
+
+    While the help covers everything, only the keys of the stop, the help and the quit count.
 
     The caller executes the effects in order. Before it ends, and whenever it can no longer see
     the keys, it also executes those of `released`.
@@ -58,9 +72,31 @@ class Dispatch:
 
     def handle(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
         """Effects of an event, from every widget that it matches."""
+        fresh = event.pressed and not event.repeat
+        listeners = self._listeners(event)
+        if state.help and event.pressed:
+            listeners = [each for each in listeners if each.widget.rule.under_help]
+            if event.name == _CLOSE_HELP and fresh:
+                stops = [each for each in listeners if isinstance(each.widget, StopRobot)]
+                return (ToggleHelp(), *self._woken(event, stops, state))
+        if fresh and event.name not in self._by_input and event.name in _UNLESS_BOUND:
+            own = _UNLESS_BOUND[event.name]
+            return (own,) if own == ToggleHelp() or not state.help else ()
+        return self._woken(event, listeners, state)
+
+    def act(self, action: Action, state: ConsoleState) -> tuple[Effect, ...]:
+        """Effects of an action that somebody chose from a list, as if its first input was used."""
+        spec = action.event
+        chosen = [each for each in self._by_input.get(spec.name, ()) if each.spec is spec]
+        event = ControlEvent(name=spec.name, pressed=not spec.released)
+        return self._woken(event, chosen, state)
+
+    def _woken(
+        self, event: ControlEvent, listeners: Iterable[_Listener], state: ConsoleState
+    ) -> tuple[Effect, ...]:
         effects: list[Effect] = []
         stopped: dict[str, None] = {}
-        for listener in self._listeners(event):
+        for listener in listeners:
             widget = listener.widget
             if isinstance(widget, SetSpeed) and event.pressed and not event.repeat:
                 self._take_over(widget)

@@ -10,6 +10,7 @@ from typing import cast
 from rune_tui.compositor.blend import Layer, compose, tinted
 from rune_tui.compositor.cells import Cells
 from rune_tui.controls.events import Hit
+from rune_tui.help_layer import HelpLayer
 from rune_tui.layout.rules import Vocabulary
 from rune_tui.layout.spec import LayoutSpec, ViewportSpec, ViewSpec
 from rune_tui.model.console_state import ConsoleState
@@ -134,6 +135,7 @@ class View:
         self._visualizers: dict[int, Visualizer] = {}
         self._complete = False
         self._full = ""
+        self._help = HelpLayer(layout)
 
     def resize(self, columns: int, rows: int) -> None:
         """Place everything on a terminal of this size [cells]; the next frame is drawn anew."""
@@ -160,6 +162,7 @@ class View:
         self._arrange(state)
         # Every pane is asked: no short cut after the first that changed.
         changed = [pane.refresh(state) for pane in self._panes]
+        changed.append(self._help.refresh(self._columns, self._rows, state))
         if self._complete and not any(changed) and self._theme == state.theme.name:
             return None
         self._theme = state.theme.name
@@ -167,6 +170,7 @@ class View:
         layers = [pane.layer for pane in self._panes if pane.layer is not None]
         if self._too_small:
             layers = [self._apology(state)]
+        layers += self._help.layers
         cells = compose(self._columns, self._rows, self._spec.background, layers)
         return tinted(cells, state.theme.tint)
 

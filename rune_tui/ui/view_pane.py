@@ -30,6 +30,11 @@ class ViewPane(Widget, can_focus=False):
         self._strips: list[Strip] = []
         self._encoder = RowEncoder()
 
+    @property
+    def cells(self) -> Cells | None:
+        """The newest frame."""
+        return self._cells
+
     def show(self, cells: Cells) -> None:
         """Show a frame in truecolour as well as the terminal can."""
         cells = at_depth(cells, self._depth)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 from collections.abc import Iterable
 from pathlib import Path
@@ -15,9 +16,16 @@ from hub.gcm.vision import CAMERA_COMMAND
 from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.keyboard import KeyboardHold
 from rune_tui.dispatch import Dispatch
+from rune_tui.layout.actions import actions_of
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import Effect, QuitEffect, SendEffect
+from rune_tui.model.effects import (
+    Effect,
+    PaletteEffect,
+    QuitEffect,
+    SendEffect,
+    ToggleHelp,
+)
 from rune_tui.opening import open_layout
 
 DEMO = open_layout(Path(__file__).parents[2] / "layouts" / "demo.xml")
@@ -178,6 +186,67 @@ def test_letting_go_sends_zero_even_if_nothing_was_held(two_robots: LayoutSpec):
 
 def test_quit_is_global(two_robots: LayoutSpec):
     assert Dispatch(two_robots).handle(down("q"), at(0.0)) == (QuitEffect(),)
+
+
+HELPED = dataclasses.replace(at(0.0), help=True)
+
+
+def test_under_the_help_only_stop_help_and_quit_count(two_robots: LayoutSpec):
+    dispatch = Dispatch(two_robots)
+    for key in ("w", "e", "h", "i"):
+        assert dispatch.handle(down(key), HELPED) == ()
+    assert stops(dispatch.handle(down("space"), HELPED)) == ["magellan"]
+    assert dispatch.handle(down("q"), HELPED) == (QuitEffect(),)
+
+
+def test_a_key_that_goes_up_under_the_help_is_let_go(two_robots: LayoutSpec):
+    dispatch = Dispatch(two_robots)
+    dispatch.handle(down("i"), at(0.0))
+    assert velocities(dispatch.handle(up("i"), HELPED), "blimp") == [(0.0, 0.0)]
+
+
+def test_the_question_mark_opens_and_closes_the_help_and_escape_closes_it():
+    dispatch = Dispatch(DEMO)
+    assert dispatch.handle(down("?"), at(0.0)) == (ToggleHelp(),)
+    assert dispatch.handle(down("?"), HELPED) == (ToggleHelp(),)
+    assert dispatch.handle(down("escape"), HELPED) == (ToggleHelp(),)
+    assert dispatch.handle(down("escape"), at(0.0)) == ()
+    held = ControlEvent(name="?", pressed=True, repeat=True)
+    assert dispatch.handle(held, HELPED) == ()
+
+
+def test_the_palette_opens_but_not_over_the_help():
+    dispatch = Dispatch(DEMO)
+    assert dispatch.handle(down("ctrl+p"), at(0.0)) == (PaletteEffect(),)
+    assert dispatch.handle(down("ctrl+p"), HELPED) == ()
+
+
+def test_keys_that_the_layout_binds_are_the_layouts(tmp_path: Path):
+    path = tmp_path / "bound.xml"
+    bound = '<event key="q"/><event key="?"/><event key="ctrl+p"/><event key="escape"/>'
+    path.write_text(TWO_ROBOTS.replace('<event key="q"/>', bound))
+    dispatch = Dispatch(open_layout(path))
+    for key in ("?", "ctrl+p", "escape"):
+        assert dispatch.handle(down(key), at(0.0)) == (QuitEffect(),)
+    # Whoever wants to leave the help does not want to end the console.
+    assert dispatch.handle(down("escape"), HELPED) == (ToggleHelp(),)
+
+
+def test_an_escape_that_stops_still_stops_under_the_help(tmp_path: Path):
+    path = tmp_path / "stop.xml"
+    path.write_text(TWO_ROBOTS.replace('key="space"', 'key="escape"'))
+    effects = Dispatch(open_layout(path)).handle(down("escape"), HELPED)
+    assert effects[0] == ToggleHelp()
+    assert stops(effects) == ["magellan"]
+
+
+def test_an_action_of_the_list_does_what_its_key_does(two_robots: LayoutSpec):
+    actions = {action.event.name: action for action in actions_of(two_robots)}
+    for key in ("q", "space", "h"):
+        assert actions[key].at_once
+        chosen = Dispatch(two_robots).act(actions[key], at(0.0))
+        assert chosen == Dispatch(two_robots).handle(down(key), at(0.0)) != ()
+    assert not actions["w"].at_once
 
 
 class Hands:

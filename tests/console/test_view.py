@@ -333,3 +333,61 @@ def test_a_fault_in_one_viewport_takes_no_other_from_the_operator(
     mended = rendered(pane, {"magellan": robot()}, STATE)
     assert mended is not None
     assert "failed" not in words(mended)
+
+
+def two_panes() -> View:
+    """A picture on the left, another robot's state on the right."""
+    left = viewport("visualizeCameraImage", (0, 0, 50, 40))
+    right = viewport("visualizeStatus", (50, 0, 50, 40), robot="blimp")
+    return View(layout_of(view(left, right, xsize=100, ysize=40)))
+
+
+def test_a_viewport_that_fills_the_view_hides_the_others_and_gets_larger_pictures() -> None:
+    shown = two_panes()
+    shown.resize(100, 20)
+    robots = {"magellan": robot(), "blimp": robot("blimp")}
+    usual = dataclasses.replace(STATE, robots=robots)
+    full = dataclasses.replace(usual, full="visualizeCameraImage")
+    before = shown.render(usual)
+    assert before is not None
+    assert shown.picture_sizes(usual) == {"magellan": (50, 38)}
+    assert shown.picture_sizes(full) == {"magellan": (53, 40)}
+    cells = shown.render(full)
+    assert cells is not None
+    assert not cells.glyphs.any()
+    assert (cells.pixels[:, 30:70, 0] == 200).all()
+    assert [hit.viewport for hit in shown.hits(99, 0, full)] == ["visualizeCameraImage"]
+    again = shown.render(usual)
+    assert again is not None
+    assert np.array_equal(again.pixels, before.pixels)
+    assert shown.render(dataclasses.replace(usual, full="nothing")) is None
+
+
+def test_a_hit_knows_its_robot_and_where_in_the_picture_it_is() -> None:
+    shown = two_panes()
+    shown.resize(100, 20)
+    state = dataclasses.replace(STATE, robots={"magellan": robot(), "blimp": robot("blimp")})
+    shown.render(state)
+    # The picture is 50 x 38 pixels in a room of 50 x 40.
+    (hit,) = shown.hits(10, 20, state)
+    assert (hit.viewport, hit.robot) == ("visualizeCameraImage", "magellan")
+    assert hit.in_picture == pytest.approx((10.5 / 50, 19.5 / 38))
+    (beside,) = shown.hits(10, 39, state)
+    assert beside.in_picture is None
+    (other,) = shown.hits(60, 20, state)
+    assert (other.robot, other.in_picture) == ("blimp", None)
+
+
+def test_the_help_lies_over_everything_and_takes_the_mouse() -> None:
+    shown = two_panes()
+    shown.resize(100, 20)
+    state = dataclasses.replace(STATE, robots={"magellan": robot(), "blimp": robot("blimp")})
+    helped = dataclasses.replace(state, help=True)
+    assert shown.render(state) is not None
+    cells = shown.render(helped)
+    assert cells is not None
+    assert "closes this" in "".join(map(chr, cells.glyphs[0]))
+    assert (cells.pixels[2:, :, :3] == helped.theme.panel[:3]).all()
+    assert shown.hits(10, 20, helped) == ()
+    assert shown.render(helped) is None
+    assert shown.render(state) is not None

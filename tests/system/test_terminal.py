@@ -30,7 +30,7 @@ def hub(lasting_hub: HubProcess) -> HubProcess:
 
 def test_no_input_ends_the_console(console: ConsoleProcess) -> None:
     chance = random.Random(3)
-    for rubbish in [*RUBBISH, chance.randbytes(300).translate(None, b"\x03qQ")]:
+    for rubbish in [*RUBBISH, chance.randbytes(300).translate(None, b"\x03\x10qQ?")]:
         os.write(console.terminal, rubbish)
         console.pump(0.2)
         assert console.process.poll() is None, rubbish
@@ -55,6 +55,15 @@ def test_a_terminal_that_stops_reading_delays_no_stop(
     observer.wait(lambda: observer.truth.commanded_linear == 0.0, 5.0, "the stop did not come")
     console.pump(1.0)
     console.wait(lambda: "STANDING" in console.text, 10.0, "the picture does not come back")
+
+
+def test_the_emergency_key_ends_it_even_under_the_list_of_actions(console: ConsoleProcess) -> None:
+    console.type("\x10")  # ctrl+p
+    console.wait(lambda: "What shall be done?" in console.text, 20.0, "the list does not open")
+    console.type("q")
+    console.wait(lambda: "Ends the console" in console.text, 20.0, "the list ignores what is typed")
+    console.type("\x03")
+    assert console.wait_ended() == 0
 
 
 @pytest.mark.parametrize("how", ["q", *in_soak("SIGTERM")])

@@ -1,0 +1,106 @@
+"""What the console does on the operator's own machine: files, and what became of orders."""
+
+from __future__ import annotations
+
+import datetime
+import getpass
+import logging
+from dataclasses import dataclass
+from pathlib import Path
+
+import platformdirs
+
+from hub.gcm.mapping import INTEREST_POINTS
+from hub.ipc.definition import Keep
+from rune_tui.compositor import picture
+from rune_tui.compositor.cells import Cells
+from rune_tui.export.points import csv_table, geojson
+from rune_tui.export.report import html_page
+from rune_tui.model.effects import SendEffect
+from rune_tui.model.robot_state import LinkPhase, RobotState
+
+_logger = logging.getLogger(__name__)
+
+_FOLDER = "Rune"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome:
+    """What became of something.
+
+    Attributes:
+        text: One sentence for the operator.
+        alarm: Whether it went wrong.
+        robot: Whom it is about; empty for the console itself.
+    """
+
+    text: str
+    alarm: bool = False
+    robot: str = ""
+
+
+def operator_name() -> str:
+    """Who is logged in here; empty if the system does not say."""
+    try:
+        return getpass.getuser()
+    except (OSError, KeyError, ImportError):
+        return ""
+
+
+def undelivered(effect: SendEffect, robot: RobotState) -> Outcome | None:
+    """Why an order cannot arrive now; None if it can, or if a newer one follows it anyway."""
+    if effect.definition.keep is not Keep.ALL:
+        return None
+    what = effect.definition.name.removeprefix("GCM_").replace("_", " ").lower()
+    if not robot.link.may_command:
+        text = f"{what} not sent: your key may watch {robot.name}, not command it"
+    elif robot.link.phase is not LinkPhase.CONNECTED:
+        text = f"{what} not sent: there is no link to {robot.name}"
+    else:
+        return None
+    return Outcome(text=text, alarm=True, robot=robot.name)
+
+
+def write_screenshot(cells: Cells, now: datetime.datetime) -> Outcome:
+    """Write what is shown into the user's pictures folder, as PNG and as text."""
+    base = platformdirs.user_pictures_path() / _FOLDER / f"rune-{now:%Y%m%d-%H%M%S}"
+    try:
+        base.parent.mkdir(parents=True, exist_ok=True)
+        for suffix in (".png", ".txt"):
+            picture.save(cells, base.with_suffix(suffix))
+    except OSError as error:
+        return _not_written("screenshot", error)
+    return Outcome(text=f"the screenshot is {base}.png and .txt")
+
+
+def write_marks(robot: RobotState, now: datetime.datetime) -> Outcome:
+    """Write what is marked into the user's documents folder: CSV, GeoJSON and a page."""
+    newest = robot.newest(INTEREST_POINTS)
+    points = newest.value.points if newest is not None else ()
+    if not points:
+        return Outcome(text=f"nothing is marked on the map of {robot.name}", robot=robot.name)
+    grid = robot.map.value if robot.map is not None else None
+    files = {
+        "csv": csv_table(points),
+        "geojson": geojson(points, robot.name),
+        "html": html_page(robot.name, points, grid, f"{now:%Y-%m-%d %H:%M}"),
+    }
+    folder = platformdirs.user_documents_path() / _FOLDER
+    base = folder / f"{_as_file_name(robot.name)}-{now:%Y%m%d-%H%M%S}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for suffix, text in files.items():
+            Path(f"{base}.{suffix}").write_text(text, "utf-8", newline="")
+    except OSError as error:
+        return _not_written("marks", error)
+    text = f"what is marked ({len(points)}) is in {base}.csv, .geojson and .html"
+    return Outcome(text=text, robot=robot.name)
+
+
+def _not_written(what: str, error: OSError) -> Outcome:
+    _logger.warning("%s not written: %s", what, error)
+    return Outcome(text=f"{what} not written: {error.strerror or error}", alarm=True)
+
+
+def _as_file_name(name: str) -> str:
+    return "".join(letter if letter.isalnum() else "-" for letter in name)[:64] or "robot"

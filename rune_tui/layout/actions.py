@@ -1,0 +1,114 @@
+"""What the inputs of a layout do, in words, for the help and for the list to choose from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from rune_tui.layout.names import MOUSE
+from rune_tui.layout.rules import HandlerRule, NumberOption, Option
+from rune_tui.layout.spec import EventSpec, LayoutSpec, WidgetSpec
+
+_WHEEL = MOUSE + "wheel"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Action:
+    """Something that one or several inputs do.
+
+    Attributes:
+        words: What they do.
+        inputs: Which they are, in words.
+        robot: Whom it concerns; empty for the console itself.
+        event: The first of their events, as the layout has it.
+        at_once: Whether it is done in a moment, without pointing, and in one direction, so that it
+            can be chosen from a list.
+    """
+
+    words: str
+    inputs: tuple[str, ...]
+    robot: str
+    event: EventSpec
+    at_once: bool
+
+
+def actions_of(layout: LayoutSpec) -> tuple[Action, ...]:
+    """All that the inputs of a layout do, the console's own first, then robot by robot."""
+    merged: dict[tuple[str, str], Action] = {}
+    for action in _single_actions(layout):
+        key = (action.robot, action.words)
+        known = merged.get(key, action)
+        inputs = tuple(dict.fromkeys((*known.inputs, *action.inputs)))
+        merged[key] = Action(
+            words=known.words,
+            inputs=inputs,
+            robot=known.robot,
+            event=known.event,
+            at_once=known.at_once,
+        )
+    order = ["", *(robot.name for robot in layout.robots)]
+    robots = [*order, *(robot for robot, _ in merged if robot not in order)]
+    return tuple(sorted(merged.values(), key=lambda action: robots.index(action.robot)))
+
+
+def input_words(event: EventSpec) -> str:
+    """The name of an input, as people call it."""
+    if event.name.startswith(MOUSE):
+        part = event.name.removeprefix(MOUSE)
+        named = {"wheel": "mouse wheel", "motion": "mouse moves"}.get(part, f"{part} click")
+    else:
+        named = event.name.upper() if len(event.name) == 1 else event.name
+    return f"{named} goes up" if event.released else named
+
+
+def _single_actions(layout: LayoutSpec) -> Iterator[Action]:
+    owners = [("", layout.view.widgets)]
+    owners += [(viewport.robot, viewport.widgets) for viewport in layout.view.viewports]
+    for owner, widgets in owners:
+        for widget in widgets:
+            rule = layout.vocabulary.widgets[widget.handler].rule
+            for event in widget.events:
+                yield Action(
+                    words=_words(widget, event, rule),
+                    inputs=(input_words(event),),
+                    robot=owner if rule.needs_robot else "",
+                    event=event,
+                    at_once=not (rule.pointed or rule.held or event.name == _WHEEL),
+                )
+
+
+def _words(widget: WidgetSpec, event: EventSpec, rule: HandlerRule) -> str:
+    said = rule.meaning.split(". ")[0].split(";")[0].rstrip(".")
+    if more := ", ".join(filter(None, (_direction(event, rule), *_options(widget, rule)))):
+        said += f": {more}"
+    return said
+
+
+def _direction(event: EventSpec, rule: HandlerRule) -> str:
+    if event.control not in rule.words:
+        return event.control
+    plus, minus = rule.words[event.control]
+    if event.name == _WHEEL:
+        return f"{plus} or {minus}" if event.value >= 0.0 else f"{minus} or {plus}"
+    size = abs(event.value)
+    share = "" if size == 1.0 else f" ({size:g} of it)"
+    return (plus if event.value >= 0.0 else minus) + share
+
+
+def _options(widget: WidgetSpec, rule: HandlerRule) -> Iterator[str]:
+    """The options that the layout sets, and those that say how much."""
+    for name, option in rule.options.items():
+        value = widget.options.values[name]
+        if value not in {"", option.default} or (value and isinstance(option, NumberOption)):
+            yield f"{_option_name(name, option)} {_shown(value, option)}"
+
+
+def _option_name(name: str, option: Option) -> str:
+    unit = option.unit if isinstance(option, NumberOption) else ""
+    return (name.removesuffix(f"_{unit}") if unit else name).replace("_", " ")
+
+
+def _shown(value: float | str, option: Option) -> str:
+    if isinstance(option, NumberOption) and isinstance(value, float | int):
+        return f"{value:g} {option.unit}".rstrip()
+    return str(value)

@@ -1,0 +1,115 @@
+"""What the inputs of a layout do, in words."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rune_tui.help_layer import HelpLayer, draw_help
+from rune_tui.layout.actions import Action, actions_of
+from rune_tui.layout.spec import LayoutSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.theme import DARK, LIGHT
+from rune_tui.opening import open_layout
+from rune_tui.raster.canvas import Canvas
+from tests.console.visualizers.conftest import words
+
+LAYOUT = """\
+<rune>
+  <robot name="magellan"/>
+  <robot name="blimp" hub="tcp://127.0.0.1:1391"/>
+  <view xsize="160" ysize="96">
+    <viewport name="camera" robot="*" xpos="0" ypos="0" xsize="80" ysize="96">
+      <visualizer function="visualizeCameraImage"/>
+      <widget handler="widgetSetSpeed">
+        <option name="linear" value="0.3"/>
+        <event key="w" control="translate"/>
+        <event key="up" control="translate"/>
+        <event key="s" control="translate" value="-0.5"/>
+      </widget>
+      <widget handler="widgetAdjustZoom"><event mouse="wheel"/></widget>
+      <widget handler="widgetSetVictim"><event mouse="left" when="released"/></widget>
+    </viewport>
+    <viewport name="map" robot="blimp" xpos="80" ypos="0" xsize="80" ysize="96">
+      <widget handler="widgetHomePTZ"><event key="h"/></widget>
+      <widget handler="widgetFullScreen">
+        <option name="viewport" value="camera"/>
+        <event key="f"/>
+      </widget>
+    </viewport>
+    <widget handler="widgetQuit"><event key="q"/></widget>
+  </view>
+</rune>
+"""
+
+
+@pytest.fixture
+def layout(tmp_path: Path) -> LayoutSpec:
+    path = tmp_path / "layout.xml"
+    path.write_text(LAYOUT)
+    return open_layout(path)
+
+
+@pytest.fixture
+def actions(layout: LayoutSpec) -> dict[tuple[str, ...], Action]:
+    return {action.inputs: action for action in actions_of(layout)}
+
+
+def test_inputs_that_do_the_same_are_one_action_with_its_direction_and_options(
+    actions: dict[tuple[str, ...], Action],
+):
+    said = actions["W", "up"].words
+    assert said == "Drives while keys are held: forward, linear 0.3 m/s, angular 1 rad/s"
+    assert "backward (0.5 of it)" in actions[("S",)].words
+    assert actions[("mouse wheel",)].words.endswith(": closer or wider, step 0.05")
+    assert actions[("F",)].words.endswith("viewport camera")
+
+
+def test_whom_an_action_concerns_is_its_robot_or_the_console(
+    actions: dict[tuple[str, ...], Action],
+):
+    concerned = {inputs: action.robot for inputs, action in actions.items()}
+    assert concerned["W", "up"] == "*"
+    assert concerned[("H",)] == "blimp"
+    assert concerned[("F",)] == concerned[("Q",)] == ""
+
+
+def test_what_is_held_pointed_or_turned_cannot_be_chosen_from_a_list(
+    actions: dict[tuple[str, ...], Action],
+):
+    listed = {inputs for inputs, action in actions.items() if action.at_once}
+    assert listed == {("H",), ("F",), ("Q",)}
+
+
+def test_the_help_names_every_input_under_its_robot(layout: LayoutSpec):
+    canvas = Canvas.blank(100, 60)
+    draw_help(canvas, actions_of(layout), DARK)
+    rows = words(canvas)
+    headings = [row.strip() for row in rows if row.strip().isupper() and len(row.strip()) > 2]
+    assert headings == ["THE CONSOLE", "BLIMP", "THE CHOSEN ROBOT"]
+    text = "\n".join(rows)
+    for inputs in ("W, up", "left click goes up", "mouse wheel", "escape closes"):
+        assert inputs in text
+    assert (canvas.pixels[..., 3] == 255).all()
+
+
+@pytest.mark.parametrize("size", [(1, 2), (16, 8), (40, 12), (110, 14)])
+def test_what_does_not_fit_is_counted(layout: LayoutSpec, size: tuple[int, int]):
+    canvas = Canvas.blank(*size)
+    draw_help(canvas, actions_of(layout), DARK)
+    if size == (110, 14):
+        assert "more lines" in "\n".join(words(canvas))
+
+
+def test_the_help_is_drawn_when_it_is_wanted_and_when_its_look_changes(layout: LayoutSpec):
+    layer = HelpLayer(layout)
+    shown = ConsoleState(now=0.0, help=True)
+    assert not layer.refresh(80, 24, ConsoleState(now=0.0))
+    assert layer.refresh(80, 24, shown)
+    assert not layer.refresh(80, 24, shown)
+    assert layer.refresh(90, 24, shown)
+    assert layer.refresh(90, 24, ConsoleState(now=0.0, help=True, theme=LIGHT))
+    assert len(layer.layers) == 1
+    assert layer.refresh(90, 24, ConsoleState(now=0.0))
+    assert layer.layers == ()

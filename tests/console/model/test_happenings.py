@@ -1,0 +1,76 @@
+"""What the operator is told when links and capabilities come and go."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from hub.gcm.supervision import (
+    CAPABILITY_REPORTS,
+    CapabilityPhase,
+    CapabilityReport,
+    CapabilityReports,
+)
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.happenings import Watch
+from rune_tui.model.robot_state import LinkPhase
+from tests.console.visualizers.conftest import Made, received
+
+
+def seen(watch: Watch, phase: LinkPhase, running: str = "", **lacking: str) -> list[Any]:
+    reports = tuple(
+        CapabilityReport(
+            name=name, phase=CapabilityPhase.RUNNING, module="", modules="", wanted_by=""
+        )
+        for name in running.split()
+    )
+    value = CapabilityReports(robot="magellan", count=len(reports), capabilities=reports)
+    robot = Made().robot(
+        link=Made.link(phase, lacking=lacking),
+        messages={CAPABILITY_REPORTS.name: received(value)},
+    )
+    return list(watch.look(ConsoleState(now=1.0, robots={"magellan": robot}, clock="12:00:00")))
+
+
+def texts(notices: list[Any]) -> list[tuple[str, bool]]:
+    return [(notice.text, notice.alarm) for notice in notices]
+
+
+def test_a_link_is_told_when_it_comes_is_lost_and_comes_again():
+    watch = Watch()
+    assert seen(watch, LinkPhase.CONNECTING) == []
+    assert texts(seen(watch, LinkPhase.CONNECTED)) == [("magellan is linked", False)]
+    assert seen(watch, LinkPhase.CONNECTED) == []
+    (lost,) = seen(watch, LinkPhase.LOST)
+    assert (lost.alarm, lost.robot, lost.clock) == (True, "magellan", "12:00:00")
+    assert seen(watch, LinkPhase.LOST) == []
+    assert texts(seen(watch, LinkPhase.CONNECTED)) == [("magellan is linked again", False)]
+
+
+def test_a_capability_that_is_missing_is_told_once_and_so_is_its_return():
+    watch = Watch()
+    seen(watch, LinkPhase.CONNECTED)
+    why = "no module has it"
+    alarm = [(f"magellan does not provide VIS_VID: {why}", True)]
+    assert texts(seen(watch, LinkPhase.CONNECTED, VIS_VID=why)) == alarm
+    assert seen(watch, LinkPhase.CONNECTED, VIS_VID=why) == []
+    again = [("magellan provides VIS_VID again", False)]
+    assert texts(seen(watch, LinkPhase.CONNECTED, "VIS_VID")) == again
+
+
+@pytest.mark.parametrize("why", ["starting", "not started yet"])
+def test_a_start_is_no_alarm_and_a_restart_is(why: str):
+    watch = Watch()
+    seen(watch, LinkPhase.CONNECTED)
+    assert seen(watch, LinkPhase.CONNECTED, VIS_VID=why) == []
+    assert seen(watch, LinkPhase.CONNECTED, "VIS_VID") == []
+    (alarm,) = seen(watch, LinkPhase.CONNECTED, VIS_VID=why)
+    assert alarm.alarm
+
+
+def test_a_lost_link_says_nothing_of_capabilities():
+    watch = Watch()
+    seen(watch, LinkPhase.CONNECTED, "VIS_VID")
+    (lost,) = seen(watch, LinkPhase.LOST, VIS_VID="starting")
+    assert "link" in lost.text

@@ -1,0 +1,229 @@
+"""The running console at a real bus: from the mouse to marks, the palette, the help."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Coroutine, Hashable, Iterator
+from contextlib import ExitStack, closing
+from pathlib import Path
+from typing import Any, ClassVar, Self
+
+import pytest
+from textual.pilot import Pilot
+
+from hub.gcm.mapping import INTEREST_POINTS, POINT_COMMAND, PointCommand
+from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Stop, Twist
+from hub.ipc.central import Central
+from hub.ipc.client import Client
+from hub.modules.mapping.points import PointBook
+from rune_tui.app import Console
+from rune_tui.compositor.depth import ColourDepth
+from rune_tui.layout.loader import load_layout
+from rune_tui.layout.rules import VisualizerRule, Vocabulary
+from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.link.robot_link import RobotLink
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import LinkPhase, RobotState
+from rune_tui.model.world import WorldPoint
+from rune_tui.opening import BUILT_IN
+from rune_tui.raster.canvas import Canvas
+
+LAYOUT = """<rune>
+  <robot name="magellan" hub="{hub}"/>
+  <view xsize="60" ysize="40">
+    <widget handler="widgetQuit"><event key="q"/></widget>
+    <viewport name="floor" xpos="0" ypos="0" xsize="60" ysize="40">
+      <visualizer function="visualizeFloor"/>
+      <widget handler="widgetSetSpeed"><event key="w" control="translate"/></widget>
+      <widget handler="widgetStop"><event key="space"/></widget>
+      <widget handler="widgetSetVictim"><event mouse="left"/></widget>
+      <widget handler="widgetUndoMark"><event key="u"/></widget>
+    </viewport>
+  </view>
+</rune>
+"""
+TIMEOUT = 20.0
+
+
+class Floor:
+    """Shows ten by ten metres from above; the upper half is wall."""
+
+    rule: ClassVar = VisualizerRule(meaning="a floor")
+    whole_cells: ClassVar[bool] = False
+
+    @classmethod
+    def from_spec(cls, spec: VisualizerSpec) -> Self:
+        del spec
+        return cls()
+
+    def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
+        del robot
+        canvas.fill(state.theme.panel)
+
+    def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
+        return robot.name, state.theme.name
+
+    def locate(
+        self,
+        pixel: tuple[float, float],
+        size: tuple[int, int],
+        robot: RobotState,
+        state: ConsoleState,
+    ) -> WorldPoint | None:
+        del robot, state
+        x, y = 10.0 * pixel[0] / size[0], 10.0 * pixel[1] / size[1]
+        return WorldPoint(x=x, y=-y, uncertainty=0.1) if y > 5.0 else None
+
+
+class Robot:
+    """The robot's side: a map that takes marks as the mapping module does."""
+
+    def __init__(self, client: Client) -> None:
+        self.client = client
+        self.book = PointBook()
+        self.speeds: list[float] = []
+        self.stops: list[str] = []
+        client.subscribe(POINT_COMMAND, lambda command, _: self._mark(command))
+        client.subscribe(VELOCITY_COMMAND, lambda twist, _: self._drive(twist))
+        client.subscribe(STOP, lambda stop, _: self._stop(stop))
+        client.wait_connected(5.0)
+
+    def _mark(self, command: PointCommand) -> None:
+        if command.point.number:
+            self.book.remove(command.point.number)
+        else:
+            self.book.mark(command.point, "somebody", 1.0)
+        self.client.publish(INTEREST_POINTS, self.book.message)
+
+    def _drive(self, twist: Twist) -> None:
+        self.speeds.append(twist.linear.x)
+
+    def _stop(self, stop: Stop) -> None:
+        self.stops.append(stop.reason)
+
+
+class Desk:
+    """A console under Textual's pilot, and the robot that it is linked to."""
+
+    def __init__(self, console: Console, link: RobotLink, robot: Robot, pilot: Pilot[Any]) -> None:
+        self.console, self.link, self.robot, self.pilot = console, link, robot, pilot
+
+    async def until(self, condition: Callable[[], object]) -> None:
+        end = time.monotonic() + TIMEOUT
+        while not condition():
+            assert time.monotonic() < end, self.told
+            self.robot.client.listen(0.005)
+            await self.pilot.pause(0.005)
+
+    @property
+    def told(self) -> list[str]:
+        return [notice.text for notice in self.console.state.notices]
+
+    async def press(self, *keys: str) -> None:
+        await self.pilot.press(*keys)
+
+    async def commands(self, count: int) -> list[float]:
+        """The next so many speeds that are commanded."""
+        before = len(self.robot.speeds)
+        await self.until(lambda: len(self.robot.speeds) >= before + count)
+        return self.robot.speeds[before:]
+
+
+Script = Callable[[Desk], Coroutine[Any, Any, None]]
+
+
+@pytest.fixture
+def play(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[Script], None]]:
+    """Runs a script at a console that is linked to a robot."""
+    monkeypatch.setenv("LOGNAME", "jane")
+    with ExitStack() as stack:
+        central = stack.enter_context(closing(Central([f"ipc://{tmp_path}/central"])))
+        robot = Robot(stack.enter_context(closing(Client("robot", central.endpoints[0]))))
+        path = tmp_path / "layout.xml"
+        path.write_text(LAYOUT.format(hub=central.endpoints[0]))
+        visualizers = {**BUILT_IN.visualizers, "visualizeFloor": Floor}
+        layout = load_layout(path, Vocabulary(visualizers=visualizers, widgets=BUILT_IN.widgets))
+        link = RobotLink(layout.robots[0])
+        link.start()
+        stack.enter_context(closing(link))
+
+        async def run(script: Script) -> None:
+            console = Console(layout, {"magellan": link}, ColourDepth.TRUECOLOUR)
+            async with console.run_test(size=(60, 20)) as pilot:
+                desk = Desk(console, link, robot, pilot)
+                await desk.until(lambda: link.state.link.phase is LinkPhase.CONNECTED)
+                await desk.until(lambda: robot.speeds)
+                await script(desk)
+
+        yield lambda script: asyncio.run(run(script))
+
+
+def test_a_click_on_the_floor_is_a_mark_on_the_robots_map_and_undo_takes_it_back(
+    play: Callable[[Script], None],
+):
+    async def script(desk: Desk) -> None:
+        await desk.pilot.click(offset=(29, 14))
+        await desk.until(lambda: desk.robot.book.message.count)
+        (point,) = desk.robot.book.message.points
+        assert (point.x, point.y) == pytest.approx((10 * 29.5 / 60, -10 * 29.5 / 40))
+        assert point.by == "jane"
+        assert point.note == "give or take 0.10 m"
+        await desk.until(lambda: any("victim 1 is marked" in text for text in desk.told))
+        await desk.press("u")
+        await desk.until(lambda: desk.robot.book.message.count == 0)
+
+    play(script)
+
+
+def test_a_click_on_a_wall_marks_nothing_and_says_so(play: Callable[[Script], None]):
+    async def script(desk: Desk) -> None:
+        await desk.pilot.click(offset=(29, 3))
+        await desk.until(lambda: any("no ground" in text for text in desk.told))
+        await desk.commands(2)
+        assert desk.robot.book.message.count == 0
+
+    play(script)
+
+
+def test_under_the_palette_keys_do_not_drive_and_what_is_chosen_is_done(
+    play: Callable[[Script], None],
+):
+    async def script(desk: Desk) -> None:
+        await desk.press("w")
+        await desk.until(lambda: desk.robot.speeds[-1] > 0.0)
+        await desk.press("ctrl+p")
+        assert desk.console.state.held == ()
+        await desk.until(lambda: len(desk.console.screen_stack) == 2)
+        await desk.until(lambda: desk.robot.speeds[-1] == 0.0)
+        await desk.press("w", "q", "backspace", "backspace", *"stops")
+        assert set(await desk.commands(3)) == {0.0}
+        assert desk.robot.stops == []
+        # The list appears as fast as the machine allows, and enter takes what is in it by then.
+        for _ in range(100):
+            if desk.robot.stops:
+                break
+            await desk.press("enter")
+            desk.robot.client.listen(0.02)
+        assert "space" in desk.robot.stops[0]
+        await desk.until(lambda: len(desk.console.screen_stack) == 1)
+
+    play(script)
+
+
+def test_the_help_lets_go_and_its_key_closes_it(play: Callable[[Script], None]):
+    async def script(desk: Desk) -> None:
+        await desk.press("w")
+        await desk.until(lambda: desk.robot.speeds[-1] > 0.0)
+        await desk.press("question_mark")
+        assert desk.console.state.held == ()
+        assert desk.console.state.help
+        await desk.until(lambda: desk.robot.speeds[-1] == 0.0)
+        await desk.press("w")
+        assert set(await desk.commands(3)) == {0.0}
+        await desk.press("escape")
+        assert not desk.console.state.help
+        await desk.press("w")
+        await desk.until(lambda: desk.robot.speeds[-1] > 0.0)
+
+    play(script)
