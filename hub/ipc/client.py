@@ -43,7 +43,7 @@ R = TypeVar("R")
 
 _MAX_SOCKETS = 4096
 """One for each plane and subscriber on this machine, and a few."""
-_LAST_S = _ATTEND_S = 2.0
+_ATTEND_S = 2.0
 
 
 def _never() -> bool:
@@ -233,12 +233,12 @@ class Client:
             queue: How many of each publisher wait at most while handlers are busy; beyond it the
                 oldest are left out. Default what the definition says: the newest, or all.
             priority: Messages of higher priority are handed on first; default 0.
-            last: Also ask for the last value that was published before.
+            last: Also ask for the last value that was published before, at each connection.
         """
         self._prepare(definition)
         self._inlets.subscribe(definition, handler, queue=queue, priority=priority)
         if last:
-            self._questions.ask_last(definition.name, _LAST_S, self._inlets.accept)
+            self._session.ask_last(definition.name)
 
     def subscribe_payload(
         self, definition: MessageDefinition[Any], handler: Callable[[memoryview, Reception], None]

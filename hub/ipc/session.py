@@ -22,6 +22,7 @@ from hub.ipc.reception import Reception
 from hub.ipc.subscribing import Inlets
 
 _CHECK_S = 1.0
+_LAST_S = 2.0
 _REPORT_ENTRIES = 1000
 _HANDSHAKE_S = 0.5
 """How long who leaves waits for handshakes that are under way [s]."""
@@ -80,6 +81,7 @@ class Session:
         self._loop = loop
         self._door: DirectDoor | None = None
         self._way_in: tuple[list[str], bool, bool] | None = None
+        self._lasts: set[str] = set()
 
     @property
     def defined(self) -> bool:
@@ -149,9 +151,17 @@ class Session:
         if anew:
             self.outlets.advertise_all()
             self.inlets.subscribe_all()
+            for name in self._lasts:
+                self.questions.ask_last(name, _LAST_S, self.inlets.accept)
             self.answers.announce_all()
             if self.directory is not None:
                 self.directory.ask_again()
+
+    def ask_last(self, name: str) -> None:
+        """Have the last value of a message that is subscribed to, now and whenever central is new."""
+        self._lasts.add(name)
+        if self.connection.publisher:
+            self.questions.ask_last(name, _LAST_S, self.inlets.accept)
 
     def enter_planes(self) -> None:
         """Connect to where broadcasts go in and come out, unless we have.

@@ -101,7 +101,7 @@ def _burst(one: Peer, other: Peer, definition, received: list, count: int) -> No
         one.publish(definition, Number(value=number))
     until(lambda: passed() >= before + count, 5.0)
     free.set()
-    until(lambda: count - 1 in _values(received), 5.0)
+    until(lambda: count - 1 in _values(received), 5.0, lambda: f"{received}")
 
 
 def test_stream_hands_on_the_newest_after_a_burst_and_says_what_it_left_out(

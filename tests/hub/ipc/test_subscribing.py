@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from contextlib import closing
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 from hub.errors import NoValueError
 from hub.ipc import ring
 from hub.ipc.central import Central
+from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Peer
@@ -240,6 +242,18 @@ def test_late_joiner_gets_the_last_value_also_if_nobody_had_subscribed(connect: 
     until(lambda: values == [2, 3], 5.0)
     with pytest.raises(NoValueError, match="no connected module publishes"):
         ask(v.STREAM)
+
+
+def test_last_value_comes_also_to_who_asked_before_it_was_connected(
+    central: Central, connect: Connect
+) -> None:
+    one = connect("one")
+    one.publish(v.LOG, Number(value=7))
+    one.call(lambda: one.client.wait_published(5.0))
+    values: list[int] = []
+    with closing(Client("early", central.endpoints[0])) as early:
+        early.subscribe(v.LOG, lambda number, _: values.append(number.value), last=True)
+        until(lambda: values == [7], 5.0, meanwhile=lambda: early.listen(0.01))
 
 
 def test_payload_can_be_published_and_received_as_it_is(connect: Connect) -> None:
