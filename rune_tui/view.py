@@ -16,9 +16,8 @@ from rune_tui.layout.spec import LayoutSpec, ViewportSpec, ViewSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
-from rune_tui.raster.resize import fitted_size
+from rune_tui.visualizers.camera_image import CameraImage
 from rune_tui.visualizers.notice import write_notice
-from rune_tui.visualizers.registry import CAMERA_IMAGE
 from rune_tui.visualizers.visualizer import Locating, Picturing, Visualizer
 
 _logger = logging.getLogger(__name__)
@@ -191,10 +190,9 @@ class View:
         self._arrange(state)
         sizes: dict[str, tuple[int, int]] = {}
         for pane in self._panes:
-            robot = pane.robot(state)
-            function = pane.spec.visualizer.function if pane.spec.visualizer else ""
-            if function == CAMERA_IMAGE and robot is not None and pane.visible(state):
-                size = fitted_size(4, 3, pane.place.width, pane.place.height)
+            robot, shown = pane.robot(state), pane.visualizer
+            if isinstance(shown, CameraImage) and robot is not None and pane.visible(state):
+                size = shown.picture_size(pane.place.width, pane.place.height)
                 sizes[robot.name] = max(size, sizes.get(robot.name, MIN_PICTURE))
         return sizes
 

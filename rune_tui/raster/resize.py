@@ -14,48 +14,47 @@ def fitted_size(width: int, height: int, room_width: int, room_height: int) -> t
     return max(1, _rounded(width * room_height, height)), room_height
 
 
-def resized(pixels: npt.NDArray[np.uint8], width: int, height: int) -> npt.NDArray[np.uint8]:
+def covering_size(width: int, height: int, room_width: int, room_height: int) -> tuple[int, int]:
+    """The smallest size of the same aspect that covers the room [pixels]."""
+    if width * room_height > height * room_width:
+        return _rounded(width * room_height, height), room_height
+    return room_width, _rounded(height * room_width, width)
+
+
+def resized(
+    pixels: npt.NDArray[np.uint8],
+    width: int,
+    height: int,
+    part: tuple[float, float, float, float] | None = None,
+) -> npt.NDArray[np.uint8]:
     """A picture in another size.
 
     Args:
         pixels: Grey, shape (h, w), or red, green, blue, shape (h, w, 3).
         width: Width wanted [pixels].
         height: Height wanted [pixels].
+        part: Left, upper, right and lower edge of what is wanted of it [pixels]; None: all.
 
     Returns:
         Shape (height, width) or (height, width, 3).
     """
     rows, columns = pixels.shape[:2]
-    if (columns, rows) == (width, height):
+    if part is None and (columns, rows) == (width, height):
         return pixels
     image = Image.fromarray(pixels)
-    if columns % width == 0 and rows % height == 0:
+    if part is None and columns % width == 0 and rows % height == 0:
         return np.asarray(image.reduce((columns // width, rows // height)))
-    grows = width >= columns and height >= rows
-    method = Image.Resampling.BILINEAR if grows else Image.Resampling.BOX
-    return np.asarray(image.resize((width, height), method))
-
-
-def fitted(
-    pixels: npt.NDArray[np.uint8], room_width: int, room_height: int
-) -> tuple[npt.NDArray[np.uint8], int, int]:
-    """A picture as large as the room allows, its aspect kept.
-
-    Args:
-        pixels: Grey, shape (h, w), or red, green, blue, shape (h, w, 3).
-        room_width: Width of the room [pixels].
-        room_height: Height of the room [pixels].
-
-    Returns:
-        The picture as red, green, blue, shape (height, width, 3), and the column and row of its
-        upper left corner when it stands in the middle of the room.
-    """
-    rows, columns = pixels.shape[:2]
-    width, height = fitted_size(columns, rows, room_width, room_height)
-    picture = resized(pixels, width, height)
-    if picture.ndim == 2:
-        picture = np.repeat(picture[..., None], 3, axis=2)
-    return picture, (room_width - width) // 2, (room_height - height) // 2
+    left, top, right, bottom = part or (0.0, 0.0, float(columns), float(rows))
+    shrinks = width <= right - left, height <= bottom - top
+    if all(shrinks):
+        return np.asarray(image.resize((width, height), Image.Resampling.BOX, part))
+    if any(shrinks):
+        # One direction after the other: area average in the one, smooth in the other.
+        least = (width, rows) if shrinks[0] else (columns, height)
+        box = (left, 0.0, right, float(rows)) if shrinks[0] else (0.0, top, float(columns), bottom)
+        image = image.resize(least, Image.Resampling.BOX, box)
+        part = (0.0, top, float(width), bottom) if shrinks[0] else (left, 0.0, right, float(height))
+    return np.asarray(image.resize((width, height), Image.Resampling.BILINEAR, part))
 
 
 def _rounded(numerator: int, denominator: int) -> int:

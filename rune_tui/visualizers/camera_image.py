@@ -2,31 +2,76 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import ClassVar, Final, Self
 
-from rune_tui.layout.rules import VisualizerRule
+from hub.gcm.vision import CameraState
+from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.robot_state import RobotState
+from rune_tui.model.geometry import PictureGeometry
+from rune_tui.model.pose import Pose
+from rune_tui.model.robot_state import Picture, RobotState
+from rune_tui.model.theme import Theme
+from rune_tui.model.world import WorldPoint
 from rune_tui.raster.canvas import Canvas
-from rune_tui.raster.resize import fitted, fitted_size
+from rune_tui.raster.resize import covering_size, fitted_size, resized
+from rune_tui.raster.shapes import drawing
 from rune_tui.visualizers.notice import link_trouble, write_notice
+from rune_tui.visualizers.picture_frame import FIT, FIT_OPTION, PictureFrame
 from rune_tui.visualizers.staleness import age_look, mark_age, weather
 
+_ASIDE_DEG: Final = 5.0
+_CROSS: Final = (2, 4, 6)
+"""From the middle of the crosshair to where its colours begin and end [pixels]."""
 
-@dataclass(frozen=True, slots=True)
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class CameraImage:
-    """Shows the picture as large as the viewport allows, its aspect kept, black around it."""
+    """Shows the picture; its pixels stand for places on the ground.
 
-    rule: ClassVar = VisualizerRule(meaning="the camera's picture", message="GCM_Common_Image")
+    Attributes:
+        fit: How it is fitted into the viewport, one of the choices of `FIT_OPTION`.
+        crosshair: Whether its middle is marked, and words say when the camera looks aside.
+        aside_deg: From which angle on they do.
+    """
+
+    fit: str = FIT
+    crosshair: bool = False
+    aside_deg: float = _ASIDE_DEG
+
+    rule: ClassVar = VisualizerRule(
+        meaning="the camera's picture",
+        message="GCM_Common_Image",
+        option=NumberOption(
+            default=0.0,
+            least=0.0,
+            most=180.0,
+            unit="deg",
+            meaning="how far aside the camera looks before the crosshair's words say so; 0 means 5",
+        ),
+        options={
+            "fit": FIT_OPTION,
+            "crosshair": ChoiceOption(
+                default="off",
+                choices=("off", "on"),
+                meaning="marks the picture's middle, and says in words when the camera looks aside",
+            ),
+        },
+    )
     whole_cells: ClassVar[bool] = True
 
     @classmethod
-    def from_spec(cls, spec: VisualizerSpec) -> Self:  # noqa: ARG003 it has no options
+    def from_spec(cls, spec: VisualizerSpec) -> Self:
         """The visualizer that a layout asks for."""
-        return cls()
+        return cls(
+            fit=spec.options.word("fit"),
+            crosshair=spec.options.word("crosshair") == "on",
+            aside_deg=spec.option if spec.option > 0.0 else _ASIDE_DEG,
+        )
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Draw the picture, its age and the link's trouble."""
@@ -35,24 +80,17 @@ class CameraImage:
             canvas.fill(state.theme.panel)
         else:
             canvas.fill(state.theme.ground)
+            picture = robot.picture.value
             age = robot.picture.age(state.now)
-            canvas.paste(*fitted(robot.picture.value.pixels, canvas.width, canvas.height))
+            frame = self._frame(picture, (canvas.width, canvas.height))
+            _paste(canvas, picture, frame)
             weather(canvas, age)
+            if self.crosshair:
+                _mark_middle(canvas, frame, state.theme)
+                self._write_direction(canvas, picture.camera, state.theme)
             mark_age(canvas, age, state.theme)
         if trouble:
             write_notice(canvas, trouble, state.theme)
-
-    def in_picture(
-        self, pixel: tuple[float, float], size: tuple[int, int], robot: RobotState
-    ) -> tuple[float, float] | None:
-        """Where in the camera's picture a pixel of the viewport is; None beside the picture."""
-        if robot.picture is None or not robot.picture.value.pixels.size:
-            return None
-        height, width = robot.picture.value.pixels.shape[:2]
-        wide, high = fitted_size(width, height, *size)
-        across = (pixel[0] - (size[0] - wide) // 2) / wide
-        down = (pixel[1] - (size[1] - high) // 2) / high
-        return (across, down) if 0.0 <= across <= 1.0 and 0.0 <= down <= 1.0 else None
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with the picture, the look of its age, and the words."""
@@ -61,6 +99,102 @@ class CameraImage:
             return words, state.theme.name
         look = age_look(robot.picture, state.now)
         return robot.picture.number, look, words, state.theme.name
+
+    def picture_size(self, width: int, height: int) -> tuple[int, int]:
+        """Width and height of the 4:3 picture that a viewport of this size can show [pixels]."""
+        return (fitted_size if self.fit == FIT else covering_size)(4, 3, width, height)
+
+    def in_picture(
+        self, pixel: tuple[float, float], size: tuple[int, int], robot: RobotState
+    ) -> tuple[float, float] | None:
+        """Where in the camera's picture a pixel of the viewport is; None beside the picture."""
+        if robot.picture is None or not robot.picture.value.pixels.size:
+            return None
+        return self._frame(robot.picture.value, size).shares(pixel)
+
+    def locate(
+        self,
+        pixel: tuple[float, float],
+        size: tuple[int, int],
+        robot: RobotState,
+        state: ConsoleState,  # noqa: ARG002 where the camera looked came with the picture
+    ) -> WorldPoint | None:
+        """The place on the ground that a pixel shows; None above the horizon.
+
+        Also None beside the picture, and when where the robot was is not known.
+        """
+        if robot.picture is None or self.in_picture(pixel, size, robot) is None:
+            return None
+        picture = robot.picture.value
+        rows, columns = picture.pixels.shape[:2]
+        pose, whole = Pose.of(picture.camera), PictureGeometry.of(picture.camera, columns, rows)
+        if pose is None or whole is None:
+            return None
+        frame = self._frame(picture, size)
+        geometry = frame.shown(whole)
+        seen, spread = geometry.ground_point(*pixel), geometry.spread(*pixel)
+        if seen is None or spread is None:
+            return None
+        x, y = pose.to_map(seen).tolist()
+        # An enlarged picture tells no more than its own pixels do.
+        coarse = max(1.0, frame.width / columns, frame.height / rows)
+        return WorldPoint(
+            x=x,
+            y=y,
+            uncertainty=coarse * math.hypot(spread.along, spread.across),
+            distance=math.hypot(*seen),
+        )
+
+    def _frame(self, picture: Picture, size: tuple[int, int]) -> PictureFrame:
+        height, width = picture.pixels.shape[:2]
+        return PictureFrame.of(self.fit, width, height, size)
+
+    def _write_direction(self, canvas: Canvas, camera: CameraState, theme: Theme) -> None:
+        words = aside_words(camera.pan, self.aside_deg)
+        if not words:
+            return
+        shown = words if len(words) <= canvas.width else words.removeprefix("camera is ")
+        # On the second row, as the first one may say how old the picture is.
+        row = min(1, canvas.rows - 1)
+        column = max(0, (canvas.width - len(shown)) // 2)
+        with drawing(canvas) as pen:
+            pen.rectangle(column, 2 * row, column + len(shown), 2 * row + 2, theme.panel)
+        canvas.text(column, row, shown, theme.warning)
+
+
+def aside_words(pan: float, least_deg: float) -> str:
+    """Where a camera looks that is turned [rad] by at least so much; empty if by less."""
+    if not math.isfinite(pan) or abs(math.degrees(pan)) < least_deg:
+        return ""
+    return f"camera is {abs(math.degrees(pan)):.0f}° {'left' if pan > 0.0 else 'right'}"
+
+
+def _paste(canvas: Canvas, picture: Picture, frame: PictureFrame) -> None:
+    """Draw what of the picture is in the viewport."""
+    left, top = max(0, frame.left), max(0, frame.top)
+    right = min(canvas.width, frame.left + frame.width)
+    bottom = min(canvas.height, frame.top + frame.height)
+    part = None
+    if (right - left, bottom - top) != (frame.width, frame.height):
+        rows, columns = picture.pixels.shape[:2]
+        part = (
+            (left - frame.left) * columns / frame.width,
+            (top - frame.top) * rows / frame.height,
+            (right - frame.left) * columns / frame.width,
+            (bottom - frame.top) * rows / frame.height,
+        )
+    canvas.paste(resized(picture.pixels, right - left, bottom - top, part), left, top)
+
+
+def _mark_middle(canvas: Canvas, frame: PictureFrame, theme: Theme) -> None:
+    x, y = frame.left + frame.width // 2, frame.top + frame.height // 2
+    inks = (theme.ink, theme.ground)
+    with drawing(canvas) as pen:
+        # In two colours, so that it is seen on dark and on bright.
+        for (near, far), colour in zip(itertools.pairwise(_CROSS), inks, strict=True):
+            for first, end in ((near, far), (1 - far, 1 - near)):
+                pen.rectangle(x + first, y, x + end, y + 1, colour)
+                pen.rectangle(x, y + first, x + 1, y + end, colour)
 
 
 def _explanation(robot: RobotState, now: float) -> str:

@@ -2,47 +2,33 @@
 
 from __future__ import annotations
 
-import dataclasses
-import functools
 import math
 
 import numpy as np
 import numpy.typing as npt
 import pytest
 
-from hub.gcm.vision import CameraCommand, CameraMotion
-from hub.robots.magellan import SimulatedCamera
 from rune_tui.model.geometry import PictureGeometry
 from rune_tui.model.pose import Pose
-from tests.hub.sim.arenas import VOID, arena_of
-
-POST = (3.0, 4.0)
-POST_RADIUS = 0.06
-FEET_LOW, FEET_HIGH = (-2.17, -3.88), (-1.83, -3.38)
-"""The legs of the sitting victim, whose middle is at (-2, -4), which looks north."""
-
-LANDMARK = "[[cylinder]]\nat=[3.0, 4.0]\nradius=0.06\nheight=0.5\n"
-VICTIM = '[[victim]]\nname="a"\nat=[-2.0, -4.0]\nfacing="north"\npose="sitting"\ncolour="red"\n'
-
-
-@functools.cache
-def camera(things: str) -> SimulatedCamera:
-    return SimulatedCamera(arena_of(VOID + things), seed=0)
+from tests.console.model.simulated_views import (
+    FEET_HIGH,
+    FEET_LOW,
+    LANDMARK,
+    POST,
+    POST_RADIUS,
+    VICTIM,
+    aimed,
+    take,
+)
 
 
-def take(
+def looked(
     things: str, robot: Pose, aim: tuple[float, float, float], size: tuple[int, int]
 ) -> tuple[npt.NDArray[np.uint8], PictureGeometry]:
-    """A picture and its geometry, as the vision module would send them."""
-    taker = camera(things)
-    pan, tilt, zoom = aim
-    taker.move(CameraCommand(motion=CameraMotion.ABSOLUTE, pan=pan, tilt=tilt, zoom=zoom))
-    taker.advance(60.0)
-    taker.place(robot.x, robot.y, robot.theta)
-    picture = taker.take(*size, 0.0)
-    state = dataclasses.replace(taker.camera_state(0.0), horizontal_fov=picture.horizontal_fov)
-    assert (state.pan, state.tilt) == pytest.approx((pan, tilt)), "beyond the head's limits"
-    view = PictureGeometry.of(state, picture.pixels.shape[1], picture.pixels.shape[0])
+    """A picture and its geometry."""
+    picture = take(things, robot, aim, size)
+    rows, columns = picture.pixels.shape[:2]
+    view = PictureGeometry.of(picture.camera, columns, rows)
     assert view is not None
     return picture.pixels, view
 
@@ -51,8 +37,8 @@ def foot_of(
     thing: str, robot: Pose, aim: tuple[float, float, float], size: tuple[int, int]
 ) -> tuple[float, float, float]:
     """Where the lowest pixel that a thing covers is on the ground: map x, y [m], and its range."""
-    pixels, view = take(thing, robot, aim, size)
-    empty, _ = take("", robot, aim, size)
+    pixels, view = looked(thing, robot, aim, size)
+    empty, _ = looked("", robot, aim, size)
     rows, columns = np.nonzero((pixels != empty).any(axis=2))
     lowest = rows.max()
     assert 0 < lowest < size[1] - 1, "its foot is not in the picture"
@@ -61,13 +47,6 @@ def foot_of(
     assert found is not None
     x, y = robot.to_map(found).tolist()
     return x, y, math.hypot(*found)
-
-
-def aimed(robot: Pose, at: tuple[float, float], aside: float, up: float) -> tuple[float, float]:
-    """Pan and tilt that look at a place on the ground, and by so much beside it [rad]."""
-    ahead, left = robot.from_map(at).tolist()
-    ahead -= 0.05
-    return math.atan2(left, ahead) + aside, -math.atan2(0.37, math.hypot(ahead, left)) + up
 
 
 @pytest.mark.parametrize("size", [(160, 120), (320, 240), (240, 240), (320, 120)])
@@ -124,7 +103,7 @@ def test_the_horizon_is_where_no_ray_of_the_simulator_falls_any_more(
     tilt: float, zoom: float
 ) -> None:
     """Floor and ceiling of the empty hall differ in colour; their border is the horizon."""
-    pixels, view = take("", Pose(x=0.0, y=0.0, theta=0.3), (0.4, tilt, zoom), (160, 120))
+    pixels, view = looked("", Pose(x=0.0, y=0.0, theta=0.3), (0.4, tilt, zoom), (160, 120))
     ground = view.ground(np.stack(np.indices((120, 160))[::-1] + 0.5, axis=-1)).on_ground
     ceiling = pixels.astype(int)[..., 2] - pixels.astype(int)[..., 0]
     assert ceiling[~ground].min() > ceiling[ground].max()

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from rune_tui.raster.resize import fitted, fitted_size, resized
+from rune_tui.raster.resize import covering_size, fitted_size, resized
 
 sizes = st.integers(1, 200)
 
@@ -64,17 +64,36 @@ def test_growing_keeps_the_mean() -> None:
     assert abs(resized(pixels, 64, 48).mean() - pixels.mean()) < 3.0
 
 
-def test_a_picture_stands_in_the_middle_of_its_room() -> None:
-    pixels = np.full((30, 40, 3), 77, np.uint8)
-    picture, x, y = fitted(pixels, 100, 60)
-    assert picture.shape == (60, 80, 3)
-    assert (x, y) == (10, 0)
-    picture, x, y = fitted(pixels, 20, 60)
-    assert picture.shape == (15, 20, 3)
-    assert (x, y) == (0, 22)
+@given(sizes, sizes, sizes, sizes)
+def test_the_covering_size_fills_the_room_both_ways_and_keeps_the_aspect(
+    width: int, height: int, room_width: int, room_height: int
+) -> None:
+    wide, high = covering_size(width, height, room_width, room_height)
+    assert wide >= room_width
+    assert high >= room_height
+    fills_width = wide == room_width and abs(high - room_width * height / width) <= 0.5
+    fills_height = high == room_height and abs(wide - room_height * width / height) <= 0.5
+    assert fills_width or fills_height
 
 
-def test_a_grey_picture_comes_out_in_three_equal_channels() -> None:
-    pixels = np.arange(12, dtype=np.uint8).reshape(3, 4)
-    picture, _, _ = fitted(pixels, 4, 3)
-    assert (picture == pixels[..., None]).all()
+def test_what_shrinks_one_way_and_grows_the_other_is_averaged_and_smooth() -> None:
+    pixels = np.zeros((2, 8), np.uint8)
+    pixels[:, ::2] = 200
+    pixels[1] //= 2
+    result = resized(pixels, 4, 8)
+    assert (result == result[:, :1]).all()
+    column = result[:, 0].astype(int)
+    assert (column[0], column[-1]) == (100, 50)
+    assert (np.diff(column) <= 0).all()
+    assert (resized(pixels.T.copy(), 8, 4) == result.T).all()
+
+
+@pytest.mark.parametrize("size", [(20, 15), (80, 60), (40, 15), (20, 60), (7, 99)])
+def test_a_part_looks_as_if_it_were_cut_out(size: tuple[int, int]) -> None:
+    pixels = np.random.default_rng(5).integers(0, 256, (60, 80, 3), np.uint8)
+    part = resized(pixels, *size, (20.0, 15.0, 60.0, 45.0))
+    cut = resized(pixels[15:45, 20:60].copy(), *size)
+    # At their edges, smooth pictures know their neighbours or not.
+    inner = slice(4, -4)
+    assert part.shape == cut.shape
+    assert np.abs(part[inner, inner].astype(int) - cut[inner, inner]).max(initial=0) <= 1
