@@ -13,6 +13,7 @@ from rune_tui.visualizers.capabilities import Capabilities
 from rune_tui.visualizers.compass import Compass
 from rune_tui.visualizers.depth import Depth
 from rune_tui.visualizers.event_log import EventLog
+from rune_tui.visualizers.ground_plane import GroundPlane
 from rune_tui.visualizers.heading import Heading
 from rune_tui.visualizers.label import Label
 from rune_tui.visualizers.link_words import Link
@@ -26,10 +27,9 @@ from rune_tui.visualizers.status import Status
 from rune_tui.visualizers.tilt_data import TiltData
 from rune_tui.visualizers.visualizer import Visualizer
 
-CAMERA_IMAGE: Final = "visualizeCameraImage"
-
 VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
-    CAMERA_IMAGE: CameraImage,
+    "visualizeCameraImage": CameraImage,
+    "visualizeGroundPlane": GroundPlane,
     "visualizeLabel": Label,
     "visualizePanData": PanData,
     "visualizeRangeData": RangeData,

@@ -1,0 +1,129 @@
+"""Where a robot is going at its present command, as lines on the ground."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final, Self
+
+import numpy as np
+
+from hub.gcm.navigation import RobotState as NavigationState
+from rune_tui.model.pose import Pose
+from rune_tui.model.sightings import Floats
+from rune_tui.model.sweep import swept_edges
+from rune_tui.visualizers.range_data import BODY_RADIUS_M
+
+REACTION_S: Final = 0.3
+"""How long navigation follows the last command when no other one comes [s]."""
+
+_SLOWEST: Final = 0.01
+"""Slower than this [m/s] it counts as turning on the spot, and turning [rad/s] as straight."""
+_MOST_ARROWS: Final = 8
+_TIP: Final = 0.6
+"""From an arrow's ends to its tip, and half its width, in radii of the body."""
+_TURN: Final = 2.0 * math.pi
+_BREAK: Final = np.full((1, 2), np.nan)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class WayAhead:
+    """What a robot will pass over while it keeps its velocities.
+
+    Attributes:
+        edges: The left and the right edge of the swept ground [m], a row of NaN between them.
+        arrows: Arrow heads [m], each where the robot's centre will be after another second.
+        stop: Across the way [m], from left to right, where its body ends when it is stopped now.
+        stop_distance: How far it still drives then [m].
+    """
+
+    edges: Floats
+    arrows: Floats
+    stop: Floats
+    stop_distance: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Course:
+    """What a robot is told to do, and in whose frame that is to be seen.
+
+    Attributes:
+        linear: Speed forward [m/s].
+        angular: Turn rate [rad/s], counter-clockwise.
+        now: Where the robot is; None: that does not matter.
+        then: Where it was when it had the frame that is wanted; None: the frame is its own.
+        old: Whether it may have been told something else since.
+    """
+
+    linear: float
+    angular: float
+    now: Pose | None
+    then: Pose | None
+    old: bool
+
+    @classmethod
+    def of(cls, navigation: NavigationState, *, then: Pose | None, old: bool) -> Self | None:
+        """What a robot is told; None if that is to stand, or nobody knows."""
+        linear, angular = navigation.commanded_linear, navigation.commanded_angular
+        moves = abs(linear) >= _SLOWEST or abs(angular) >= _SLOWEST
+        if not moves or not math.isfinite(linear + angular):
+            return None
+        now = Pose(x=navigation.x, y=navigation.y, theta=navigation.theta)
+        if then is None or not all(map(math.isfinite, (now.x, now.y, now.theta))):
+            return cls(linear=linear, angular=angular, now=None, then=None, old=old)
+        return cls(linear=linear, angular=angular, now=now, then=then, old=old)
+
+    @property
+    def words(self) -> str:
+        """What it does, for when that cannot be seen."""
+        if not self._drives:
+            return "turns left" if self.angular > 0.0 else "turns right"
+        return f"drives {'ahead' if self.linear > 0.0 else 'back'}, out of the picture"
+
+    def way(self, *, reach: float, braking: float) -> WayAhead:
+        """Where that leads.
+
+        Args:
+            reach: How far ahead to look [m].
+            braking: How fast its speed surely falls [m/s^2].
+        """
+        speed = abs(self.linear)
+        stop_distance = speed * REACTION_S + speed**2 / (2.0 * braking)
+        edges = arrows = stop = _BREAK
+        if self._drives:
+            turns = abs(self.angular) >= _SLOWEST
+            seconds = min(reach / speed, _TURN / abs(self.angular) if turns else math.inf)
+            left, right = self._swept(seconds)
+            edges = np.concatenate((left, _BREAK, right))
+            arrows = self._arrows(seconds)
+            body = self._swept((stop_distance + BODY_RADIUS_M) / speed)
+            stop = np.stack([edge[-1] for edge in body])
+        return WayAhead(
+            edges=self._seen(edges),
+            arrows=self._seen(arrows),
+            stop=self._seen(stop),
+            stop_distance=stop_distance,
+        )
+
+    @property
+    def _drives(self) -> bool:
+        return abs(self.linear) >= _SLOWEST
+
+    def _swept(self, seconds: float) -> tuple[Floats, Floats]:
+        return swept_edges(BODY_RADIUS_M, self.linear, self.angular, seconds)
+
+    def _seen(self, points: Floats) -> Floats:
+        """Points of the robot's frame now [m] in the frame that is wanted."""
+        if self.now is None or self.then is None:
+            return points
+        return self.then.from_map(self.now.to_map(points))
+
+    def _arrows(self, seconds: float) -> Floats:
+        """A head for each of the next seconds, a row of NaN behind each."""
+        heads: list[Floats] = [_BREAK]
+        for second in range(1, min(_MOST_ARROWS, math.floor(seconds)) + 1):
+            left, right = (edge[-1] for edge in self._swept(second))
+            centre, aside = (left + right) / 2.0, (left - right) / 2.0 * _TIP
+            ahead = math.copysign(1.0, self.linear) * np.array((aside[1], -aside[0]))
+            heads += [np.stack((centre + aside, centre + ahead, centre - aside)), _BREAK]
+        return np.concatenate(heads)
