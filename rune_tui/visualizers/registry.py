@@ -17,6 +17,7 @@ from rune_tui.visualizers.ground_plane import GroundPlane
 from rune_tui.visualizers.heading import Heading
 from rune_tui.visualizers.label import Label
 from rune_tui.visualizers.link_words import Link
+from rune_tui.visualizers.map_data import MapData
 from rune_tui.visualizers.marks import Marks
 from rune_tui.visualizers.modules import Modules
 from rune_tui.visualizers.pan_data import PanData
@@ -31,6 +32,7 @@ VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
     "visualizeCameraImage": CameraImage,
     "visualizeGroundPlane": GroundPlane,
     "visualizeLabel": Label,
+    "visualizeMapData": MapData,
     "visualizePanData": PanData,
     "visualizeRangeData": RangeData,
     "visualizeStatus": Status,

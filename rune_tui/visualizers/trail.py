@@ -1,0 +1,51 @@
+"""Where robots have been, as far as somebody watched."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from typing import Final
+
+import numpy as np
+
+from rune_tui.model.pose import Pose
+from rune_tui.model.sightings import Floats
+
+STEP_M: Final = 0.1
+"""From one point of a trail to the next, at least [m]."""
+
+_JUMP_M: Final = 1.0
+"""Farther than this nobody drives unseen: the pose was corrected, or the robot carried [m]."""
+_GAP: Final = (math.nan, math.nan)
+
+
+class Trail:
+    """The newest points of each robot's way."""
+
+    def __init__(self, longest: float) -> None:
+        """Remember nothing yet.
+
+        Args:
+            longest: How much of a way is kept [m].
+        """
+        self._most = math.ceil(longest / STEP_M)
+        self._ways: dict[str, deque[tuple[float, float]]] = {}
+
+    def follow(self, robot: str, pose: Pose) -> None:
+        """Note where a robot is, if it has moved."""
+        if not self._most:
+            return
+        way = self._ways.setdefault(robot, deque(maxlen=self._most))
+        moved = math.dist(way[-1], (pose.x, pose.y)) if way else math.inf
+        if moved < STEP_M:
+            return
+        if way and moved > _JUMP_M:
+            way.append(_GAP)
+        way.append((pose.x, pose.y))
+
+    def points(self, robot: str) -> list[Floats]:
+        """The pieces of a way in `map` [m], each of shape (n, 2)."""
+        way = np.array(self._ways.get(robot, ()), np.float64).reshape(-1, 2)
+        breaks = np.flatnonzero(np.isnan(way[:, 0]))
+        pieces = np.split(way, breaks)
+        return [piece[~np.isnan(piece[:, 0])] for piece in pieces]
