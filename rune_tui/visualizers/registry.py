@@ -20,6 +20,7 @@ from rune_tui.visualizers.link_words import Link
 from rune_tui.visualizers.map_data import MapData
 from rune_tui.visualizers.marks import Marks
 from rune_tui.visualizers.modules import Modules
+from rune_tui.visualizers.night_mode import NightMode
 from rune_tui.visualizers.pan_data import PanData
 from rune_tui.visualizers.plot import Plot
 from rune_tui.visualizers.range_data import RangeData
@@ -33,6 +34,7 @@ VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
     "visualizeGroundPlane": GroundPlane,
     "visualizeLabel": Label,
     "visualizeMapData": MapData,
+    "visualizeNightMode": NightMode,
     "visualizePanData": PanData,
     "visualizeRangeData": RangeData,
     "visualizeStatus": Status,
