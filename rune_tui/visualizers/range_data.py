@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import enum
 import math
 from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import ClassVar, Final, Self
 
 import numpy as np
+import numpy.typing as npt
 
 from hub.gcm.navigation import SENSOR_COUNT
 from hub.gcm.navigation import RobotState as NavigationState
-from rune_tui.layout.rules import NumberOption, VisualizerRule
+from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
@@ -23,15 +25,12 @@ from rune_tui.visualizers.staleness import age_look, mark_age, weather
 
 BODY_RADIUS_M: Final = 0.203
 NEAR_M: Final = 0.5
+CLOSE_M: Final = 0.15
 DEFAULT_RIM_M: Final = 3.0
 
 _OPENING = 2.0 * math.pi / SENSOR_COUNT
 _SMOOTHING = 3
-_FREE: Final[Colour] = (70, 130, 180, 130)
-_UNBOUNDED: Final[Colour] = (70, 130, 180, 50)
-_NEAR: Final[Colour] = (255, 140, 0, 210)
-_ECHO: Final[Colour] = (170, 215, 255, 255)
-_INFRARED: Final[Colour] = (255, 120, 220, 255)
+_FREE_ALPHA, _UNBOUNDED_ALPHA, _NEAR_ALPHA = 130, 50, 210
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,18 +54,42 @@ class _Plan:
         return min(range_m, self.rim_m) / self.rim_m * self.rim
 
 
-@dataclass(frozen=True, slots=True)
-class RangeData:
-    """A pie for each sonar, an arc for each infrared sensor, a wedge for each pressed bumper.
+class Nearness(enum.IntEnum):
+    """How near something is to the body.
 
-    What is near has a colour of its own and an exclamation mark; a pressed bumper has a "B".
-    All else is clear, so that it can lie over video.
+    Attributes:
+        FAR: There is room.
+        NEAR: Take care; has a colour and an exclamation mark.
+        CLOSE: About to touch; has another colour and an X.
+    """
+
+    FAR = 0
+    NEAR = 1
+    CLOSE = 2
+
+
+_MARKS: Final = {Nearness.NEAR: "!", Nearness.CLOSE: "X"}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RangeData:
+    """A pie for each range sensor, an arc for each infrared one, a wedge for each pressed bumper.
+
+    What is near has a colour of its own and a mark; a pressed bumper has a "B". All else is
+    clear, so that it can lie over video.
 
     Attributes:
         rim_m: Range at the rim of the drawing, from the robot's centre [m].
+        sensors: Whose ranges are shown: "sonar", "infrared", "both", or the nearest of both as
+            "fused".
+        near_m: What is nearer to the body than this is near [m].
+        close_m: What is nearer to the body than this is close [m].
     """
 
     rim_m: float = DEFAULT_RIM_M
+    sensors: str = "both"
+    near_m: float = NEAR_M
+    close_m: float = CLOSE_M
 
     rule: ClassVar = VisualizerRule(
         meaning="the robot and a pie for each range sensor",
@@ -74,6 +97,28 @@ class RangeData:
         option=NumberOption(
             default=0.0, least=0.0, most=100.0, unit="m", meaning="range at the rim; 0 means 3 m"
         ),
+        options={
+            "sensors": ChoiceOption(
+                default="both",
+                choices=("sonar", "infrared", "fused", "both"),
+                meaning="a pie for each sonar, or for each infrared sensor, or up to what the "
+                "nearer of both says, or for each sonar and an arc for each infrared sensor",
+            ),
+            "near": NumberOption(
+                default=NEAR_M,
+                least=0.0,
+                most=10.0,
+                unit="m",
+                meaning="what is nearer to the body has a warning colour and an exclamation mark",
+            ),
+            "close": NumberOption(
+                default=CLOSE_M,
+                least=0.0,
+                most=10.0,
+                unit="m",
+                meaning="what is nearer to the body has an alarming colour and an X",
+            ),
+        },
     )
     whole_cells: ClassVar[bool] = True
 
@@ -81,7 +126,12 @@ class RangeData:
     def from_spec(cls, spec: VisualizerSpec) -> Self:
         """The visualizer that a layout asks for; its option is the range at the rim [m]."""
         sensible = math.isfinite(spec.option) and spec.option > BODY_RADIUS_M
-        return cls(spec.option if sensible else DEFAULT_RIM_M)
+        return cls(
+            rim_m=spec.option if sensible else DEFAULT_RIM_M,
+            sensors=spec.options.word("sensors"),
+            near_m=spec.options.number("near"),
+            close_m=spec.options.number("close"),
+        )
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Draw the newest ranges and their age."""
@@ -98,10 +148,10 @@ class RangeData:
             body=max(BODY_RADIUS_M / self.rim_m * rim, min(2.0, rim / 3.0)),
         )
         with drawing(canvas, smoothing=_SMOOTHING) as pen:
-            _draw_ranges(pen, plan, navigation, state.theme)
+            self._draw_ranges(pen, plan, navigation, state.theme)
             _draw_body(pen, plan, navigation, state.theme)
         weather(canvas, age)
-        _write_marks(canvas, plan, navigation, state.theme)
+        self._write_marks(canvas, plan, navigation, state.theme)
         mark_age(canvas, age, state.theme)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
@@ -109,8 +159,68 @@ class RangeData:
         if robot.navigation is None:
             return robot.name, state.theme.name
         navigation = robot.navigation.value
-        measured = (navigation.sonar.tobytes(), navigation.infrared.tobytes(), navigation.bumpers)
-        return measured, age_look(robot.navigation, state.now), state.theme.name
+        pies, arcs = self._pies(navigation).tobytes(), self._arcs(navigation).tobytes()
+        return (
+            pies,
+            arcs,
+            navigation.bumpers,
+            age_look(robot.navigation, state.now),
+            state.theme.name,
+        )
+
+    def _pies(self, navigation: NavigationState) -> npt.NDArray[np.float32]:
+        """The range of each direction that has a pie [m], shape (16,)."""
+        if self.sensors not in {"infrared", "fused"}:
+            return navigation.sonar
+        # Infrared does not see far: that it sees nothing does not mean that there is room.
+        seen = np.where(np.isinf(navigation.infrared), np.float32(np.nan), navigation.infrared)
+        return np.fmin(navigation.sonar, seen) if self.sensors == "fused" else seen
+
+    def _arcs(self, navigation: NavigationState) -> npt.NDArray[np.float32]:
+        """The range of each direction that has an arc besides [m], shape (16,) or (0,)."""
+        return navigation.infrared if self.sensors == "both" else np.empty(0, np.float32)
+
+    def _nearness(self, range_m: float) -> Nearness:
+        room = range_m - BODY_RADIUS_M
+        if room < self.close_m:
+            return Nearness.CLOSE
+        return Nearness.NEAR if room < self.near_m else Nearness.FAR
+
+    def _draw_ranges(
+        self, pen: Pen, plan: _Plan, navigation: NavigationState, theme: Theme
+    ) -> None:
+        for sensor, reading in enumerate(self._pies(navigation).tolist()):
+            if math.isnan(reading):
+                continue
+            reach, nearness = plan.length(reading), self._nearness(reading)
+            colour = _colour(nearness, theme)
+            alpha = _NEAR_ALPHA if nearness else _FREE_ALPHA
+            if math.isinf(reading):
+                alpha = _UNBOUNDED_ALPHA
+            pen.pie(plan.centre, reach, _direction(sensor), _OPENING, (*colour[:3], alpha))
+            if reading <= plan.rim_m:
+                rim = colour if nearness else theme.good
+                pen.arc(plan.centre, reach, _direction(sensor), _OPENING, rim)
+        for sensor, reading in enumerate(self._arcs(navigation).tolist()):
+            if reading <= plan.rim_m:
+                reach = max(plan.length(reading), plan.body + 1.0)
+                pen.arc(plan.centre, reach, _direction(sensor), _OPENING / 2.0, theme.ink)
+
+    def _write_marks(
+        self, canvas: Canvas, plan: _Plan, navigation: NavigationState, theme: Theme
+    ) -> None:
+        pies, arcs = self._pies(navigation), self._arcs(navigation)
+        nearest = np.fmin(pies, arcs) if len(arcs) else pies
+        for sensor, reading in enumerate(nearest.tolist()):
+            nearness = self._nearness(reading)
+            if nearness:
+                reach = max(plan.length(reading), plan.body) + 1.5
+                spot = toward(plan.centre, reach, _direction(sensor))
+                ink = theme.warning if nearness is Nearness.NEAR else theme.alarm_ink
+                _write_at(canvas, spot, _MARKS[nearness], ink)
+        for sensor in pressed_bumpers(navigation):
+            spot = toward(plan.centre, plan.body + 1.0, _direction(sensor))
+            _write_at(canvas, spot, "B", theme.on_alarm)
 
 
 def is_near(range_m: float) -> bool:
@@ -127,20 +237,9 @@ def _direction(sensor: int) -> float:
     return sensor * _OPENING
 
 
-def _draw_ranges(pen: Pen, plan: _Plan, navigation: NavigationState, theme: Theme) -> None:
-    for sensor, reading in enumerate(navigation.sonar.tolist()):
-        if math.isnan(reading):
-            continue
-        reach = plan.length(reading)
-        colour = _NEAR if is_near(reading) else _FREE if math.isfinite(reading) else _UNBOUNDED
-        pen.pie(plan.centre, reach, _direction(sensor), _OPENING, colour)
-        if reading <= plan.rim_m:
-            rim = theme.warning if is_near(reading) else _ECHO
-            pen.arc(plan.centre, reach, _direction(sensor), _OPENING, rim)
-    for sensor, reading in enumerate(navigation.infrared.tolist()):
-        if reading <= plan.rim_m:
-            reach = max(plan.length(reading), plan.body + 1.0)
-            pen.arc(plan.centre, reach, _direction(sensor), _OPENING / 2.0, _INFRARED)
+def _colour(nearness: Nearness, theme: Theme) -> Colour:
+    colours = {Nearness.NEAR: theme.warning, Nearness.CLOSE: theme.alarm}
+    return colours.get(nearness, theme.accent)
 
 
 def _draw_body(pen: Pen, plan: _Plan, navigation: NavigationState, theme: Theme) -> None:
@@ -148,17 +247,6 @@ def _draw_body(pen: Pen, plan: _Plan, navigation: NavigationState, theme: Theme)
         pen.pie(plan.centre, plan.body + 2.0, _direction(sensor), _OPENING, theme.alarm)
     pen.circle(plan.centre, plan.body, fill=theme.panel, rim=theme.ink)
     pen.line([plan.centre, toward(plan.centre, plan.body + 1.0, 0.0)], theme.ink)
-
-
-def _write_marks(canvas: Canvas, plan: _Plan, navigation: NavigationState, theme: Theme) -> None:
-    for sensor, reading in enumerate(navigation.sonar.tolist()):
-        if is_near(reading):
-            reach = max(plan.length(reading), plan.body) + 1.5
-            _write_at(canvas, toward(plan.centre, reach, _direction(sensor)), "!", theme.warning)
-    for sensor in pressed_bumpers(navigation):
-        _write_at(
-            canvas, toward(plan.centre, plan.body + 1.0, _direction(sensor)), "B", theme.on_alarm
-        )
 
 
 def _write_at(canvas: Canvas, point: Point, mark: str, colour: Colour) -> None:

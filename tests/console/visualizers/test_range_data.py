@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.theme import DARK, LIGHT
 from rune_tui.visualizers.range_data import DEFAULT_RIM_M, RangeData
 from tests.console.states import visualizer_spec
 
@@ -97,10 +98,8 @@ def test_a_senseless_option_means_the_default(option) -> None:
 
 
 def test_infrared_is_an_arc_of_its_own_where_it_sees_something(made, draw) -> None:
-    infrared = np.full(16, np.inf, np.float32)
-    infrared[12] = 1.2
     without = draw(NAME, with_navigation(made), SIZE)
-    canvas = draw(NAME, with_navigation(made, infrared=infrared), SIZE)
+    canvas = draw(NAME, with_navigation(made, infrared=infrared(s12=1.2)), SIZE)
     changed = np.argwhere((without.pixels != canvas.pixels).any(axis=2))
     assert len(changed) > 0
     assert (changed[:, 1] > 20).all()
@@ -118,6 +117,61 @@ def test_the_nose_points_up(made, draw) -> None:
     canvas = draw(NAME, with_navigation(made), SIZE)
     ahead, behind = at(canvas, 2.5, 0), at(canvas, 2.5, 8)
     assert min(ahead[:3]) > min(behind[:3])
+
+
+def infrared(**readings: float) -> np.ndarray:
+    """Nothing is seen but by those named by their number, as in s4=0.3."""
+    ranges = np.full(16, np.inf, np.float32)
+    for name, reading in readings.items():
+        ranges[int(name[1:])] = reading
+    return ranges
+
+
+@pytest.mark.parametrize(
+    ("sensors", "reach"), [("sonar", 2.0), ("infrared", 1.0), ("fused", 1.0), ("both", 2.0)]
+)
+def test_a_layout_chooses_the_sensors_whose_ranges_are_shown(made, draw, sensors, reach) -> None:
+    robot = with_navigation(made, infrared=infrared(s12=1.0, s4=np.nan), sonar=sonar(s4=1.5))
+    canvas = draw(NAME, robot, SIZE, sensors=sensors)
+    pixel_per_m = 19.5 / 3.0
+    assert at(canvas, (reach - 0.2) * pixel_per_m, 12)[3] > 0
+    assert at(canvas, (reach + 0.3) * pixel_per_m, 12)[3] == 0
+    # A pie is drawn where a sensor of the kind measures at all.
+    assert (at(canvas, 1.2 * pixel_per_m, 4)[3] > 0) == (sensors != "infrared")
+    pies = draw(NAME, robot, SIZE, sensors="sonar" if sensors == "both" else sensors)
+    assert (canvas.pixels != pies.pixels)[:, 24:].any() == (sensors == "both")
+
+
+def test_that_infrared_sees_nothing_is_no_room_to_drive(made, draw) -> None:
+    robot = with_navigation(made, sonar=sonar(s4=np.nan), infrared=infrared())
+    for sensors in ("infrared", "fused"):
+        assert at(draw(NAME, robot, SIZE, sensors=sensors), 8.0, 4)[3] == 0
+
+
+@pytest.mark.parametrize("sensors", ["infrared", "fused", "both"])
+def test_what_infrared_sees_near_is_marked_too(made, draw, sensors) -> None:
+    robot = with_navigation(made, infrared=infrared(s4=0.5))
+    assert len(marks(draw(NAME, robot, SIZE, sensors=sensors), "!")) == 1
+    assert marks(draw(NAME, robot, SIZE, sensors="sonar"), "!") == []
+
+
+def test_thresholds_are_measured_from_the_rim_of_the_body(made, draw) -> None:
+    robot = with_navigation(made, sonar=sonar(s4=0.203 + 0.3))
+    for near, close, mark in ((0.29, 0.1, ""), (0.31, 0.29, "!"), (0.5, 0.31, "X")):
+        canvas = draw(NAME, robot, SIZE, near=near, close=close)
+        assert [m for m in "!X" if marks(canvas, m)] == list(mark)
+    red, green, _, _ = at(draw(NAME, robot, SIZE, near=0.5, close=0.4), 2.5, 4)
+    assert red > 2.5 * green
+
+
+def test_colours_are_the_themes(made, draw) -> None:
+    robot = with_navigation(made, sonar=sonar(s4=0.4))
+    dark, light = (
+        draw(NAME, robot, SIZE, state=ConsoleState(now=made.now, theme=theme))
+        for theme in (DARK, LIGHT)
+    )
+    assert (dark.pixels != light.pixels).any(axis=2).sum() > 100
+    assert np.abs(np.subtract(at(light, 8.0, 12)[:3], LIGHT.accent[:3])).max() < 4
 
 
 def test_old_ranges_are_dimmed_and_then_hatched_and_marked(made, draw, golden) -> None:
@@ -138,11 +192,15 @@ def test_the_token_changes_only_with_what_is_drawn(made) -> None:
     shown, state = RangeData(), ConsoleState(now=made.now)
     first = with_navigation(made, sonar=sonar())
     assert shown.source(first, state) == shown.source(with_navigation(made, x=5.0), state)
+    alone = RangeData(sensors="sonar")
+    seen = with_navigation(made, infrared=infrared(s3=1.0))
+    assert alone.source(first, state) == alone.source(seen, state)
+    assert shown.source(first, state) != shown.source(seen, state)
     for other in ({"sonar": sonar(s3=1.9)}, {"bumpers": 2}, {"age": 1.5}):
         assert shown.source(first, state) != shown.source(with_navigation(made, **other), state)
 
 
 @pytest.mark.parametrize("size", [(1, 1), (2, 2), (3, 9), (200, 4)])
 def test_any_canvas_will_do(made, draw, size) -> None:
-    infrared = np.zeros(16, np.float32)
-    draw(NAME, with_navigation(made, infrared=infrared, bumpers=0xFFFF, age=9.0), size)
+    zero = np.zeros(16, np.float32)
+    draw(NAME, with_navigation(made, infrared=zero, bumpers=0xFFFF, age=9.0), size)
