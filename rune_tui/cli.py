@@ -68,7 +68,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(options: argparse.Namespace) -> int:
     _need_terminal()
-    layout = _load(options.layout)
+    layout = _load(options.layout, options.set)
     links = _links(layout, _endpoint(options.hub), options.keys)
     _log_to_file()
     return _console(layout, links, options.colors)
@@ -81,7 +81,7 @@ def _demo(options: argparse.Namespace) -> int:
     with DemoHub(_DEMO_ROBOT, _log_to_file()) as hub:
         import rune_tui.app  # noqa: F401 - loaded while the hub starts
 
-        layout = _load(options.layout)
+        layout = _load(options.layout, options.set)
         return _console(layout, _links(layout, hub.endpoint()), options.colors)
 
 
@@ -91,7 +91,7 @@ def _check(options: argparse.Namespace) -> int:
     code = ExitCode.OK
     for path in options.layouts:
         try:
-            _load(path)
+            _load(path, options.set)
         except LayoutError as error:
             sys.stderr.write(f"{error}\n")
             code = ExitCode.USAGE
@@ -110,7 +110,7 @@ def _shot(options: argparse.Namespace) -> int:
     if path.suffix not in _PICTURE_ENDINGS:
         text = f"{path}: the name has to end in one of {', '.join(_PICTURE_ENDINGS)}"
         raise _UsageError(text)
-    layout = _load(options.layout)
+    layout = _load(options.layout, options.set)
     with ExitStack() as stack:
         hub = _endpoint(options.hub)
         if options.demo:
@@ -137,10 +137,10 @@ def _console(layout: LayoutSpec, links: dict[str, RobotLink], colors: str | None
     return Console(layout, links, depth).run_to_end()
 
 
-def _load(name_or_path: str) -> LayoutSpec:
+def _load(name_or_path: str, variables: Sequence[tuple[str, str]]) -> LayoutSpec:
     from rune_tui.opening import open_layout
 
-    return open_layout(name_or_path)
+    return open_layout(name_or_path, dict(variables))
 
 
 def _links(layout: LayoutSpec, hub: str, keys: Path | None = None) -> dict[str, RobotLink]:
@@ -182,6 +182,14 @@ def _log_to_file() -> Path:
     handler.setFormatter(logging.Formatter("%(asctime)s console %(levelname)s %(message)s"))
     logging.basicConfig(level=logging.INFO, handlers=[handler])
     return path
+
+
+def _variable(text: str) -> tuple[str, str]:
+    name, is_given, value = text.partition("=")
+    if is_given and name and text.isprintable():
+        return name, value
+    reason = f"{text!r} is no NAME=VALUE"
+    raise argparse.ArgumentTypeError(reason)
 
 
 def _size(text: str) -> tuple[int, int]:
@@ -243,4 +251,13 @@ def _parser() -> argparse.ArgumentParser:
     source.add_argument("--hub", default="", help=hub_help)
     shot.add_argument("--keys", type=Path, help=keys_help)
     source.add_argument("--demo", action="store_true", help="on a simulated robot of its own")
+    for command in (run, demo, check, shot):
+        command.add_argument(
+            "--set",
+            type=_variable,
+            action="append",
+            default=[],
+            metavar="NAME=VALUE",
+            help="give a variable of the layout this value; as often as needed",
+        )
     return parser

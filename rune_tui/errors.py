@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 
 class ConsoleError(Exception):
@@ -45,10 +46,12 @@ class LayoutError(ConsoleError, ValueError):
 
     Attributes:
         problems: All mistakes found, in file order.
+        files: The files that were read, and those that should have been there.
     """
 
-    def __init__(self, problems: Sequence[LayoutProblem]) -> None:
-        self.problems = tuple(sorted(problems))
+    def __init__(self, problems: Sequence[LayoutProblem], files: Sequence[Path] = ()) -> None:
+        self.problems = tuple(sorted(set(problems)))
+        self.files = tuple(files)
         super().__init__("\n".join(map(str, self.problems)))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from rune_tui.layout.extensions import with_installed
@@ -18,13 +19,18 @@ _LONGEST_NAME = 64
 """Letters of a shipped layout's name at most; what is longer is a path."""
 
 
-def open_layout(name_or_path: str | Path) -> LayoutSpec:
+def open_layout(name_or_path: str | Path, variables: Mapping[str, str] | None = None) -> LayoutSpec:
     """The layout file of that path, or the shipped layout of that name.
+
+    Args:
+        name_or_path: Which.
+        variables: Values of the layout's variables that are not those of the file.
 
     Raises:
         LayoutError: The file cannot be read or has mistakes; all of them are listed.
     """
-    return load_layout(layout_path(str(name_or_path)), with_installed(BUILT_IN))
+    path = layout_path(str(name_or_path))
+    return load_layout(path, with_installed(BUILT_IN), variables)
 
 
 def layout_path(name_or_path: str) -> Path:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import logging
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
 
 from rune_tui.layout import names
 from rune_tui.layout.checks import viewport_robot
-from rune_tui.layout.grammar import Node, Rules
+from rune_tui.layout.grammar import Mistake, Node, Rules
 from rune_tui.layout.inputs import input_name
 from rune_tui.layout.rules import Option, Options, Vocabulary
 from rune_tui.layout.spec import (
@@ -21,18 +23,27 @@ from rune_tui.layout.spec import (
     WidgetSpec,
 )
 
+_logger = logging.getLogger(__name__)
+
+_LONGEST_REASON = 200
+
 
 class SpecBuilder:
-    """Builds specs; the caller has checked the file."""
+    """Builds specs; the caller has checked the file.
+
+    Attributes:
+        mistakes: Visualizers and widgets that refuse to be made of what the layout says of them.
+    """
 
     def __init__(self, rules: Rules, path: str, vocabulary: Vocabulary) -> None:
         self._rules = rules
         self._path = path
         self._vocabulary = vocabulary
         self._robots: tuple[str, ...] = ()
+        self.mistakes: list[Mistake] = []
 
-    def layout(self, root: Node) -> LayoutSpec:
-        """The whole file."""
+    def layout(self, root: Node, files: tuple[Path, ...]) -> LayoutSpec:
+        """The whole layout, which these files make up."""
         self._robots = tuple(self._text(robot, "name") for robot in root.of("robot"))
         (node,) = root.of("view")
         view = self._view(node)
@@ -41,6 +52,7 @@ class SpecBuilder:
             run_number=self._whole(root, "run"),
             robots=tuple(self._robot(robot, view) for robot in root.of("robot")),
             view=view,
+            files=files,
             vocabulary=self._vocabulary,
         )
 
@@ -92,9 +104,10 @@ class SpecBuilder:
     def _viewport(self, node: Node) -> ViewportSpec:
         name = self._text(node, "name")
         visualizers = tuple(self._visualizer(child, name) for child in node.of("visualizer"))
+        robot = viewport_robot(node, self._robots, self._rules)
         return ViewportSpec(
             name=name,
-            robot=viewport_robot(node, self._robots, self._rules),
+            robot=robot,
             visible=self._text(node, "visible") == "true",
             transparency=self._whole(node, "transparency"),
             xpos=self._whole(node, "xpos"),
@@ -104,32 +117,46 @@ class SpecBuilder:
             ysize=self._whole(node, "ysize"),
             scaled=self._text(node, "fit") == "scale",
             visualizer=visualizers[0] if visualizers else None,
-            widgets=tuple(self._widget(child, name) for child in node.of("widget")),
-            line=node.line,
+            widgets=tuple(self._widget(child, robot, name) for child in node.of("widget")),
+            line=node.place.line,
         )
 
     def _visualizer(self, node: Node, viewport: str) -> VisualizerSpec:
         function = self._text(node, "function")
         rule = self._vocabulary.visualizers[function].rule
-        return VisualizerSpec(
+        spec = VisualizerSpec(
             function=function,
             message=self._text(node, "message") or rule.message,
             option=self._decimal(node, "option"),
             text=self._text(node, "text"),
             options=self._options(node, rule.options),
-            line=node.line,
+            line=node.place.line,
             viewport=viewport,
         )
+        self._try(node, "function", self._vocabulary.visualizers[function].from_spec, spec)
+        return spec
 
-    def _widget(self, node: Node, viewport: str = "") -> WidgetSpec:
+    def _try(self, node: Node, name: str, make: Callable[..., object], *said: object) -> None:
+        """Make what a layout asks for once, so that it does not fail before the operator's eyes."""
+        try:
+            make(*said)
+        except Exception as error:  # somebody else's code may fail in any way
+            reason = " ".join(f"{type(error).__name__}: {error}".split())[:_LONGEST_REASON]
+            message = f"{node.attributes[name]} cannot be made: {reason}"
+            _logger.debug("%s", message, exc_info=True)
+            self.mistakes.append(Mistake(node.at(name), message))
+
+    def _widget(self, node: Node, robot: str = "", viewport: str = "") -> WidgetSpec:
         handler = self._text(node, "handler")
-        return WidgetSpec(
+        spec = WidgetSpec(
             handler=handler,
             options=self._options(node, self._vocabulary.widgets[handler].rule.options),
             events=tuple(map(self._event, node.of("event"))),
-            line=node.line,
+            line=node.place.line,
             viewport=viewport,
         )
+        self._try(node, "handler", self._vocabulary.widgets[handler].from_spec, spec, robot)
+        return spec
 
     def _options(self, node: Node, rules: Mapping[str, Option]) -> Options:
         given = {self._text(each, "name"): self._text(each, "value") for each in node.of("option")}
@@ -140,6 +167,6 @@ class SpecBuilder:
             name=input_name(node, self._rules),
             control=self._text(node, "control"),
             value=self._decimal(node, "value"),
-            line=node.line,
+            line=node.place.line,
             released=self._text(node, "when") == "released",
         )

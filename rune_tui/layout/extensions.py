@@ -7,14 +7,18 @@ that layouts use. An installed package offers single classes as entry points of 
 
 from __future__ import annotations
 
+import dataclasses
 import importlib.metadata
-import importlib.util
 import inspect
 import logging
+import sys
 from collections.abc import Mapping
-from pathlib import Path, PurePosixPath
+from pathlib import Path
+from types import ModuleType
 from typing import Any
 
+from hub.gcm.catalog import BY_NAME
+from rune_tui.layout.files import named_file
 from rune_tui.layout.grammar import Mistake, Node, Rules, quoted
 from rune_tui.layout.rules import HandlerRule, VisualizerRule, Vocabulary
 
@@ -30,42 +34,56 @@ _LONGEST_REASON = 200
 
 
 def with_installed(vocabulary: Vocabulary) -> Vocabulary:
-    """The vocabulary with what installed packages offer; what cannot be loaded is left out."""
+    """The vocabulary with what installed packages offer, and why some of that cannot be used."""
     tables: dict[str, dict[str, Any]] = {"VISUALIZERS": {}, "WIDGETS": {}}
+    faults: dict[str, str] = {}
     for table, group in GROUPS.items():
         for point in importlib.metadata.entry_points(group=group):
             try:
                 found = point.load()
-            except Exception:  # somebody else's code may fail in any way
-                _logger.exception("%s of %s cannot be loaded", point.name, point.value)
+            except (Exception, SystemExit) as error:  # somebody else's code may fail in any way
+                why = f"{point.name} of {point.value} cannot be loaded: {_why(error)}"
+                faults[point.name] = why
+                _logger.debug("%s", why, exc_info=True)
                 continue
             if lack := _lack(table, found):
-                _logger.error("%s of %s %s", point.name, point.value, lack)
+                faults[point.name] = f"{point.name} of {point.value} {lack}"
             else:
                 tables[table][point.name] = found
-    return _joined(vocabulary, tables)
+    return dataclasses.replace(_joined(vocabulary, tables), faults=faults)
 
 
 def extended(
     vocabulary: Vocabulary, root: Node, rules: Rules, folder: Path
-) -> tuple[Vocabulary, list[Mistake]]:
-    """The vocabulary with the extensions that a layout names, and what is wrong with those."""
+) -> tuple[Vocabulary, tuple[Path, ...], list[Mistake]]:
+    """The vocabulary with the extensions that a layout names, their files, and what is wrong."""
     mistakes = []
+    files: dict[Path, None] = {}
     for node in root.of("extension"):
         name = rules.value(node, "file")
         if name is None:
             continue
+        path = named_file(name, beside=node.place.path, folder=folder)
+        if path is None or path.suffix != ".py":
+            text = f"the extension {quoted(name)} is no Python file in the layout's folder or below"
+            mistakes.append(Mistake(node.at("file"), text))
+            continue
+        if path in files:
+            text = f"the extension {quoted(name)} is named twice"
+            mistakes.append(Mistake(node.at("file"), text))
+            continue
+        files[path] = None
         try:
-            tables = _read(folder, name)
+            tables = _read(path)
         except _ExtensionFault as fault:
-            mistakes.append(Mistake(node.line, f"the extension {quoted(name)} {fault}"))
+            mistakes.append(Mistake(node.at("file"), f"the extension {quoted(name)} {fault}"))
             continue
         known = vocabulary.visualizers.keys() | vocabulary.widgets.keys()
         for twice in sorted(known & {each for table in tables.values() for each in table}):
             text = f"the extension {quoted(name)} names {quoted(twice)}, which there is already"
-            mistakes.append(Mistake(node.line, f"{text}; give it another name"))
+            mistakes.append(Mistake(node.at("file"), f"{text}; give it another name"))
         vocabulary = _joined(vocabulary, tables)
-    return vocabulary, mistakes
+    return vocabulary, tuple(files), mistakes
 
 
 class _ExtensionFault(Exception):  # noqa: N818 - it becomes a layout's mistake
@@ -73,21 +91,14 @@ class _ExtensionFault(Exception):  # noqa: N818 - it becomes a layout's mistake
 
 
 def _joined(vocabulary: Vocabulary, tables: Mapping[str, Mapping[str, Any]]) -> Vocabulary:
-    return Vocabulary(
+    return dataclasses.replace(
+        vocabulary,
         visualizers={**tables["VISUALIZERS"], **vocabulary.visualizers},
         widgets={**tables["WIDGETS"], **vocabulary.widgets},
     )
 
 
-def _read(folder: Path, name: str) -> dict[str, dict[str, Any]]:
-    parts = PurePosixPath(name)
-    if parts.is_absolute() or ".." in parts.parts or parts.suffix != ".py":
-        text = "is no Python file in the layout's folder or below it"
-        raise _ExtensionFault(text)
-    path = folder / parts
-    if not path.is_file():
-        text = f"is not there: {path}"
-        raise _ExtensionFault(text)
+def _read(path: Path) -> dict[str, dict[str, Any]]:
     module = _run(path)
     tables: dict[str, dict[str, Any]] = {}
     for table in GROUPS:
@@ -106,26 +117,42 @@ def _read(folder: Path, name: str) -> dict[str, dict[str, Any]]:
     return tables
 
 
-def _run(path: Path) -> object:
-    spec = importlib.util.spec_from_file_location(f"rune_extension_{path.stem}", path)
-    if spec is None or spec.loader is None:
-        text = "cannot be read as Python"
-        raise _ExtensionFault(text)
-    module = importlib.util.module_from_spec(spec)
+def _run(path: Path) -> ModuleType:
+    """The module in a file; always the file as it is now, and nothing is written beside it."""
+    module = ModuleType(f"rune extension {path.resolve()}")
+    module.__file__ = str(path)
+    sys.modules[module.__name__] = module  # dataclasses look there
     try:
-        spec.loader.exec_module(module)
-    except Exception as error:  # somebody else's code may fail in any way
-        reason = " ".join(f"{type(error).__name__}: {error}".split())[:_LONGEST_REASON]
-        text = f"cannot be run: {reason}"
+        code = compile(path.read_bytes(), str(path), "exec")
+        exec(code, module.__dict__)
+    except FileNotFoundError as error:
+        text = f"is not there: {path}"
+        raise _ExtensionFault(text) from error
+    except (Exception, SystemExit) as error:  # somebody else's code may fail in any way
+        text = f"cannot be run: {_why(error)}"
         raise _ExtensionFault(text) from error
     return module
+
+
+def _why(error: BaseException) -> str:
+    return " ".join(f"{type(error).__name__}: {error}".split())[:_LONGEST_REASON]
 
 
 def _lack(table: str, found: object) -> str:
     """What a class lacks to be what its table says; empty if nothing."""
     if not inspect.isclass(found):
         return "is no class"
-    if not isinstance(getattr(found, "rule", None), _RULES[table]):
+    rule = getattr(found, "rule", None)
+    if not isinstance(rule, VisualizerRule | HandlerRule) or not isinstance(rule, _RULES[table]):
         return f"has no attribute rule that is a {_RULES[table].__name__}"
     missing = [name for name in _METHODS[table] if not callable(getattr(found, name, None))]
-    return f"has no method {missing[0]}" if missing else ""
+    if missing:
+        return f"has no method {missing[0]}"
+    unknown = [name for name in _messages(rule) if name not in BY_NAME]
+    return f"names a message {quoted(unknown[0])}, which is not known" if unknown else ""
+
+
+def _messages(rule: VisualizerRule | HandlerRule) -> tuple[str, ...]:
+    if isinstance(rule, HandlerRule):
+        return (*rule.sends, *rule.uses)
+    return tuple(filter(None, (rule.message, *rule.others)))

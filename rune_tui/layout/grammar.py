@@ -14,6 +14,8 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 
+from rune_tui.layout.places import Place
+
 _RELAX_NG = "{http://relaxng.org/ns/structure/1.0}"
 _ANNOTATIONS = "{http://relaxng.org/ns/compatibility/annotations/1.0}"
 _NUMBERS = {
@@ -21,6 +23,11 @@ _NUMBERS = {
     "decimal": re.compile(r"[+-]?(0{0,99}[0-9]{1,18}(\.[0-9]{0,99})?|\.[0-9]{1,99})"),
 }
 _SPACES = " \t\n\r"
+PART = "part"
+"""The outermost element of a file that layouts include."""
+REFERENCE = re.compile(r"\$\{([A-Za-z][A-Za-z0-9_]*)\}")
+"""A variable where its value is wanted."""
+_LONGEST_WITH_REFERENCE = 1000
 _SHOWN_LENGTH = 40
 _SHORT_SET = 12
 
@@ -34,14 +41,20 @@ class Node:
         attributes: Its attributes.
         children: Elements in it.
         text: Text in it, without surrounding white space.
-        line: Line where its start tag ends.
+        place: Where its start tag begins.
+        places: Where its attributes stand.
     """
 
     tag: str
     attributes: Mapping[str, str]
     children: tuple[Node, ...]
     text: str
-    line: int
+    place: Place
+    places: Mapping[str, Place] = field(default_factory=dict)
+
+    def at(self, attribute: str) -> Place:
+        """Where an attribute stands; where it does not, the element itself."""
+        return self.places.get(attribute, self.place)
 
     def of(self, tag: str) -> tuple[Node, ...]:
         """The children of this name."""
@@ -50,14 +63,14 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class Mistake:
-    """Something wrong in a line of the file.
+    """Something wrong in a file.
 
     Attributes:
-        line: The line.
+        place: Where.
         message: What is wrong and what is allowed.
     """
 
-    line: int
+    place: Place
     message: str
 
 
@@ -70,12 +83,20 @@ class ValueRule:
         kind: Type in the schema: "string", "integer", "decimal", or "choice".
         limits: Parameters of the type: pattern, maxLength, minInclusive, maxInclusive.
         choices: The values, if it is a choice.
+        variable: Whether variables may stand in it.
     """
 
     allowed: str
     kind: str
     limits: Mapping[str, str]
     choices: tuple[str, ...]
+    variable: bool
+
+    def written(self, text: str) -> bool:
+        """Whether a file may say this: a value, or variables that may become one."""
+        short = len(text) <= _LONGEST_WITH_REFERENCE
+        open_yet = self.variable and short and REFERENCE.search(text) is not None
+        return open_yet or self.accepts(text)
 
     def accepts(self, text: str) -> bool:
         """Whether a value follows the rule."""
@@ -134,18 +155,24 @@ class Rules:
     values: Mapping[str, ValueRule]
 
     def value(self, node: Node, attribute: str) -> str | None:
-        """An attribute's value or its default; None if there is neither or it breaks its rule."""
+        """An attribute's value or its default.
+
+        None if there is neither, if it breaks its rule, or where a variable in it is not known.
+        """
         rule = self.elements[node.tag].attributes[attribute]
         text = node.attributes.get(attribute, rule.default)
-        if text is None or not self.values[rule.type].accepts(text):
+        if text is None or REFERENCE.search(text) or not self.values[rule.type].accepts(text):
             return None
         return text if self.values[rule.type].kind == "string" else text.strip(_SPACES)
 
-    def mistakes(self, root: Node) -> Iterator[Mistake]:
-        """Everything in a file that breaks the schema."""
-        if root.tag != self.root:
-            message = f"the outermost element is {tag(root.tag)}, it must be {tag(self.root)}"
-            yield Mistake(root.line, message)
+    def mistakes(self, root: Node, *, outermost: str = "") -> Iterator[Mistake]:
+        """Everything in a tree that breaks the schema; its outermost element is a layout's."""
+        outermost = outermost or self.root
+        if root.tag != outermost:
+            message = f"the outermost element is {tag(root.tag)}, it must be {tag(outermost)}"
+            if root.tag == PART:
+                message = f"this is a part of layouts; open one that includes it, not {tag(PART)}"
+            yield Mistake(root.place, message)
             return
         nodes = [root]
         while nodes:
@@ -160,33 +187,35 @@ class Rules:
         for name, text in node.attributes.items():
             if name not in rules:
                 message = f"{tag(node.tag)} has no attribute {quoted(name)}{hint(name, rules)}"
-                yield Mistake(node.line, message)
-            elif not (rule := self.values[rules[name].type]).accepts(text):
+                yield Mistake(node.at(name), message)
+            elif not (rule := self.values[rules[name].type]).written(text):
                 message = f"{name} of {tag(node.tag)} is {quoted(text)}, it must be {rule.allowed}"
-                yield Mistake(node.line, message)
+                yield Mistake(node.at(name), message)
         for name, attribute in rules.items():
             if attribute.required and name not in node.attributes:
                 allowed = self.values[attribute.type].allowed
-                yield Mistake(node.line, f"{tag(node.tag)} needs the attribute {name}: {allowed}")
+                yield Mistake(node.place, f"{tag(node.tag)} needs the attribute {name}: {allowed}")
 
     def _child_mistakes(self, node: Node) -> Iterator[Mistake]:
         rules = self.elements[node.tag].children
         if node.text:
             message = f"{tag(node.tag)} holds the text {quoted(node.text)}, it may hold none"
-            yield Mistake(node.line, message)
+            yield Mistake(node.place, message)
         seen: Counter[str] = Counter()
         for child in node.children:
             seen[child.tag] += 1
             if child.tag not in rules:
-                yield Mistake(child.line, self._misplaced(child.tag, node.tag))
+                yield Mistake(child.place, self._misplaced(child.tag, node.tag))
             elif seen[child.tag] > rules[child.tag][1]:
-                yield Mistake(child.line, f"{tag(node.tag)} may hold only one {tag(child.tag)}")
+                yield Mistake(child.place, f"{tag(node.tag)} may hold only one {tag(child.tag)}")
         for name, (least, _) in rules.items():
             if seen[name] < least:
-                yield Mistake(node.line, f"{tag(node.tag)} needs a {tag(name)} in it")
+                yield Mistake(node.place, f"{tag(node.tag)} needs a {tag(name)} in it")
 
     def _misplaced(self, child: str, parent: str) -> str:
-        places = [name for name, rule in self.elements.items() if child in rule.children]
+        places = [
+            name for name, rule in self.elements.items() if child in rule.children and name != PART
+        ]
         if places:
             belongs = " or ".join(map(tag, places))
             return f"{tag(child)} may not stand in {tag(parent)}, it belongs into {belongs}"
@@ -236,7 +265,8 @@ def read_rules(schema: Node) -> Rules:
         else:
             values[name] = _read_value(define)
     (start,) = schema.of(f"{_RELAX_NG}start")
-    return Rules(root=start.children[0].attributes["name"], elements=elements, values=values)
+    roots = [ref.attributes["name"] for ref in start.children[0].children]
+    return Rules(root=roots[0], elements=elements, values=values)
 
 
 _COUNTS: dict[str, tuple[float, float]] = {
@@ -261,16 +291,20 @@ def _read_content(body: Node, rule: ElementRule, least: float, most: float) -> N
         elif kind in _COUNTS:
             _read_content(part, rule, least * _COUNTS[kind][0], most * _COUNTS[kind][1])
         elif kind != "empty":
-            message = f"schema.rng, line {part.line}: {kind} is not known to the loader"
+            message = f"schema.rng, line {part.place.line}: {kind} is not known to the loader"
             raise ValueError(message)
 
 
 def _read_value(define: Node) -> ValueRule:
     (documentation,) = define.of(f"{_ANNOTATIONS}documentation")
-    if choices := define.of(f"{_RELAX_NG}choice"):
-        values = tuple(value.text for value in choices[0].children)
-        return ValueRule(allowed=documentation.text, kind="choice", limits={}, choices=values)
-    (data,) = define.of(f"{_RELAX_NG}data")
-    limits = {param.attributes["name"]: param.text for param in data.children}
-    kind = data.attributes["type"]
-    return ValueRule(allowed=documentation.text, kind=kind, limits=limits, choices=())
+    choices = define.of(f"{_RELAX_NG}choice")
+    parts = choices[0] if choices else define
+    data = parts.of(f"{_RELAX_NG}data")
+    params = data[0].children if data else ()
+    return ValueRule(
+        allowed=documentation.text,
+        kind=data[0].attributes["type"] if data else "choice",
+        limits={param.attributes["name"]: param.text for param in params},
+        choices=tuple(value.text for value in parts.of(f"{_RELAX_NG}value")),
+        variable=bool(parts.of(f"{_RELAX_NG}ref")),
+    )

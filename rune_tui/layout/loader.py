@@ -11,7 +11,7 @@ import importlib.resources
 import itertools
 import re
 import stat
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from lxml import etree
@@ -21,11 +21,16 @@ from rune_tui.layout.building import SpecBuilder
 from rune_tui.layout.checks import find_mistakes
 from rune_tui.layout.extensions import extended
 from rune_tui.layout.grammar import Mistake, Node, Rules, read_rules
+from rune_tui.layout.parts import Assembly
+from rune_tui.layout.places import Place, start_tags
 from rune_tui.layout.rules import Vocabulary
 from rune_tui.layout.spec import LayoutSpec
 
 LARGEST_FILE = 1024 * 1024
-"""Bytes a layout file may have; a large layout has a few thousand."""
+"""Bytes of a layout file, and of it and its parts together; a large one has a few thousand."""
+
+_MOST_ELEMENTS = 20_000
+"""Elements that a file may have; a large layout has a few hundred."""
 
 _DEEPEST = 16
 """Levels of elements that are looked at; valid layouts have five, the schema eight."""
@@ -37,47 +42,66 @@ _MOST_ATTRIBUTES = 100
 _DOCTYPE = re.compile(r"(?>\s|<\?(?>.*?\?>)|<!--(?>.*?-->))*+<!DOCTYPE", re.DOTALL)
 
 
-def load_layout(path: str | Path, vocabulary: Vocabulary) -> LayoutSpec:
-    """Read and check a layout file.
+def load_layout(
+    path: str | Path, vocabulary: Vocabulary, variables: Mapping[str, str] | None = None
+) -> LayoutSpec:
+    """Read and check a layout file and the parts that it includes.
 
     Args:
         path: The file.
         vocabulary: The visualizers and widgets there are without the layout's own extensions.
+        variables: Values of the layout's variables that are not those of the file.
 
     Raises:
-        LayoutError: The file cannot be read or has mistakes; all of them are listed.
+        LayoutError: A file cannot be read or has mistakes; all of them are listed.
     """
-    shown = str(path)
-    text = _read_text(Path(path), shown)
-    document = _parse(text, shown)
+    path = Path(path)
     rules, validator = _schema()
-    root = _to_node(document)
-    mistakes = list(rules.mistakes(root))
-    if not mistakes:
-        mistakes += _unexplained(validator, document)
-    if root.tag == rules.root:
-        vocabulary, wrong = extended(vocabulary, root, rules, Path(path).parent)
-        mistakes += wrong
-        mistakes += find_mistakes(root, rules, vocabulary)
+    unexplained: list[Mistake] = []
+
+    def read(file: Path) -> tuple[Node, int]:
+        text = _read_text(file, str(file))
+        document = _parse(text, str(file))
+        node = _to_node(document, text, str(file))
+        unexplained.extend(_refused(validator, document, str(file)))
+        return node, len(text)
+
+    root, size = read(path)
+    if root.tag != rules.root:
+        raise _error(rules.mistakes(root))
+    assembly = Assembly(rules, read, path, largest=LARGEST_FILE)
+    root = assembly.whole(root, size, variables or {})
+    # What the validator refuses, the rules read from the schema have words for.
+    mistakes = [*assembly.mistakes, *rules.mistakes(root)] or unexplained
+    vocabulary, scripts, wrong = extended(vocabulary, root, rules, path.parent)
+    mistakes += wrong
+    mistakes += find_mistakes(root, rules, vocabulary)
+    files = (*assembly.files, *scripts)
     if mistakes:
-        raise _error(shown, mistakes)
-    return SpecBuilder(rules, shown, vocabulary).layout(root)
+        raise _error(mistakes, files)
+    builder = SpecBuilder(rules, str(path), vocabulary)
+    layout = builder.layout(root, files)
+    if builder.mistakes:
+        raise _error(builder.mistakes, files)
+    return layout
 
 
-def _error(shown: str, mistakes: Iterable[Mistake]) -> LayoutError:
-    return LayoutError([_problem(shown, mistake.message, mistake.line) for mistake in mistakes])
+def _error(mistakes: Iterable[Mistake], files: tuple[Path, ...] = ()) -> LayoutError:
+    return LayoutError([_problem(mistake) for mistake in mistakes], files)
 
 
 def _refusal(shown: str, message: str, line: int = 0, column: int = 0) -> LayoutError:
-    return LayoutError([_problem(shown, message, line, column)])
+    return _error([Mistake(Place(shown, line, column), message)])
 
 
-def _problem(shown: str, message: str, line: int, column: int = 0) -> LayoutProblem:
+def _problem(mistake: Mistake) -> LayoutProblem:
     # Names from the file reach the operator's terminal, so nothing in them may control it.
     plain = "".join(
-        one if one.isprintable() else one.encode("unicode_escape").decode() for one in message
+        one if one.isprintable() else one.encode("unicode_escape").decode()
+        for one in mistake.message
     )
-    return LayoutProblem(path=shown, line=line, column=column, message=plain)
+    place = mistake.place
+    return LayoutProblem(path=place.path, line=place.line, column=place.column, message=plain)
 
 
 def _read_text(path: Path, shown: str) -> str:
@@ -121,9 +145,10 @@ def _decode(data: bytes, shown: str) -> str:
 
 def _parse(text: str, shown: str) -> etree._Element:
     if found := _DOCTYPE.match(text):
-        line = text.count("\n", 0, found.end()) + 1
+        start = found.end() - len("<!DOCTYPE")
+        line, column = text.count("\n", 0, start) + 1, start - text.rfind("\n", 0, start)
         message = "a document type (<!DOCTYPE ...>) is not allowed in a layout; remove it"
-        raise _refusal(shown, message, line)
+        raise _refusal(shown, message, line, column)
     if not text.strip():
         raise _refusal(shown, "the file is empty; a layout is one <rune> element")
     parser = etree.XMLParser(
@@ -178,30 +203,35 @@ def _plain(reason: str) -> str:
 def _schema() -> tuple[Rules, etree.RelaxNG]:
     data = importlib.resources.files("rune_tui.layout").joinpath("schema.rng").read_bytes()
     document = etree.fromstring(data, etree.XMLParser(remove_comments=True))
-    return read_rules(_to_node(document)), etree.RelaxNG(document)
+    return read_rules(_to_node(document, data.decode(), "schema.rng")), etree.RelaxNG(document)
 
 
-def _to_node(element: etree._Element, depth: int = 0) -> Node:
-    attributes = itertools.islice(element.attrib, _MOST_ATTRIBUTES)
-    text = (element.text or "") + "".join(child.tail or "" for child in element)
-    return Node(
-        tag=str(element.tag),
-        attributes={str(name): str(element.attrib[name]) for name in attributes},
-        children=tuple(_to_node(child, depth + 1) for child in element if depth < _DEEPEST),
-        text=text.strip(" \t\n\r"),
-        line=_line(element),
-    )
+def _to_node(document: etree._Element, text: str, shown: str) -> Node:
+    if sum(1 for _ in document.iter()) > _MOST_ELEMENTS:
+        message = f"the file has more than {_MOST_ELEMENTS} elements; a layout has a few hundred"
+        raise _refusal(shown, message)
+    tags = dict(zip(document.iter(), start_tags(text, shown), strict=True))
+
+    def node(element: etree._Element, depth: int) -> Node:
+        names = itertools.islice(element.attrib, _MOST_ATTRIBUTES)
+        inner = (element.text or "") + "".join(child.tail or "" for child in element)
+        written = tags[element].attributes.items()
+        places = (place for name, place in written if not re.match("xmlns(:|$)", name))
+        return Node(
+            tag=str(element.tag),
+            attributes={(name := str(each)): str(element.attrib[name]) for each in names},
+            children=tuple(node(child, depth + 1) for child in element if depth < _DEEPEST),
+            text=inner.strip(" \t\n\r"),
+            place=tags[element].place,
+            places=dict(zip(map(str, element.attrib), places, strict=True)),
+        )
+
+    return node(document, 0)
 
 
-def _line(element: etree._Element) -> int:
-    """The line where a start tag ends; 0 if the parser does not know it."""
-    line: object = element.sourceline
-    return line if isinstance(line, int) else 0
-
-
-def _unexplained(validator: etree.RelaxNG, document: etree._Element) -> list[Mistake]:
-    """What the validator refuses although the rules read from the schema allow it."""
+def _refused(validator: etree.RelaxNG, document: etree._Element, shown: str) -> list[Mistake]:
+    """What the validator says of a file, in its own words."""
     if validator.validate(document):
         return []
-    found = [Mistake(entry.line, entry.message) for entry in validator.error_log]
-    return found or [Mistake(_line(document), "the file does not follow the schema")]
+    found = [Mistake(Place(shown, entry.line), entry.message) for entry in validator.error_log]
+    return found or [Mistake(Place(shown), "the file does not follow the schema")]

@@ -46,7 +46,7 @@ def _unknown(
             there = known[option.names]
             if value not in there:
                 message = f"unknown {option.names} {quoted(value)} of {name}{hint(value, there)}"
-                yield Mistake(node.line, message)
+                yield Mistake(node.at("value"), message)
 
 
 def _missing(
@@ -57,4 +57,4 @@ def _missing(
     for option, rule in options.items():
         if isinstance(rule, TextOption) and rule.names == "viewport" and option not in given:
             message = f"{name} is in no viewport, so it needs the option {option}"
-            yield Mistake(owner.line, message)
+            yield Mistake(owner.place, message)

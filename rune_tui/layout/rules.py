@@ -225,7 +225,9 @@ class Vocabulary:
     Attributes:
         visualizers: Classes by function name.
         widgets: Classes by handler name.
+        faults: What is wrong with what an installed package offers, by the name that it offers.
     """
 
     visualizers: Mapping[str, type[RuledVisualizer]]
     widgets: Mapping[str, type[RuledWidget]]
+    faults: Mapping[str, str] = field(default_factory=dict)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from rune_tui.layout.rules import Options, Vocabulary
 
@@ -167,6 +168,7 @@ class LayoutSpec:
         run_number: The run it is for, shown and recorded.
         robots: Robots, in file order.
         view: The whole picture.
+        files: The file itself, the parts that it includes, and its extensions.
         vocabulary: The visualizers and widgets that it names, and all others there are.
     """
 
@@ -174,6 +176,7 @@ class LayoutSpec:
     run_number: int
     robots: tuple[RobotSpec, ...]
     view: ViewSpec
+    files: tuple[Path, ...] = ()
     vocabulary: Vocabulary = field(compare=False, repr=False)
 
     def robot(self, name: str) -> RobotSpec:

@@ -31,9 +31,15 @@ from rune_tui.opening import open_layout
 DEMO = open_layout(Path(__file__).parents[2] / "layouts" / "demo.xml")
 TWO_ROBOTS = """\
 <rune>
-  <robot name="magellan"/>
-  <robot name="blimp" hub="tcp://127.0.0.1:1391"/>
-  <robot name="watched" hub="tcp://127.0.0.1:1401"/>
+  <robot name="magellan">
+    <capability name="NAV_MOVE"/><capability name="VIS_PTZ"/>
+  </robot>
+  <robot name="blimp" hub="tcp://127.0.0.1:1391">
+    <capability name="NAV_MOVE"/><capability name="VIS_PTZ"/>
+  </robot>
+  <robot name="watched" hub="tcp://127.0.0.1:1401">
+    <capability name="NAV_MOVE"/><capability name="VIS_PTZ"/>
+  </robot>
   <view xsize="160" ysize="96">
     <widget handler="widgetQuit"><event key="q"/></widget>
     <viewport name="slow" robot="magellan" xpos="0" ypos="0" xsize="80" ysize="96">

@@ -1,0 +1,54 @@
+"""Which capabilities bring which messages, and which take them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from hub.gcm import autonomy, common, mapping, navigation, supervision, vision
+from hub.gcm.capability import Capability
+
+PROVIDED_BY: Mapping[str, tuple[Capability, ...]] = {
+    navigation.ROBOT_STATE.name: (Capability.NAV_STATE,),
+    navigation.NAVIGATION_STATUS.name: (
+        Capability.NAV_STATE,
+        Capability.NAV_MOVE,
+        Capability.NAV_GOAL,
+    ),
+    navigation.DRIVE_COMMAND.name: (Capability.NAV_MOVE, Capability.NAV_GOAL),
+    navigation.DRIVE_STATE.name: (Capability.DRV_BASE,),
+    navigation.GROUND_TRUTH.name: (Capability.SIM_TRUTH,),
+    vision.IMAGE.name: (Capability.VIS_VID,),
+    vision.CAMERA_STATE.name: (Capability.VIS_PTZ, Capability.VIS_VID, Capability.VIS_NIGHT),
+    mapping.MAP.name: (Capability.PRO_MAP,),
+    mapping.INTEREST_POINTS.name: (Capability.PRO_POINTS,),
+    autonomy.AUTONOMY_STATE.name: (Capability.AUT_PILOT,),
+}
+"""The capabilities that bring a message, any of them, by its name; the nearest first."""
+
+TAKEN_BY: Mapping[str, tuple[Capability, ...]] = {
+    navigation.VELOCITY_COMMAND.name: (Capability.NAV_MOVE,),
+    navigation.STOP.name: (
+        Capability.NAV_MOVE,
+        Capability.NAV_GOAL,
+        Capability.NAV_STATE,
+        Capability.AUT_PILOT,
+    ),
+    navigation.GOAL_COMMAND.name: (Capability.NAV_GOAL,),
+    navigation.TURN_COMMAND.name: (Capability.NAV_GOAL,),
+    navigation.ASSISTANCE_COMMAND.name: (Capability.NAV_MOVE,),
+    navigation.LANDMARK_CORRECTION.name: (Capability.NAV_STATE,),
+    navigation.DRIVE_COMMAND.name: (Capability.DRV_BASE,),
+    vision.IMAGE_REQUEST.name: (Capability.VIS_VID,),
+    vision.CAMERA_COMMAND.name: (Capability.VIS_PTZ,),
+    vision.NIGHT_COMMAND.name: (Capability.VIS_NIGHT,),
+    mapping.MAP_REQUEST.name: (Capability.PRO_MAP,),
+    mapping.MAP_COMMAND.name: (Capability.PRO_MAP,),
+    mapping.POINT_COMMAND.name: (Capability.PRO_POINTS,),
+    autonomy.AUTONOMY_COMMAND.name: (Capability.AUT_PILOT,),
+}
+"""The capabilities that take a message, any of them, by its name; the nearest first."""
+
+ALWAYS_THERE: frozenset[str] = frozenset(
+    definition.name for definition in (*common.MESSAGES, *supervision.MESSAGES)
+)
+"""Messages of the hub and of every module, whatever the robot can do."""

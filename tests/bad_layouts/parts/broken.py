@@ -1,0 +1,3 @@
+"""Fails."""
+
+raise RuntimeError("the file\n\x1b[2J is broken")

@@ -1,0 +1,3 @@
+"""Offers a number."""
+
+VISUALIZERS = {"visualizeNothing": 1}

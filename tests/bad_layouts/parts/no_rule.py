@@ -1,0 +1,3 @@
+"""Offers a class without a rule."""
+
+WIDGETS = {"widgetNothing": dict}

@@ -1,0 +1,3 @@
+"""Offers a list."""
+
+VISUALIZERS = ["visualizeNothing"]

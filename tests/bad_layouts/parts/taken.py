@@ -1,0 +1,23 @@
+"""Its name is taken."""
+
+from rune_tui.layout.rules import VisualizerRule
+
+
+class Shown:
+    """Its name is taken."""
+
+    rule = VisualizerRule(meaning="nothing")
+    whole_cells = True
+
+    @classmethod
+    def from_spec(cls, spec):
+        return cls()
+
+    def draw(self, canvas, robot, state):
+        pass
+
+    def source(self, robot, state):
+        return None
+
+
+VISUALIZERS = {"visualizeLabel": Shown}
