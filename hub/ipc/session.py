@@ -158,7 +158,7 @@ class Session:
                 self.directory.ask_again()
 
     def ask_last(self, name: str) -> None:
-        """Have the last value of a subscribed message handed on, now and whenever central is new."""
+        """Have the last value of a message handed on, now and whenever central is new."""
         self._lasts.add(name)
         if self.connection.publisher:
             self.questions.ask_last(name, _LAST_S, self.inlets.accept)
