@@ -30,7 +30,11 @@ from rune_tui.opening import BUILT_IN
 from rune_tui.raster.canvas import Canvas
 
 LAYOUT = """<rune>
-  <robot name="magellan" hub="{hub}"/>
+  <robot name="magellan" hub="{hub}">
+    <capability name="VIS_VID"/><capability name="VIS_PTZ"/><capability name="VIS_NIGHT"/>
+    <capability name="NAV_STATE"/><capability name="NAV_MOVE"/><capability name="NAV_GOAL"/>
+    <capability name="PRO_MAP"/><capability name="PRO_POINTS"/><capability name="AUT_PILOT"/>
+  </robot>
   <view xsize="60" ysize="40">
     <widget handler="widgetQuit"><event key="q"/></widget>
     <viewport name="floor" xpos="0" ypos="0" xsize="60" ysize="40">

@@ -21,8 +21,16 @@ from tests.console.visualizers.conftest import Made
 
 CHOOSING = """\
 <rune>
-  <robot name="magellan"/>
-  <robot name="blimp" hub="tcp://127.0.0.1:1391"/>
+  <robot name="magellan">
+    <capability name="VIS_VID"/><capability name="VIS_PTZ"/><capability name="VIS_NIGHT"/>
+    <capability name="NAV_STATE"/><capability name="NAV_MOVE"/><capability name="NAV_GOAL"/>
+    <capability name="PRO_MAP"/><capability name="PRO_POINTS"/><capability name="AUT_PILOT"/>
+  </robot>
+  <robot name="blimp" hub="tcp://127.0.0.1:1391">
+    <capability name="VIS_VID"/><capability name="VIS_PTZ"/><capability name="VIS_NIGHT"/>
+    <capability name="NAV_STATE"/><capability name="NAV_MOVE"/><capability name="NAV_GOAL"/>
+    <capability name="PRO_MAP"/><capability name="PRO_POINTS"/><capability name="AUT_PILOT"/>
+  </robot>
   <view xsize="160" ysize="96">
     <widget handler="widgetChooseRobot"><event key="r"/></widget>
     <widget handler="widgetHelp"><event key="f1"/></widget>
