@@ -13,24 +13,27 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from typing import ClassVar
 
 from textual import events
 from textual.app import App, ComposeResult
 from textual.binding import Binding
 
+from hub.errors import HubError
 from rune_tui import desk
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.keyboard import KeyboardHold, name_of_key
 from rune_tui.controls.stall_guard import StallGuard
 from rune_tui.dispatch import Dispatch
+from rune_tui.errors import ConsoleError, LayoutError
 from rune_tui.layout.actions import Action, actions_of
 from rune_tui.layout.names import MOUSE
 from rune_tui.layout.spec import LayoutSpec
-from rune_tui.link.robot_link import RobotLink
-from rune_tui.model.console_state import ConsoleState
+from rune_tui.layout.watching import LOOK_S, LayoutSource, first_problem
+from rune_tui.link.robot_links import RobotLinks
+from rune_tui.model.console_state import ConsoleState, carried_over
 from rune_tui.model.effects import (
     ChooseRobot,
     DeedEffect,
@@ -69,19 +72,20 @@ class Console(App[None], inherit_bindings=False):
     """Whatever the layout says and whatever is open, there is a way out."""
     CSS = "Screen { layers: view; overflow: hidden; }"
 
-    def __init__(
-        self, layout: LayoutSpec, links: Mapping[str, RobotLink], depth: ColourDepth
-    ) -> None:
+    def __init__(self, source: LayoutSource, links: RobotLinks, depth: ColourDepth) -> None:
         """Prepare.
 
         Args:
-            layout: What is shown, and what keys do.
+            source: What is shown, what keys do, and what may come instead of it.
             links: A connection for each robot of the layout, not yet started.
             depth: What colours the terminal has.
         """
         super().__init__(driver_class=terminal_driver())
+        layout = source.layout
         self.title = f"Rune {layout.path}"
-        self._layout_spec = layout
+        self._source = source
+        self._next_layout = asyncio.Event()
+        self._shown_layout = layout
         self._links = links
         self._view = View(layout)
         self._dispatch = Dispatch(layout)
@@ -124,6 +128,44 @@ class Console(App[None], inherit_bindings=False):
                 loop.add_signal_handler(getattr(signal, name), self._leave)
         self.set_interval(_FRAME_S, self._draw)
         self.set_interval(_TICK_S, self._tick)
+        if self._source.changes:
+            self.run_worker(self._follow_layouts())
+
+    async def _follow_layouts(self) -> None:
+        """Open what is asked for or was saved, read in a thread so that driving goes on."""
+        while True:
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(self._next_layout.wait(), LOOK_S)
+            wanted = self._source.next if self._next_layout.is_set() else self._source.look
+            self._next_layout.clear()
+            found = await asyncio.to_thread(wanted)
+            if isinstance(found, LayoutError):
+                self._complain(first_problem(found))
+            elif found is not None:
+                await self._open(found)
+
+    async def _open(self, layout: LayoutSpec) -> None:
+        """Go on with another layout; links of robots that are in both stay as they are."""
+        self._let_go()
+        try:
+            gone = self._links.follow(layout)
+        except (ConsoleError, HubError) as error:
+            self._complain(f"The layout stays as it was: {error}")
+            return
+        self.title = f"Rune {layout.path}"
+        self._view, self._dispatch = View(layout), Dispatch(layout)
+        self._view.resize(self.size.width, self.size.height)
+        self._actions = actions_of(layout)
+        self._console = carried_over(self._console, self._shown_layout, layout)
+        self._shown_layout = layout
+        self._tell(desk.Outcome(text=f"opened {layout.path}"))
+        self._ask_for_pictures()
+        for link in gone:
+            await asyncio.to_thread(link.close)
+
+    def _complain(self, text: str) -> None:
+        self._console = dataclasses.replace(self._console, trouble=text)
+        self._tell(desk.Outcome(text=text, alarm=True))
 
     def on_resize(self, event: events.Resize) -> None:
         """Follow the terminal's size; from now on, ask for no larger pictures than it shows."""
@@ -261,6 +303,8 @@ class Console(App[None], inherit_bindings=False):
             case ExportEffect(robot=name):
                 now, robot = datetime.datetime.now().astimezone(), self._links[name].state
                 self._write(lambda: desk.write_marks(robot, now))
+            case NextLayoutEffect() if self._source.several:
+                self._next_layout.set()
             case NextLayoutEffect():
                 self._tell(desk.Outcome(text="the console was started with no other layout"))
             case PaletteEffect():

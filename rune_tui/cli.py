@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import enum
+import functools
 import importlib.metadata
 import logging
 import logging.handlers
@@ -18,7 +19,8 @@ from rune_tui.errors import ConsoleError
 
 if TYPE_CHECKING:
     from rune_tui.layout.spec import LayoutSpec
-    from rune_tui.link.robot_link import RobotLink
+    from rune_tui.layout.watching import LayoutSource
+    from rune_tui.link.robot_links import RobotLinks
 
 _DEMO_LAYOUT = "demo"
 _DEMO_ROBOT = "magellan"
@@ -68,10 +70,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(options: argparse.Namespace) -> int:
     _need_terminal()
-    layout = _load(options.layout, options.set)
-    links = _links(layout, _endpoint(options.hub), options.keys)
+    source = _source(options.layouts, options.set, watched=options.watch)
+    links = _links(source.layout, _endpoint(options.hub), options.keys)
     _log_to_file()
-    return _console(layout, links, options.colors)
+    return _console(source, links, options.colors)
 
 
 def _demo(options: argparse.Namespace) -> int:
@@ -81,8 +83,19 @@ def _demo(options: argparse.Namespace) -> int:
     with DemoHub(_DEMO_ROBOT, _log_to_file()) as hub:
         import rune_tui.app  # noqa: F401 - loaded while the hub starts
 
-        layout = _load(options.layout, options.set)
-        return _console(layout, _links(layout, hub.endpoint()), options.colors)
+        source = _source([options.layout], options.set, watched=True)
+        return _console(source, _links(source.layout, hub.endpoint()), options.colors)
+
+
+def _source(
+    names: Sequence[str], variables: Sequence[tuple[str, str]], *, watched: bool
+) -> LayoutSource:
+    """The layouts of these names; all of them are read, so that none is found bad on the way."""
+    from rune_tui.layout.watching import LayoutSource
+
+    layouts = [_load(name, variables) for name in names]
+    read = functools.partial(_load, variables=variables)
+    return LayoutSource(names, read, layouts[0], watched=watched)
 
 
 def _check(options: argparse.Namespace) -> int:
@@ -129,12 +142,12 @@ def _shot(options: argparse.Namespace) -> int:
     return ExitCode.NO_HUB
 
 
-def _console(layout: LayoutSpec, links: dict[str, RobotLink], colors: str | None) -> int:
+def _console(source: LayoutSource, links: RobotLinks, colors: str | None) -> int:
     from rune_tui.app import Console
     from rune_tui.ui.terminal import colour_depth
 
     depth = ColourDepth(colors) if colors else colour_depth(os.environ)
-    return Console(layout, links, depth).run_to_end()
+    return Console(source, links, depth).run_to_end()
 
 
 def _load(name_or_path: str, variables: Sequence[tuple[str, str]]) -> LayoutSpec:
@@ -143,13 +156,10 @@ def _load(name_or_path: str, variables: Sequence[tuple[str, str]]) -> LayoutSpec
     return open_layout(name_or_path, dict(variables))
 
 
-def _links(layout: LayoutSpec, hub: str, keys: Path | None = None) -> dict[str, RobotLink]:
-    from rune_tui.link.robot_link import RobotLink
+def _links(layout: LayoutSpec, hub: str, keys: Path | None = None) -> RobotLinks:
+    from rune_tui.link.robot_links import RobotLinks
 
-    if hub and len(layout.robots) > 1:
-        text = f"{layout.path} names {len(layout.robots)} robots; one --hub cannot be for all"
-        raise _UsageError(text)
-    return {robot.name: RobotLink(robot, hub, keys=keys) for robot in layout.robots}
+    return RobotLinks(layout, hub, keys=keys)
 
 
 def _endpoint(hub: str) -> str:
@@ -227,7 +237,8 @@ def _parser() -> argparse.ArgumentParser:
     colors_help = "what the terminal can show, where it does not say so itself"
 
     run = commands.add_parser("run", help="open the console with a layout")
-    run.add_argument("layout", help=layout_help)
+    run.add_argument("layouts", nargs="+", metavar="LAYOUT", help=layout_help)
+    run.add_argument("--watch", action="store_true", help="follow the files when they are saved")
     run.add_argument("--hub", default="", help=hub_help)
     run.add_argument("--keys", type=Path, help=keys_help)
     run.add_argument("--colors", choices=colors, help=colors_help)

@@ -3,6 +3,7 @@
     ConsoleError
     ├── LayoutError (ValueError)        a layout file with mistakes, all of them listed
     ├── DemoError (RuntimeError)        the demo's hub did not come up
+    ├── HubChoiceError (ValueError)     one hub is named for several robots
     ├── PictureFileError (OSError)      `rune shot` cannot write its file
     └── FontError (OSError)             a font that cannot be drawn with
 
@@ -57,6 +58,10 @@ class LayoutError(ConsoleError, ValueError):
 
 class DemoError(ConsoleError, RuntimeError):
     """The demo's hub did not come up."""
+
+
+class HubChoiceError(ConsoleError, ValueError):
+    """One hub is named for several robots."""
 
 
 class PictureFileError(ConsoleError, OSError):

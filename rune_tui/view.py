@@ -24,6 +24,7 @@ _logger = logging.getLogger(__name__)
 
 MIN_COLUMNS = 16
 MIN_ROWS = 4
+_COMPLAINT_ROWS = 4
 MIN_PICTURE = (16, 12)
 """Smallest picture worth asking for, width and height [pixels]."""
 
@@ -127,6 +128,7 @@ class View:
         self._spec = layout.view
         self._vocabulary = layout.vocabulary
         self._theme = ""
+        self._trouble = ""
         self._columns = 0
         self._rows = 0
         self._panes: list[_Pane] = []
@@ -162,13 +164,16 @@ class View:
         # Every pane is asked: no short cut after the first that changed.
         changed = [pane.refresh(state) for pane in self._panes]
         changed.append(self._help.refresh(self._columns, self._rows, state))
-        if self._complete and not any(changed) and self._theme == state.theme.name:
+        said = (self._theme, self._trouble) == (state.theme.name, state.trouble)
+        if self._complete and not any(changed) and said:
             return None
-        self._theme = state.theme.name
+        self._theme, self._trouble = state.theme.name, state.trouble
         self._complete = True
         layers = [pane.layer for pane in self._panes if pane.layer is not None]
         if self._too_small:
             layers = [self._apology(state)]
+        elif state.trouble:
+            layers.append(self._complaint(state))
         layers += self._help.layers
         cells = compose(self._columns, self._rows, self._spec.background, layers)
         return tinted(cells, state.theme.tint)
@@ -207,6 +212,13 @@ class View:
     @property
     def _too_small(self) -> bool:
         return self._columns < MIN_COLUMNS or self._rows < MIN_ROWS
+
+    def _complaint(self, state: ConsoleState) -> Layer:
+        """What is wrong with the layout as it was saved, over the upper edge of everything."""
+        canvas = Canvas.blank(self._columns, 2 * min(_COMPLAINT_ROWS, self._rows))
+        write_notice(canvas, state.trouble, state.theme)
+        nearest = max((viewport.zpos for viewport in self._spec.viewports), default=0)
+        return Layer(canvas=canvas, x=0, y=0, zpos=nearest + 1)
 
     def _apology(self, state: ConsoleState) -> Layer:
         canvas = Canvas.blank(self._columns, 2 * self._rows)

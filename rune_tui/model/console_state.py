@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Self
@@ -72,6 +73,7 @@ class ConsoleState:
         full: The viewport that is shown over the whole view; empty if none is.
         operator: Who sits here.
         clock: The time of day now, such as "14:03:22".
+        trouble: What is wrong with the layout as it was saved last; drawn over everything.
     """
 
     now: float
@@ -89,6 +91,7 @@ class ConsoleState:
     full: str = ""
     operator: str = ""
     clock: str = ""
+    trouble: str = ""
 
     @classmethod
     def at_start(cls, layout: LayoutSpec, now: float, operator: str = "") -> Self:
@@ -108,3 +111,27 @@ class ConsoleState:
     def notice(self, text: str, *, robot: str = "", alarm: bool = False) -> Notice:
         """Something that happens now, for the operator to read."""
         return Notice(text=text, when=self.now, clock=self.clock, robot=robot, alarm=alarm)
+
+
+def carried_over(state: ConsoleState, before: LayoutSpec, layout: LayoutSpec) -> ConsoleState:
+    """The state of a console that goes on with another layout.
+
+    What the operator did to viewports and robots that are there again holds.
+    """
+    robots = {robot.name for robot in layout.robots}
+    by_layout = {viewport.name: viewport.visible for viewport in before.view.viewports}
+    by_hand = {
+        name: shown for name, shown in state.shown.items() if by_layout.get(name, shown) != shown
+    }
+    viewports = {viewport.name: viewport.visible for viewport in layout.view.viewports}
+    return dataclasses.replace(
+        state,
+        run_number=layout.run_number,
+        chosen=state.chosen if state.chosen in robots else layout.robots[0].name,
+        shown={name: by_hand.get(name, visible) for name, visible in viewports.items()},
+        full=state.full if state.full in viewports else "",
+        zooms={name: zoom for name, zoom in state.zooms.items() if name in viewports},
+        wishes={name: wish for name, wish in state.wishes.items() if name in robots},
+        night=state.night & robots,
+        trouble="",
+    )

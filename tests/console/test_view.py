@@ -391,3 +391,24 @@ def test_the_help_lies_over_everything_and_takes_the_mouse() -> None:
     assert shown.hits(10, 20, helped) == ()
     assert shown.render(helped) is None
     assert shown.render(state) is not None
+
+
+def test_what_is_wrong_with_the_layout_is_drawn_over_the_upper_edge_until_it_is_right():
+    over = View(
+        layout_of(
+            view(viewport("visualizeCameraImage", (0, 0, 80, 48), zpos=1000), xsize=80, ysize=48)
+        )
+    )
+    over.resize(80, 24)
+    robots = {"magellan": robot()}
+    before = rendered(over, robots, STATE)
+    troubled = dataclasses.replace(STATE, trouble="1 problem: layout.xml:3:5: no such thing")
+    cells = rendered(over, robots, troubled)
+    assert before is not None
+    assert cells is not None
+    said = "".join(chr(glyph) for glyph in cells.glyphs[:4].ravel())
+    assert "1 problem: layout.xml:3:5: no such thing" in said
+    assert rendered(over, robots, troubled) is None
+    after = rendered(over, robots, STATE)
+    assert after is not None
+    assert np.array_equal(after.glyphs, before.glyphs)

@@ -1,0 +1,118 @@
+"""The layouts that a console was started with: which one is open, and whether it was saved since.
+
+Files are looked at a few times a second, which costs microseconds and works on every file system,
+network mounts and editors that replace files included.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+
+from rune_tui.errors import LayoutError
+from rune_tui.layout.spec import LayoutSpec
+
+LOOK_S = 0.25
+"""Time between two looks [s]."""
+
+_Mark = tuple[int, int, int] | None
+"""What changes when a file is saved; None while there is no file."""
+
+
+class LayoutSource:
+    """Layouts by name, one of them open. Whoever asks for another keeps the old one if it is bad.
+
+    Attributes:
+        layout: The newest one without mistakes.
+    """
+
+    def __init__(
+        self,
+        names: Sequence[str],
+        read: Callable[[str], LayoutSpec],
+        layout: LayoutSpec,
+        *,
+        watched: bool,
+    ) -> None:
+        """Begin with the first.
+
+        Args:
+            names: Of all layouts.
+            read: Reads the layout of a name; raises LayoutError.
+            layout: What it read of the first name.
+            watched: Whether `look` looks at the files.
+        """
+        self.layout = layout
+        self._names = names
+        self._read = read
+        self._watched = watched
+        self._open = self._tried = 0
+        self._seen = _marks(layout.files)
+        self._unsettled: Mapping[Path, _Mark] | None = None
+
+    @property
+    def changes(self) -> bool:
+        """Whether there can ever be another layout than the first."""
+        return self._watched or self.several
+
+    @property
+    def several(self) -> bool:
+        """Whether there is a next layout."""
+        return len(self._names) > 1
+
+    def look(self) -> LayoutSpec | LayoutError | None:
+        """The layout as it was saved, or what is wrong with it; None if nothing was saved.
+
+        What still changed since the last look is left until the next: it may be half written.
+        """
+        if not self._watched:
+            return None
+        marks = _marks(self._seen)
+        if marks == self._seen:
+            self._unsettled = None
+            return None
+        if marks != self._unsettled:
+            self._unsettled = marks
+            return None
+        return self._opened(self._open, marks)
+
+    def next(self) -> LayoutSpec | LayoutError:
+        """The layout behind the one that was tried last, the first behind the last."""
+        self._tried = (self._tried + 1) % len(self._names)
+        return self._opened(self._tried, {})
+
+    def _opened(self, index: int, before: Mapping[Path, _Mark]) -> LayoutSpec | LayoutError:
+        self._unsettled = None
+        try:
+            layout = self._read(self._names[index])
+        except LayoutError as error:
+            if index == self._open:
+                # What is saved while it is read counts as saved after, hence the marks before.
+                self._seen = {**_marks(error.files), **before}
+            return error
+        self._open = self._tried = index
+        marks = _marks(layout.files)
+        self._seen = {path: before.get(path, mark) for path, mark in marks.items()}
+        self.layout = layout
+        return layout
+
+
+def first_problem(error: LayoutError) -> str:
+    """What is wrong with a layout, in a line or two: how many problems, and the first of them."""
+    first = error.problems[0]
+    where = dataclasses.replace(first, path=Path(first.path).name)
+    count = "1 problem" if len(error.problems) == 1 else f"{len(error.problems)} problems, first"
+    return f"The layout stays as it was; {count}: {where}"
+
+
+def _marks(files: Iterable[Path]) -> dict[Path, _Mark]:
+    return {path: _mark(path) for path in files}
+
+
+def _mark(path: Path) -> _Mark:
+    try:
+        status = path.stat()
+    except (OSError, ValueError):
+        return None
+    return status.st_mtime_ns, status.st_size, status.st_ino

@@ -1,0 +1,46 @@
+"""What of the console's state survives when another layout is opened."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rune_tui.layout.spec import LayoutSpec
+from rune_tui.model.console_state import ConsoleState, PictureWish, carried_over
+from rune_tui.opening import open_layout
+
+
+def layout_of(folder: Path, run: int, robots: str, viewports: str) -> LayoutSpec:
+    text = "".join(f'<robot name="{name}"/>' for name in robots)
+    inner = "".join(
+        f'<viewport name="{name}" robot="{robots[0]}" xpos="0" ypos="0" xsize="9" ysize="9"/>'
+        for name in viewports
+    )
+    path = folder / "layout.xml"
+    path.write_text(f'<rune run="{run}">{text}<view xsize="9" ysize="9">{inner}</view></rune>')
+    return open_layout(path)
+
+
+def test_what_the_operator_did_to_what_is_there_again_holds(tmp_path: Path) -> None:
+    before = layout_of(tmp_path, 1, "ab", "vwy")
+    state = ConsoleState(
+        now=1.0,
+        run_number=1,
+        chosen="b",
+        shown={"v": False, "w": False, "y": True},
+        full="v",
+        zooms={"v": 2.0, "w": 3.0},
+        wishes={"a": PictureWish(quality=1), "b": PictureWish(quality=2)},
+        night=frozenset("ab"),
+        trouble="1 problem",
+    )
+    kept = carried_over(state, before, layout_of(tmp_path, 2, "bc", "wxy"))
+    assert (kept.run_number, kept.chosen, kept.trouble, kept.full) == (2, "b", "", "")
+    assert kept.shown == {"w": False, "x": True, "y": True}
+    assert kept.zooms == {"w": 3.0}
+    assert (kept.wishes, kept.night) == ({"b": PictureWish(quality=2)}, frozenset("b"))
+
+
+def test_a_chosen_robot_that_is_gone_gives_way_to_the_first(tmp_path: Path) -> None:
+    before = layout_of(tmp_path, 4, "ab", "")
+    state = ConsoleState.at_start(before, 1.0)
+    assert carried_over(state, before, layout_of(tmp_path, 5, "cd", "")).chosen == "c"
