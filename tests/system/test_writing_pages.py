@@ -16,11 +16,13 @@ from pathlib import Path
 import pytest
 
 from hub.gcm import navigation
+from rune_tui.cli import main
+from tests.system.harness import HubProcess
 from tests.system.test_supervision import Robot, run
 from tests.waiting import until
 
 DOCS = Path(__file__).parents[2] / "docs"
-LONGEST_MODULE = 60
+LONGEST_PROGRAM = 60
 
 
 def block(page: str, kind: str, number: int = 0) -> str:
@@ -31,7 +33,7 @@ def block(page: str, kind: str, number: int = 0) -> str:
 
 def test_module_of_the_page_runs_when_it_is_wanted_and_answers(tmp_path: Path) -> None:
     program = block("writing-a-module.md", "python")
-    assert program.count("\n") < LONGEST_MODULE
+    assert program.count("\n") < LONGEST_PROGRAM
     (tmp_path / "compass.py").write_text(program)
     table = block("writing-a-module.md", "toml")
     command = f'command = ["{sys.executable}", "{tmp_path}/compass.py"]'
@@ -106,3 +108,28 @@ def test_robot_of_the_page_drives_and_stops(
             assert math.isnan(states[-1].sonar[0])
             timer.cancel()
             until(lambda: firmware.velocity == (0.0, 0.0), 5.0, meanwhile=firmware.run)
+
+
+@pytest.mark.parametrize(
+    ("page", "name", "seen"),
+    [
+        ("writing-a-visualizer.md", "compass", " 0°|359°|1°"),
+        ("writing-a-widget.md", "turning", "[█▀▄.]{9}"),
+    ],
+)
+def test_extension_of_the_page_fits_its_layout_and_draws(
+    page: str, name: str, seen: str, lasting_hub: HubProcess, tmp_path: Path
+) -> None:
+    program = block(page, "python")
+    assert program.count("\n") < LONGEST_PROGRAM
+    (tmp_path / f"{name}.py").write_text(program)
+    layout, picture = str(tmp_path / f"{name}.xml"), tmp_path / "shot.txt"
+    Path(layout).write_text(block(page, "xml"))
+    assert main(["check", layout]) == 0
+
+    def drawn() -> bool:
+        where = ["--hub", lasting_hub.endpoint, "--size", "40x20", "--seconds", "1"]
+        assert main(["shot", layout, *where, "-o", str(picture)]) == 0
+        return re.search(seen, picture.read_text()) is not None
+
+    until(drawn, 20.0, picture.read_text)
