@@ -159,7 +159,7 @@ def test_the_page_lists_every_named_key():
 
 
 def test_the_example_of_the_page_is_the_minimal_layout(tmp_path: Path):
-    example = PAGE.split("```xml\n")[1].split("```")[0]
+    example = PAGE.split("## A minimal file")[1].split("```xml\n")[1].split("```")[0]
     path = tmp_path / "example.xml"
     path.write_text(example)
     assert open_layout(path).robots == open_layout(ROOT / "layouts" / "minimal.xml").robots

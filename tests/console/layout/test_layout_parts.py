@@ -45,7 +45,7 @@ def label(layout: LayoutSpec) -> str:
 
 
 def test_the_example_of_the_page_differs_in_one_attribute(tmp_path: Path) -> None:
-    part, subject = [text.split("```")[0] for text in PAGE.read_text().split("```xml\n")[2:4]]
+    part, subject = [text.split("```")[0] for text in PAGE.read_text().split("\n```xml\n")[2:4]]
     (tmp_path / "experiment.xml").write_text(part)
     (tmp_path / "one.xml").write_text('<rune><include file="experiment.xml"/></rune>')
     (tmp_path / "three.xml").write_text(subject)
