@@ -15,6 +15,7 @@ from rune_tui.layout.spec import (
     CHOSEN,
     CapabilitySpec,
     EventSpec,
+    FontSpec,
     LayoutSpec,
     RobotSpec,
     ViewportSpec,
@@ -35,7 +36,10 @@ class SpecBuilder:
         mistakes: Visualizers and widgets that refuse to be made of what the layout says of them.
     """
 
-    def __init__(self, rules: Rules, path: str, vocabulary: Vocabulary) -> None:
+    def __init__(
+        self, rules: Rules, path: str, vocabulary: Vocabulary, fonts: Mapping[str, FontSpec]
+    ) -> None:
+        self._fonts = fonts
         self._rules = rules
         self._path = path
         self._vocabulary = vocabulary
@@ -132,6 +136,7 @@ class SpecBuilder:
             options=self._options(node, rule.options),
             line=node.place.line,
             viewport=viewport,
+            font=self._fonts.get(self._text(node, "font")),
         )
         self._try(node, "function", self._vocabulary.visualizers[function].from_spec, spec)
         return spec

@@ -28,6 +28,9 @@ def find_mistakes(root: Node, rules: Rules, vocabulary: Vocabulary) -> Iterator[
     yield from _lacking(root, "robot")
     yield from _lacking(root, "view")
     robots = root.of("robot")
+    fonts = root.of("font")
+    yield from _duplicates(fonts, "font", rules)
+    letters = tuple(dict.fromkeys(filter(None, (rules.value(font, "name") for font in fonts))))
     yield from _duplicates(robots, "robot", rules)
     for robot in robots:
         yield from _robot_mistakes(robot, rules)
@@ -41,6 +44,7 @@ def find_mistakes(root: Node, rules: Rules, vocabulary: Vocabulary) -> Iterator[
                 yield from _viewport_mistakes(child, view, known, rules)
                 for visualizer in child.of("visualizer"):
                     yield from _visualizer_mistakes(visualizer, rules, vocabulary)
+                    yield from _font_mistakes(visualizer, letters, rules, vocabulary)
                     yield from _undrawn(visualizer, robot_name, rules, vocabulary, wants)
                 for widget in child.of("widget"):
                     yield from _widget_mistakes(widget, rules, vocabulary, viewport=child)
@@ -173,6 +177,21 @@ def _visualizer_mistakes(
         bad = next(character for character in text if not character.isprintable())
         message = f"text of {function} holds the character U+{ord(bad):04X}, which has no picture"
         yield Mistake(visualizer.at("text"), message)
+
+
+def _font_mistakes(
+    visualizer: Node, fonts: tuple[str, ...], rules: Rules, vocabulary: Vocabulary
+) -> Iterator[Mistake]:
+    font, function = rules.value(visualizer, "font"), rules.value(visualizer, "function")
+    if font is None:
+        return
+    kind = vocabulary.visualizers.get(function or "")
+    if kind is not None and not kind.rule.font:
+        message = f"{function} writes in the terminal's letters alone, leave font out"
+        yield Mistake(visualizer.at("font"), message)
+    elif font not in fonts:
+        message = f"unknown font {quoted(font)}{hint(font, fonts)}; name it in a <font>"
+        yield Mistake(visualizer.at("font"), message)
 
 
 def _value_mistakes(place: Place, what: str, value: str, rule: Option) -> Iterator[Mistake]:

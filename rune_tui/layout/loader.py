@@ -20,6 +20,7 @@ from rune_tui.errors import LayoutError, LayoutProblem
 from rune_tui.layout.building import SpecBuilder
 from rune_tui.layout.checks import find_mistakes
 from rune_tui.layout.extensions import extended
+from rune_tui.layout.fonts import named_fonts
 from rune_tui.layout.grammar import Mistake, Node, Rules, read_rules
 from rune_tui.layout.parts import Assembly
 from rune_tui.layout.places import Place, start_tags
@@ -74,12 +75,13 @@ def load_layout(
     # What the validator refuses, the rules read from the schema have words for.
     mistakes = [*assembly.mistakes, *rules.mistakes(root)] or unexplained
     vocabulary, scripts, wrong = extended(vocabulary, root, rules, path.parent)
-    mistakes += wrong
+    fonts, letters, unreadable = named_fonts(root, rules, path.parent)
+    mistakes += [*wrong, *unreadable]
     mistakes += find_mistakes(root, rules, vocabulary)
-    files = (*assembly.files, *scripts)
+    files = (*assembly.files, *scripts, *letters)
     if mistakes:
         raise _error(mistakes, files)
-    builder = SpecBuilder(rules, str(path), vocabulary)
+    builder = SpecBuilder(rules, str(path), vocabulary, fonts)
     layout = builder.layout(root, files)
     if builder.mistakes:
         raise _error(builder.mistakes, files)

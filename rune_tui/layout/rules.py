@@ -155,6 +155,7 @@ class VisualizerRule:
         others: Further messages that it makes use of where there are any.
         any_message: Whether the layout may name any message of the vocabulary instead.
         text: Whether it shows the attribute `text`.
+        font: Whether it can show that in a font of the layout.
         option: Its numeric option, if it has one.
         options: Its other options, by name.
     """
@@ -164,6 +165,7 @@ class VisualizerRule:
     others: tuple[str, ...] = ()
     any_message: bool = False
     text: bool = False
+    font: bool = False
     option: NumberOption | None = None
     options: Mapping[str, Option] = field(default_factory=dict)
 

@@ -83,6 +83,19 @@ class WidgetSpec:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class FontSpec:
+    """Letters of a size.
+
+    Attributes:
+        file: Path of a TrueType file; empty for the font that is built in.
+        points: Size [points]; a point is a pixel.
+    """
+
+    file: str
+    points: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class VisualizerSpec:
     """What draws into a viewport.
 
@@ -94,6 +107,7 @@ class VisualizerSpec:
         options: Its other options, with those that the layout leaves out.
         line: Line in the layout file.
         viewport: The viewport it draws into.
+        font: Letters for its text; None for the terminal's own.
     """
 
     function: str
@@ -103,6 +117,7 @@ class VisualizerSpec:
     options: Options
     line: int
     viewport: str = ""
+    font: FontSpec | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -168,7 +183,7 @@ class LayoutSpec:
         run_number: The run it is for, shown and recorded.
         robots: Robots, in file order.
         view: The whole picture.
-        files: The file itself, the parts that it includes, and its extensions.
+        files: The file itself, the parts that it includes, its extensions and its fonts.
         vocabulary: The visualizers and widgets that it names, and all others there are.
     """
 

@@ -12,6 +12,7 @@ from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas, printable_text
+from rune_tui.raster.lettering import Font, check_font, letter, measured
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,23 +21,47 @@ class Label:
 
     Attributes:
         text: What it says.
+        font: Letters of its own; None for the terminal's.
     """
 
     text: str
+    font: Font | None = None
 
-    rule: ClassVar = VisualizerRule(meaning="its `text`", text=True)
+    rule: ClassVar = VisualizerRule(
+        meaning="its `text`, in letters of the terminal or of a `font`", text=True, font=True
+    )
     whole_cells: ClassVar[bool] = True
 
     @classmethod
     def from_spec(cls, spec: VisualizerSpec) -> Self:
         """The visualizer that a layout asks for; its text is what it says."""
-        return cls(printable_text(spec.text))
+        font = Font(file=spec.font.file, points=spec.font.points) if spec.font else None
+        if font:
+            check_font(font)
+        return cls(printable_text(spec.text), font)
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:  # noqa: ARG002
         """Write the text."""
+        if self.font:
+            for row, line in enumerate(_wrapped(self.text, self.font, canvas.width)):
+                height = measured(line, self.font)[1]
+                letter(canvas, (0.0, row * height), line, self.font, state.theme.ink)
+            return
         for row, line in enumerate(textwrap.wrap(self.text, max(1, canvas.width))):
             canvas.text(0, row, line, state.theme.ink)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:  # noqa: ARG002
         """Changes with the colours only."""
         return state.theme.name
+
+
+def _wrapped(text: str, font: Font, width: int) -> list[str]:
+    """The text in lines that are no wider than this [pixels], as far as its words allow."""
+    lines: list[str] = []
+    for word in text.split():
+        longer = f"{lines[-1]} {word}" if lines else word
+        if lines and measured(longer, font)[0] <= width:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines
