@@ -55,6 +55,26 @@ SHORT = """\
   </view>
 </rune>
 """
+PARTED = """\
+<rune run="${run}">
+  <variable name="run" value="3"/>
+  <variable name="wide" value="80"/>
+  <font name="large" size="${run}0"/>
+  <robot name="magellan"><include file="part.xml"/></robot>
+  <view xsize="${wide}" ysize="48">
+    <viewport name="a" xpos="0" ypos="0" xsize="${wide}" ysize="48">
+      <visualizer function="visualizeLabel" text="run ${run}" font="large"/>
+    </viewport>
+  </view>
+</rune>
+"""
+PART = """\
+<part>
+  <variable name="much" value="10"/>
+  <capability name="VIS_VID" interval_ms="${much}"/>
+  <capability name="NAV_MOVE"/>
+</part>
+"""
 
 
 def load(tmp_path: Path, content: str | bytes) -> LayoutSpec:
@@ -292,9 +312,11 @@ def test_a_changed_layout_is_a_layout_or_a_layout_error_with_printable_problems(
     tmp_path: Path, seed: int | str, count: int
 ):
     chance = random.Random(seed)
-    texts = [path.read_text() for path in GOOD] + [FULL, SHORT]
+    texts = [path.read_text() for path in GOOD] + [FULL, SHORT, PARTED]
     read, refused = 0, 0
     for _ in range(count):
+        part = mutated(PART, chance) if chance.random() < 0.5 else PART.encode()
+        (tmp_path / "part.xml").write_bytes(part)
         found = load_or_problems(tmp_path, mutated(chance.choice(texts), chance))
         if isinstance(found, LayoutSpec):
             read += 1
