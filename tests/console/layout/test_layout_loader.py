@@ -389,3 +389,8 @@ def test_a_file_of_50_mb_is_refused_before_it_is_read(tmp_path: Path):
 )
 def test_the_memory_that_a_file_takes_is_bounded_by_its_size(tmp_path: Path, content: str):
     assert traced(lambda: problems(tmp_path, content)) < 300 * LARGEST_FILE
+
+
+def test_a_file_of_very_many_elements_is_refused_as_a_whole(tmp_path: Path):
+    (problem,) = problems(tmp_path, "<rune>" + "<a/>" * 20_000 + "</rune>")
+    assert "more than 20000 elements" in problem.message
