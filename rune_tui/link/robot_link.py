@@ -250,12 +250,13 @@ class RobotLink:
         self._state = self._state.with_(link=link)
 
     def _note_lacking(self, reports: CapabilityReports) -> None:
-        known = {report.name: report.phase for report in reports.capabilities}
+        known = {report.name: report for report in reports.capabilities if report.modules}
         lacking = {
-            name: _PHASE_WORDS.get(known[name], "") if name in known else "no module has it"
+            name: _PHASE_WORDS.get(known[name].phase, "") if name in known else "no module has it"
             for name in self._wanted.split()
-            if known.get(name) is not CapabilityPhase.RUNNING and name != Capability.CON_REAL
+            if name != Capability.CON_REAL
         }
+        lacking = {name: why for name, why in lacking.items() if why}
         if lacking != self._state.link.lacking:
             self._change_link(lacking=lacking)
 

@@ -5,16 +5,25 @@ After a wanted change, write them anew: RUNE_WRITE_SNAPSHOTS=1 pytest tests/cons
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints, PointKind
 from hub.gcm.navigation import MotionState
 from rune_tui.compositor.picture import plain_text
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
+from rune_tui.model.robot_state import (
+    LinkPhase,
+    LinkState,
+    OccupancyMap,
+    Picture,
+    Received,
+    RobotState,
+)
 from rune_tui.opening import open_layout
 from rune_tui.view import View
 from tests.console.states import rendered, robot_of
@@ -49,6 +58,62 @@ NAVIGATION = robot_state(
 )
 
 
+FOUND = InterestPoints(
+    count=2,
+    points=(
+        InterestPoint(
+            number=1,
+            kind=PointKind.VICTIM,
+            x=2.5,
+            y=2.2,
+            stamp=1e9,
+            by="ada",
+            note="under the table",
+            thumbnail=np.zeros(0, np.uint8),
+        ),
+        InterestPoint(
+            number=2,
+            kind=PointKind.LANDMARK,
+            x=0.2,
+            y=1.0,
+            stamp=1e9,
+            by="ada",
+            note="sign",
+            thumbnail=np.zeros(0, np.uint8),
+        ),
+    ),
+)
+MODULES = ModuleReports(
+    robot="magellan",
+    count=1,
+    modules=(
+        ModuleReport(
+            name="vision",
+            phase=ModulePhase.RUNNING,
+            pid=17,
+            capabilities="VIS_VID",
+            needs="",
+            asked=1,
+            always=1,
+            starts=2,
+            processor=0.07,
+            memory_mb=61.0,
+            age_s=12.0,
+            why="runs again; it was ended by signal 9",
+        ),
+    ),
+)
+
+
+def room() -> OccupancyMap:
+    """A room of four by three metres that is not known everywhere."""
+    cells = np.full((80, 100), -1, np.int8)
+    cells[10:70, 10:90] = 0
+    cells[[10, 69], 10:90] = 100
+    cells[10:70, [10, 89]] = 100
+    return OccupancyMap(cells=cells, resolution=0.05, origin_x=-1.0, origin_y=0.0)
+
+
 def robot(age: float) -> RobotState:
     """A robot that drives; its data is `age` seconds old."""
     rows, columns = np.mgrid[0:120, 0:160]
@@ -61,6 +126,11 @@ def robot(age: float) -> RobotState:
         picture=Received(value=Picture(pixels=pixels, camera=CAMERA), measured=measured, number=1),
         navigation=Received(value=NAVIGATION, measured=measured, number=2),
         camera=Received(value=CAMERA, measured=measured, number=3),
+        map=Received(value=room(), measured=measured, number=4),
+        messages={
+            INTEREST_POINTS.name: Received(value=FOUND, measured=measured, number=5),
+            MODULE_REPORTS.name: Received(value=MODULES, measured=measured, number=6),
+        },
     )
 
 
@@ -74,10 +144,12 @@ LOST = RobotState(
 @pytest.mark.parametrize("layout", sorted(path.stem for path in (ROOT / "layouts").glob("*.xml")))
 @pytest.mark.parametrize("state", ["live", "stale", "lost"])
 def test_layout_looks_as_it_did(layout: str, size: tuple[int, int], state: str) -> None:
-    view = View(open_layout(ROOT / "layouts" / f"{layout}.xml"))
+    opened = open_layout(ROOT / "layouts" / f"{layout}.xml")
+    view = View(opened)
     view.resize(*size)
     shown = {"live": robot(0.05), "stale": robot(4.2), "lost": LOST}[state]
-    cells = rendered(view, {"magellan": shown}, ConsoleState(now=NOW, held=("w",)))
+    robots = {each.name: dataclasses.replace(shown, name=each.name) for each in opened.robots}
+    cells = rendered(view, robots, ConsoleState(now=NOW, held=("w",)))
     assert cells is not None
     assert (cells.columns, cells.rows) == size
     text = plain_text(cells)
