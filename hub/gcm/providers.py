@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from hub.gcm import autonomy, common, mapping, navigation, supervision, vision
+from hub.gcm import autonomy, common, flight, mapping, navigation, supervision, vision
 from hub.gcm.capability import Capability
 
 PROVIDED_BY: Mapping[str, tuple[Capability, ...]] = {
     navigation.ROBOT_STATE.name: (Capability.NAV_STATE,),
+    flight.ATTITUDE.name: (Capability.NAV_STATE,),
+    flight.ALTITUDE.name: (Capability.NAV_STATE,),
     navigation.NAVIGATION_STATUS.name: (
         Capability.NAV_STATE,
         Capability.NAV_MOVE,

@@ -22,7 +22,9 @@ from rune_tui.compositor.depth import ColourDepth
 from rune_tui.layout.loader import load_layout
 from rune_tui.layout.rules import VisualizerRule, Vocabulary
 from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.layout.watching import LayoutSource
 from rune_tui.link.robot_link import RobotLink
+from rune_tui.link.robot_links import RobotLinks
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.model.world import WorldPoint
@@ -147,13 +149,18 @@ def play(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[
         path = tmp_path / "layout.xml"
         path.write_text(LAYOUT.format(hub=central.endpoints[0]))
         visualizers = {**BUILT_IN.visualizers, "visualizeFloor": Floor}
-        layout = load_layout(path, Vocabulary(visualizers=visualizers, widgets=BUILT_IN.widgets))
-        link = RobotLink(layout.robots[0])
+        vocabulary = Vocabulary(visualizers=visualizers, widgets=BUILT_IN.widgets)
+        layout = load_layout(path, vocabulary)
+        source = LayoutSource(
+            [str(path)], lambda name: load_layout(name, vocabulary), layout, watched=False
+        )
+        links = RobotLinks(layout)
+        link = links["magellan"]
         link.start()
         stack.enter_context(closing(link))
 
         async def run(script: Script) -> None:
-            console = Console(layout, {"magellan": link}, ColourDepth.TRUECOLOUR)
+            console = Console(source, links, ColourDepth.TRUECOLOUR)
             async with console.run_test(size=(60, 20)) as pilot:
                 desk = Desk(console, link, robot, pilot)
                 await desk.until(lambda: link.state.link.phase is LinkPhase.CONNECTED)

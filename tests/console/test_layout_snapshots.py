@@ -14,6 +14,7 @@ import pytest
 
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints, PointKind
 from hub.gcm.navigation import MotionState
+from hub.gcm.supervision import MODULE_REPORTS, ModulePhase, ModuleReport, ModuleReports
 from rune_tui.compositor.picture import plain_text
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import (

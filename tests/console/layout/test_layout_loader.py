@@ -324,7 +324,7 @@ def test_a_changed_layout_is_a_layout_or_a_layout_error_with_printable_problems(
             refused += 1
             assert found
             assert [one.message for one in found if not one.message.isprintable()] == []
-    assert min(read, refused) >= count // 40
+    assert min(read, refused) >= count // 80
 
 
 @given(data=st.binary(max_size=300) | st.text(max_size=300).map(lambda text: text.encode()))
