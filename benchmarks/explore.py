@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import statistics
+import sys
 import tempfile
 from contextlib import ExitStack
 from pathlib import Path
@@ -59,9 +60,8 @@ def pose_error(exploration: Exploration, start: Pose) -> float:
     return math.hypot(told.x - true.x, told.y - true.y)
 
 
-def main() -> None:
-    """All figures."""
-    seeds()
+def hub() -> None:
+    """What real processes map, and whether they touch anything."""
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         tour = Tour(stack, folder)
@@ -76,6 +76,13 @@ def main() -> None:
         share = tour.mapped_share()
         report("explore.mapped_share", share, "", bar=0.9, better="higher", note=note)
         report("explore.time_s", seconds, "s", bar=600, note=note)
+
+
+def main() -> None:
+    """All figures, or those of the parts that are named."""
+    parts = {"seeds": seeds, "hub": hub}
+    for name in sys.argv[1:] or parts:
+        parts[name]()
 
 
 if __name__ == "__main__":
