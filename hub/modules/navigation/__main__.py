@@ -20,6 +20,12 @@ from hub.modules.navigation.speed_governor import SpeedGovernor
 from hub.robots.description import RobotDescription
 from hub.runtime import publish_on_request, run_module
 
+_ENDED_BY = {
+    MotionState.NO_DRIVER: "the driver fell silent",
+    MotionState.STOPPED: "the robot was stopped, or was too busy to steer",
+}
+"""Why a goal that is under way ends, as far as the state of motion tells."""
+
 _logger = logging.getLogger(__name__)
 
 _CHECK_PERIOD = 0.01
@@ -145,8 +151,7 @@ class Navigation:
         motion = self._governor.state(now)
         errand = self._pilot.errand
         if errand.active and motion is not MotionState.GOING:
-            lost = motion is MotionState.NO_DRIVER
-            errand.end(Task.CANCELLED, "the driver fell silent" if lost else "somebody drives")
+            errand.end(Task.CANCELLED, _ENDED_BY.get(motion, "somebody drives"))
         elif motion is MotionState.GOING and not errand.active:
             self._governor.end_task()
         if self._governor.velocity(now) != self._wanted:
