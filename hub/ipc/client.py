@@ -247,6 +247,11 @@ class Client:
         self._prepare(definition)
         self._inlets.subscribe(definition, handler, raw=True)
 
+    @property
+    def lost(self) -> int:
+        """Messages that did not come, of those we subscribe to; what newer ones overtook did."""
+        return self._inlets.lost
+
     def unsubscribe(
         self,
         definition: MessageDefinition[T],

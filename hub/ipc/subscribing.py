@@ -60,6 +60,11 @@ class Inlets:
         return bool(self._inlets)
 
     @property
+    def lost(self) -> int:
+        """Messages that did not come, of those that are subscribed to now."""
+        return sum(inlet.lost for inlet in self._inlets.values())
+
+    @property
     def standing(self) -> bool:
         """Whether every subscription has reached everybody who publishes its message."""
         return not self._under_way

@@ -199,9 +199,6 @@ class RobotLink:
             self._messages += 1
             received = self._received(value, reception)
             self._state = self._state.with_(messages={**self._state.messages, name: received})
-            if reception.missed:
-                missed = self._state.link.missed + reception.missed
-                self._change_link(missed=missed)
             if isinstance(value, CapabilityReports):
                 self._note_lacking(value)
 
@@ -269,6 +266,7 @@ class RobotLink:
                 messages_per_s=(self._messages - messages) / (now - then),
                 bytes_per_s=(self._bytes - size) / (now - then),
                 round_trip=self._pictures.round_trip,
+                missed=self._client.lost,
             )
         self._counted = (now, self._messages, self._bytes)
 

@@ -115,6 +115,7 @@ def test_stream_hands_on_the_newest_after_a_burst_and_says_what_it_left_out(
     assert len(values) < 100
     numbers = [how.sequence for _, how in received]
     assert sum(1 + how.missed for _, how in received[1:]) == numbers[-1] - numbers[0]
+    assert other.client.lost == 0, "what newer ones overtook is not lost"
 
 
 @pytest.mark.parametrize("definition", [v.LOG, v.EVENT], ids=lambda d: d.name)
@@ -135,6 +136,7 @@ def test_gap_in_the_sequence_is_told(connect: Connect) -> None:
     one.publish(v.LOG, Number(value=1))
     until(lambda: _values(received) == [0, 1], 5.0)
     assert [how.missed for value, how in received if value.value >= 0] == [0, 3]
+    assert other.client.lost == 3
 
 
 def test_value_that_does_not_fit_is_refused_and_makes_no_gap(connect: Connect) -> None:
