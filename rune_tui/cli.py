@@ -71,20 +71,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(options: argparse.Namespace) -> int:
     _need_terminal()
     source = _source(options.layouts, options.set, watched=options.watch)
-    links = _links(source.layout, _endpoint(options.hub), options.keys)
+    links = _links(source.layout, _endpoints(options.hub), options.keys)
     _log_to_file()
     return _console(source, links, options.colors)
 
 
 def _demo(options: argparse.Namespace) -> int:
+    from contextlib import ExitStack
+
     from rune_tui.demo import DemoHub
 
     _need_terminal()
-    with DemoHub(_DEMO_ROBOT, _log_to_file()) as hub:
+    log = _log_to_file()
+    with ExitStack() as stack:
+        hubs = [stack.enter_context(DemoHub(_DEMO_ROBOT, log))]
         import rune_tui.app  # noqa: F401 - loaded while the hub starts
 
         source = _source([options.layout], options.set, watched=True)
-        return _console(source, _links(source.layout, hub.endpoint()), options.colors)
+        hubs += [stack.enter_context(DemoHub(_DEMO_ROBOT, log)) for _ in source.layout.robots[1:]]
+        links = _links(source.layout, [hub.endpoint() for hub in hubs])
+        return _console(source, links, options.colors)
 
 
 def _source(
@@ -125,12 +131,14 @@ def _shot(options: argparse.Namespace) -> int:
         raise _UsageError(text)
     layout = _load(options.layout, options.set)
     with ExitStack() as stack:
-        hub = _endpoint(options.hub)
+        hubs = _endpoints(options.hub)
         if options.demo:
-            hub = stack.enter_context(DemoHub(_DEMO_ROBOT, _log_to_file())).endpoint()
+            log = _log_to_file()
+            demo = [stack.enter_context(DemoHub(_DEMO_ROBOT, log)) for _ in layout.robots]
+            hubs = [hub.endpoint() for hub in demo]
         answered = shot.take(
             layout,
-            _links(layout, hub, options.keys),
+            _links(layout, hubs, options.keys),
             size=options.size,
             seconds=options.seconds,
             depth=ColourDepth(options.colors),
@@ -156,17 +164,18 @@ def _load(name_or_path: str, variables: Sequence[tuple[str, str]]) -> LayoutSpec
     return open_layout(name_or_path, dict(variables))
 
 
-def _links(layout: LayoutSpec, hub: str, keys: Path | None = None) -> RobotLinks:
+def _links(layout: LayoutSpec, hubs: Sequence[str], keys: Path | None = None) -> RobotLinks:
     from rune_tui.link.robot_links import RobotLinks
 
-    return RobotLinks(layout, hub, keys=keys)
+    return RobotLinks(layout, hubs, keys=keys)
 
 
-def _endpoint(hub: str) -> str:
-    """HOST, HOST:PORT or a whole endpoint as an endpoint; empty stays empty."""
-    if not hub or "://" in hub:
-        return hub
-    return f"tcp://{hub}" if ":" in hub else f"tcp://{hub}:1381"
+def _endpoints(hubs: Sequence[str]) -> list[str]:
+    """HOST, HOST:PORT or whole endpoints as endpoints."""
+    return [
+        hub if "://" in hub else f"tcp://{hub}" if ":" in hub else f"tcp://{hub}:1381"
+        for hub in hubs
+    ]
 
 
 def _need_terminal() -> None:
@@ -232,14 +241,14 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     layout_help = "a layout file, or the name of a shipped layout"
     keys_help = "your key's file, for a hub on another machine"
-    hub_help = "HOST, HOST:PORT or tcp://HOST:PORT instead of the layout's hub"
+    hub_help = "HOST, HOST:PORT or tcp://HOST:PORT instead of the layout's; once for each robot"
     colors = [depth.value for depth in ColourDepth]
     colors_help = "what the terminal can show, where it does not say so itself"
 
     run = commands.add_parser("run", help="open the console with a layout")
     run.add_argument("layouts", nargs="+", metavar="LAYOUT", help=layout_help)
     run.add_argument("--watch", action="store_true", help="follow the files when they are saved")
-    run.add_argument("--hub", default="", help=hub_help)
+    run.add_argument("--hub", action="append", default=[], metavar="HUB", help=hub_help)
     run.add_argument("--keys", type=Path, help=keys_help)
     run.add_argument("--colors", choices=colors, help=colors_help)
 
@@ -259,7 +268,7 @@ def _parser() -> argparse.ArgumentParser:
     shot.add_argument("--seconds", type=_seconds, default=3.0, help="watch so long (%(default)s)")
     shot.add_argument("--colors", choices=colors, default=colors[0], help="default: %(default)s")
     source = shot.add_mutually_exclusive_group()
-    source.add_argument("--hub", default="", help=hub_help)
+    source.add_argument("--hub", action="append", default=[], metavar="HUB", help=hub_help)
     shot.add_argument("--keys", type=Path, help=keys_help)
     source.add_argument("--demo", action="store_true", help="on a simulated robot of its own")
     for command in (run, demo, check, shot):

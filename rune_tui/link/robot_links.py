@@ -2,33 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from rune_tui.errors import HubChoiceError
-from rune_tui.layout.spec import LayoutSpec, RobotSpec
+from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.robot_link import RobotLink
 
 
 class RobotLinks(Mapping[str, RobotLink]):
     """A connection for each robot, by its name."""
 
-    def __init__(self, layout: LayoutSpec, hub: str = "", *, keys: Path | None = None) -> None:
+    def __init__(
+        self, layout: LayoutSpec, hubs: Sequence[str] = (), *, keys: Path | None = None
+    ) -> None:
         """Prepare them.
 
         Args:
             layout: Which robots.
-            hub: Endpoint instead of the one in the layout.
+            hubs: Endpoints instead of those in the layout, in the order of its robots; none or
+                one for each.
             keys: File of the operator's key, for hubs on other machines.
 
         Raises:
-            HubChoiceError: There is one endpoint for several robots.
+            HubChoiceError: There are not as many endpoints as robots.
             EndpointError: An endpoint is not one, or on another machine and there are no keys.
             KeyFileError: The keys cannot be used.
         """
-        self._hub = hub
+        self._hubs = tuple(hubs)
         self._keys = keys
-        self._links = self._made(layout, {})
+        self._wanted: dict[str, str] = {}
+        wanted = self._endpoints(layout)
+        self._links = self._made(layout, wanted, {})
+        self._wanted = wanted
 
     def __getitem__(self, name: str) -> RobotLink:
         return self._links[name]
@@ -48,8 +54,9 @@ class RobotLinks(Mapping[str, RobotLink]):
         Raises:
             HubChoiceError, EndpointError, KeyFileError: As above; then nothing has changed.
         """
-        before = self._links
-        self._links = self._made(layout, before)
+        before, wanted = self._links, self._endpoints(layout)
+        self._links = self._made(layout, wanted, before)
+        self._wanted = wanted
         kept = set(self._links.values()) & set(before.values())
         for name, link in self._links.items():
             if link in kept:
@@ -58,16 +65,24 @@ class RobotLinks(Mapping[str, RobotLink]):
                 link.start()
         return [link for link in before.values() if link not in kept]
 
-    def _made(self, layout: LayoutSpec, known: Mapping[str, RobotLink]) -> dict[str, RobotLink]:
-        if self._hub and len(layout.robots) > 1:
-            text = f"{layout.path} names {len(layout.robots)} robots; one --hub cannot be for all"
-            raise HubChoiceError(text)
+    def _made(
+        self, layout: LayoutSpec, wanted: Mapping[str, str], known: Mapping[str, RobotLink]
+    ) -> dict[str, RobotLink]:
         return {
             robot.name: known[robot.name]
-            if robot.name in known and self._same_hub(known[robot.name].spec, robot)
-            else RobotLink(robot, self._hub, keys=self._keys)
+            if self._wanted.get(robot.name) == wanted[robot.name]
+            else RobotLink(robot, wanted[robot.name], keys=self._keys)
             for robot in layout.robots
         }
 
-    def _same_hub(self, before: RobotSpec, now: RobotSpec) -> bool:
-        return bool(self._hub) or before.hub == now.hub
+    def _endpoints(self, layout: LayoutSpec) -> dict[str, str]:
+        """Where the hub of each robot is, by the robot's name."""
+        count = len(layout.robots)
+        if len(self._hubs) not in {0, count}:
+            there = (
+                f"{layout.path} names {count} robots, and --hub is given {len(self._hubs)} times"
+            )
+            text = f"{there}; give it once for each, in the order of the layout"
+            raise HubChoiceError(text)
+        hubs = self._hubs or tuple(robot.hub for robot in layout.robots)
+        return dict(zip((robot.name for robot in layout.robots), hubs, strict=True))

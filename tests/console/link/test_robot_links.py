@@ -72,7 +72,7 @@ def test_with_a_hub_of_the_command_line_what_layouts_say_of_hubs_is_nothing(
     tmp_path: Path, central: Central
 ) -> None:
     with ExitStack() as stack:
-        links = RobotLinks(layout_of(tmp_path, a="ipc:///one"), central.endpoints[0])
+        links = RobotLinks(layout_of(tmp_path, a="ipc:///one"), [central.endpoints[0]])
         begin(links, stack)
         assert links.follow(layout_of(tmp_path, a="ipc:///two")) == []
 
@@ -83,7 +83,7 @@ def test_what_cannot_be_followed_changes_nothing(
 ) -> None:
     own = central.endpoints[0]
     with ExitStack() as stack:
-        links = RobotLinks(layout_of(tmp_path, a=own), own if hub else "")
+        links = RobotLinks(layout_of(tmp_path, a=own), [own] if hub else ())
         begin(links, stack)
         before = dict(links)
         with pytest.raises(HubChoiceError if hub else HubError):
@@ -92,5 +92,5 @@ def test_what_cannot_be_followed_changes_nothing(
 
 
 def test_one_hub_cannot_be_for_two_robots(tmp_path: Path) -> None:
-    with pytest.raises(HubChoiceError, match="names 2 robots; one --hub cannot be for all"):
-        RobotLinks(layout_of(tmp_path, a="ipc:///a", b="ipc:///b"), "ipc:///c")
+    with pytest.raises(HubChoiceError, match="names 2 robots, and --hub is given 1 times"):
+        RobotLinks(layout_of(tmp_path, a="ipc:///a", b="ipc:///b"), ["ipc:///c"])
