@@ -14,7 +14,7 @@ import signal
 import threading
 import time
 from collections.abc import Callable, Iterable
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from textual import events
 from textual.app import App, ComposeResult
@@ -42,6 +42,7 @@ from rune_tui.model.effects import (
     NextLayoutEffect,
     PaletteEffect,
     QuitEffect,
+    RecordEffect,
     ScreenshotEffect,
     SendEffect,
     StateEffect,
@@ -54,6 +55,9 @@ from rune_tui.ui.palette import palette_of
 from rune_tui.ui.terminal import output_is_pending, terminal_driver
 from rune_tui.ui.view_pane import ViewPane
 from rune_tui.view import View
+
+if TYPE_CHECKING:
+    from rune_tui.export.recording import Recording
 
 _FRAME_S = 1.0 / 30.0
 _COVERED_FRAME_S = 0.5
@@ -96,6 +100,7 @@ class Console(App[None], inherit_bindings=False):
         self._stalls = StallGuard()
         self._leaving = False
         self._drawn = 0.0
+        self._recording: Recording | None = None
         self._pane = ViewPane(depth)
 
     def compose(self) -> ComposeResult:
@@ -116,6 +121,8 @@ class Console(App[None], inherit_bindings=False):
             self._let_go()
             for link in self._links.values():
                 link.close()
+            if self._recording is not None:
+                desk.end_recording(self._recording)
         return 0 if self._leaving and not self.return_code else 1
 
     def on_mount(self) -> None:
@@ -158,6 +165,7 @@ class Console(App[None], inherit_bindings=False):
         self._actions = actions_of(layout)
         self._console = carried_over(self._console, self._shown_layout, layout)
         self._shown_layout = layout
+        self._tap()
         self._tell(desk.Outcome(text=f"opened {layout.path}"))
         self._ask_for_pictures()
         for link in gone:
@@ -291,15 +299,14 @@ class Console(App[None], inherit_bindings=False):
 
     def _do(self, effect: DeedEffect) -> None:
         match effect:
-            case SendEffect(robot=name, definition=definition, value=value):
-                link = self._links[name]
-                link.send(definition, value)
-                if (outcome := desk.undelivered(effect, link.state)) is not None:
-                    self._tell(outcome)
+            case SendEffect():
+                self._send(effect)
             case ScreenshotEffect():
                 now, cells = datetime.datetime.now().astimezone(), self._pane.cells
                 if cells is not None:
                     self._write(lambda: desk.write_screenshot(cells, now))
+            case RecordEffect():
+                self._record_or_not()
             case ExportEffect(robot=name):
                 now, robot = datetime.datetime.now().astimezone(), self._links[name].state
                 self._write(lambda: desk.write_marks(robot, now))
@@ -312,6 +319,31 @@ class Console(App[None], inherit_bindings=False):
                 self.push_screen(palette_of(self._actions, self._act))
             case QuitEffect():
                 self._leave()
+
+    def _send(self, effect: SendEffect) -> None:
+        link = self._links[effect.robot]
+        link.send(effect.definition, effect.value)
+        if (outcome := desk.undelivered(effect, link.state)) is not None:
+            self._tell(outcome)
+
+    def _record_or_not(self) -> None:
+        """Begin to record, or end it."""
+        recording, self._recording = self._recording, None
+        if recording is None:
+            now = datetime.datetime.now().astimezone()
+            begun, said = desk.begin_recording(self._shown_layout, self.state.operator, now)
+            self._recording = begun
+            self._tell(said)
+        else:
+            self._write(lambda: desk.end_recording(recording))
+        self._tap()
+
+    def _tap(self) -> None:
+        """Have all links hand what comes and goes to the recording, if there is one."""
+        for link in self._links.values():
+            link.tap(self._recording.add if self._recording else None)
+        path = str(self._recording.path) if self._recording else ""
+        self._console = dataclasses.replace(self._console, recording=path)
 
     def _act(self, action: Action) -> None:
         self._execute(self._dispatch.act(action, self.state))

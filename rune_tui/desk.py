@@ -7,6 +7,7 @@ import getpass
 import logging
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import platformdirs
 
@@ -16,8 +17,12 @@ from rune_tui.compositor import picture
 from rune_tui.compositor.cells import Cells
 from rune_tui.export.points import csv_table, geojson
 from rune_tui.export.report import html_page
+from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.effects import SendEffect
 from rune_tui.model.robot_state import LinkPhase, RobotState
+
+if TYPE_CHECKING:
+    from rune_tui.export.recording import Recording
 
 _logger = logging.getLogger(__name__)
 
@@ -95,6 +100,40 @@ def write_marks(robot: RobotState, now: datetime.datetime) -> Outcome:
         return _not_written("marks", error)
     text = f"what is marked ({len(points)}) is in {base}.csv, .geojson and .html"
     return Outcome(text=text, robot=robot.name)
+
+
+def begin_recording(
+    layout: LayoutSpec, operator: str, now: datetime.datetime
+) -> tuple[Recording | None, Outcome]:
+    """Begin a recording in the user's documents folder; None, and why, if that cannot be."""
+    try:
+        from rune_tui.export.recording import Recording
+    except ModuleNotFoundError:
+        text = "recording needs mcap; install it with pip install 'robot-user-nexus[record]'"
+        return None, Outcome(text=text, alarm=True)
+    path = (
+        platformdirs.user_documents_path()
+        / _FOLDER
+        / f"run{layout.run_number}-{now:%Y%m%d-%H%M%S}.mcap"
+    )
+    about = {"layout": layout.path, "run": str(layout.run_number), "operator": operator}
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        recording = Recording(path, about)
+    except OSError as error:
+        return None, _not_written("the recording", error)
+    return recording, Outcome(text=f"recording into {path}")
+
+
+def end_recording(recording: Recording) -> Outcome:
+    """End a recording, and say what became of it."""
+    recording.close()
+    text = f"{recording.count} messages are recorded in {recording.path}"
+    if recording.fault:
+        return Outcome(text=f"{text}; then it ended: {recording.fault}", alarm=True)
+    if recording.dropped:
+        text += f"; {recording.dropped} were left out, as the disk was too slow"
+    return Outcome(text=text, alarm=recording.dropped > 0)
 
 
 def _not_written(what: str, error: OSError) -> Outcome:

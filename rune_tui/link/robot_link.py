@@ -41,6 +41,8 @@ from rune_tui.model.robot_state import LinkPhase, LinkState, Received, RobotStat
 _logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
+Tap = Callable[[str, MessageDefinition[Any], object, float], None]
+"""Gets the robot's name, a message, its value, and when it was measured [s]."""
 
 _LISTEN_S = 0.2
 _REQUEST_CHECK_S = 0.01
@@ -86,6 +88,7 @@ class RobotLink:
         self._counted = (clock(), 0, 0)
         self._messages = self._bytes = 0
         self._handlers: dict[str, Callable[[Any, Reception], None]] = {}
+        self._tap: Tap | None = None
         self._stopping = threading.Event()
         own_keys = read_client_keys(keys) if keys else None
         self._client = Client(
@@ -156,7 +159,17 @@ class RobotLink:
         """
         if self._state.link.may_command:
             measured = self._clock()
+            self._record(definition, value, measured)
             self._client.post(lambda: self._client.publish(definition, value, measured=measured))
+
+    def tap(self, tap: Tap | None) -> None:
+        """Hand everything that comes and goes to somebody else as well; None: to nobody."""
+        self._tap = tap
+
+    def _record(self, definition: MessageDefinition[Any], value: object, measured: float) -> None:
+        tap = self._tap
+        if tap is not None:
+            tap(self._state.name, definition, value, measured)
 
     def want_pictures(self, size: tuple[int, int] | None, wish: PictureWish | None = None) -> None:
         """Ask for pictures of this width and height [pixels], None for none, and of this kind."""
@@ -197,6 +210,7 @@ class RobotLink:
     def _store(self, name: str) -> Callable[[Any, Reception], None]:
         def store(value: object, reception: Reception) -> None:
             self._messages += 1
+            self._record(BY_NAME[name], value, reception.measured)
             received = self._received(value, reception)
             self._state = self._state.with_(messages={**self._state.messages, name: received})
             if isinstance(value, CapabilityReports):
@@ -285,6 +299,7 @@ class RobotLink:
     def _take_picture(self, image: vision.Image, reception: Reception) -> int:
         self._messages += 1
         self._bytes += image.length
+        self._record(vision.IMAGE, image, reception.measured)
         received = self._received(picture_of(image), reception)
         self._state = self._state.with_(picture=received)
         return received.number
@@ -300,5 +315,6 @@ class RobotLink:
     def _take_map(self, coded: mapping.Map, reception: Reception) -> int:
         self._messages += 1
         self._bytes += coded.length
+        self._record(mapping.MAP, coded, reception.measured)
         self._state = self._state.with_(map=self._received(map_of(coded), reception))
         return 0

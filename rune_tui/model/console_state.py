@@ -73,6 +73,7 @@ class ConsoleState:
         full: The viewport that is shown over the whole view; empty if none is.
         operator: Who sits here.
         clock: The time of day now, such as "14:03:22".
+        recording: The file that everything is being recorded in; empty if nothing is.
         trouble: What is wrong with the layout as it was saved last; drawn over everything.
     """
 
@@ -91,6 +92,7 @@ class ConsoleState:
     full: str = ""
     operator: str = ""
     clock: str = ""
+    recording: str = ""
     trouble: str = ""
 
     @classmethod

@@ -47,6 +47,11 @@ class ScreenshotEffect:
     """Write what is shown into files, a picture and a text."""
 
 
+@dataclass(frozen=True, slots=True)
+class RecordEffect:
+    """Begin to record all that comes from robots and goes to them, or end it."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExportEffect:
     """Write a robot's interest points into files.
@@ -177,7 +182,13 @@ StateEffect = (
 )
 """What only changes the console's state."""
 DeedEffect = (
-    SendEffect | QuitEffect | NextLayoutEffect | ScreenshotEffect | ExportEffect | PaletteEffect
+    SendEffect
+    | QuitEffect
+    | NextLayoutEffect
+    | ScreenshotEffect
+    | RecordEffect
+    | ExportEffect
+    | PaletteEffect
 )
 """What the app has to do."""
 Effect = DeedEffect | StateEffect

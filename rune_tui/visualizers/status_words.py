@@ -57,6 +57,7 @@ def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
         *_motion(robot, state.now),
         *_camera(robot),
         *_picture_age(robot, state.now),
+        *_recording(state),
         *_held(state),
     )
 
@@ -135,6 +136,11 @@ def _picture_age(robot: RobotState, now: float) -> Iterator[Part]:
     if age > MENTION_AFTER_S:
         mood = Mood.PLAIN if staleness(age) is Staleness.FRESH else Mood.WARNING
         yield Part(f"picture {age_text(age)} old", 5, mood)
+
+
+def _recording(state: ConsoleState) -> Iterator[Part]:
+    if state.recording:
+        yield Part("REC", 5)
 
 
 def _held(state: ConsoleState) -> Iterator[Part]:

@@ -15,6 +15,7 @@ from rune_tui.widgets.showing import (
     FullScreen,
     Help,
     NextLayout,
+    RecordWidget,
     Screenshot,
     ShowViewportWidget,
     ThemeWidget,
@@ -51,5 +52,6 @@ WIDGETS: Mapping[str, type[Widget]] = {
     "widgetTheme": ThemeWidget,
     "widgetHelp": Help,
     "widgetScreenshot": Screenshot,
+    "widgetRecord": RecordWidget,
     "widgetQuit": Quit,
 }

@@ -14,6 +14,7 @@ from rune_tui.model.effects import (
     Effect,
     FillView,
     NextLayoutEffect,
+    RecordEffect,
     ScreenshotEffect,
     SetTheme,
     ShowViewport,
@@ -179,3 +180,19 @@ class Screenshot(_Showing):
     def effect(self, value: float) -> Effect:  # noqa: ARG002 - a press is a press
         """The files."""
         return ScreenshotEffect()
+
+
+class RecordWidget(_Showing):
+    """Records, or ends it."""
+
+    rule: ClassVar = HandlerRule(
+        meaning=(
+            "Records all that comes from the robots and goes to them into an MCAP file in your "
+            "documents folder; again: ends it."
+        ),
+        needs_robot=False,
+    )
+
+    def effect(self, value: float) -> Effect:  # noqa: ARG002 - a press is a press
+        """On or off."""
+        return RecordEffect()

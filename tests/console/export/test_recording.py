@@ -1,0 +1,84 @@
+"""A recording holds what came and went, as others read it."""
+
+from __future__ import annotations
+
+import errno
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+
+from hub.gcm.navigation import ROBOT_STATE, VELOCITY_COMMAND, Twist
+from hub.gcm.vision import IMAGE, Image, ImageCoding
+from rune_tui.export.recording import Recording
+from tests.messages import camera_state, robot_state
+
+
+def test_messages_are_read_back_by_tools_of_ros(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    recording = Recording(path, {"layout": "x.xml", "run": "7", "operator": "ada"})
+    now = time.monotonic()
+    for number in range(5):
+        recording.add("left", ROBOT_STATE, robot_state(x=float(number)), now - 0.5)
+    recording.add("right", VELOCITY_COMMAND, Twist.planar(0.25, -0.5), now)
+    pixels = np.arange(12, dtype=np.uint8)
+    image = Image(
+        camera=camera_state(),
+        coding=ImageCoding.RAW,
+        width_px=2,
+        height_px=2,
+        channels=3,
+        length=12,
+        data=pixels,
+    )
+    recording.add("left", IMAGE, image, now)
+    recording.close()
+    assert (recording.count, recording.dropped, recording.fault) == (7, 0, "")
+    with path.open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        found = [
+            (channel.topic, message, decoded)
+            for _, channel, message, decoded in reader.iter_decoded_messages()
+        ]
+    states = [each for each in found if each[0] == "/left/GCM_RobotState"]
+    assert [decoded.x for _, _, decoded in states] == [0.0, 1.0, 2.0, 3.0, 4.0]
+    assert all(4e8 < message.log_time - message.publish_time < 6e10 for _, message, _ in states)
+    (command,) = [each[2] for each in found if each[0] == "/right/GCM_Velocity_Command"]
+    assert command.linear.x == 0.25
+    (picture,) = [each[2] for each in found if each[0] == "/left/GCM_Common_Image"]
+    assert bytes(picture.data) == pixels.tobytes()
+    with path.open("rb") as file:
+        (about,) = [data for data in make_reader(file).iter_metadata() if data.name == "rune"]
+    assert about.metadata == {"layout": "x.xml", "run": "7", "operator": "ada"}
+
+
+def test_a_value_that_does_not_fit_is_left_out(tmp_path: Path) -> None:
+    recording = Recording(tmp_path / "a.mcap", {})
+    recording.add("left", ROBOT_STATE, object(), 0.0)
+    recording.add("left", ROBOT_STATE, robot_state(), 0.0)
+    recording.close()
+    assert recording.count == 1
+
+
+def test_a_full_disk_ends_the_recording_and_nothing_else(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    recording = Recording(tmp_path / "a.mcap", {})
+
+    def full(**_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(recording._writer, "add_message", full)
+    for _ in range(3):
+        recording.add("left", ROBOT_STATE, robot_state(), 0.0)
+    recording.close()
+    assert (recording.count, recording.fault) == (0, "No space left on device")
+
+
+def test_a_file_that_is_there_is_not_written_over(tmp_path: Path) -> None:
+    (tmp_path / "a.mcap").write_text("mine")
+    with pytest.raises(FileExistsError):
+        Recording(tmp_path / "a.mcap", {})
