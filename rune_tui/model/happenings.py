@@ -11,6 +11,9 @@ from rune_tui.model.robot_state import LinkPhase, RobotState
 _TRANSIENT = frozenset({"starting", "not started yet"})
 """Why a capability is not there yet, of which nothing needs to be said at the start."""
 
+GRACE_S = 4.0
+"""What is missing for no longer than this is not told of, unless it was there: hubs begin so [s]."""
+
 
 class Watch:
     """Compares what is known of each robot with what was known before.
@@ -22,6 +25,7 @@ class Watch:
         self._phases: dict[str, LinkPhase] = {}
         self._lacking: dict[str, Mapping[str, str]] = {}
         self._had: dict[str, set[str]] = {}
+        self._since: dict[tuple[str, str], float] = {}
 
     def look(self, state: ConsoleState) -> tuple[Notice, ...]:
         """What has happened since the last look."""
@@ -33,11 +37,10 @@ class Watch:
         self._phases[name] = link.phase
         if link.phase is not before:
             if link.phase is LinkPhase.LOST:
-                text = f"the link to {name} is lost"
-                yield state.notice(text, robot=name, alarm=True)
+                yield state.notice("the link is lost", robot=name, alarm=True)
             elif link.phase is LinkPhase.CONNECTED:
                 again = " again" if before is LinkPhase.LOST else ""
-                yield state.notice(f"{name} is linked{again}", robot=name)
+                yield state.notice(f"linked{again}", robot=name)
         if link.phase is LinkPhase.CONNECTED:
             yield from self._capabilities(robot, state)
 
@@ -46,16 +49,20 @@ class Watch:
         name, now = robot.name, robot.link.lacking
         told = dict(self._lacking.get(name, {}))
         had = self._had.setdefault(name, set())
+        since = {each: self._since.get((name, each), state.now) for each in now}
+        self._since = {key: at for key, at in self._since.items() if key[0] != name}
+        self._since |= {(name, each): at for each, at in since.items()}
         for capability, why in now.items():
             new = told.get(capability) != why
-            if new and (why not in _TRANSIENT or capability in had):
+            lasting = why not in _TRANSIENT and state.now - since[capability] >= GRACE_S
+            if new and (lasting or capability in had):
                 told[capability] = why
                 reason = f": {why}" if why else ""
-                text = f"{name} does not provide {capability}{reason}"
+                text = f"it does not provide {capability}{reason}"
                 yield state.notice(text, robot=name, alarm=True)
         for capability in [known for known in told if known not in now]:
             del told[capability]
-            yield state.notice(f"{name} provides {capability} again", robot=name)
+            yield state.notice(f"it provides {capability} again", robot=name)
         self._lacking[name] = told
         reports = robot.newest(CAPABILITY_REPORTS)
         had |= {

@@ -13,12 +13,14 @@ from hub.gcm.supervision import (
     CapabilityReports,
 )
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.happenings import Watch
+from rune_tui.model.happenings import GRACE_S, Watch
 from rune_tui.model.robot_state import LinkPhase
 from tests.console.visualizers.conftest import Made, received
 
 
-def seen(watch: Watch, phase: LinkPhase, running: str = "", **lacking: str) -> list[Any]:
+def seen(
+    watch: Watch, phase: LinkPhase, running: str = "", *, now: float = 1.0, **lacking: str
+) -> list[Any]:
     reports = tuple(
         CapabilityReport(
             name=name, phase=CapabilityPhase.RUNNING, module="", modules="", wanted_by=""
@@ -30,7 +32,7 @@ def seen(watch: Watch, phase: LinkPhase, running: str = "", **lacking: str) -> l
         link=Made.link(phase, lacking=lacking),
         messages={CAPABILITY_REPORTS.name: received(value)},
     )
-    return list(watch.look(ConsoleState(now=1.0, robots={"magellan": robot}, clock="12:00:00")))
+    return list(watch.look(ConsoleState(now=now, robots={"magellan": robot}, clock="12:00:00")))
 
 
 def texts(notices: list[Any]) -> list[tuple[str, bool]]:
@@ -40,22 +42,24 @@ def texts(notices: list[Any]) -> list[tuple[str, bool]]:
 def test_a_link_is_told_when_it_comes_is_lost_and_comes_again():
     watch = Watch()
     assert seen(watch, LinkPhase.CONNECTING) == []
-    assert texts(seen(watch, LinkPhase.CONNECTED)) == [("magellan is linked", False)]
+    assert texts(seen(watch, LinkPhase.CONNECTED)) == [("linked", False)]
     assert seen(watch, LinkPhase.CONNECTED) == []
     (lost,) = seen(watch, LinkPhase.LOST)
     assert (lost.alarm, lost.robot, lost.clock) == (True, "magellan", "12:00:00")
     assert seen(watch, LinkPhase.LOST) == []
-    assert texts(seen(watch, LinkPhase.CONNECTED)) == [("magellan is linked again", False)]
+    assert texts(seen(watch, LinkPhase.CONNECTED)) == [("linked again", False)]
 
 
 def test_a_capability_that_is_missing_is_told_once_and_so_is_its_return():
     watch = Watch()
     seen(watch, LinkPhase.CONNECTED)
     why = "no module has it"
-    alarm = [(f"magellan does not provide VIS_VID: {why}", True)]
-    assert texts(seen(watch, LinkPhase.CONNECTED, VIS_VID=why)) == alarm
-    assert seen(watch, LinkPhase.CONNECTED, VIS_VID=why) == []
-    again = [("magellan provides VIS_VID again", False)]
+    alarm = [(f"it does not provide VIS_VID: {why}", True)]
+    assert seen(watch, LinkPhase.CONNECTED, VIS_VID=why) == [], "a hub that starts begins so"
+    assert seen(watch, LinkPhase.CONNECTED, VIS_VID=why, now=1.0 + 0.9 * GRACE_S) == []
+    assert texts(seen(watch, LinkPhase.CONNECTED, VIS_VID=why, now=1.1 + GRACE_S)) == alarm
+    assert seen(watch, LinkPhase.CONNECTED, VIS_VID=why, now=2.0 + GRACE_S) == []
+    again = [("it provides VIS_VID again", False)]
     assert texts(seen(watch, LinkPhase.CONNECTED, "VIS_VID")) == again
 
 
