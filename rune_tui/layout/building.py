@@ -10,7 +10,7 @@ from rune_tui.layout import names
 from rune_tui.layout.checks import viewport_robot
 from rune_tui.layout.grammar import Mistake, Node, Rules
 from rune_tui.layout.inputs import input_name
-from rune_tui.layout.rules import Option, Options, Vocabulary
+from rune_tui.layout.rules import LOCAL_MESSAGES, Option, Options, Vocabulary
 from rune_tui.layout.spec import (
     CHOSEN,
     CapabilitySpec,
@@ -87,7 +87,8 @@ class SpecBuilder:
         """Names of the messages that a viewport's visualizer makes use of."""
         if viewport.visualizer:
             rule = self._vocabulary.visualizers[viewport.visualizer.function].rule
-            yield from filter(None, (viewport.visualizer.message, *rule.others))
+            drawn = filter(None, (viewport.visualizer.message, *rule.others))
+            yield from (message for message in drawn if message not in LOCAL_MESSAGES)
 
     def _capability(self, node: Node) -> CapabilitySpec:
         name = self._text(node, "name")

@@ -8,6 +8,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal, Protocol
 
+NIGHT_MODE_MESSAGE = "RuneToggleNightMode"
+LOCAL_MESSAGES = frozenset({NIGHT_MODE_MESSAGE})
+"""Messages of the report that never leave the console."""
+
 _DECIMAL = re.compile(r"[+-]?([0-9]{1,18}(\.[0-9]{0,99})?|\.[0-9]{1,99})")
 
 

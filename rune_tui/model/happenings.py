@@ -12,7 +12,7 @@ _TRANSIENT = frozenset({"starting", "not started yet"})
 """Why a capability is not there yet, of which nothing needs to be said at the start."""
 
 GRACE_S = 4.0
-"""What is missing for no longer than this is not told of, unless it was there: hubs begin so [s]."""
+"""What is missing for no longer than this is not told of: hubs begin so [s]."""
 
 
 class Watch:

@@ -7,7 +7,7 @@ from collections.abc import Hashable, Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Final, Self
 
-from rune_tui.layout.rules import ChoiceOption, VisualizerRule
+from rune_tui.layout.rules import NIGHT_MODE_MESSAGE, ChoiceOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
@@ -38,7 +38,8 @@ class NightMode:
     rule: ClassVar = VisualizerRule(
         meaning="a moon and a word while night mode is on, how much pictures are brightened, and "
         "the headlight",
-        message="GCM_CameraState",
+        message=NIGHT_MODE_MESSAGE,
+        others=("GCM_CameraState",),
         options={
             "day": ChoiceOption(
                 default="shown", choices=("shown", "hidden"), meaning="what there is to see by day"
