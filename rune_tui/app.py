@@ -35,6 +35,7 @@ from rune_tui.layout.watching import LOOK_S, LayoutSource, first_problem
 from rune_tui.link.robot_links import RobotLinks
 from rune_tui.model.console_state import ConsoleState, carried_over
 from rune_tui.model.effects import (
+    AskEffect,
     ChooseRobot,
     DeedEffect,
     Effect,
@@ -52,6 +53,7 @@ from rune_tui.model.effects import (
 )
 from rune_tui.model.happenings import Watch
 from rune_tui.ui.palette import palette_of
+from rune_tui.ui.question import Question
 from rune_tui.ui.terminal import output_is_pending, terminal_driver
 from rune_tui.ui.view_pane import ViewPane
 from rune_tui.view import View
@@ -310,15 +312,21 @@ class Console(App[None], inherit_bindings=False):
             case ExportEffect(robot=name):
                 now, robot = datetime.datetime.now().astimezone(), self._links[name].state
                 self._write(lambda: desk.write_marks(robot, now))
-            case NextLayoutEffect() if self._source.several:
-                self._next_layout.set()
             case NextLayoutEffect():
-                self._tell(desk.Outcome(text="the console was started with no other layout"))
+                self._open_next()
             case PaletteEffect():
                 self._let_go()
                 self.push_screen(palette_of(self._actions, self._act))
+            case AskEffect():
+                self._ask(effect)
             case QuitEffect():
                 self._leave()
+
+    def _open_next(self) -> None:
+        if self._source.several:
+            self._next_layout.set()
+        else:
+            self._tell(desk.Outcome(text="the console was started with no other layout"))
 
     def _send(self, effect: SendEffect) -> None:
         link = self._links[effect.robot]
@@ -344,6 +352,11 @@ class Console(App[None], inherit_bindings=False):
             link.tap(self._recording.add if self._recording else None)
         path = str(self._recording.path) if self._recording else ""
         self._console = dataclasses.replace(self._console, recording=path)
+
+    def _ask(self, effect: AskEffect) -> None:
+        self._let_go()
+        answered = lambda text: self._execute(effect.answer(text))  # noqa: E731 - one line of its own
+        self.push_screen(Question(effect.asked, effect.text, answered))
 
     def _act(self, action: Action) -> None:
         self._execute(self._dispatch.act(action, self.state))

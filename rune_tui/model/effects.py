@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -50,6 +50,23 @@ class ScreenshotEffect:
 @dataclass(frozen=True, slots=True)
 class RecordEffect:
     """Begin to record all that comes from robots and goes to them, or end it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AskEffect:
+    """Ask the operator for a text, and send what comes of it.
+
+    Attributes:
+        robot: The robot's name in the layout.
+        asked: What is asked for.
+        text: What stands there already.
+        answer: What to do with the answer.
+    """
+
+    robot: str
+    asked: str
+    text: str
+    answer: Callable[[str], tuple[Effect, ...]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -187,6 +204,7 @@ DeedEffect = (
     | NextLayoutEffect
     | ScreenshotEffect
     | RecordEffect
+    | AskEffect
     | ExportEffect
     | PaletteEffect
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable
 from typing import ClassVar
@@ -22,7 +23,7 @@ from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.rules import HandlerRule, NumberOption
 from rune_tui.layout.spec import EventSpec, WidgetSpec
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import Effect, ExportEffect, SendEffect, Tell
+from rune_tui.model.effects import AskEffect, Effect, ExportEffect, SendEffect, Tell
 from rune_tui.model.pose import Pose
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.world import WorldPoint
@@ -106,6 +107,44 @@ class RemoveMark(PointedWidget):
             text = f"not removed: no mark is within {radius:g} m of where you clicked"
             return (Tell(notice=state.notice(text, robot=robot.name)),)
         return _removal(nearest, robot, state)
+
+
+class EditMark(PointedWidget):
+    """Changes the words that go with a mark."""
+
+    purpose: ClassVar[str] = "changed"
+    rule: ClassVar = HandlerRule(
+        meaning="Asks for other words to go with the mark nearest to where you click.",
+        options={
+            "radius": NumberOption(
+                default=0.5, least=0.05, most=20.0, unit="m", meaning="no mark farther away counts"
+            )
+        },
+        sends=(POINT_COMMAND.name,),
+        uses=(INTEREST_POINTS.name,),
+        pointed=True,
+    )
+
+    def point(
+        self,
+        place: WorldPoint,
+        event: ControlEvent,  # noqa: ARG002 - the place says all
+        robot: RobotState,
+        state: ConsoleState,
+    ) -> tuple[Effect, ...]:
+        """The question, or in words that nothing is there."""
+        radius = self.spec.options.number("radius")
+        nearest = _nearest(place, robot, radius, lambda _: True)
+        if nearest is None:
+            text = f"not changed: no mark is within {radius:g} m of where you clicked"
+            return (Tell(notice=state.notice(text, robot=robot.name)),)
+        asked = f"Words for {nearest.kind.name.lower()} {nearest.number} of {robot.name}"
+
+        def answer(note: str) -> tuple[Effect, ...]:
+            changed = PointCommand(point=dataclasses.replace(nearest, note=note))
+            return (SendEffect(robot=robot.name, definition=POINT_COMMAND, value=changed),)
+
+        return (AskEffect(robot=robot.name, asked=asked, text=nearest.note, answer=answer),)
 
 
 class CorrectLandmark(PointedWidget):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rune_tui.widgets.marked import CorrectLandmark, ExportMarks, RemoveMark, UndoMark
+from rune_tui.widgets.marked import CorrectLandmark, EditMark, ExportMarks, RemoveMark, UndoMark
 from rune_tui.widgets.marks import SetLandmark, SetVictim
 from rune_tui.widgets.orders import Autonomy, GoTo, Safety
 from rune_tui.widgets.ptz import AdjustPan, AdjustPanTilt, AdjustTilt, AdjustZoom, HomePTZ
@@ -41,6 +41,7 @@ WIDGETS: Mapping[str, type[Widget]] = {
     "widgetSetVictim": SetVictim,
     "widgetSetLandmark": SetLandmark,
     "widgetUndoMark": UndoMark,
+    "widgetEditMark": EditMark,
     "widgetRemoveMark": RemoveMark,
     "widgetCorrectLandmark": CorrectLandmark,
     "widgetExportMarks": ExportMarks,

@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Self
 import pytest
 from textual.pilot import Pilot
 
-from hub.gcm.mapping import INTEREST_POINTS, POINT_COMMAND, PointCommand
+from hub.gcm.mapping import INTEREST_POINTS, POINT_COMMAND, PointAction, PointCommand
 from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Stop, Twist
 from hub.ipc.central import Central
 from hub.ipc.client import Client
@@ -30,6 +30,7 @@ from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.model.world import WorldPoint
 from rune_tui.opening import BUILT_IN
 from rune_tui.raster.canvas import Canvas
+from rune_tui.ui.question import Question
 
 LAYOUT = """<rune>
   <robot name="magellan" hub="{hub}">
@@ -45,6 +46,7 @@ LAYOUT = """<rune>
       <widget handler="widgetStop"><event key="space"/></widget>
       <widget handler="widgetSetVictim"><event mouse="left"/></widget>
       <widget handler="widgetUndoMark"><event key="u"/></widget>
+      <widget handler="widgetEditMark"><event mouse="right"/></widget>
     </viewport>
   </view>
 </rune>
@@ -96,7 +98,7 @@ class Robot:
         client.wait_connected(5.0)
 
     def _mark(self, command: PointCommand) -> None:
-        if command.point.number:
+        if command.action is PointAction.REMOVE:
             self.book.remove(command.point.number)
         else:
             self.book.mark(command.point, "somebody", 1.0)
@@ -183,6 +185,22 @@ def test_a_click_on_the_floor_is_a_mark_on_the_robots_map_and_undo_takes_it_back
         await desk.until(lambda: any("victim 1 is marked" in text for text in desk.told))
         await desk.press("u")
         await desk.until(lambda: desk.robot.book.message.count == 0)
+
+    play(script)
+
+
+def test_the_words_of_a_mark_are_changed_and_keys_do_not_drive_meanwhile(
+    play: Callable[[Script], None],
+):
+    async def script(desk: Desk) -> None:
+        await desk.pilot.click(offset=(29, 14))
+        await desk.until(lambda: desk.robot.book.message.count)
+        await desk.until(lambda: any("victim 1 is marked" in text for text in desk.told))
+        await desk.pilot.click(offset=(29, 14), button=3)
+        await desk.until(lambda: isinstance(desk.console.screen, Question))
+        await desk.press("ctrl+u", "w", "e", "t", "enter")
+        await desk.until(lambda: desk.robot.book.message.points[0].note == "wet")
+        assert not any(desk.robot.speeds)
 
     play(script)
 

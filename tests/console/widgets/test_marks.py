@@ -22,7 +22,7 @@ from hub.gcm.mapping import (
 from hub.gcm.navigation import LANDMARK_CORRECTION
 from hub.plane import Pose
 from rune_tui.controls.events import ControlEvent, Hit
-from rune_tui.model.effects import Effect, ExportEffect, SendEffect, Tell
+from rune_tui.model.effects import AskEffect, Effect, ExportEffect, SendEffect, Tell
 from rune_tui.model.robot_state import Picture
 from rune_tui.model.world import WorldPoint
 from rune_tui.widgets.marks import ANSWER_S
@@ -162,6 +162,18 @@ def test_remove_takes_the_nearest_mark_within_the_radius():
     command = sent(widget_of("widgetRemoveMark").handle(click(), LEFT, seeing(*marks)))
     assert (command.action, command.point.number) == (PointAction.REMOVE, 2)
     narrow = widget_of("widgetRemoveMark", radius=0.05)
+    assert "no mark" in told(narrow.handle(click(), LEFT, seeing(*marks)))
+
+
+def test_edit_asks_for_the_words_of_the_nearest_mark_and_keeps_the_rest():
+    marks = (marked(1, x=3.3), marked(2, x=2.9), marked(3, x=8.0))
+    (effect,) = widget_of("widgetEditMark").handle(click(), LEFT, seeing(*marks))
+    assert isinstance(effect, AskEffect)
+    assert "victim 2" in effect.asked
+    command = sent(effect.answer("behind the door"))
+    assert (command.action, command.point.number) == (PointAction.MARK, 2)
+    assert (command.point.note, command.point.x) == ("behind the door", 2.9)
+    narrow = widget_of("widgetEditMark", radius=0.05)
     assert "no mark" in told(narrow.handle(click(), LEFT, seeing(*marks)))
 
 

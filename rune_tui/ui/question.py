@@ -1,0 +1,52 @@
+"""One line for the operator to type, over the view."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import ClassVar
+
+from textual.app import ComposeResult
+from textual.binding import Binding
+from textual.containers import Vertical
+from textual.screen import ModalScreen
+from textual.widgets import Input, Label
+
+LONGEST = 500
+
+
+class Question(ModalScreen[None]):
+    """Asks for a text; enter takes it, escape leaves things as they are."""
+
+    CSS = """
+    Question { align: center middle; }
+    Question > Vertical { width: 80%; max-width: 80; height: auto; border: round $accent; }
+    """
+    BINDINGS: ClassVar = [Binding("escape", "leave", "leave it", show=False)]
+
+    def __init__(self, asked: str, text: str, answered: Callable[[str], None]) -> None:
+        """Prepare.
+
+        Args:
+            asked: What is asked for.
+            text: What stands there already.
+            answered: Called with what was typed.
+        """
+        super().__init__()
+        self._asked = asked
+        self._text = text
+        self._answered = answered
+
+    def compose(self) -> ComposeResult:
+        """The question over the line."""
+        with Vertical():
+            yield Label(f"{self._asked} (enter: take it, escape: leave it)", markup=False)
+            yield Input(self._text, max_length=LONGEST)
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """It is typed."""
+        self.dismiss()
+        self._answered(event.value.strip())
+
+    def action_leave(self) -> None:
+        """Nothing is changed."""
+        self.dismiss()
