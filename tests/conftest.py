@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import threading
 from collections.abc import Iterator
-from pathlib import Path
 
 import psutil
 import pytest
@@ -19,11 +19,15 @@ settings.register_profile("thorough", deadline=None, max_examples=400)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "patient"))
 
 
+_numbers = itertools.count()
+
+
 @pytest.fixture(autouse=True)
-def own_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Logs and sockets go into the test's own folder."""
+def own_folders(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Logs and sockets go into the test's own folders; who writes into them makes them."""
+    own = tmp_path_factory.getbasetemp() / f"own-{next(_numbers)}"
     for variable in ("XDG_STATE_HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME"):
-        monkeypatch.setenv(variable, str(tmp_path / variable.lower()))
+        monkeypatch.setenv(variable, str(own / variable.lower()))
     monkeypatch.delenv("XDG_RUNTIME_DIR", raising=False)
 
 
@@ -31,13 +35,13 @@ def own_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def nothing_left_behind() -> Iterator[None]:
     """A test that leaves threads or processes of ours behind fails."""
     threads = set(threading.enumerate())
-    children = {child.pid for child in psutil.Process().children(recursive=True)}
+    children = {child.pid for child in _descendants()}
     yield
 
     def left() -> list[str]:
         running = [
             f"process {child.pid}: {child.name()}"
-            for child in psutil.Process().children(recursive=True)
+            for child in _descendants()
             if child.pid not in children
         ]
         return running + [
@@ -47,3 +51,17 @@ def nothing_left_behind() -> Iterator[None]:
         ]
 
     until(lambda: not left(), 5.0, lambda: f"left behind: {left()}")
+
+
+def _descendants() -> list[psutil.Process]:
+    """All processes below this one.
+
+    Most tests have none, and the system tells so at once; to find some, psutil reads about every
+    process of the machine.
+    """
+    if hasattr(os, "waitid"):
+        try:
+            os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)  # reaps none
+        except ChildProcessError:
+            return []
+    return psutil.Process().children(recursive=True)
