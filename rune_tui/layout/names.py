@@ -10,6 +10,7 @@ from hub.gcm.capability import Capability
 
 _INTERVALS_MS = {
     Capability.VIS_VID: 10,
+    Capability.NAV_STATE: 10,
     Capability.PRO_MAP: 10_000,
 }
 CAPABILITY_INTERVALS_MS: Mapping[str, int] = {

@@ -19,6 +19,7 @@ from hub.errors import HubError
 from hub.gcm import mapping, vision
 from hub.gcm.capability import Capability
 from hub.gcm.catalog import BY_NAME
+from hub.gcm.providers import PROVIDED_BY
 from hub.gcm.supervision import (
     CAPABILITY_REPORTS,
     CAPABILITY_WANTS,
@@ -189,6 +190,12 @@ class RobotLink:
             self._pictures.interval = wanted[Capability.VIS_VID].interval_s
         if Capability.PRO_MAP in wanted:
             self._maps.interval = wanted[Capability.PRO_MAP].interval_s
+        self._least_s = {
+            message: wanted[capability].interval_s
+            for message, capabilities in PROVIDED_BY.items()
+            for capability in capabilities[:1]
+            if capability in wanted
+        }
         messages = (spec.messages | {CAPABILITY_REPORTS.name}) - _ANSWERS
         for name in self._handlers.keys() - messages:
             self._client.unsubscribe(BY_NAME[name], self._handlers.pop(name))
@@ -210,6 +217,8 @@ class RobotLink:
     def _store(self, name: str) -> Callable[[Any, Reception], None]:
         def store(value: object, reception: Reception) -> None:
             self._messages += 1
+            if self._too_soon(name, reception.measured):
+                return
             self._record(BY_NAME[name], value, reception.measured)
             received = self._received(value, reception)
             self._state = self._state.with_(messages={**self._state.messages, name: received})
@@ -217,6 +226,11 @@ class RobotLink:
                 self._note_lacking(value)
 
         return store
+
+    def _too_soon(self, name: str, measured: float) -> bool:
+        """Whether the layout wants no message of this kind yet, as one has just come."""
+        newest = self._state.messages.get(name)
+        return newest is not None and 0.0 <= measured - newest.measured < self._least_s.get(name, 0)
 
     def _received(self, value: T, reception: Reception) -> Received[T]:
         self._numbers += 1

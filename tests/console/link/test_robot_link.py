@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import functools
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, closing
@@ -22,6 +24,7 @@ from rune_tui.model.robot_state import LinkPhase
 from rune_tui.opening import open_layout
 from rune_tui.view import View
 from tests.console.states import rendered
+from tests.messages import robot_state
 from tests.waiting import until
 
 LAYOUT = """<rune run="1">
@@ -128,3 +131,30 @@ def test_what_the_layout_wants_is_wanted_of_the_robot(desk: Desk, role: Role | N
         until(lambda: wants, 5.0, meanwhile=lambda: daemon.listen(0.01))
     assert wants[0].capabilities == "NAV_MOVE NAV_STATE VIS_VID"
     assert wants[0].holder.startswith("rune-")
+
+
+def test_states_that_come_sooner_than_the_layout_wants_are_left_out(desk: Desk) -> None:
+    (spec,) = desk.layout(desk.central.endpoints[0]).robots
+    (state,) = [each for each in spec.capabilities if each.name == "NAV_STATE"]
+    seldom = dataclasses.replace(state, interval_s=1000.0)
+    others = tuple(each for each in spec.capabilities if each is not state)
+    link = desk.link(None)
+    _connected(link)
+    with closing(Client("navigation", desk.central.endpoints[0])) as navigation_module:
+        tell = functools.partial(navigation_module.publish, navigation.ROBOT_STATE)
+
+        def told(x: float) -> bool:
+            tell(robot_state(x=x))
+            navigation_module.listen(0.01)
+            return link.state.navigation is not None and link.state.navigation.value.x == x
+
+        until(lambda: told(1.0), 10.0)
+        link.follow(dataclasses.replace(spec, capabilities=(*others, seldom)))
+        until(lambda: link.spec.capabilities[-1] is seldom, 10.0)
+        before = link.state.link.messages_per_s
+        for x in range(20):
+            tell(robot_state(x=float(x)))
+            navigation_module.listen(0.01)
+        until(lambda: link.state.link.messages_per_s != before, 10.0)
+        assert link.state.navigation is not None
+        assert link.state.navigation.value.x == 1.0
