@@ -16,7 +16,7 @@ from rune_tui.raster.canvas import Canvas
 
 _TWO_COLUMNS = 110
 """From this width on, the page has two columns [cells]."""
-_MOST_INPUTS = 18
+_MOST_INPUTS = 22
 """Room for the names of inputs [cells]."""
 _CLOSE = "? or escape closes this; driving keys rest while it is open"
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import time
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
+from hub.gcm.mapping import MAP
 from rune_tui.compositor import picture
 from rune_tui.compositor.colours import at_depth
 from rune_tui.compositor.depth import ColourDepth
@@ -18,6 +19,8 @@ from rune_tui.model.robot_state import LinkPhase
 from rune_tui.view import View
 
 _LOOK_S = 0.02
+_PATIENCE_S = 10.0
+"""How much longer to watch at most, as a robot that was just started has not sent all yet [s]."""
 
 
 def take(
@@ -57,7 +60,7 @@ def take(
         link.start()
     try:
         end = time.monotonic() + seconds
-        while time.monotonic() < end:
+        while (now := time.monotonic()) < end or (now < end + _PATIENCE_S and _waits(links, sizes)):
             for link in links.values():
                 if link.state.picture is not None:
                     link.shown(link.state.picture.number)
@@ -75,3 +78,14 @@ def take(
             text = f"{path} cannot be written: {error.strerror or error}"
             raise PictureFileError(text) from error
     return all(robot.link.phase is LinkPhase.CONNECTED for robot in robots.values())
+
+
+def _waits(links: Mapping[str, RobotLink], pictured: Collection[str]) -> bool:
+    """Whether something is still to come that hubs that answer could send."""
+    robots = [link.state for link in links.values()]
+    return any(
+        (robot.name in pictured and robot.picture is None)
+        or (MAP.name in links[robot.name].spec.messages and robot.map is None)
+        for robot in robots
+        if robot.link.phase is LinkPhase.CONNECTED
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from pathlib import Path
 from xml.sax.saxutils import escape
 
@@ -58,14 +59,21 @@ def image(cells: Cells, *, scale: int = 8) -> Image.Image:
     picture = picture.resize(size, Image.Resampling.NEAREST)
     _shade(picture, cells, scale)
     draw = ImageDraw.Draw(picture)
-    font = ImageFont.load_default(1.6 * scale)
     for row, column in _characters(cells):
         red, green, blue = cells.ink[row, column, :3].tolist()
         place = ((column + 0.5) * scale, (2 * row + 1.55) * scale)
         glyph = _visible(int(cells.glyphs[row, column]))
         # The font is proportional: each character stands in the middle of its cell.
-        draw.text(place, glyph, (red, green, blue), font, anchor="ms")
+        draw.text(place, glyph, (red, green, blue), _font(glyph, scale), anchor="ms")
     return picture
+
+
+@functools.lru_cache(maxsize=1024)
+def _font(glyph: str, scale: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    """The font in a size in which a character is no wider than its cell."""
+    font = ImageFont.load_default(1.6 * scale)
+    wide = font.getlength(glyph)
+    return font if wide <= scale else ImageFont.load_default(1.6 * scale * scale / wide)
 
 
 def plain_text(cells: Cells) -> str:

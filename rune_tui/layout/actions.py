@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from rune_tui.layout.names import MOUSE
-from rune_tui.layout.rules import HandlerRule, NumberOption, Option
-from rune_tui.layout.spec import EventSpec, LayoutSpec, WidgetSpec
+from rune_tui.layout.rules import HandlerRule, NumberOption, Option, TextOption
+from rune_tui.layout.spec import EventSpec, LayoutSpec, ViewportSpec, WidgetSpec
 
 _WHEEL = MOUSE + "wheel"
 
@@ -51,35 +51,42 @@ def actions_of(layout: LayoutSpec) -> tuple[Action, ...]:
     return tuple(sorted(merged.values(), key=lambda action: robots.index(action.robot)))
 
 
-def input_words(event: EventSpec) -> str:
-    """The name of an input, as people call it."""
+def input_words(event: EventSpec, where: str = "") -> str:
+    """The name of an input, as people call it; of the mouse with where it is meant."""
     if event.name.startswith(MOUSE):
         part = event.name.removeprefix(MOUSE)
         named = {"wheel": "mouse wheel", "motion": "mouse moves"}.get(part, f"{part} click")
     else:
         named = event.name.upper() if len(event.name) == 1 else event.name
-    return f"{named} goes up" if event.released else named
+    place = where if event.name.startswith(MOUSE) else ""
+    return f"{named} goes up{place}" if event.released else f"{named}{place}"
 
 
 def _single_actions(layout: LayoutSpec) -> Iterator[Action]:
-    owners = [("", layout.view.widgets)]
-    owners += [(viewport.robot, viewport.widgets) for viewport in layout.view.viewports]
-    for owner, widgets in owners:
+    owners = [("", "", layout.view.widgets)]
+    owners += [(each.robot, _where(each), each.widgets) for each in layout.view.viewports]
+    for owner, where, widgets in owners:
         for widget in widgets:
             rule = layout.vocabulary.widgets[widget.handler].rule
             for event in widget.events:
                 yield Action(
                     words=_words(widget, event, rule),
-                    inputs=(input_words(event),),
+                    inputs=(input_words(event, where),),
                     robot=owner if rule.needs_robot else "",
                     event=event,
                     at_once=not (rule.pointed or rule.held or event.name == _WHEEL),
                 )
 
 
+def _where(viewport: ViewportSpec) -> str:
+    """Where the mouse has to be: what stands there if it is a button, or its name."""
+    text = viewport.visualizer.text if viewport.visualizer else ""
+    return f" at {text}" if text else f" in {viewport.name}"
+
+
 def _words(widget: WidgetSpec, event: EventSpec, rule: HandlerRule) -> str:
     said = rule.meaning.split(". ")[0].split(";")[0].rstrip(".")
-    if more := ", ".join(filter(None, (_direction(event, rule), *_options(widget, rule)))):
+    if more := ", ".join(filter(None, (_direction(event, rule), *_options(widget, event, rule)))):
         said += f": {more}"
     return said
 
@@ -95,11 +102,14 @@ def _direction(event: EventSpec, rule: HandlerRule) -> str:
     return (plus if event.value >= 0.0 else minus) + share
 
 
-def _options(widget: WidgetSpec, rule: HandlerRule) -> Iterator[str]:
-    """The options that the layout sets, and those that say how much."""
+def _options(widget: WidgetSpec, event: EventSpec, rule: HandlerRule) -> Iterator[str]:
+    """The options that the layout sets, and those that say how much, which, or where."""
     for name, option in rule.options.items():
         value = widget.options.values[name]
-        if value not in {"", option.default} or (value and isinstance(option, NumberOption)):
+        if isinstance(option, TextOption) and option.names == "viewport":
+            value = value or widget.viewport
+        others = (control for control in rule.controls if control != event.control)
+        if value and not name.startswith(tuple(f"{control}_" for control in others)):
             yield f"{_option_name(name, option)} {_shown(value, option)}"
 
 

@@ -23,6 +23,9 @@ def input_mistakes(event: Node, rules: Rules, viewport: Node | None) -> Iterator
     key, mouse = rules.value(event, "key"), rules.value(event, "mouse")
     if key is not None and not names.is_key(key):
         yield Mistake(event.at("key"), _unknown_key(key))
+    elif key is not None and names.canonical_key(key) == names.WAY_OUT:
+        message = f"the key {quoted(key)} ends the console always; choose another key"
+        yield Mistake(event.at("key"), message)
     if "key" not in event.attributes and "mouse" not in event.attributes:
         yield Mistake(event.place, "an event needs one of the attributes key and mouse")
     elif "key" in event.attributes and "mouse" in event.attributes:

@@ -29,6 +29,9 @@ NAMED_KEYS = (
 )
 FUNCTION_KEYS = tuple(f"f{number}" for number in range(1, 13))
 
+WAY_OUT = "ctrl+c"
+"""The key that ends the console, whatever a layout says."""
+
 KEYS_REPORTED_AS: Mapping[str, str] = {
     "ctrl+h": "backspace",
     "ctrl+i": "tab",
