@@ -1,7 +1,11 @@
-"""Random formats and values for property tests."""
+"""Random formats and values for property tests.
+
+Strategies are made once each: Hypothesis looks through every new one before it draws from it.
+"""
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import Any
 
@@ -24,6 +28,8 @@ _RANGE = {
 }
 _TEXT = st.text(st.characters(codec="utf-8", exclude_characters="\0"), max_size=9)
 _RARELY = st.integers(0, 9).map(lambda number: number == 9)
+_BOOLEANS = st.booleans()
+_LENGTHS = st.integers(1, 3)
 _NAMES = st.lists(
     st.sampled_from(["idle", "running", "enum", "int", "stopped", "A_1"]),
     min_size=1,
@@ -32,6 +38,7 @@ _NAMES = st.lists(
 )
 
 
+@functools.cache
 def formats_of(depth: int = 3, fewest: int = 0) -> st.SearchStrategy[formats.Format]:
     """Formats that may stand anywhere; `fewest`: members of each struct."""
     leaves: st.SearchStrategy[formats.Format] = st.one_of(
@@ -42,23 +49,31 @@ def formats_of(depth: int = 3, fewest: int = 0) -> st.SearchStrategy[formats.For
     if depth == 0:
         return leaves
     inner = formats_of(depth - 1, fewest)
-    solid = inner.filter(lambda node: formats.elements_of(node) > 0)
     dimensions = st.lists(st.integers(1, 3), min_size=1, max_size=3).map(tuple)
     return st.one_of(
         leaves,
         structs(depth, fewest),
-        st.builds(formats.FixedArray, solid, dimensions),
+        st.builds(formats.FixedArray, _solid(depth - 1, fewest), dimensions),
         inner.map(formats.Pointer),
     )
 
 
-@st.composite
-def structs(draw: st.DrawFn, depth: int = 3, fewest: int = 0) -> formats.Struct:
+@functools.cache
+def _solid(depth: int, fewest: int) -> st.SearchStrategy[formats.Format]:
+    return formats_of(depth, fewest).filter(lambda node: formats.elements_of(node) > 0)
+
+
+@functools.cache
+def structs(depth: int = 3, fewest: int = 0) -> st.SearchStrategy[formats.Struct]:
     """Structs, with variable arrays behind their size members."""
+    return _structs(depth, fewest)
+
+
+@st.composite
+def _structs(draw: st.DrawFn, depth: int, fewest: int) -> formats.Struct:
     inner = formats_of(depth - 1, fewest)
-    solid = inner.filter(lambda node: formats.elements_of(node) > 0)
     members: list[formats.Format] = []
-    for _ in range(draw(st.integers(fewest, 5))):
+    for _ in range(fewest + draw(_up_to(5 - fewest))):
         if draw(_RARELY) and members and formats.SelfPointer() not in members:
             members.append(formats.SelfPointer())
             continue
@@ -67,9 +82,9 @@ def structs(draw: st.DrawFn, depth: int = 3, fewest: int = 0) -> formats.Struct:
             for number, node in enumerate(members, 1)
             if isinstance(node, formats.Primitive) and node.name in formats.INTEGERS
         ]
-        if sizes and draw(st.booleans()):
+        if sizes and draw(_BOOLEANS):
             chosen = draw(st.lists(st.sampled_from(sizes), min_size=1, max_size=2))
-            members.append(formats.VariableArray(draw(solid), tuple(chosen)))
+            members.append(formats.VariableArray(draw(_solid(depth - 1, fewest)), tuple(chosen)))
         else:
             members.append(draw(inner))
     if not any(map(formats.elements_of, members)):
@@ -80,27 +95,31 @@ def structs(draw: st.DrawFn, depth: int = 3, fewest: int = 0) -> formats.Struct:
 @st.composite
 def values_of(draw: st.DrawFn, node: formats.Format) -> Any:
     """A value that fits a format, as its decoder would give it back."""
+    return _value(draw, node)
+
+
+def _value(draw: st.DrawFn, node: formats.Format) -> Any:
     if isinstance(node, formats.Primitive):
         return draw(_primitive(node.name))
     if isinstance(node, formats.Enum):
-        return draw(st.integers(0, node.largest))
+        return draw(_up_to(node.largest))
     if isinstance(node, formats.Pointer):
-        return draw(st.none() | values_of(node.target))
+        return _value(draw, node.target) if draw(_BOOLEANS) else None
     if isinstance(node, formats.FixedArray):
         array = _array(draw, node.element, node.count)
         return array.reshape(node.dimensions) if isinstance(array, np.ndarray) else array
     assert isinstance(node, formats.Struct)
     place = node.next_place
     if place is None:
-        return draw(_members_of(node))
+        return _members(draw, node)
     first: Any = None
-    for body in draw(st.lists(_members_of(node), min_size=1, max_size=3)):
+    for _ in range(draw(_LENGTHS)):
+        body = _members(draw, node)
         first = (*body[:place], first, *body[place + 1 :])
     return first
 
 
-@st.composite
-def _members_of(draw: st.DrawFn, node: formats.Struct) -> tuple[Any, ...]:
+def _members(draw: st.DrawFn, node: formats.Struct) -> tuple[Any, ...]:
     """The members of a struct; a self pointer is None."""
     sizes = {
         number - 1
@@ -116,17 +135,23 @@ def _members_of(draw: st.DrawFn, node: formats.Struct) -> tuple[Any, ...]:
             count = math.prod(values[number - 1] for number in member.size_members)
             values.append(_array(draw, member.element, count))
         elif index in sizes:
-            values.append(draw(st.integers(0, 3)))
+            values.append(draw(_up_to(3)))
         else:
-            values.append(draw(values_of(member)))
+            values.append(_value(draw, member))
     return tuple(values)
 
 
+@functools.cache
+def _up_to(largest: int) -> st.SearchStrategy[int]:
+    return st.integers(0, largest)
+
+
+@functools.cache
 def _primitive(name: str) -> st.SearchStrategy[Any]:
     if name == "string":
         return _TEXT
     if name == "boolean":
-        return st.booleans()
+        return _BOOLEANS
     if name in ("float", "double"):
         return st.floats(width=32 if name == "float" else 64)
     return st.integers(*_RANGE[name])
@@ -136,7 +161,7 @@ def _array(draw: st.DrawFn, element: formats.Format, count: int) -> Any:
     if isinstance(element, formats.Primitive) and element.name != "string":
         items = draw(st.lists(_primitive(element.name), min_size=count, max_size=count))
         return np.array(items, DTYPES[element.name])
-    return [draw(values_of(element)) for _ in range(count)]
+    return [_value(draw, element) for _ in range(count)]
 
 
 def same(one: Any, other: Any) -> bool:
