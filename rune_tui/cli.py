@@ -5,14 +5,13 @@ from __future__ import annotations
 import argparse
 import enum
 import functools
-import importlib.metadata
 import logging
 import logging.handlers
 import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.errors import ConsoleError
@@ -27,6 +26,20 @@ _DEMO_ROBOT = "magellan"
 _PICTURE_ENDINGS = (".txt", ".svg", ".png")
 _LOG_BYTES = 1_000_000
 _CONSOLE_LIBRARIES = ("textual", "rich", "PIL", "lxml", "platformdirs")
+
+
+class _ShowVersion(argparse.Action):
+    """Looks the version up when it is asked for: to import what finds it costs 30 ms."""
+
+    def __init__(self, option_strings: Sequence[str], dest: str) -> None:
+        text = "show program's version number and exit"
+        super().__init__(option_strings, dest, nargs=0, default=argparse.SUPPRESS, help=text)
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        from importlib.metadata import version
+
+        sys.stdout.write(f"rune {version('robot-user-nexus')}\n")
+        parser.exit()
 
 
 class ExitCode(enum.IntEnum):
@@ -236,8 +249,7 @@ def _parser() -> argparse.ArgumentParser:
         description="Rune, the Robot-User Nexus: drive robots from a terminal.",
         epilog="Exit codes: 0 ok, 1 a fault, 2 wrong usage or layout, 3 no hub.",
     )
-    version = importlib.metadata.version("robot-user-nexus")
-    parser.add_argument("--version", action="version", version=f"rune {version}")
+    parser.add_argument("--version", action=_ShowVersion)
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     layout_help = "a layout file, or the name of a shipped layout"
     keys_help = "your key's file, for a hub on another machine"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import closing
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,13 @@ from hub.ipc.central import Central
 from hub.ipc.keyring import Keyring
 from hub.ipc.security import Role
 from rune_tui.cli import ExitCode, main
+
+
+def test_it_tells_its_version(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(["--version"])
+    assert ended.value.code == 0
+    assert capsys.readouterr().out == f"rune {version('robot-user-nexus')}\n"
 
 
 @pytest.mark.parametrize("name", ["demo", "minimal"])

@@ -27,7 +27,10 @@ ON_DEMAND = {"av"}
             {"textual", "rich", "hid", "zmq"},
         ),
         ("import rune_tui.shot", {"textual", "rich", "hid"}),
-        ("import hub.cli, rune_tui.cli", CONSOLE_ONLY - {"rune_tui"} | {"zmq", "numpy"}),
+        (
+            "import hub.cli, rune_tui.cli",
+            CONSOLE_ONLY - {"rune_tui"} | {"zmq", "numpy", "importlib.metadata"},
+        ),
     ],
 )
 def test_import_stays_light(statement: str, forbidden: set[str]) -> None:
