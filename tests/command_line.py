@@ -37,7 +37,6 @@ def rune_hub(*arguments: str) -> subprocess.CompletedProcess[str]:
     ):
         patch.setattr(cli, "start_logging", lambda *_: None)
         patch.setattr(cli, "_leave", _interrupted)
-        patch.setenv("OPENBLAS_NUM_THREADS", "1")  # which it would set for good
         try:
             code = cli.main(arguments)
         except SystemExit as end:  # of a command that cannot be understood
