@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Iterable
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.gcm.navigation import VELOCITY_COMMAND
@@ -117,7 +117,6 @@ KEYS = ("w", "w", "a", "i", "space", "r", "r", "f1", "escape", "x", "n")
         max_size=30,
     )
 )
-@settings(max_examples=100)
 def test_whatever_is_chosen_helped_or_listed_every_robot_ends_at_rest(
     choosing: LayoutSpec, actions: list[tuple[str, int]]
 ):

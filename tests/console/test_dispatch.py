@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Twist
@@ -319,7 +319,6 @@ def play(actions: list[tuple[str, int]]) -> Hands:
 
 
 @given(actions=ACTIONS)
-@settings(max_examples=150)
 def test_speeds_never_exceed_the_options_whatever_the_hands_do(actions: list[tuple[str, int]]):
     hands = play(actions)
     for twist in hands.velocities(0.0, 1e9):
@@ -329,7 +328,6 @@ def test_speeds_never_exceed_the_options_whatever_the_hands_do(actions: list[tup
 
 
 @given(actions=ACTIONS)
-@settings(max_examples=150)
 def test_when_hands_leave_the_robot_is_at_rest_within_the_first_hold(
     actions: list[tuple[str, int]],
 ):
@@ -343,7 +341,6 @@ def test_when_hands_leave_the_robot_is_at_rest_within_the_first_hold(
 
 
 @given(actions=ACTIONS)
-@settings(max_examples=150)
 def test_letting_go_sends_zero_once_and_then_five_times_a_second(actions: list[tuple[str, int]]):
     hands = play(actions)
     hands.wait(1)
@@ -367,7 +364,6 @@ def test_letting_go_sends_zero_once_and_then_five_times_a_second(actions: list[t
 
 
 @given(actions=ACTIONS)
-@settings(max_examples=150)
 def test_losing_the_focus_sends_exactly_one_zero_at_once(actions: list[tuple[str, int]]):
     hands = play(actions)
     hands.keyboard.release_all()
@@ -379,7 +375,6 @@ def test_losing_the_focus_sends_exactly_one_zero_at_once(actions: list[tuple[str
 
 
 @given(actions=ACTIONS)
-@settings(max_examples=150)
 def test_while_a_robot_moves_no_command_is_older_than_a_tenth_of_a_second(
     actions: list[tuple[str, int]],
 ):
@@ -395,7 +390,6 @@ def test_while_a_robot_moves_no_command_is_older_than_a_tenth_of_a_second(
 
 
 @given(actions=ACTIONS)
-@settings(max_examples=150)
 def test_the_newest_of_the_held_keys_of_a_control_wins(actions: list[tuple[str, int]]):
     linear = {"w": 0.5, "up": 0.5, "s": -0.5}
     hands = Hands(DEMO)

@@ -60,7 +60,6 @@ def eaten(row: str) -> list[Shown]:
     return shown
 
 
-@settings(max_examples=150, deadline=None)
 @given(frames)
 def test_a_screen_model_that_eats_the_rows_shows_the_cells(cells: Cells) -> None:
     rows = RowEncoder().encode_text(cells)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rune_tui.compositor.blend import Layer, compose, mix
@@ -105,7 +105,6 @@ layers = st.builds(
 )
 
 
-@settings(max_examples=150, deadline=None)
 @given(st.lists(layers, max_size=4))
 def test_composing_equals_the_reference_pixel_by_pixel(pile: list[Layer]) -> None:
     cells = compose(COLUMNS, ROWS, BACKGROUND, pile)

@@ -118,7 +118,7 @@ def _encode_or_refuse(coder: codec.Codec | MessageDefinition[Any], value: Any) -
     assert b"".join(coder.encode(back)) == payload
 
 
-@settings(max_examples=100, suppress_health_check=[HealthCheck.too_slow])
+@settings(suppress_health_check=[HealthCheck.too_slow])
 @given(_spoiled_cases())
 def test_any_value_is_encoded_or_refused(case: tuple[formats.Struct, Any]) -> None:
     tree, value = case

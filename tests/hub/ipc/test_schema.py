@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from mcap.reader import make_reader
 from mcap.writer import Writer
@@ -105,7 +105,6 @@ def test_message_of_the_vocabulary_has_the_bytes_that_ros_writers_make(
     _agree(definition, definition.record.values(value_of(definition)))
 
 
-@settings(max_examples=150)
 @given(_random_messages())
 def test_any_message_has_the_bytes_that_ros_writers_make(
     message: tuple[MessageDefinition[Any], Any],
@@ -144,7 +143,6 @@ def test_recording_of_payloads_as_they_are_is_read_by_ros_tools(
     _read_back(definition, definition.record.values(value_of(definition)))
 
 
-@settings(max_examples=50)
 @given(_random_messages())
 def test_recording_of_any_message_is_read_by_ros_tools(
     message: tuple[MessageDefinition[Any], Any],
@@ -163,7 +161,6 @@ def test_idl_describes_the_same_types_as_ros2msg(definition: MessageDefinition[A
     _same_types(definition)
 
 
-@settings(max_examples=50)
 @given(_random_messages())
 def test_idl_of_any_message_describes_the_same_types_as_ros2msg(
     message: tuple[MessageDefinition[Any], Any],

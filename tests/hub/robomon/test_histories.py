@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from typing import Any
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.gcm.supervision import CapabilityPhase, ModuleOrder, ModulePhase
@@ -17,7 +17,6 @@ _MODULES = ("a", "b", "c", "d")
 _CAPABILITIES = ("A", "B", "C")
 
 
-@settings(max_examples=60)
 @given(st.integers(0, 2**32))
 def test_random_histories(seed: int) -> None:
     """Whatever modules do and whoever wants what: no storm, no doubles, no zombie, no deadlock."""

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.gcm.autonomy import Behaviour, Pilot
@@ -423,7 +423,6 @@ EVENTS: dict[str, Callable[[Scene], object]] = {
 }
 
 
-@settings(max_examples=150)
 @given(st.lists(st.tuples(st.sampled_from(list(EVENTS)), st.integers(0, 12)), max_size=25))
 def test_nothing_is_sent_while_it_holds_or_is_deaf(events: list[tuple[str, int]]) -> None:
     scene = Scene()
