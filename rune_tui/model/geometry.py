@@ -36,6 +36,8 @@ from rune_tui.model.sightings import Floats, GroundPoints, Seen, SeenPoints, Sig
 
 _LEAST_DEPRESSION: Final = 1e-9
 """Sine of the angle below the horizon from which a ray counts as meeting the ground."""
+_NARROWEST: Final = 1e-6
+"""No camera has so narrow a field of view [rad]."""
 _LEAST_DEPTH: Final = 1e-9
 """What is less than this ahead of the camera [m] counts as behind it."""
 
@@ -79,7 +81,7 @@ class PictureGeometry:
             height_px: Height of the picture.
         """
         numbers = (camera.pan, camera.tilt, camera.mount_forward, camera.mount_height)
-        usable = 0.0 < camera.horizontal_fov < math.pi and width_px > 0 < height_px
+        usable = _NARROWEST < camera.horizontal_fov < math.pi and width_px > 0 < height_px
         if not usable or not all(map(math.isfinite, numbers)) or camera.mount_height <= 0.0:
             return None
         half_width = math.tan(camera.horizontal_fov / 2.0)

@@ -17,6 +17,8 @@ from rune_tui.raster.canvas import Canvas, Colour
 Point = tuple[float, float]
 """x right, y down from the upper left corner of the canvas [pixels]; pixel (0, 0) spans 0 to 1."""
 
+_FAR: Final = 4.0
+"""Lines that reach farther than so many times width and height of the canvas are cut."""
 _ARROW_BACK: Final = math.radians(140.0)
 """From an arrow's tip to its other two corners, seen from its middle [rad]."""
 
@@ -40,7 +42,8 @@ class Pen:
     def line(self, points: Sequence[Point], colour: Colour, width: float = 1.0) -> None:
         """Join points by straight lines `width` pixels thick."""
         thickness = max(1, round(width * self.scale))
-        self.draw.line([self._at(point) for point in points], colour, thickness, joint="curve")
+        for piece in self._nearby(points):
+            self.draw.line([self._at(point) for point in piece], colour, thickness, joint="curve")
 
     def dashes(
         self, points: Sequence[Point], colour: Colour, *, dash: float, gap: float, width: float = 1
@@ -132,6 +135,18 @@ class Pen:
 
     def _at(self, point: Point) -> Point:
         return point[0] * self.scale, point[1] * self.scale
+
+    def _nearby(self, points: Sequence[Point]) -> Iterator[Sequence[Point]]:
+        """The pieces of a line that can be seen; Pillow takes time for each pixel beyond them."""
+        far = _FAR * (self.width + self.height)
+        if all(abs(x) <= far and abs(y) <= far for x, y in points):
+            yield points
+            return
+        for begin, end in itertools.pairwise(points):
+            length = math.dist(begin, end)
+            near, beyond = self._near(begin, end, length)
+            if near < beyond:
+                yield [_between(begin, end, way / length) for way in (near, beyond)]
 
     def _box(self, centre: Point, radius: float) -> tuple[float, float, float, float]:
         x, y = self._at(centre)

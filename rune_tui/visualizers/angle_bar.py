@@ -112,7 +112,7 @@ def bar_span(length: int, offset: float, share: float) -> tuple[int, int]:
         offset: Angle as a share of the whole, positive left or up, -0.5 to 0.5.
         share: Field of view as a share of the whole.
     """
-    size = min(length, max(1, round(share * length)))
-    start = round((0.5 - offset) * length - size / 2.0)
+    size = max(1, round(min(1.0, share) * length))
+    start = round((0.5 - max(-0.5, min(0.5, offset))) * length - size / 2.0)
     start = max(0, min(length - size, start))
     return start, start + size

@@ -69,7 +69,9 @@ class Attitude(Reading[flight.Attitude, _Tilt]):
         along = (math.cos(roll), -math.sin(roll))
         down = (math.sin(roll), math.cos(roll))
         x, y = canvas.width / 2.0, height / 2.0
-        shift = up * scale
+        # Beyond this the horizon is out of sight, however far.
+        far = canvas.width + height
+        shift = max(-far, min(far, up * scale))
         x, y = x + down[0] * shift, y + down[1] * shift
         reach = _FAR * (canvas.width + height + abs(shift))
         ends = [(x + side * reach * along[0], y + side * reach * along[1]) for side in (-1.0, 1.0)]
@@ -85,7 +87,10 @@ class Attitude(Reading[flight.Attitude, _Tilt]):
 
 
 def _degrees(angle: float) -> int | None:
-    return round(math.degrees(angle)) if math.isfinite(angle) else None
+    """An angle [rad] in whole degrees, -180 to 180; None where not known."""
+    if not math.isfinite(angle):
+        return None
+    return round(math.degrees(math.remainder(angle, 2.0 * math.pi)))
 
 
 def _words(tilt: _Tilt, columns: int) -> str:

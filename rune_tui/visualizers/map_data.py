@@ -34,6 +34,8 @@ OLD_MAP_S: Final = 30.0
 _ACROSS_M: Final = 10.0
 _MARGIN: Final = 1.08
 """How much more than what is known the whole map shows."""
+_FINEST_M: Final = 1e-3
+"""No pixel shows less of the world [m]."""
 _NORTH: Final = math.pi / 2.0
 _CONTRAST: Final = np.clip((np.arange(101) - 30) * 100 // 35, 0, 100)
 """Cells count as surely free up to 30 and as surely occupied from 65 on, as in ROS's maps."""
@@ -202,7 +204,7 @@ class MapData:
         pose = _pose(robot)
         up = pose.theta if self._turns and pose is not None else _NORTH
         known = self._corners(robot)
-        scale = self._across / self._zoom(state) / size[0]
+        scale = max(_FINEST_M, self._across / self._zoom(state) / size[0])
         if len(known) and self._whole:
             return _around(known, size, up, self._zoom(state))
         if pose is None and not len(known):
@@ -232,8 +234,10 @@ def _pose(robot: RobotState) -> Pose | None:
 
 
 def _points(robot: RobotState) -> tuple[InterestPoint, ...]:
+    """What is marked, where that is told."""
     received = robot.newest(INTEREST_POINTS)
-    return received.value.points if received is not None else ()
+    points = received.value.points if received is not None else ()
+    return tuple(point for point in points if math.isfinite(point.x) and math.isfinite(point.y))
 
 
 def _route(robot: RobotState) -> Floats:
@@ -241,7 +245,10 @@ def _route(robot: RobotState) -> Floats:
     received = robot.newest(NAVIGATION_STATUS)
     if received is None or received.value.task is not Task.GOING:
         return np.empty((0, 2))
-    return np.array([(point.x, point.y) for point in received.value.path]).reshape(-1, 2)
+    points = [(point.x, point.y) for point in received.value.path]
+    path: Floats = np.array(points, np.float64).reshape(-1, 2)
+    told: Floats = path[np.isfinite(path).all(axis=1)]
+    return told
 
 
 def _whole(number: float) -> int | None:
@@ -265,7 +272,7 @@ def _around(corners: Floats, size: tuple[int, int], up: float, zoom: float) -> M
     width, height = size
     metres = MapWindow(x=x, y=y, metres_per_pixel=1.0, width=width, height=height, up=up)
     spread = np.ptp(metres.pixels(corners), axis=0) * _MARGIN
-    scale = float((spread / size).max()) / zoom
+    scale = max(_FINEST_M, float((spread / size).max()) / zoom)
     return MapWindow(x=x, y=y, metres_per_pixel=scale, width=width, height=height, up=up)
 
 

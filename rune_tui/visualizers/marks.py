@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections import Counter
 from typing import ClassVar
@@ -73,7 +74,14 @@ def _cells(point: InterestPoint) -> _Cells:
         f"{point.number:>2}",
         point.kind.name.lower(),
         f"{point.x:.2f}, {point.y:.2f}",
-        time.strftime("%H:%M:%S", time.localtime(point.stamp)) if point.stamp > 0.0 else "",
+        _clock(point.stamp),
         point.by,
         point.note,
     )
+
+
+def _clock(stamp: float) -> str:
+    """A time [s since the epoch] as the time of day here; empty where none is told."""
+    if not (math.isfinite(stamp) and stamp > 0.0):
+        return ""
+    return time.strftime("%H:%M:%S", time.localtime(stamp))

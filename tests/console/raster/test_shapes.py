@@ -152,3 +152,13 @@ def test_a_cross_reaches_its_corners_and_leaves_its_sides() -> None:
     red = canvas.pixels[..., 3] > 0
     assert red[[4, 4, 16, 16, 10], [4, 16, 4, 16, 10]].all()
     assert not red[[4, 16, 10, 10], [10, 10, 4, 16]].any()
+
+
+def test_of_a_line_that_comes_from_far_away_only_what_is_seen_is_drawn() -> None:
+    canvas = Canvas.blank(8, 6)
+    with drawing(canvas) as pen:
+        # All of its pixels would take Pillow for ever.
+        pen.line([(-1e13, 2.5), (1e13, 2.5), (1e13, 9e13), (-5e12, 4.5), (9.0, 4.5)], RED)
+    assert (canvas.pixels[2] == RED).all()
+    assert (canvas.pixels[4] == RED).all()
+    assert not canvas.pixels[[0, 1, 5]].any()
