@@ -34,6 +34,7 @@ from hub.ipc.keys import read_client_keys
 from hub.ipc.reception import Reception
 from hub.ipc.security import Action, may
 from rune_tui.layout.spec import RobotSpec
+from rune_tui.link.bounds import MOST_LETTERS, bounded
 from rune_tui.link.pictures import map_of, picture_of
 from rune_tui.link.requests import Requester
 from rune_tui.model.console_state import PictureWish
@@ -220,10 +221,13 @@ class RobotLink:
             if self._too_soon(name, reception.measured):
                 return
             self._record(BY_NAME[name], value, reception.measured)
-            received = self._received(value, reception)
+            taken = bounded(value)
+            if taken is not value and name not in self._state.link.cut:
+                self._change_link(cut=self._state.link.cut | {name})
+            received = self._received(taken, reception)
             self._state = self._state.with_(messages={**self._state.messages, name: received})
-            if isinstance(value, CapabilityReports):
-                self._note_lacking(value)
+            if isinstance(taken, CapabilityReports):
+                self._note_lacking(taken)
 
         return store
 
@@ -265,7 +269,7 @@ class RobotLink:
         self._set_link(phase, detail)
 
     def _set_link(self, phase: LinkPhase, detail: str) -> None:
-        link = self._state.link
+        link, detail = self._state.link, detail[:MOST_LETTERS]
         if (phase, detail) != (link.phase, link.detail):
             since = link.since if phase is link.phase else self._clock()
             self._change_link(phase=phase, since=since, detail=detail)

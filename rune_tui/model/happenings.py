@@ -18,7 +18,8 @@ GRACE_S = 4.0
 class Watch:
     """Compares what is known of each robot with what was known before.
 
-    Links that are lost and found, and wanted capabilities that a robot does not provide.
+    Links that are lost and found, wanted capabilities that a robot does not provide, and messages
+    that say more than the console takes.
     """
 
     def __init__(self) -> None:
@@ -26,6 +27,7 @@ class Watch:
         self._lacking: dict[str, Mapping[str, str]] = {}
         self._had: dict[str, set[str]] = {}
         self._since: dict[tuple[str, str], float] = {}
+        self._cut: dict[str, frozenset[str]] = {}
 
     def look(self, state: ConsoleState) -> tuple[Notice, ...]:
         """What has happened since the last look."""
@@ -41,6 +43,10 @@ class Watch:
             elif link.phase is LinkPhase.CONNECTED:
                 again = " again" if before is LinkPhase.LOST else ""
                 yield state.notice(f"linked{again}", robot=name)
+        for message in sorted(link.cut - self._cut.get(name, frozenset())):
+            text = f"{message} says more than can be shown: only part of it is"
+            yield state.notice(text, robot=name, alarm=True)
+        self._cut[name] = link.cut
         if link.phase is LinkPhase.CONNECTED:
             yield from self._capabilities(robot, state)
 

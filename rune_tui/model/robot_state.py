@@ -98,6 +98,7 @@ class LinkState:
         messages_per_s: How many messages come in; NaN before a second of them was counted.
         missed: How many messages did not come, of those that should have.
         lacking: Wanted capabilities that the robot does not provide now, in words by name.
+        cut: Messages of which some was too much to be taken, by name.
     """
 
     phase: LinkPhase
@@ -110,6 +111,7 @@ class LinkState:
     messages_per_s: float = math.nan
     missed: int = 0
     lacking: Mapping[str, str] = field(default_factory=dict)
+    cut: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -78,3 +78,16 @@ def test_a_lost_link_says_nothing_of_capabilities():
     seen(watch, LinkPhase.CONNECTED, "VIS_VID")
     (lost,) = seen(watch, LinkPhase.LOST, VIS_VID="starting")
     assert "link" in lost.text
+
+
+def test_a_message_that_says_too_much_is_told_once():
+    watch = Watch()
+
+    def look(*cut: str) -> list[tuple[str, bool]]:
+        robot = Made().robot(link=Made.link(cut=frozenset(cut)))
+        return texts(list(watch.look(ConsoleState(now=1.0, robots={"magellan": robot}))))
+
+    look()
+    text = "GCM_Modules says more than can be shown: only part of it is"
+    assert look("GCM_Modules") == [(text, True)]
+    assert look("GCM_Modules") == []
