@@ -6,7 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 import numpy.typing as npt
+from rich.style import Style
 from textual.geometry import Region
+from textual.screen import Screen
 from textual.strip import Strip
 from textual.widget import Widget
 
@@ -15,6 +17,15 @@ from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.colours import at_depth
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.ui.pixel_strip import PixelStrip
+
+
+class ViewScreen(Screen[None]):
+    """The screen on which the pane lies."""
+
+    def get_style_at(self, x: int, y: int) -> Style:
+        """No style: Textual asks at each move of the mouse, which would take a row apart."""
+        del x, y
+        return Style.null()
 
 
 class ViewPane(Widget, can_focus=False):

@@ -1,0 +1,79 @@
+"""What the console hears of a terminal's mouse."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+import pytest
+from textual import events
+from textual.app import App
+from textual.message import Message
+
+from rune_tui.ui.sturdy_driver import SturdyDriver, SturdyParser
+
+
+class Waiting(App[None]):
+    """A console with so many messages to go through."""
+
+    waiting = 0
+
+    @property
+    def message_queue_size(self) -> int:
+        return self.waiting
+
+
+class Told(SturdyDriver):
+    """Notes what it tells the console."""
+
+    def __init__(self, app: App[Any]) -> None:
+        super().__init__(app)
+        self.told: list[Message] = []
+
+    def send_message(self, message: Message) -> None:
+        self.told.append(message)
+
+
+def heard(*pieces: tuple[str, int]) -> list[str]:
+    """What the console is told of pieces of input, each read while so many messages wait."""
+
+    async def play() -> list[Message]:
+        app = Waiting()
+        driver, parser = Told(app), SturdyParser()
+        for text, app.waiting in pieces:
+            driver._take(parser, text)
+        return driver.told
+
+    return [
+        f"{type(event).__name__} {event.x:g},{event.y:g}"
+        if isinstance(event, events.MouseEvent)
+        else type(event).__name__
+        for event in asyncio.run(play())
+    ]
+
+
+@pytest.mark.parametrize("place", ["-3;-2", "-1;7", "0;0"])
+def test_a_button_that_goes_up_beyond_the_upper_left_corner_is_heard(place: str) -> None:
+    down, up = heard(("\x1b[<0;5;5M", 0), (f"\x1b[<0;{place}m", 0))
+    assert down == "MouseDown 4,4"
+    assert up in {"MouseUp 0,0", "MouseUp 0,6"}
+
+
+def test_a_console_that_is_behind_hears_of_every_button_and_key_but_of_few_moves() -> None:
+    moves = "".join(f"\x1b[<35;{column};3M" for column in range(1, 80))
+    wheel = "\x1b[<64;9;9M" * 50
+    told = heard((f"{moves}{wheel}\x1b[<0;5;5M{moves}\x1b[<0;6;6m x", 9))
+    assert [event.split()[0] for event in told] == ["MouseDown", "MouseUp", "Key", "Key"]
+
+
+def test_where_the_mouse_went_is_told_when_the_console_has_caught_up() -> None:
+    moves = "".join(f"\x1b[<35;{column};3M" for column in range(1, 80))
+    assert heard((moves, 9), ("", 9)) == []
+    assert heard((moves, 9), ("", 0)) == ["MouseMove 78,2"]
+    assert heard((moves, 9), ("", 0), ("", 0)) == ["MouseMove 78,2"]
+
+
+def test_of_moves_that_come_together_the_last_is_told_and_buttons_keep_their_place() -> None:
+    moves = "".join(f"\x1b[<35;{column};3M" for column in range(1, 80))
+    told = heard((f"{moves}\x1b[<0;5;5M\x1b[<32;6;5M\x1b[<32;7;5M\x1b[<0;7;5m", 0))
+    assert told == ["MouseMove 78,2", "MouseDown 4,4", "MouseMove 6,4", "MouseUp 6,4"]
