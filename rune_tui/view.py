@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Hashable, Mapping
+import math
+import time
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from typing import cast
 
@@ -29,6 +31,12 @@ MIN_PICTURE = (16, 12)
 """Smallest picture worth asking for, width and height [pixels]."""
 
 
+SLOW_S = 0.25
+"""A drawing that takes longer holds up the hands [s]."""
+_REST = 10.0
+"""How much longer than such a drawing took its viewport rests."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Place:
     """Where a viewport lies on the terminal's pixel grid (columns, 2 * rows) [pixels]."""
@@ -46,10 +54,13 @@ class _Pane:
     spec: ViewportSpec
     visualizer: Visualizer
     place: Place
+    clock: Callable[[], float]
+    rests_until: float = -math.inf
     layer: Layer | None = None
     source: Hashable = None
     drawn_of: RobotState | None = None
     failed: bool = False
+    lost: bool = False
 
     def visible(self, state: ConsoleState) -> bool:
         """Whether it is to be seen."""
@@ -62,8 +73,9 @@ class _Pane:
             gone, self.layer = self.layer is not None, None
             return gone
         robot = self.robot(state)
-        if robot is None:
+        if robot is None or (self.layer is not None and self.clock() < self.rests_until):
             return False
+        began = self.clock()
         try:
             source = self.visualizer.source(robot, state)
             if self.layer is not None and source == self.source:
@@ -78,6 +90,7 @@ class _Pane:
             _logger.exception("viewport %s: %s failed", self.spec.name, function)
             source, canvas = object(), Canvas.blank(self.place.width, self.place.height)
             write_notice(canvas, f"{function} failed; the log says why", state.theme)
+        self._mind_time(canvas, self.clock() - began, state)
         self.source = source
         self.drawn_of = robot
         self.layer = Layer(
@@ -88,6 +101,14 @@ class _Pane:
             transparency=self.spec.transparency,
         )
         return True
+
+    def _mind_time(self, canvas: Canvas, took: float, state: ConsoleState) -> None:
+        """Have it rest after a drawing that took too long [s], and say so on it."""
+        if took > SLOW_S:
+            self.rests_until = self.clock() + _REST * took
+            canvas.text(
+                0, 0, f"slow: drawn every {(1.0 + _REST) * took:.0f} s", state.theme.alarm_ink
+            )
 
     def robot(self, state: ConsoleState) -> RobotState | None:
         """The robot that it shows."""
@@ -102,10 +123,15 @@ class _Pane:
             return None
         shown, in_picture = None, None
         pixel, size = (across + 0.5, down + 0.5), (place.width, place.height)
-        if robot is not None and isinstance(self.visualizer, Locating):
-            shown = self.visualizer.locate(pixel, size, robot, state)
-        if robot is not None and isinstance(self.visualizer, Picturing):
-            in_picture = self.visualizer.in_picture(pixel, size, robot)
+        try:
+            if robot is not None and isinstance(self.visualizer, Locating):
+                shown = self.visualizer.locate(pixel, size, robot, state)
+            if robot is not None and isinstance(self.visualizer, Picturing):
+                in_picture = self.visualizer.in_picture(pixel, size, robot)
+        except Exception:  # as above; then no place is known there
+            if not self.lost:
+                _logger.exception("viewport %s cannot tell what was clicked", self.spec.name)
+            self.lost = True
         return Hit(
             viewport=self.spec.name,
             x=pixel[0] / place.width,
@@ -124,7 +150,14 @@ class _Pane:
 class View:
     """Turns the states of robots into cells; nothing is drawn until `resize` was called."""
 
-    def __init__(self, layout: LayoutSpec) -> None:
+    def __init__(self, layout: LayoutSpec, clock: Callable[[], float] = time.perf_counter) -> None:
+        """Prepare.
+
+        Args:
+            layout: What there is to see.
+            clock: Tells how long drawings take [s].
+        """
+        self._clock = clock
         self._spec = layout.view
         self._vocabulary = layout.vocabulary
         self._theme = ""
@@ -154,7 +187,8 @@ class View:
                 place = placed(viewport, self._spec, columns, rows, whole_cells=shown.whole_cells)
                 if self._full:
                     place = Place(x=0, y=0, width=columns, height=2 * rows)
-                self._panes.append(_Pane(spec=viewport, visualizer=shown, place=place))
+                pane = _Pane(spec=viewport, visualizer=shown, place=place, clock=self._clock)
+                self._panes.append(pane)
 
     def render(self, state: ConsoleState) -> Cells | None:
         """The picture as it is now, or None when it is the one returned last."""

@@ -1,0 +1,133 @@
+"""Visualizers of somebody else that fail or take long, and what is left of the view."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Hashable
+from typing import Any, ClassVar, Self
+
+import pytest
+
+from rune_tui.compositor.cells import Cells
+from rune_tui.layout.rules import Options, VisualizerRule, Vocabulary
+from rune_tui.layout.spec import LayoutSpec, ViewportSpec, ViewSpec, VisualizerSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import RobotState
+from rune_tui.raster.canvas import Canvas
+from rune_tui.view import View
+from tests.console.visualizers.conftest import Made
+
+SHOWN = ConsoleState(now=1.0, robots={"magellan": Made().robot()})
+
+
+class Clock:
+    """A clock that goes on by what drawing takes."""
+
+    now = 0.0
+
+
+class Foreign:
+    """Counts its drawings, each of which takes a while, and fails to tell where anything is."""
+
+    rule: ClassVar = VisualizerRule(meaning="a count")
+    whole_cells: ClassVar[bool] = True
+    takes: ClassVar[float] = 0.0
+    drawn: ClassVar[int] = 0
+
+    @classmethod
+    def from_spec(cls, spec: VisualizerSpec) -> Self:
+        del spec
+        return cls()
+
+    def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
+        del robot
+        Foreign.drawn += 1
+        Clock.now += self.takes
+        canvas.text(0, 1, f"drawing {self.drawn}", state.theme.ink)
+
+    def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
+        del robot, state
+        return object()
+
+    def locate(self, *where: Any) -> Any:
+        raise ZeroDivisionError(where)
+
+
+@pytest.fixture
+def view(monkeypatch: pytest.MonkeyPatch) -> View:
+    monkeypatch.setattr(Clock, "now", 0.0)
+    monkeypatch.setattr(Foreign, "drawn", 0)
+    spec = VisualizerSpec(
+        function="visualizeForeign",
+        message="",
+        option=0.0,
+        text="",
+        options=Options.of({}, {}),
+        line=1,
+    )
+    viewport = ViewportSpec(
+        name="foreign",
+        robot="magellan",
+        visible=True,
+        transparency=0,
+        xpos=0,
+        ypos=0,
+        xsize=40,
+        ysize=20,
+        zpos=0,
+        scaled=True,
+        visualizer=spec,
+        widgets=(),
+        line=1,
+    )
+    layout = LayoutSpec(
+        path="",
+        run_number=0,
+        robots=(),
+        view=ViewSpec(xsize=40, ysize=20, background=(0, 0, 0), viewports=(viewport,), widgets=()),
+        vocabulary=Vocabulary(visualizers={"visualizeForeign": Foreign}, widgets={}),
+    )
+    made = View(layout, clock=lambda: Clock.now)
+    made.resize(40, 10)
+    return made
+
+
+def words(cells: Cells | None) -> str:
+    assert cells is not None
+    return "\n".join("".join(chr(g or 32) for g in row) for row in cells.glyphs.tolist())
+
+
+def test_a_viewport_whose_drawing_holds_up_the_console_rests_and_says_so(
+    view: View, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Foreign, "takes", 0.5)
+    assert "slow: drawn every 6 s" in words(view.render(SHOWN))
+    Clock.now += 4.9
+    assert view.render(SHOWN) is None
+    monkeypatch.setattr(Foreign, "takes", 0.01)
+    Clock.now += 0.2
+    again = words(view.render(SHOWN))
+    assert "drawing 2" in again
+    assert "slow" not in again
+    assert "drawing 3" in words(view.render(SHOWN))
+
+
+def test_a_viewport_that_is_hidden_and_shown_again_is_not_kept_waiting_by_its_rest(
+    view: View, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Foreign, "takes", 0.5)
+    view.render(SHOWN)
+    view.render(dataclasses.replace(SHOWN, shown={"foreign": False}))
+    assert "drawing 2" in words(view.render(SHOWN))
+
+
+def test_a_visualizer_that_fails_to_tell_what_was_clicked_leaves_a_click_without_a_place(
+    view: View, caplog: pytest.LogCaptureFixture
+) -> None:
+    view.render(SHOWN)
+    for _ in range(3):
+        (hit,) = view.hits(3, 3, SHOWN)
+    assert (hit.viewport, hit.robot, hit.place) == ("foreign", "magellan", None)
+    assert [record.message for record in caplog.records] == [
+        "viewport foreign cannot tell what was clicked"
+    ]
