@@ -9,6 +9,7 @@ import asyncio
 import contextlib
 import dataclasses
 import datetime
+import logging
 import os
 import signal
 import threading
@@ -40,12 +41,14 @@ from rune_tui.model.effects import (
     DeedEffect,
     Effect,
     ExportEffect,
+    FillView,
     NextLayoutEffect,
     PaletteEffect,
     QuitEffect,
     RecordEffect,
     ScreenshotEffect,
     SendEffect,
+    ShowViewport,
     StateEffect,
     Tell,
     ToggleHelp,
@@ -55,11 +58,13 @@ from rune_tui.model.happenings import Watch
 from rune_tui.ui.palette import palette_of
 from rune_tui.ui.question import Question
 from rune_tui.ui.terminal import output_is_pending, terminal_driver
-from rune_tui.ui.view_pane import ViewPane
+from rune_tui.ui.view_pane import ViewPane, ViewScreen
 from rune_tui.view import View
 
 if TYPE_CHECKING:
     from rune_tui.export.recording import Recording
+
+_logger = logging.getLogger(__name__)
 
 _FRAME_S = 1.0 / 30.0
 _COVERED_FRAME_S = 0.5
@@ -68,11 +73,14 @@ _TICK_S = 0.05
 _BUTTONS = {1: "left", 2: "middle", 3: "right"}
 _LEAVE_S = 3.0
 """How long the end may take before the process is ended as it is [s]."""
+_LONGEST_COMPLAINT = 500
+_NOT_DONE = "what a widget asked for could not be done; the log says why"
 
 
 class Console(App[None], inherit_bindings=False):
     """The console on a terminal."""
 
+    ALLOW_SELECT = False  # the mouse drives and marks
     ENABLE_COMMAND_PALETTE = False  # ours opens where the layout does not want its key
     BINDINGS: ClassVar = [Binding("ctrl+c", "quit", priority=True, show=False)]
     """Whatever the layout says and whatever is open, there is a way out."""
@@ -100,10 +108,15 @@ class Console(App[None], inherit_bindings=False):
         self._watch = Watch()
         self._keyboard = KeyboardHold()
         self._stalls = StallGuard()
+        self._undone: set[type] = set()
         self._leaving = False
         self._drawn = 0.0
         self._recording: Recording | None = None
         self._pane = ViewPane(depth)
+
+    def get_default_screen(self) -> ViewScreen:
+        """The screen below everything."""
+        return ViewScreen(id="_default")
 
     def compose(self) -> ComposeResult:
         """One pane for everything: the layout says what is in it."""
@@ -147,7 +160,12 @@ class Console(App[None], inherit_bindings=False):
                 await asyncio.wait_for(self._next_layout.wait(), LOOK_S)
             wanted = self._source.next if self._next_layout.is_set() else self._source.look
             self._next_layout.clear()
-            found = await asyncio.to_thread(wanted)
+            try:
+                found = await asyncio.to_thread(wanted)
+            except Exception as error:  # an extension's code may fail in any way
+                _logger.exception("a layout cannot be read")
+                self._complain(_kept(error))
+                continue
             if isinstance(found, LayoutError):
                 self._complain(first_problem(found))
             elif found is not None:
@@ -157,13 +175,18 @@ class Console(App[None], inherit_bindings=False):
         """Go on with another layout; links of robots that are in both stay as they are."""
         self._let_go()
         try:
+            view, dispatch = View(layout), Dispatch(layout)
+            view.resize(self.size.width, self.size.height)
             gone = self._links.follow(layout)
         except (ConsoleError, HubError) as error:
             self._complain(f"The layout stays as it was: {error}")
             return
+        except Exception as error:  # as above
+            _logger.exception("the layout %s cannot be opened", layout.path)
+            self._complain(_kept(error))
+            return
         self.title = f"Rune {layout.path}"
-        self._view, self._dispatch = View(layout), Dispatch(layout)
-        self._view.resize(self.size.width, self.size.height)
+        self._view, self._dispatch = view, dispatch
         self._actions = actions_of(layout)
         self._console = carried_over(self._console, self._shown_layout, layout)
         self._shown_layout = layout
@@ -224,6 +247,8 @@ class Console(App[None], inherit_bindings=False):
         if not part or self._stalls.deaf(now):
             return
         state = self.state
+        if not self._dispatch.waits_for(MOUSE + part):
+            return
         # A cell is two pixels high; which of them the mouse is on, terminals do not tell.
         hits = self._view.hits(int(event.screen_x), 2 * int(event.screen_y) + 1, state)
         moved = ControlEvent(name=MOUSE + part, pressed=pressed, value=value, hits=hits)
@@ -294,10 +319,13 @@ class Console(App[None], inherit_bindings=False):
 
     def _execute(self, effects: Iterable[Effect]) -> None:
         for effect in effects:
-            if isinstance(effect, StateEffect):
-                self._change(effect)
-            else:
-                self._do(effect)
+            try:
+                self._change(effect) if isinstance(effect, StateEffect) else self._do(effect)
+            except Exception:  # of a widget of somebody else; what comes after it may be a stop
+                if type(effect) not in self._undone:
+                    self._undone.add(type(effect))
+                    _logger.exception("%r was not done", effect)
+                    self._tell(desk.Outcome(text=_NOT_DONE, alarm=True))
 
     def _do(self, effect: DeedEffect) -> None:
         match effect:
@@ -379,8 +407,9 @@ class Console(App[None], inherit_bindings=False):
         return len(self.screen_stack) > 1
 
     def _change(self, effect: StateEffect) -> None:
-        if isinstance(effect, ChooseRobot | ToggleHelp):
-            self._let_go()  # what is held was meant for the robot before, and seen
+        moved = isinstance(effect, ShowViewport | FillView) and self._dispatch.button_held
+        if moved or isinstance(effect, ChooseRobot | ToggleHelp):
+            self._let_go()  # what is held was meant for the robot before, seen, and in its place
         self._console = changed(self.state, effect)
         self._ask_for_pictures()
 
@@ -400,3 +429,7 @@ class Console(App[None], inherit_bindings=False):
             held=self._keyboard.held,
             robots={name: link.state for name, link in self._links.items()},
         )
+
+
+def _kept(error: Exception) -> str:
+    return f"The layout stays as it was: {type(error).__name__}: {error}"[:_LONGEST_COMPLAINT]

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+import logging
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import cast
 
-from hub.gcm.navigation import STOP
+from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Twist
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.actions import Action
 from rune_tui.layout.names import MOUSE
@@ -19,12 +21,15 @@ from rune_tui.model.effects import (
     ExportEffect,
     PaletteEffect,
     SendEffect,
+    Tell,
     ToggleHelp,
     ToggleNight,
     WishPictures,
 )
 from rune_tui.widgets.speed import SetSpeed, StopRobot
 from rune_tui.widgets.widget import Widget
+
+_logger = logging.getLogger(__name__)
 
 _UNLESS_BOUND: Mapping[str, Effect] = {"?": ToggleHelp(), "ctrl+p": PaletteEffect()}
 """What keys do that the layout binds to nothing."""
@@ -48,6 +53,9 @@ class Dispatch:
     that spoke at once would contradict each other 20 times a second. After a stop, a robot's
     other widgets forget what is held.
 
+    A widget that fails, as somebody else's may, is told of once; if it drives, its robot is told to
+    stand, and the widget rests until its next press.
+
     While the help covers everything, only the keys of the stop, the help and the quit count.
 
     The caller executes the effects in order. Before it ends, and whenever it can no longer see
@@ -58,6 +66,8 @@ class Dispatch:
         self._widgets: list[Widget] = []
         self._by_input: defaultdict[str, list[_Listener]] = defaultdict(list)
         self._driving: dict[str, SetSpeed] = {}
+        self._buttons: set[str] = set()
+        self._failed: set[int] = set()
         owners = [(viewport.robot, viewport.widgets) for viewport in layout.view.viewports]
         kinds = layout.vocabulary.widgets
         for robot, specs in (("", layout.view.widgets), *owners):
@@ -67,13 +77,21 @@ class Dispatch:
                 for event_spec in spec.events:
                     listener = _Listener(widget=widget, spec=event_spec, viewport=spec.viewport)
                     self._by_input[event_spec.name].append(listener)
-                if isinstance(widget, SetSpeed):
-                    self._driving.setdefault(robot, widget)
+
+    @property
+    def button_held(self) -> bool:
+        """Whether a button of the mouse is down that somebody waits for."""
+        return bool(self._buttons)
+
+    def waits_for(self, name: str) -> bool:
+        """Whether an input of this name can have an effect."""
+        return name in self._by_input
 
     def handle(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
         """Effects of an event, from every widget that it matches."""
         fresh = event.pressed and not event.repeat
         listeners = self._listeners(event)
+        self._note_button(event, listeners)
         if state.help and event.pressed:
             listeners = [each for each in listeners if each.widget.rule.under_help]
             if event.name == _CLOSE_HELP and fresh:
@@ -98,16 +116,27 @@ class Dispatch:
         stopped: dict[str, None] = {}
         for listener in listeners:
             widget = listener.widget
-            if isinstance(widget, SetSpeed) and event.pressed and not event.repeat:
-                self._take_over(widget)
-            for effect in _addressed(widget.handle(event, listener.spec, state), state):
+            if event.pressed and not event.repeat:
+                self._failed.discard(id(widget))
+                if isinstance(widget, SetSpeed):
+                    self._take_over(widget, state)
+            elif id(widget) in self._failed:
+                continue
+            ask = partial(widget.handle, event, listener.spec, state)
+            for effect in self._asked(widget, ask, state):
                 effects.append(effect)
                 if isinstance(effect, SendEffect) and effect.definition is STOP:
                     stopped[effect.robot] = None
         for robot in stopped:
-            for name in (robot, CHOSEN) if robot == state.chosen else (robot,):
-                effects += self._release(name, state)
+            effects += self._release(robot, state)
         return tuple(effects)
+
+    def _note_button(self, event: ControlEvent, listeners: Iterable[_Listener]) -> None:
+        """Keep account of the mouse's buttons that are down."""
+        if not event.pressed:
+            self._buttons.discard(event.name)
+        elif event.name.startswith(MOUSE) and any(each.widget.rule.held for each in listeners):
+            self._buttons.add(event.name)
 
     def _listeners(self, event: ControlEvent) -> list[_Listener]:
         """Who waits for this; of the mouse, those of the nearest viewport in which somebody does.
@@ -127,36 +156,78 @@ class Dispatch:
         """Effects of time going by; to be called 20 times a second."""
         effects: list[Effect] = []
         for widget in self._widgets:
-            if not self._silent(widget):
-                effects += _addressed(widget.tick(state), state)
+            if not self._silent(widget, state):
+                effects += self._asked(widget, partial(widget.tick, state), state)
         return tuple(effects)
 
     def released(self, state: ConsoleState) -> tuple[Effect, ...]:
         """Everything is let go (focus lost, quit, crash): one zero speed for each driven robot."""
-        robots = dict.fromkeys(widget.robot for widget in self._widgets)
+        self._buttons.clear()
+        robots = dict.fromkeys(_commanded(widget, state) for widget in self._widgets)
         return tuple(effect for robot in robots for effect in self._release(robot, state))
 
     def _release(self, robot: str, state: ConsoleState) -> list[Effect]:
         effects: list[Effect] = []
         for widget in self._widgets:
-            if widget.robot == robot and not self._silent(widget):
-                effects += _addressed(widget.release(state), state)
+            if _commanded(widget, state) == robot and not self._silent(widget, state):
+                effects += self._asked(widget, partial(widget.release, state), state)
         return effects
 
-    def _take_over(self, widget: SetSpeed) -> None:
-        driving = self._driving[widget.robot]
+    def _asked(
+        self, widget: Widget, ask: Callable[[], Iterable[Effect]], state: ConsoleState
+    ) -> list[Effect]:
+        """What a widget wants done; if it fails, that its robot stands and somebody is told."""
+        try:
+            return [effect for given in ask() for effect in _addressed(given, state)]
+        except Exception:  # a fault in one widget must not take the others from the operator
+            name = type(widget).__name__
+            _logger.exception("the widget %s failed", name)
+        self._failed.add(id(widget))
+        robot = _commanded(widget, state)
+        notice = state.notice(f"{name} failed; the log says why", robot=robot, alarm=True)
+        told: list[Effect] = [Tell(notice=notice)]
+        if robot and VELOCITY_COMMAND.name in widget.rule.sends:
+            rest = Twist.planar(0.0, 0.0)
+            told.append(SendEffect(robot=robot, definition=VELOCITY_COMMAND, value=rest))
+        return told
+
+    def _take_over(self, widget: SetSpeed, state: ConsoleState) -> None:
+        driving = self._speaker(widget.robot, state)
         if driving is not widget:
-            driving.forget()
-            self._driving[widget.robot] = widget
+            if driving is not None:
+                driving.forget()
+            self._driving[_commanded(widget, state)] = widget
 
-    def _silent(self, widget: Widget) -> bool:
-        return isinstance(widget, SetSpeed) and self._driving[widget.robot] is not widget
+    def _speaker(self, robot: str, state: ConsoleState) -> SetSpeed | None:
+        """The speed widget that speaks to a robot; the layout's first, until another is used."""
+        robot = _named(robot, state)
+        driving = self._driving.get(robot)
+        if driving is not None and _commanded(driving, state) == robot:
+            return driving
+        speeds = (widget for widget in self._widgets if isinstance(widget, SetSpeed))
+        return next((speed for speed in speeds if _commanded(speed, state) == robot), None)
+
+    def _silent(self, widget: Widget, state: ConsoleState) -> bool:
+        if id(widget) in self._failed:
+            return True
+        return isinstance(widget, SetSpeed) and self._speaker(widget.robot, state) is not widget
 
 
-def _addressed(effects: Iterable[Effect], state: ConsoleState) -> Iterator[Effect]:
-    """The effects, those for the chosen robot addressed to it; none of them if there is none."""
-    for effect in effects:
-        if not isinstance(effect, _TO_ROBOTS) or effect.robot != CHOSEN:
-            yield effect
-        elif state.chosen:
-            yield dataclasses.replace(effect, robot=state.chosen)
+def _named(robot: str, state: ConsoleState) -> str:
+    """Who is meant; still `CHOSEN` while nobody is chosen."""
+    return (state.chosen or CHOSEN) if robot == CHOSEN else robot
+
+
+def _commanded(widget: Widget, state: ConsoleState) -> str:
+    """Whom a widget commands now."""
+    return _named(widget.robot, state)
+
+
+def _addressed(effect: Effect, state: ConsoleState) -> tuple[Effect, ...]:
+    """The effect, if it is for the chosen robot addressed to it; none if there is none."""
+    if not isinstance(effect, Effect):
+        text = f"a widget gave {effect!r:.80}, which is no effect"
+        raise TypeError(text)
+    if not isinstance(effect, _TO_ROBOTS) or effect.robot != CHOSEN:
+        return (effect,)
+    return (dataclasses.replace(effect, robot=state.chosen),) if state.chosen else ()

@@ -91,6 +91,9 @@ class LayoutSource:
                 # What is saved while it is read counts as saved after, hence the marks before.
                 self._seen = {**_marks(error.files), **before}
             return error
+        except Exception:  # an extension's code may fail in any way; not again until it is saved
+            self._seen |= before
+            raise
         self._open = self._tried = index
         marks = _marks(layout.files)
         self._seen = {path: before.get(path, mark) for path, mark in marks.items()}

@@ -26,6 +26,7 @@ from rune_tui.layout.watching import LayoutSource
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.link.robot_links import RobotLinks
 from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.effects import SendEffect
 from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.model.world import WorldPoint
 from rune_tui.opening import BUILT_IN
@@ -42,7 +43,11 @@ LAYOUT = """<rune>
     <widget handler="widgetQuit"><event key="q"/></widget>
     <viewport name="floor" xpos="0" ypos="0" xsize="60" ysize="40">
       <visualizer function="visualizeFloor"/>
-      <widget handler="widgetSetSpeed"><event key="w" control="translate"/></widget>
+      <widget handler="widgetSetSpeed">
+        <event key="w" control="translate"/><event mouse="middle" control="translate"/>
+      </widget>
+      <widget handler="widgetShowViewport"><event key="v"/></widget>
+      <widget handler="widgetFullScreen"><event key="f"/></widget>
       <widget handler="widgetStop"><event key="space"/></widget>
       <widget handler="widgetSetVictim"><event mouse="left"/></widget>
       <widget handler="widgetUndoMark"><event key="u"/></widget>
@@ -254,5 +259,45 @@ def test_the_help_lets_go_and_its_key_closes_it(play: Callable[[Script], None]):
         assert not desk.console.state.help
         await desk.press("w")
         await desk.until(lambda: desk.robot.speeds[-1] > 0.0)
+
+    play(script)
+
+
+@pytest.mark.parametrize("key", ["v", "f", "question_mark", "ctrl+p"])
+def test_a_button_that_is_held_no_longer_drives_when_what_is_under_it_changes(
+    play: Callable[[Script], None], key: str
+):
+    async def script(desk: Desk) -> None:
+        await desk.pilot.mouse_down(offset=(29, 14), button=2)
+        await desk.until(lambda: desk.robot.speeds[-1] > 0.0)
+        await desk.press(key)
+        await desk.until(lambda: desk.robot.speeds[-1] == 0.0)
+        assert set(await desk.commands(3)) == {0.0}
+
+    play(script)
+
+
+def test_a_key_drives_on_while_viewports_come_and_go(play: Callable[[Script], None]):
+    async def script(desk: Desk) -> None:
+        await desk.press("w")
+        await desk.until(lambda: desk.robot.speeds[-1] > 0.0)
+        before = len(desk.robot.speeds)
+        await desk.press("v")
+        assert "w" in desk.console.state.held
+        await desk.until(lambda: len(desk.robot.speeds) > before)
+        assert desk.robot.speeds[before] > 0.0
+
+    play(script)
+
+
+def test_an_effect_that_cannot_be_done_is_told_once_and_what_comes_after_it_is_done(
+    play: Callable[[Script], None],
+):
+    async def script(desk: Desk) -> None:
+        nowhere = SendEffect(robot="nobody", definition=STOP, value=Stop(reason="the test"))
+        stop = SendEffect(robot="magellan", definition=STOP, value=Stop(reason="the test"))
+        desk.console._execute((nowhere, nowhere, stop))
+        await desk.until(lambda: desk.robot.stops)
+        assert len([text for text in desk.told if "could not be done" in text]) == 1
 
     play(script)

@@ -168,3 +168,21 @@ def test_a_next_layout_that_is_bad_is_passed_over_the_next_time(layouts: list[st
     assert opened(found.next()).run_number == 3
     save(third, TEXT.format(run=33))
     assert opened(looked(found)).run_number == 33
+
+
+def test_a_layout_that_fails_in_some_other_way_is_read_again_only_when_it_is_saved_again(
+    layouts: list[str],
+) -> None:
+    reads: list[str] = []
+
+    def read(name: str) -> LayoutSpec:
+        reads.append(name)
+        raise ZeroDivisionError
+
+    found = LayoutSource(layouts, read, open_layout(layouts[0]), watched=True)
+    for count in (1, 2):
+        save(layouts[0], TEXT.format(run=count + 7), later=count)
+        with pytest.raises(ZeroDivisionError):
+            looked(found)
+        assert (found.look(), found.look(), found.look()) == (None, None, None)
+        assert len(reads) == count
