@@ -43,6 +43,7 @@ class Console:
         self.truths: list[tuple[float, navigation.GroundTruth]] = []
         self.state: navigation.RobotState | None = None
         self.answered: dict[str, float] = {}
+        self.held = False
         for definition in (
             navigation.ROBOT_STATE,
             navigation.DRIVE_STATE,
@@ -72,9 +73,9 @@ class Console:
         self.pids = {each.name: each.pid for each in reports.modules}
 
     def _drive(self) -> None:
-        """Drive a wide circle, from neutral wherever that is asked for."""
+        """Drive a wide circle; from neutral wherever that is asked for, or with a held stick."""
         moving = (navigation.MotionState.MOVING, navigation.MotionState.STANDING)
-        free = self.state is not None and self.state.motion in moving
+        free = self.held or (self.state is not None and self.state.motion in moving)
         twist = navigation.Twist.planar(0.3, 0.5) if free else navigation.Twist()
         self.client.publish(navigation.VELOCITY_COMMAND, twist)
 
@@ -122,6 +123,7 @@ def kill(console: Console, name: str) -> tuple[float, float, float]:
     before = console.fresh[stream][0] if stream else 0
     console.truths.clear()
     console.answered.clear()
+    console.held = True  # else it drives anew before it has come to rest
     os.kill(console.pids[name], signal.SIGKILL)
     killed = time.monotonic()
     if stream:
@@ -134,6 +136,7 @@ def kill(console: Console, name: str) -> tuple[float, float, float]:
         back = console.answered[name] - killed
     end = killed + 1.5
     console.until(lambda: time.monotonic() > end)
+    console.held = False
     after = [(t - killed, truth) for t, truth in console.truths if t >= killed]
     commanded = next((t for t, truth in after if truth.commanded_linear == 0.0), 0.0)
     rest = next((t for t, truth in after if abs(truth.linear) < STILL), 0.0)
