@@ -15,10 +15,11 @@ from rune_tui.controls.events import Hit
 from rune_tui.help_layer import HelpLayer
 from rune_tui.layout.rules import Vocabulary
 from rune_tui.layout.spec import LayoutSpec, ViewportSpec, ViewSpec
-from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.camera_image import CameraImage
+from rune_tui.visualizers.event_log import EventLog
 from rune_tui.visualizers.notice import write_notice
 from rune_tui.visualizers.visualizer import Locating, Picturing, Visualizer
 
@@ -26,6 +27,8 @@ _logger = logging.getLogger(__name__)
 
 MIN_COLUMNS = 16
 MIN_ROWS = 4
+_PASSING_S = 5.0
+"""How long a notice is shown where there is no event log [s]."""
 _COMPLAINT_ROWS = 4
 MIN_PICTURE = (16, 12)
 """Smallest picture worth asking for, width and height [pixels]."""
@@ -160,8 +163,7 @@ class View:
         self._clock = clock
         self._spec = layout.view
         self._vocabulary = layout.vocabulary
-        self._theme = ""
-        self._trouble = ""
+        self._said: tuple[str, str, Notice | None] = ("", "", None)
         self._columns = 0
         self._rows = 0
         self._panes: list[_Pane] = []
@@ -198,16 +200,20 @@ class View:
         # Every pane is asked: no short cut after the first that changed.
         changed = [pane.refresh(state) for pane in self._panes]
         changed.append(self._help.refresh(self._columns, self._rows, state))
-        said = (self._theme, self._trouble) == (state.theme.name, state.trouble)
+        passing = self._passing(state)
+        now_said = (state.theme.name, state.trouble, passing)
+        said = now_said == self._said
         if self._complete and not any(changed) and said:
             return None
-        self._theme, self._trouble = state.theme.name, state.trouble
+        self._said = now_said
         self._complete = True
         layers = [pane.layer for pane in self._panes if pane.layer is not None]
         if self._too_small:
             layers = [self._apology(state)]
         elif state.trouble:
             layers.append(self._complaint(state))
+        elif passing:
+            layers.append(self._told(passing, state))
         layers += self._help.layers
         cells = compose(self._columns, self._rows, self._spec.background, layers)
         return tinted(cells, state.theme.tint)
@@ -251,8 +257,29 @@ class View:
         """What is wrong with the layout as it was saved, over the upper edge of everything."""
         canvas = Canvas.blank(self._columns, 2 * min(_COMPLAINT_ROWS, self._rows))
         write_notice(canvas, state.trouble, state.theme)
-        nearest = max((viewport.zpos for viewport in self._spec.viewports), default=0)
-        return Layer(canvas=canvas, x=0, y=0, zpos=nearest + 1)
+        return Layer(canvas=canvas, x=0, y=0, zpos=self._nearest + 1)
+
+    def _passing(self, state: ConsoleState) -> Notice | None:
+        """What happened just now, where no event log tells of it."""
+        newest = state.notices[-1] if state.notices else None
+        if newest is None or newest.quiet or state.now - newest.when > _PASSING_S:
+            return None
+        logged = any(
+            isinstance(pane.visualizer, EventLog) and pane.visible(state) for pane in self._panes
+        )
+        return None if logged else newest
+
+    def _told(self, notice: Notice, state: ConsoleState) -> Layer:
+        """A notice, over the upper edge of everything for a while."""
+        canvas = Canvas.blank(self._columns, 2 * min(_COMPLAINT_ROWS, self._rows))
+        sign = "! " if notice.alarm else ""
+        whose = f"{notice.robot}: " if notice.robot else ""
+        write_notice(canvas, f"{sign}{whose}{notice.text}", state.theme)
+        return Layer(canvas=canvas, x=0, y=0, zpos=self._nearest + 1)
+
+    @property
+    def _nearest(self) -> int:
+        return max((viewport.zpos for viewport in self._spec.viewports), default=0)
 
     def _apology(self, state: ConsoleState) -> Layer:
         canvas = Canvas.blank(self._columns, 2 * self._rows)

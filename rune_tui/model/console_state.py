@@ -25,6 +25,7 @@ class Notice:
         clock: The time of day then, such as "14:03:22".
         robot: Whom it is about; empty for the console itself.
         alarm: Whether it needs a hand.
+        quiet: Whether it is for the log only, and not shown by itself where there is none.
     """
 
     text: str
@@ -32,6 +33,7 @@ class Notice:
     clock: str = ""
     robot: str = ""
     alarm: bool = False
+    quiet: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

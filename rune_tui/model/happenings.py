@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator, Mapping
 
 from hub.gcm.supervision import CAPABILITY_REPORTS, CapabilityPhase
@@ -42,7 +43,8 @@ class Watch:
                 yield state.notice("the link is lost", robot=name, alarm=True)
             elif link.phase is LinkPhase.CONNECTED:
                 again = " again" if before is LinkPhase.LOST else ""
-                yield state.notice(f"linked{again}", robot=name)
+                notice = state.notice(f"linked{again}", robot=name)
+                yield dataclasses.replace(notice, quiet=not again)
         for message in sorted(link.cut - self._cut.get(name, frozenset())):
             text = f"{message} says more than can be shown: only part of it is"
             yield state.notice(text, robot=name, alarm=True)

@@ -15,7 +15,7 @@ from hub.gcm.navigation import MotionState
 from rune_tui.compositor.ansi import RowEncoder
 from rune_tui.compositor.cells import Cells
 from rune_tui.layout.spec import ViewportSpec, ViewSpec
-from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.view import MIN_COLUMNS, MIN_ROWS, View, placed
@@ -412,3 +412,25 @@ def test_what_is_wrong_with_the_layout_is_drawn_over_the_upper_edge_until_it_is_
     after = rendered(over, robots, STATE)
     assert after is not None
     assert np.array_equal(after.glyphs, before.glyphs)
+
+
+@pytest.mark.parametrize("function", ["visualizeStatus", "visualizeEventLog"])
+def test_a_notice_is_shown_for_a_while_where_no_log_tells_of_it(function: str) -> None:
+    screen = View(layout_of(view(viewport(function, (0, 80, 160, 16)))))
+    screen.resize(100, 30)
+    notice = Notice(text="no ground is known there", when=100.0, robot="magellan", alarm=True)
+    state = ConsoleState(now=101.0, notices=(notice,))
+    shown = rendered(screen, {"magellan": robot()}, state)
+    assert shown is not None
+    above = words(shown).splitlines()[:4]
+    told = any("! magellan: no ground is known there" in line for line in above)
+    assert told == (function == "visualizeStatus")
+    later = rendered(screen, {"magellan": robot()}, ConsoleState(now=107.0, notices=(notice,)))
+    if told:
+        assert later is not None
+        assert "no ground" not in words(later)
+    quiet = dataclasses.replace(notice, quiet=True, when=107.0)
+    screen.resize(100, 30)
+    again = rendered(screen, {"magellan": robot()}, ConsoleState(now=107.0, notices=(quiet,)))
+    assert again is not None
+    assert "no ground" not in "\n".join(words(again).splitlines()[:4])
