@@ -1,11 +1,17 @@
-"""Options that name a robot or a viewport of the layout: it has to be there."""
+"""Options that name a robot, a viewport or a message's field: it has to be there."""
 
 from __future__ import annotations
 
+import dataclasses
+import re
 from collections.abc import Iterator, Mapping, Sequence
 
+from hub.gcm.catalog import BY_NAME
 from rune_tui.layout.grammar import Mistake, Node, Rules, hint, quoted
-from rune_tui.layout.rules import Option, TextOption, Vocabulary
+from rune_tui.layout.rules import HandlerRule, Option, TextOption, VisualizerRule, Vocabulary
+
+_ROOT = re.compile(r"[.\[]")
+"""Where the name of a message's own field ends in a path such as points[1].x."""
 
 
 def reference_mistakes(root: Node, rules: Rules, vocabulary: Vocabulary) -> Iterator[Mistake]:
@@ -23,9 +29,18 @@ def reference_mistakes(root: Node, rules: Rules, vocabulary: Vocabulary) -> Iter
                 kinds = vocabulary.visualizers if tag == "visualizer" else vocabulary.widgets
                 if name in kinds:
                     options = kinds[name].rule.options
-                    yield from _unknown(node, name, options, known, rules)
+                    fields = _fields(node, kinds[name].rule, rules)
+                    yield from _unknown(node, name, options, known | {"field": fields}, rules)
                     if owner.tag == "view":
                         yield from _missing(node, name, options, rules)
+
+
+def _fields(node: Node, rule: VisualizerRule | HandlerRule, rules: Rules) -> tuple[str, ...]:
+    """The fields of the message that a visualizer draws."""
+    if not isinstance(rule, VisualizerRule):
+        return ()
+    definition = BY_NAME.get(rules.value(node, "message") or rule.message)
+    return tuple(each.name for each in dataclasses.fields(definition.type)) if definition else ()
 
 
 def _names(nodes: Sequence[Node], rules: Rules) -> tuple[str, ...]:
@@ -44,7 +59,8 @@ def _unknown(
         value = rules.value(node, "value")
         if value and isinstance(option, TextOption) and option.names:
             there = known[option.names]
-            if value not in there:
+            named = _ROOT.split(value)[0] if option.names == "field" else value
+            if named not in there and (there or option.names != "field"):
                 message = f"unknown {option.names} {quoted(value)} of {name}{hint(value, there)}"
                 yield Mistake(node.at("value"), message)
 

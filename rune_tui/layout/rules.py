@@ -90,18 +90,21 @@ class TextOption:
     Attributes:
         default: Its value where the layout is silent.
         longest: How many characters are allowed.
-        names: What of the layout it names; empty if it may be any words.
+        names: What of the layout it names, or that it names a field of the message that is drawn;
+            empty if it may be any words.
         meaning: What it does, for the reference.
     """
 
     default: str = ""
     longest: int = 200
-    names: Literal["", "robot", "viewport"] = ""
+    names: Literal["", "robot", "viewport", "field"] = ""
     meaning: str
 
     @property
     def allowed(self) -> str:
         """What may be given, in words."""
+        if self.names == "field":
+            return "a number of the message"
         if self.names:
             return f"name of a {self.names} of the layout"
         return f"at most {self.longest} characters"

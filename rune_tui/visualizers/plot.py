@@ -40,6 +40,7 @@ class Plot:
             "field": TextOption(
                 default="linear",
                 longest=100,
+                names="field",
                 meaning="which number of the message, such as linear, sonar[0] or points[1].x",
             ),
             "seconds": NumberOption(
