@@ -201,7 +201,9 @@ def test_handler_that_fails_costs_no_other_message(connect: Connect) -> None:
             raise ZeroDivisionError
 
     other.call(lambda: other.client.subscribe(v.LOG, fail))
-    _burst(one, other, v.LOG, received, 20)
+    one.publish_until(v.LOG, received)
+    for number in range(20):
+        one.publish(v.LOG, Number(value=number))
     until(lambda: len(_values(received)) == 20, 5.0)
     until(lambda: [type(error) for error in other.faults] == [ZeroDivisionError], 10.0)
 
