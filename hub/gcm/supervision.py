@@ -172,25 +172,28 @@ CAPABILITY_REPORTS = MessageDefinition(
 )
 
 
+LEASE_S = 3.0
+"""Time after which a want that is not repeated is given up, unless it says another [s]."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CapabilityWants:
-    """What a console or module wants to be available; holds for `LEASE_S`, so it is repeated.
+    """What a console or module wants to be available: its keep-alive, which it repeats.
 
     Attributes:
         holder: Who wants it; the name at central.
         capabilities: All it wants, separated by spaces; empty gives up the others.
+        lease_s: How long it holds unless it is repeated [s].
     """
 
     holder: str
     capabilities: str
+    lease_s: float = LEASE_S
 
-
-LEASE_S = 3.0
-"""Time after which a want that is not repeated is given up [s]."""
 
 CAPABILITY_WANTS = MessageDefinition(
     name="GCM_Capability_Wants",
-    format="{string,string}",
+    format="{string,string,double}",
     type=CapabilityWants,
     plane=Plane.COMMAND,
     rate_hz=1.0,

@@ -62,7 +62,9 @@ class Reporting:
     def _wanted(self, wants: supervision.CapabilityWants, reception: Reception) -> None:
         capabilities = wants.capabilities.split()
         now = self._clock()
-        self._supervisor.wants.renew(reception.publisher, wants.holder, capabilities, now)
+        self._supervisor.wants.renew(
+            reception.publisher, wants.holder, capabilities, now, lease_s=wants.lease_s
+        )
         self._keeper.look()
 
     def _commanded(self, command: CommonCommand, reception: Reception) -> None:

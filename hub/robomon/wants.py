@@ -11,6 +11,7 @@ from hub.gcm.supervision import LEASE_S
 MAX_HOLDERS = 256
 MAX_CAPABILITIES = 64
 MAX_NAME = 64
+MAX_LEASE_S = 10_800.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,7 +25,8 @@ class Wants:
     """The leases of all holders; every method gets the time [s].
 
     Attributes:
-        refused: Wants that were not taken: of too many holders, or of what is no capability.
+        refused: Wants that were not taken: of too many holders, of what is no capability, or for no
+            time or too long.
     """
 
     def __init__(self) -> None:
@@ -32,19 +34,28 @@ class Wants:
         self._wanted: dict[str, list[str]] | None = None
         self.refused = 0
 
-    def renew(self, holder: int, name: str, capabilities: Iterable[str], now: float) -> None:
+    def renew(
+        self,
+        holder: int,
+        name: str,
+        capabilities: Iterable[str],
+        now: float,
+        *,
+        lease_s: float = LEASE_S,
+    ) -> None:
         """A holder, by its number at central, says all that it wants; nothing gives it up."""
         wanted = frozenset(capabilities)
         usable = all(each.isidentifier() and len(each) <= MAX_NAME for each in wanted)
         full = len(self._leases) >= MAX_HOLDERS and holder not in self._leases
-        if not usable or len(wanted) > MAX_CAPABILITIES or full:
+        lasts = 0.0 < lease_s <= MAX_LEASE_S
+        if not (usable and lasts) or len(wanted) > MAX_CAPABILITIES or full:
             self.refused += 1
         elif wanted:
             shown = "".join(name.split())[:MAX_NAME] or "somebody"
             before = self._leases.get(holder)
             if before is None or (before.name, before.capabilities) != (shown, wanted):
                 self._wanted = None
-            self._leases[holder] = _Lease(name=shown, capabilities=wanted, until=now + LEASE_S)
+            self._leases[holder] = _Lease(name=shown, capabilities=wanted, until=now + lease_s)
         elif self._leases.pop(holder, None):
             self._wanted = None
 

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from hub.gcm.capability import Capability
 
 _INTERVALS_MS = {
+    Capability.CON_REAL: 6_000,
     Capability.VIS_VID: 10,
     Capability.NAV_STATE: 10,
     Capability.PRO_MAP: 10_000,

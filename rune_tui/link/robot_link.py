@@ -33,6 +33,7 @@ from hub.ipc.definition import MessageDefinition
 from hub.ipc.keys import read_client_keys
 from hub.ipc.reception import Reception
 from hub.ipc.security import Action, may
+from rune_tui.layout.names import CAPABILITY_INTERVALS_MS
 from rune_tui.layout.spec import RobotSpec
 from rune_tui.link.bounds import MOST_LETTERS, bounded
 from rune_tui.link.pictures import map_of, picture_of
@@ -49,7 +50,11 @@ Tap = Callable[[str, MessageDefinition[Any], object, float], None]
 _LISTEN_S = 0.2
 _REQUEST_CHECK_S = 0.01
 _COUNT_S = 1.0
-_WANT_S = LEASE_S / 3
+_USUAL_KEEP_ALIVE_S = CAPABILITY_INTERVALS_MS[Capability.CON_REAL] / 1000
+_KEEP_ALIVE_LOOK_S = 1.0
+"""How often is looked whether it is time to say again what is wanted [s]."""
+_LEASE_INTERVALS = 2.5
+"""What is wanted holds for so many intervals between two keep-alives; one of them may be lost."""
 _ANSWERS = frozenset({vision.IMAGE.name, mapping.MAP.name})
 """What comes on request only."""
 _PHASE_WORDS = {
@@ -88,6 +93,7 @@ class RobotLink:
         self._wish = PictureWish()
         self._numbers = 0
         self._counted = (clock(), 0, 0)
+        self._want_due = clock()
         self._messages = self._bytes = 0
         self._handlers: dict[str, Callable[[Any, Reception], None]] = {}
         self._tap: Tap | None = None
@@ -124,7 +130,7 @@ class RobotLink:
         self._adopt(spec)
         if link.may_command:
             self._client.define(CAPABILITY_WANTS)
-            self._client.every(_WANT_S, self._want)
+            self._client.every(_KEEP_ALIVE_LOOK_S, self._keep_alive)
         self._client.every(_REQUEST_CHECK_S, self._pictures.look)
         self._client.every(_REQUEST_CHECK_S, self._maps.look)
         self._client.every(_COUNT_S, self._count)
@@ -186,7 +192,10 @@ class RobotLink:
         """Take over what a layout wants of the robot."""
         self._spec = spec
         wanted = {capability.name: capability for capability in spec.capabilities}
-        self._wanted = " ".join(sorted(wanted))
+        self._wanted = frozenset(wanted)
+        self._want_due = self._clock()
+        real_time = wanted.get(Capability.CON_REAL)
+        self._keep_alive_s = real_time.interval_s if real_time else _USUAL_KEEP_ALIVE_S
         if Capability.VIS_VID in wanted:
             self._pictures.interval = wanted[Capability.VIS_VID].interval_s
         if Capability.PRO_MAP in wanted:
@@ -209,11 +218,22 @@ class RobotLink:
             # Defined before they are used, so that a stop is on its way as soon as it is wanted.
             self._client.define(*(BY_NAME[name] for name in sorted(spec.commands)))
 
+    def _keep_alive(self) -> None:
+        if self._clock() >= self._want_due:
+            self._want()
+
     def _want(self) -> None:
-        """Have the robot run what the layout wants; it holds for a few seconds only."""
+        """Have the robot run what the layout wants; it holds for a few intervals only."""
         if self._client.connected and self._wanted:
-            wants = CapabilityWants(holder=self._client.name, capabilities=self._wanted)
+            interval = self._keep_alive_s
+            wants = CapabilityWants(
+                holder=self._client.name,
+                capabilities=" ".join(sorted(self._wanted)),
+                lease_s=max(LEASE_S, _LEASE_INTERVALS * interval),
+            )
             self._client.publish(CAPABILITY_WANTS, wants)
+            # Looked at now and then, so that it is rather early than late.
+            self._want_due = self._clock() + interval - _KEEP_ALIVE_LOOK_S / 2
 
     def _store(self, name: str) -> Callable[[Any, Reception], None]:
         def store(value: object, reception: Reception) -> None:
@@ -282,7 +302,7 @@ class RobotLink:
         known = {report.name: report for report in reports.capabilities if report.modules}
         lacking = {
             name: _PHASE_WORDS.get(known[name].phase, "") if name in known else "no module has it"
-            for name in self._wanted.split()
+            for name in sorted(self._wanted)
             if name != Capability.CON_REAL
         }
         lacking = {name: why for name, why in lacking.items() if why}
@@ -304,7 +324,7 @@ class RobotLink:
 
     def _picture_request(self) -> vision.ImageRequest | None:
         size, wish = self._picture_size, self._wish
-        if size is None or Capability.VIS_VID not in self._wanted.split():
+        if size is None or Capability.VIS_VID not in self._wanted:
             return None
         return vision.ImageRequest(
             kind=wish.kind,

@@ -17,7 +17,7 @@ from hub.ipc.central import Central
 from hub.ipc.client import Client
 from hub.ipc.keyring import Keyring
 from hub.ipc.security import Role
-from rune_tui.layout.spec import LayoutSpec
+from rune_tui.layout.spec import CapabilitySpec, LayoutSpec
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase
@@ -131,6 +131,25 @@ def test_what_the_layout_wants_is_wanted_of_the_robot(desk: Desk, role: Role | N
         until(lambda: wants, 5.0, meanwhile=lambda: daemon.listen(0.01))
     assert wants[0].capabilities == "NAV_MOVE NAV_STATE VIS_VID"
     assert wants[0].holder.startswith("rune-")
+
+
+def test_keep_alives_come_as_often_as_the_layout_says_and_hold_for_longer(desk: Desk) -> None:
+    wants: list[tuple[float, CapabilityWants]] = []
+    (spec,) = desk.layout(desk.central.endpoints[0]).robots
+    often = CapabilitySpec(name="CON_REAL", interval_s=1.0)
+    link = desk.link(None)
+    with closing(Client("daemon", desk.central.endpoints[0])) as daemon:
+        daemon.subscribe(
+            CAPABILITY_WANTS, lambda value, reception: wants.append((reception.measured, value))
+        )
+        daemon.wait_connected(5.0)
+        _connected(link)
+        until(lambda: wants, 5.0, meanwhile=lambda: daemon.listen(0.01))
+        assert wants[0][1].lease_s == 15.0
+        link.follow(dataclasses.replace(spec, capabilities=(*spec.capabilities, often)))
+        until(lambda: len(wants) >= 3, 20.0, meanwhile=lambda: daemon.listen(0.01))
+    assert {want.lease_s for _, want in wants[1:]} == {3.0}
+    assert "CON_REAL" in wants[-1][1].capabilities
 
 
 def test_states_that_come_sooner_than_the_layout_wants_are_left_out(desk: Desk) -> None:

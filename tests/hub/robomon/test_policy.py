@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 
 import pytest
 
@@ -322,6 +323,17 @@ def test_wants_of_what_nobody_has_do_not_crowd_out_the_others() -> None:
     assert views["VID"].phase is CapabilityPhase.RUNNING
     assert len(views["VID"].wanted_by) == MAX_SHOWN
     assert len(views) == 1 + MAX_UNKNOWN
+
+
+def test_a_want_holds_for_as_long_as_it_says_but_not_for_ever() -> None:
+    wants = Wants()
+    wants.renew(1, "slow", ["A"], 0.0, lease_s=15.0)
+    assert wants.current(14.9) == {"A": ["slow"]}
+    assert wants.current(15.0) == {}
+    for lease in (0.0, -1.0, math.nan, math.inf):
+        wants.renew(1, "odd", ["A"], 20.0, lease_s=lease)
+    assert wants.current(20.0) == {}
+    assert wants.refused == 4
 
 
 def test_wants_that_change_or_end_are_seen_at_once() -> None:
