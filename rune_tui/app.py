@@ -14,7 +14,7 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import events
@@ -319,13 +319,19 @@ class Console(App[None], inherit_bindings=False):
 
     def _execute(self, effects: Iterable[Effect]) -> None:
         for effect in effects:
-            try:
+            with self._sparing(effect):
                 self._change(effect) if isinstance(effect, StateEffect) else self._do(effect)
-            except Exception:  # of a widget of somebody else; what comes after it may be a stop
-                if type(effect) not in self._undone:
-                    self._undone.add(type(effect))
-                    _logger.exception("%r was not done", effect)
-                    self._tell(desk.Outcome(text=_NOT_DONE, alarm=True))
+
+    @contextlib.contextmanager
+    def _sparing(self, effect: Effect) -> Iterator[None]:
+        """Go on if an effect fails; what comes after it may be a stop."""
+        try:
+            yield
+        except Exception:  # of a widget of somebody else
+            if type(effect) not in self._undone:
+                self._undone.add(type(effect))
+                _logger.exception("%r was not done", effect)
+                self._tell(desk.Outcome(text=_NOT_DONE, alarm=True))
 
     def _do(self, effect: DeedEffect) -> None:
         match effect:
@@ -383,7 +389,11 @@ class Console(App[None], inherit_bindings=False):
 
     def _ask(self, effect: AskEffect) -> None:
         self._let_go()
-        answered = lambda text: self._execute(effect.answer(text))  # noqa: E731 - one line of its own
+
+        def answered(text: str) -> None:
+            with self._sparing(effect):
+                self._execute(effect.answer(text))
+
         self.push_screen(Question(effect.asked, effect.text, answered))
 
     def _act(self, action: Action) -> None:
@@ -398,8 +408,7 @@ class Console(App[None], inherit_bindings=False):
         self.run_worker(written(), exit_on_error=False)
 
     def _tell(self, said: desk.Outcome) -> None:
-        notice = self.state.notice(said.text, robot=said.robot, alarm=said.alarm)
-        self._change(Tell(notice=notice))
+        self._change(Tell.now(self.state, said.text, robot=said.robot, alarm=said.alarm))
 
     @property
     def _covered(self) -> bool:

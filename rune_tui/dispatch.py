@@ -184,8 +184,8 @@ class Dispatch:
             _logger.exception("the widget %s failed", name)
         self._failed.add(id(widget))
         robot = _commanded(widget, state)
-        notice = state.notice(f"{name} failed; the log says why", robot=robot, alarm=True)
-        told: list[Effect] = [Tell(notice=notice)]
+        text = f"{name} failed; the log says why"
+        told: list[Effect] = [Tell.now(state, text, robot=robot, alarm=True)]
         if robot and VELOCITY_COMMAND.name in widget.rule.sends:
             rest = Twist.planar(0.0, 0.0)
             told.append(SendEffect(robot=robot, definition=VELOCITY_COMMAND, value=rest))

@@ -185,6 +185,11 @@ class Tell:
 
     notice: Notice
 
+    @classmethod
+    def now(cls, state: ConsoleState, text: str, *, robot: str = "", alarm: bool = False) -> Tell:
+        """Tell of something that happens now."""
+        return cls(notice=state.notice(text, robot=robot, alarm=alarm))
+
 
 StateEffect = (
     ShowViewport

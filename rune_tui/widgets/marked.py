@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from abc import abstractmethod
 from collections.abc import Callable
-from typing import ClassVar
+from typing import ClassVar, Final
 
 import numpy as np
 
@@ -29,15 +30,18 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.model.world import WorldPoint
 from rune_tui.widgets.marks import OPERATOR, points_of
 from rune_tui.widgets.pointing import PointedWidget
-from rune_tui.widgets.widget import PressWidget
+from rune_tui.widgets.widget import OrderWidget, PressWidget
 
 _FRESH_S = 1.0
 """A pose that is older says too little about where something is seen now [s]."""
 _REMOVED_S = 3.0
 """So long after a point was removed it may still be among those last heard of [s]."""
+_RADIUS: Final = NumberOption(
+    default=0.5, least=0.05, most=20.0, unit="m", meaning="no mark farther away counts"
+)
 
 
-class UndoMark(PressWidget):
+class UndoMark(OrderWidget):
     """Takes back the newest mark of this operator."""
 
     rule: ClassVar = HandlerRule(
@@ -51,16 +55,8 @@ class UndoMark(PressWidget):
         super().__init__(spec, robot)
         self._removed: dict[tuple[str, int], float] = {}
 
-    def press(
-        self,
-        event: ControlEvent,  # noqa: ARG002 - every key of it means the same
-        event_spec: EventSpec,  # noqa: ARG002
-        state: ConsoleState,
-    ) -> tuple[Effect, ...]:
+    def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
         """The removal; numbers are never given twice, so the highest is the newest."""
-        robot = state.robot(self.robot)
-        if robot is None:
-            return ()
         operator = self.spec.options.word("operator") or state.operator
         mine = [
             point
@@ -68,7 +64,7 @@ class UndoMark(PressWidget):
             if point.by == operator and not self._gone(robot.name, point.number, state.now)
         ]
         if not mine:
-            return (Tell(notice=state.notice("you have marked nothing yet", robot=robot.name)),)
+            return (Tell.now(state, "you have marked nothing yet", robot=robot.name),)
         newest = max(mine, key=lambda point: point.number)
         self._removed[robot.name, newest.number] = state.now
         return _removal(newest, robot, state)
@@ -77,74 +73,76 @@ class UndoMark(PressWidget):
         return now - self._removed.get((robot, number), -math.inf) < _REMOVED_S
 
 
-class RemoveMark(PointedWidget):
+class _MarkWidget(PointedWidget):
+    """A widget that does something with the mark that was clicked."""
+
+    @abstractmethod
+    def mark(
+        self, mark: InterestPoint, robot: RobotState, state: ConsoleState
+    ) -> tuple[Effect, ...]:
+        """Effects of a click on a mark."""
+
+    def point(
+        self,
+        place: WorldPoint,
+        event: ControlEvent,  # noqa: ARG002 - the place says all
+        robot: RobotState,
+        state: ConsoleState,
+    ) -> tuple[Effect, ...]:
+        """What the nearest mark calls for, or in words that nothing is there."""
+        radius = self.spec.options.number("radius")
+        nearest = _nearest(place, robot, radius, lambda _: True)
+        if nearest is None:
+            text = f"not {self.purpose}: no mark is within {radius:g} m of where you clicked"
+            return (Tell.now(state, text, robot=robot.name),)
+        return self.mark(nearest, robot, state)
+
+
+class RemoveMark(_MarkWidget):
     """Removes the mark that was clicked."""
 
     purpose: ClassVar[str] = "removed"
     rule: ClassVar = HandlerRule(
         meaning="Removes the mark nearest to where you click.",
-        options={
-            "radius": NumberOption(
-                default=0.5, least=0.05, most=20.0, unit="m", meaning="no mark farther away counts"
-            )
-        },
+        options={"radius": _RADIUS},
         sends=(POINT_COMMAND.name,),
         uses=(INTEREST_POINTS.name,),
         pointed=True,
     )
 
-    def point(
-        self,
-        place: WorldPoint,
-        event: ControlEvent,  # noqa: ARG002 - the place says all
-        robot: RobotState,
-        state: ConsoleState,
+    def mark(
+        self, mark: InterestPoint, robot: RobotState, state: ConsoleState
     ) -> tuple[Effect, ...]:
-        """The removal, or in words that nothing is there."""
-        radius = self.spec.options.number("radius")
-        nearest = _nearest(place, robot, radius, lambda _: True)
-        if nearest is None:
-            text = f"not removed: no mark is within {radius:g} m of where you clicked"
-            return (Tell(notice=state.notice(text, robot=robot.name)),)
-        return _removal(nearest, robot, state)
+        """The removal."""
+        return _removal(mark, robot, state)
 
 
-class EditMark(PointedWidget):
+class EditMark(_MarkWidget):
     """Changes the words that go with a mark."""
 
     purpose: ClassVar[str] = "changed"
     rule: ClassVar = HandlerRule(
         meaning="Asks for other words to go with the mark nearest to where you click.",
-        options={
-            "radius": NumberOption(
-                default=0.5, least=0.05, most=20.0, unit="m", meaning="no mark farther away counts"
-            )
-        },
+        options={"radius": _RADIUS},
         sends=(POINT_COMMAND.name,),
         uses=(INTEREST_POINTS.name,),
         pointed=True,
     )
 
-    def point(
+    def mark(
         self,
-        place: WorldPoint,
-        event: ControlEvent,  # noqa: ARG002 - the place says all
+        mark: InterestPoint,
         robot: RobotState,
-        state: ConsoleState,
+        state: ConsoleState,  # noqa: ARG002 - the words do not depend on it
     ) -> tuple[Effect, ...]:
-        """The question, or in words that nothing is there."""
-        radius = self.spec.options.number("radius")
-        nearest = _nearest(place, robot, radius, lambda _: True)
-        if nearest is None:
-            text = f"not changed: no mark is within {radius:g} m of where you clicked"
-            return (Tell(notice=state.notice(text, robot=robot.name)),)
-        asked = f"Words for {nearest.kind.name.lower()} {nearest.number} of {robot.name}"
+        """The question."""
+        asked = f"Words for {mark.kind.name.lower()} {mark.number} of {robot.name}"
 
         def answer(note: str) -> tuple[Effect, ...]:
-            changed = PointCommand(point=dataclasses.replace(nearest, note=note))
+            changed = PointCommand(point=dataclasses.replace(mark, note=note))
             return (SendEffect(robot=robot.name, definition=POINT_COMMAND, value=changed),)
 
-        return (AskEffect(robot=robot.name, asked=asked, text=nearest.note, answer=answer),)
+        return (AskEffect(robot=robot.name, asked=asked, text=mark.note, answer=answer),)
 
 
 class CorrectLandmark(PointedWidget):
@@ -192,8 +190,8 @@ class CorrectLandmark(PointedWidget):
             seen_x, seen_y = pose.from_map((place.x, place.y)).tolist()
             value = LandmarkCorrection(x=landmark.x, y=landmark.y, seen_x=seen_x, seen_y=seen_y)
             send = SendEffect(robot=robot.name, definition=LANDMARK_CORRECTION, value=value)
-            return (send, Tell(notice=state.notice(text, robot=robot.name)))
-        return (Tell(notice=state.notice(text, robot=robot.name)),)
+            return (send, Tell.now(state, text, robot=robot.name))
+        return (Tell.now(state, text, robot=robot.name),)
 
 
 class ExportMarks(PressWidget):
@@ -224,7 +222,7 @@ def _removal(point: InterestPoint, robot: RobotState, state: ConsoleState) -> tu
     command = PointCommand(action=PointAction.REMOVE, point=emptied)
     text = f"{point.kind.name.lower()} {point.number} is removed"
     send = SendEffect(robot=robot.name, definition=POINT_COMMAND, value=command)
-    return (send, Tell(notice=state.notice(text, robot=robot.name)))
+    return (send, Tell.now(state, text, robot=robot.name))
 
 
 def _nearest(

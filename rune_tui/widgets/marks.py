@@ -93,8 +93,7 @@ class _SetMark(PointedWidget):
                 text = f"the {self.kind.name.lower()} {where} was not taken; its log says why"
             else:
                 text = f"{self.kind.name.lower()} {number} is marked {where}"
-            notice = state.notice(text, robot=pending.robot, alarm=number is None)
-            told.append(Tell(notice=notice))
+            told.append(Tell.now(state, text, robot=pending.robot, alarm=number is None))
         return tuple(told)
 
     def _number(self, pending: _Pending, state: ConsoleState) -> int | None:

@@ -17,13 +17,12 @@ from hub.gcm.navigation import (
 )
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption
-from rune_tui.layout.spec import EventSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, SendEffect, Tell
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.world import WorldPoint
 from rune_tui.widgets.pointing import PointedWidget
-from rune_tui.widgets.widget import PressWidget
+from rune_tui.widgets.widget import OrderWidget
 
 _ORDERS = {
     "explore": Behaviour.EXPLORE,
@@ -67,10 +66,10 @@ class GoTo(PointedWidget):
         )
         text = f"sent to {place.x:.1f}, {place.y:.1f} m"
         send = SendEffect(robot=robot.name, definition=GOAL_COMMAND, value=goal)
-        return (send, Tell(notice=state.notice(text, robot=robot.name)))
+        return (send, Tell.now(state, text, robot=robot.name))
 
 
-class Autonomy(PressWidget):
+class Autonomy(OrderWidget):
     """Tells the robot what to do by itself."""
 
     rule: ClassVar = HandlerRule(
@@ -86,23 +85,15 @@ class Autonomy(PressWidget):
         sends=(AUTONOMY_COMMAND.name,),
     )
 
-    def press(
-        self,
-        event: ControlEvent,  # noqa: ARG002 - every key of it means the same
-        event_spec: EventSpec,  # noqa: ARG002
-        state: ConsoleState,
-    ) -> tuple[Effect, ...]:
+    def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
         """The order."""
-        robot = state.robot(self.robot)
-        if robot is None:
-            return ()
         order = self.spec.options.word("order")
         command = AutonomyCommand(behaviour=_ORDERS[order])
         send = SendEffect(robot=robot.name, definition=AUTONOMY_COMMAND, value=command)
-        return (send, Tell(notice=state.notice(f"told to {order}", robot=robot.name)))
+        return (send, Tell.now(state, f"told to {order}", robot=robot.name))
 
 
-class Safety(PressWidget):
+class Safety(OrderWidget):
     """Has the robot hold back what would lead it into something, or no longer."""
 
     rule: ClassVar = HandlerRule(
@@ -119,19 +110,11 @@ class Safety(PressWidget):
         uses=(ROBOT_STATE.name,),
     )
 
-    def press(
-        self,
-        event: ControlEvent,  # noqa: ARG002 - every key of it means the same
-        event_spec: EventSpec,  # noqa: ARG002
-        state: ConsoleState,
-    ) -> tuple[Effect, ...]:
+    def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
         """The command, and an alarm if it switches the help off.
 
         What is not known is switched on.
         """
-        robot = state.robot(self.robot)
-        if robot is None:
-            return ()
         wanted = self.spec.options.word("assistance")
         if wanted == "toggle":
             known = robot.navigation
@@ -141,4 +124,4 @@ class Safety(PressWidget):
         off = command.assistance is Assistance.OFF
         text = "SAFETY OFF: it follows you into walls" if off else "safety is on"
         send = SendEffect(robot=robot.name, definition=ASSISTANCE_COMMAND, value=command)
-        return (send, Tell(notice=state.notice(text, robot=robot.name, alarm=off)))
+        return (send, Tell.now(state, text, robot=robot.name, alarm=off))

@@ -40,7 +40,7 @@ class PointedWidget(PressWidget):
         place = place_of(event, self.spec.viewport, robot.name)
         if place is None:
             text = f"not {self.purpose}: no ground is known where you clicked"
-            return (Tell(notice=state.notice(text, robot=robot.name)),)
+            return (Tell.now(state, text, robot=robot.name),)
         return self.point(place, event, robot, state)
 
 

@@ -12,19 +12,18 @@ from hub.gcm.vision import (
     ImageKind,
     NightCommand,
 )
-from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption
-from rune_tui.layout.spec import EventSpec
 from rune_tui.model.console_state import ConsoleState, PictureWish
 from rune_tui.model.effects import Effect, SendEffect, Tell, ToggleNight, WishPictures
-from rune_tui.widgets.widget import PressWidget
+from rune_tui.model.robot_state import RobotState
+from rune_tui.widgets.widget import OrderWidget
 
 _MOST_PIXELS = 4096.0
 _KINDS = tuple(kind.name.lower() for kind in ImageKind)
 _CODINGS = tuple(coding.name.lower() for coding in ImageCoding)
 
 
-class SetImageRequest(PressWidget):
+class SetImageRequest(OrderWidget):
     """Asks for another kind of pictures, and for the usual ones again."""
 
     rule: ClassVar = HandlerRule(
@@ -54,16 +53,8 @@ class SetImageRequest(PressWidget):
         },
     )
 
-    def press(
-        self,
-        event: ControlEvent,  # noqa: ARG002 - every key of it means the same
-        event_spec: EventSpec,  # noqa: ARG002
-        state: ConsoleState,
-    ) -> tuple[Effect, ...]:
+    def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
         """The other kind, or the usual one if the other is asked for already."""
-        robot = state.robot(self.robot)
-        if robot is None:
-            return ()
         options = self.spec.options
         wish = PictureWish(
             kind=ImageKind[options.word("kind").upper()],
@@ -77,7 +68,7 @@ class SetImageRequest(PressWidget):
         return (WishPictures(robot=robot.name, wish=wish),)
 
 
-class ToggleNightMode(PressWidget):
+class ToggleNightMode(OrderWidget):
     """Has the robot see in the dark, or no longer."""
 
     rule: ClassVar = HandlerRule(
@@ -88,23 +79,15 @@ class ToggleNightMode(PressWidget):
         sends=(NIGHT_COMMAND.name,),
     )
 
-    def press(
-        self,
-        event: ControlEvent,  # noqa: ARG002 - every key of it means the same
-        event_spec: EventSpec,  # noqa: ARG002
-        state: ConsoleState,
-    ) -> tuple[Effect, ...]:
+    def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
         """The report's local message, and the command to the robot."""
-        robot = state.robot(self.robot)
-        if robot is None:
-            return ()
         wanted = robot.name not in state.night
         command = NightCommand(on=int(wanted))
         send = SendEffect(robot=robot.name, definition=NIGHT_COMMAND, value=command)
         return (ToggleNight(robot=robot.name, on=wanted), send)
 
 
-class Headlight(PressWidget):
+class Headlight(OrderWidget):
     """Lights the headlight, or puts it out."""
 
     rule: ClassVar = HandlerRule(
@@ -119,19 +102,11 @@ class Headlight(PressWidget):
         uses=(CAMERA_STATE.name,),
     )
 
-    def press(
-        self,
-        event: ControlEvent,  # noqa: ARG002 - every key of it means the same
-        event_spec: EventSpec,  # noqa: ARG002
-        state: ConsoleState,
-    ) -> tuple[Effect, ...]:
+    def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
         """The other than the camera reports."""
-        robot = state.robot(self.robot)
-        if robot is None:
-            return ()
         if robot.camera is None or math.isnan(robot.camera.value.headlight):
             text = f"{robot.name} reports no headlight"
-            return (Tell(notice=state.notice(text, robot=robot.name)),)
+            return (Tell.now(state, text, robot=robot.name),)
         lit = robot.camera.value.headlight > 0.0
         brightness = 0.0 if lit else self.spec.options.number("brightness")
         command = NightCommand(on=1, headlight=brightness)

@@ -10,6 +10,7 @@ from rune_tui.layout.rules import HandlerRule
 from rune_tui.layout.spec import EventSpec, WidgetSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect
+from rune_tui.model.robot_state import RobotState
 
 
 class Widget(Protocol):
@@ -83,3 +84,21 @@ class PressWidget(ABC):
     def release(self, state: ConsoleState) -> tuple[Effect, ...]:  # noqa: ARG002 - nothing is held
         """No effects."""
         return ()
+
+
+class OrderWidget(PressWidget):
+    """A widget each press of which is the same order to a robot; to nobody, nothing."""
+
+    @abstractmethod
+    def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
+        """Effects of the order."""
+
+    def press(
+        self,
+        event: ControlEvent,  # noqa: ARG002 - every input of it means the same
+        event_spec: EventSpec,  # noqa: ARG002
+        state: ConsoleState,
+    ) -> tuple[Effect, ...]:
+        """The order, if there is a robot to give it to."""
+        robot = state.robot(self.robot)
+        return () if robot is None else self.order(robot, state)

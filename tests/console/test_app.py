@@ -26,7 +26,7 @@ from rune_tui.layout.watching import LayoutSource
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.link.robot_links import RobotLinks
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import SendEffect
+from rune_tui.model.effects import AskEffect, Effect, SendEffect
 from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.model.world import WorldPoint
 from rune_tui.opening import BUILT_IN
@@ -299,5 +299,22 @@ def test_an_effect_that_cannot_be_done_is_told_once_and_what_comes_after_it_is_d
         desk.console._execute((nowhere, nowhere, stop))
         await desk.until(lambda: desk.robot.stops)
         assert len([text for text in desk.told if "could not be done" in text]) == 1
+
+    play(script)
+
+
+def test_an_answer_that_its_widget_cannot_take_leaves_the_console_running(
+    play: Callable[[Script], None],
+):
+    def answer(text: str) -> tuple[Effect, ...]:
+        raise ValueError(text)
+
+    async def script(desk: Desk) -> None:
+        asked = AskEffect(robot="magellan", asked="Words", text="", answer=answer)
+        desk.console._execute((asked,))
+        await desk.press("x", "enter")
+        await desk.until(lambda: any("could not be done" in text for text in desk.told))
+        await desk.press("w")
+        await desk.until(lambda: desk.robot.speeds[-1] > 0.0)
 
     play(script)
