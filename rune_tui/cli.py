@@ -8,6 +8,7 @@ import functools
 import logging
 import logging.handlers
 import os
+import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from rune_tui.layout.spec import LayoutSpec
     from rune_tui.layout.watching import LayoutSource
     from rune_tui.link.robot_links import RobotLinks
+    from rune_tui.terminal.questions import Answers
+    from rune_tui.terminal.traits import Traits
 
 _DEMO_LAYOUT = "demo"
 _DEMO_ROBOT = "magellan"
@@ -62,7 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from hub.errors import HubError
 
     options = _parser().parse_args(arguments)
-    commands = {"run": _run, "demo": _demo, "check": _check, "shot": _shot}
+    commands = {"run": _run, "demo": _demo, "check": _check, "shot": _shot, "terminal": _terminal}
     try:
         return commands[options.command](options)
     except KeyboardInterrupt:
@@ -86,7 +89,7 @@ def _run(options: argparse.Namespace) -> int:
     source = _source(options.layouts, options.set, watched=options.watch)
     links = _links(source.layout, _endpoints(options.hub), options.keys)
     _log_to_file()
-    return _console(source, links, options.colors)
+    return _console(source, links, options)
 
 
 def _demo(options: argparse.Namespace) -> int:
@@ -103,7 +106,7 @@ def _demo(options: argparse.Namespace) -> int:
         source = _source([options.layout], options.set, watched=True)
         hubs += [stack.enter_context(DemoHub(_DEMO_ROBOT, log)) for _ in source.layout.robots[1:]]
         links = _links(source.layout, [hub.endpoint() for hub in hubs])
-        return _console(source, links, options.colors)
+        return _console(source, links, options)
 
 
 def _source(
@@ -163,12 +166,35 @@ def _shot(options: argparse.Namespace) -> int:
     return ExitCode.NO_HUB
 
 
-def _console(source: LayoutSource, links: RobotLinks, colors: str | None) -> int:
+def _console(source: LayoutSource, links: RobotLinks, options: argparse.Namespace) -> int:
     from rune_tui.app import Console
-    from rune_tui.ui.terminal import colour_depth
 
-    depth = ColourDepth(colors) if colors else colour_depth(os.environ)
-    return Console(source, links, depth).run_to_end()
+    traits, *_ = _asked_terminal(options)
+    return Console(source, links, traits.depth).run_to_end()
+
+
+def _terminal(options: argparse.Namespace) -> int:
+    from rune_tui.terminal.report import as_json, report
+
+    _need_terminal()
+    sys.stdout.write((as_json if options.json else report)(*_asked_terminal(options)))
+    return ExitCode.OK
+
+
+def _asked_terminal(options: argparse.Namespace) -> tuple[Traits, Answers, float, tuple[int, int]]:
+    """What the terminal can do, what it said, how long that took [s], and its size."""
+    from rune_tui.terminal.questions import Answers
+    from rune_tui.terminal.traits import traits_of
+
+    answers, took = Answers(), 0.0
+    if sys.platform != "win32":
+        from rune_tui.terminal.asking import ask_own
+
+        answers, took = ask_own()
+    columns, rows = shutil.get_terminal_size()
+    depth = ColourDepth(options.colors) if options.colors else None
+    traits = traits_of(answers, os.environ, (columns, rows), depth=depth, aspect=options.aspect)
+    return traits, answers, took, (columns, rows)
 
 
 def _load(name_or_path: str, variables: Sequence[tuple[str, str]]) -> LayoutSpec:
@@ -243,6 +269,17 @@ def _seconds(text: str) -> float:
     return seconds
 
 
+def _aspect(text: str) -> float:
+    try:
+        ratio = float(text)
+    except ValueError:
+        ratio = 0.0
+    if not 1.0 <= ratio <= 4.0:
+        reason = f"{text!r} is no ratio from 1 to 4, such as 2.2"
+        raise argparse.ArgumentTypeError(reason)
+    return ratio
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="rune",
@@ -256,17 +293,16 @@ def _parser() -> argparse.ArgumentParser:
     hub_help = "HOST, HOST:PORT or tcp://HOST:PORT instead of the layout's; once for each robot"
     colors = [depth.value for depth in ColourDepth]
     colors_help = "what the terminal can show, where it does not say so itself"
+    aspect_help = "height of a cell over its width, where the terminal does not say (2)"
 
     run = commands.add_parser("run", help="open the console with a layout")
     run.add_argument("layouts", nargs="+", metavar="LAYOUT", help=layout_help)
     run.add_argument("--watch", action="store_true", help="follow the files when they are saved")
     run.add_argument("--hub", action="append", default=[], metavar="HUB", help=hub_help)
     run.add_argument("--keys", type=Path, help=keys_help)
-    run.add_argument("--colors", choices=colors, help=colors_help)
 
     demo = commands.add_parser("demo", help="open the console on a simulated robot")
     demo.add_argument("layout", nargs="?", default=_DEMO_LAYOUT, help="default: %(default)s")
-    demo.add_argument("--colors", choices=colors, help=colors_help)
 
     check = commands.add_parser("check", help="report all that is wrong with layout files")
     check.add_argument("layouts", nargs="+", metavar="LAYOUT", help=layout_help)
@@ -283,6 +319,11 @@ def _parser() -> argparse.ArgumentParser:
     source.add_argument("--hub", action="append", default=[], metavar="HUB", help=hub_help)
     shot.add_argument("--keys", type=Path, help=keys_help)
     source.add_argument("--demo", action="store_true", help="on a simulated robot of its own")
+    terminal = commands.add_parser("terminal", help="say what this terminal can do, and why")
+    terminal.add_argument("--json", action="store_true", help="in one line, for machines")
+    for command in (run, demo, terminal):
+        command.add_argument("--colors", choices=colors, help=colors_help)
+        command.add_argument("--aspect", type=_aspect, metavar="RATIO", help=aspect_help)
     for command in (run, demo, check, shot):
         command.add_argument(
             "--set",

@@ -9,17 +9,21 @@ every key behind it.
 from __future__ import annotations
 
 import codecs
-import itertools
 import logging
 import os
 import re
 import selectors
+import time
+from collections.abc import Iterable
 from typing import Final
 
-from textual import events
+from textual import _xterm_parser, events
+from textual._ansi_sequences import ANSI_SEQUENCES_KEYS
 from textual._xterm_parser import XTermParser
 from textual.drivers.linux_driver import LinuxDriver
 from textual.message import Message
+
+from rune_tui.terminal.input_stream import HOLD_S, CursorReport, InputStream
 
 _logger = logging.getLogger(__name__)
 
@@ -30,14 +34,43 @@ _BEYOND: Final = re.compile(r";(-\d+|0)(?=[;Mm])")
 """Columns and rows of the mouse that are left of or above the terminal."""
 _PASSED: Final = re.compile(r"\x1b\[<(3[2-9]|[45]\d|6[0-3]);-?\d+;-?\d+M(?=\x1b\[<\1;-?\d+;-?\d+M)")
 """Reports of a moving mouse that another one follows at once; reading each takes Textual long."""
+_READ_S: Final = 0.1
+"""Between two looks at the clock while nothing comes [s]."""
+_UNDERSTOOD: Final = (
+    _xterm_parser._re_mouse_event,  # noqa: SLF001 - no public way to know what the parser knows
+    _xterm_parser._re_terminal_mode_response,  # noqa: SLF001
+    _xterm_parser._re_in_band_window_resize,  # noqa: SLF001
+    _xterm_parser._re_extended_key,  # noqa: SLF001
+)
+
+
+class FrameAnswered(Message):
+    """The terminal has come to the question that followed a frame."""
+
+    def __init__(self, report: CursorReport) -> None:
+        """Prepare to tell of a report."""
+        super().__init__()
+        self.report = report
+
+
+def understood(sequence: str) -> bool:
+    """Whether Textual knows what an escape sequence means."""
+    known = sequence in ANSI_SEQUENCES_KEYS or sequence in _xterm_parser.SPECIAL_SEQUENCES
+    return known or any(pattern.fullmatch(sequence) for pattern in _UNDERSTOOD)
 
 
 class SturdyParser(XTermParser):
-    """Takes a mouse beyond the upper left corner for one that is at the edge."""
+    """Takes a mouse beyond the upper left corner for one that is at the edge, and F3 for F3."""
 
     def parse_mouse_code(self, code: str) -> Message | None:
         """The event in a report of the mouse."""
         return super().parse_mouse_code(_BEYOND.sub(";1", code))
+
+    def meant(self, event: Message) -> Iterable[Message]:
+        """The event itself; a key for what Textual takes for a cursor in the first row."""
+        if not isinstance(event, events.CursorPosition):
+            return (event,)
+        return self._sequence_to_key_events(f"\x1b[{event.y + 1};{event.x + 1}R")
 
 
 class SturdyDriver(LinuxDriver):
@@ -49,17 +82,17 @@ class SturdyDriver(LinuxDriver):
     def run_input_thread(self) -> None:
         """Read until the console ends; Textual calls this in a thread of its own."""
         decode = codecs.getincrementaldecoder("utf-8")(errors="replace").decode
-        parser = SturdyParser(self._debug)
+        parser, stream = SturdyParser(self._debug), InputStream(understood)
         with selectors.DefaultSelector() as selector:
             selector.register(self.fileno, selectors.EVENT_READ)
             while not self.exit_event.is_set():
                 data = b""
-                if selector.select(0.1):
+                if selector.select(HOLD_S / 2 if stream.holding else _READ_S):
                     data = self._read()
                     if not data:
                         self._app.call_later(self._app.action_quit)
                         return
-                parser = self._take(parser, decode(data))
+                parser = self._take(parser, stream, decode(data))
 
     def _read(self) -> bytes:
         try:
@@ -67,11 +100,15 @@ class SturdyDriver(LinuxDriver):
         except OSError:  # the terminal has gone
             return b""
 
-    def _take(self, parser: SturdyParser, text: str) -> SturdyParser:
+    def _take(self, parser: SturdyParser, stream: InputStream, text: str) -> SturdyParser:
         """Hand on the events in `text`; the parser for what comes next."""
-        text = _PASSED.sub("", text)
         try:
-            for event in itertools.chain(parser.feed(text) if text else (), parser.tick()):
+            for part in stream.feed(text, time.monotonic()):
+                if isinstance(part, CursorReport):
+                    self.process_message(FrameAnswered(part))
+                else:
+                    self._read_events(parser, _PASSED.sub("", part))
+            for event in parser.tick():
                 self._hand_on(event)
             if self._left_out is not None:
                 self._hand_on(self._left_out)
@@ -79,6 +116,11 @@ class SturdyDriver(LinuxDriver):
             _logger.exception("input %r could not be read", text[:80])
             return SturdyParser(self._debug)
         return parser
+
+    def _read_events(self, parser: SturdyParser, text: str) -> None:
+        for event in parser.feed(text) if text else ():
+            for meant in parser.meant(event):
+                self._hand_on(meant)
 
     def _hand_on(self, event: Message) -> None:
         """Tell the console, unless it is behind and this is but the mouse on its way."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import fcntl
 import json
 import os
@@ -155,6 +156,18 @@ class Observer:
         self.client.close()
 
 
+class _Answering(pyte.Screen):
+    """A terminal that answers what it is asked, as real ones do."""
+
+    def __init__(self, columns: int, rows: int, terminal: int) -> None:
+        super().__init__(columns, rows)
+        self._terminal = terminal
+
+    def write_process_input(self, data: str) -> None:
+        with contextlib.suppress(OSError):  # nobody reads, or it has ended
+            os.write(self._terminal, data.encode())
+
+
 class ConsoleProcess:
     """`rune ...` on a pseudo-terminal, with a terminal emulator that eats what it writes."""
 
@@ -167,10 +180,10 @@ class ConsoleProcess:
         environment: dict[str, str] | None = None,
     ) -> None:
         self.started = time.monotonic()
-        self.screen = pyte.Screen(columns, rows)
+        self.terminal, inner = pty.openpty()
+        self.screen = _Answering(columns, rows, self.terminal)
         self._stream = pyte.ByteStream(self.screen)
         self.output_bytes = 0
-        self.terminal, inner = pty.openpty()
         fcntl.ioctl(inner, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
         self.process = subprocess.Popen(
             [sys.executable, "-m", "rune_tui", *arguments],

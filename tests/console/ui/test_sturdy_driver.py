@@ -10,7 +10,8 @@ from textual import events
 from textual.app import App
 from textual.message import Message
 
-from rune_tui.ui.sturdy_driver import SturdyDriver, SturdyParser
+from rune_tui.terminal.input_stream import InputStream
+from rune_tui.ui.sturdy_driver import SturdyDriver, SturdyParser, understood
 
 
 class Waiting(App[None]):
@@ -39,9 +40,9 @@ def heard(*pieces: tuple[str, int]) -> list[str]:
 
     async def play() -> list[Message]:
         app = Waiting()
-        driver, parser = Told(app), SturdyParser()
+        driver, parser, stream = Told(app), SturdyParser(), InputStream(understood)
         for text, app.waiting in pieces:
-            driver._take(parser, text)
+            driver._take(parser, stream, text)
         return driver.told
 
     return [
@@ -50,6 +51,12 @@ def heard(*pieces: tuple[str, int]) -> list[str]:
         else type(event).__name__
         for event in asyncio.run(play())
     ]
+
+
+def test_answers_to_frames_are_told_and_other_answers_press_no_keys() -> None:
+    told = heard(("w\x1b[2;3R", 0), ("\x1b[?62;22;52c\x1b[?1u", 0), ("\x1b[6;20;10t", 0))
+    assert told == ["Key", "FrameAnswered"]
+    assert heard(("\x1b[1;2R", 0)) == ["Key"]
 
 
 @pytest.mark.parametrize("place", ["-3;-2", "-1;7", "0;0"])

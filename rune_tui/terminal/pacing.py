@@ -1,0 +1,129 @@
+"""How far the terminal has got with what was drawn: frames are numbered, and it answers; pure.
+
+After each frame the terminal is asked where its cursor is (CSI 6 n). It answers when it has come
+to the question, so when it shows the frame. As long as too much is unanswered nothing is drawn, so
+that what is drawn next is the newest, however slow the way to the terminal is.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from typing import Final
+
+from rune_tui.terminal.input_stream import CursorReport
+
+WINDOW: Final = 2
+"""Frames that may be unanswered."""
+TIMEOUT_S: Final = 1.0
+"""An answer that takes longer may be lost [s]; the next time, it may take twice as long."""
+_LONGEST_S: Final = 8.0
+_ROW: Final = 2
+"""Where the cursor is put for the question; in the first row, answers look like keys."""
+_NUMBERS: Final = 8
+"""Frames are told apart by so many columns; any terminal has them."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SentFrame:
+    """A frame that the terminal has not answered yet.
+
+    Attributes:
+        number: Tells it from the others, 0 to 7.
+        size: How long it is [bytes].
+        sent: When it was handed over [s].
+        behind: What was unanswered before it [bytes].
+    """
+
+    number: int
+    size: int
+    sent: float
+    behind: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Acknowledgement:
+    """A frame that the terminal shows.
+
+    Attributes:
+        frame: Which.
+        age: Time from handing it over to the answer [s].
+        gap: Time since the answer before, if the terminal was busy in between [s]; NaN if not.
+        size: How much it took in that time, or with this frame alone [bytes].
+    """
+
+    frame: SentFrame
+    age: float
+    gap: float
+    size: int
+
+
+class FramePacer:
+    """Keeps account of frames under way; every method gets the time [s].
+
+    A terminal that has never answered is not waited for: `answers` is False then, and the caller
+    has to see by other means whether it keeps up.
+    """
+
+    def __init__(self) -> None:
+        self._under_way: deque[SentFrame] = deque()
+        self._number = 0
+        self._answered = float("-inf")
+        self._timeout = TIMEOUT_S
+        self._silent = False
+        self._heard = False
+
+    @property
+    def answers(self) -> bool:
+        """Whether the terminal answers, as far as is known; unknown counts as yes."""
+        return self._heard or not self._silent
+
+    @property
+    def unanswered(self) -> int:
+        """What is under way [bytes]."""
+        return sum(frame.size for frame in self._under_way)
+
+    @property
+    def waiting(self) -> bool:
+        """Whether a frame is under way."""
+        return bool(self._under_way)
+
+    def may_send(self, now: float, window: int = WINDOW) -> bool:
+        """Whether another frame may follow with so many under way; late ones are given up."""
+        if self._under_way and now - self._under_way[0].sent >= self._timeout:
+            self._under_way.clear()
+            self._timeout = min(_LONGEST_S, 2.0 * self._timeout)
+            self._silent = True
+        return not self.answers or len(self._under_way) < window
+
+    def sent(self, now: float, size: int) -> str:
+        """A frame of so many bytes is handed over; the question that has to follow it."""
+        if not self.answers:
+            self._under_way.clear()
+        frame = SentFrame(number=self._number, size=size, sent=now, behind=self.unanswered)
+        self._under_way.append(frame)
+        self._number = (self._number + 1) % _NUMBERS
+        return f"\x1b[{_ROW};{frame.number + 1}H\x1b[6n"
+
+    def answered(self, now: float, report: CursorReport) -> Acknowledgement | None:
+        """The terminal answers; None if that is no answer to a frame under way."""
+        number = report.column - 1
+        if report.row != _ROW or all(frame.number != number for frame in self._under_way):
+            return None
+        size = 0
+        while True:
+            frame = self._under_way.popleft()
+            size += frame.size
+            if frame.number == number:
+                break
+        busy = frame.behind > 0
+        gap = now - self._answered if busy else float("nan")
+        self._answered, self._timeout = now, TIMEOUT_S
+        self._heard, self._silent = True, False
+        return Acknowledgement(frame=frame, age=now - frame.sent, gap=gap, size=size)
+
+    def restart(self) -> None:
+        """The terminal is another one, or was away: what is under way is not answered."""
+        self._under_way.clear()
+        self._timeout = TIMEOUT_S
+        self._silent = False

@@ -1,0 +1,148 @@
+"""What the console takes the terminal to be able to do, and why it thinks so."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from rune_tui.compositor.depth import ColourDepth
+from rune_tui.terminal.questions import Answers
+
+USUAL_ASPECT: Final = 2.0
+"""Height of a cell over its width, where nobody says."""
+_ASPECTS: Final = (1.0, 4.0)
+"""What a font can be; others are taken for a fault."""
+_TOLD: Final = "the terminal says so"
+_GIVEN: Final = "the command line says so"
+_SILENT: Final = "the terminal does not say"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Traits:
+    """What the terminal can do.
+
+    Attributes:
+        depth: Its colours.
+        aspect: Height of a cell over its width.
+        synchronized: Whether it shows a frame all at once.
+        acknowledges: Whether it tells when it shows a frame.
+        releases: Whether it can tell when a key goes up.
+        reasons: Why each is so, by its name.
+    """
+
+    depth: ColourDepth
+    aspect: float
+    synchronized: bool
+    acknowledges: bool
+    releases: bool
+    reasons: Mapping[str, str]
+
+
+def traits_of(
+    answers: Answers,
+    environment: Mapping[str, str],
+    size: tuple[int, int],
+    *,
+    depth: ColourDepth | None = None,
+    aspect: float | None = None,
+) -> Traits:
+    """What follows from all that is known.
+
+    Args:
+        answers: What the terminal said.
+        environment: The environment's variables.
+        size: Columns and rows.
+        depth: What the command line says of colours.
+        aspect: What the command line says of the shape of cells.
+    """
+    colours, why_colours = _colours(answers, environment, depth)
+    shape, why_shape = _shape(answers, size, aspect)
+    reasons = {
+        "depth": why_colours,
+        "aspect": why_shape,
+        "synchronized": _SILENT if answers.synchronized is None else _TOLD,
+        "acknowledges": "it answered where its cursor is"
+        if answers.reports_cursor
+        else "it did not answer where its cursor is",
+        "releases": "it knows the kitty keyboard protocol"
+        if answers.keyboard is not None
+        else "it does not know the kitty keyboard protocol",
+    }
+    return Traits(
+        depth=colours,
+        aspect=shape,
+        synchronized=bool(answers.synchronized),
+        acknowledges=answers.reports_cursor,
+        releases=answers.keyboard is not None,
+        reasons=reasons,
+    )
+
+
+def _colours(
+    answers: Answers, environment: Mapping[str, str], given: ColourDepth | None
+) -> tuple[ColourDepth, str]:
+    if given is not None:
+        return given, _GIVEN
+    if environment.get("NO_COLOR"):
+        return ColourDepth.MONO, "NO_COLOR is set"
+    if answers.truecolour:
+        return ColourDepth.TRUECOLOUR, _TOLD
+    return colours_by_environment(environment)
+
+
+def _shape(answers: Answers, size: tuple[int, int], given: float | None) -> tuple[float, str]:
+    if given is not None:
+        return given, _GIVEN
+    told = answers.aspect(*size)
+    if told is None:
+        return USUAL_ASPECT, _SILENT
+    if not _ASPECTS[0] <= told <= _ASPECTS[1]:
+        return USUAL_ASPECT, f"the terminal says {told:.2f}, which no font has"
+    return told, _TOLD
+
+
+def colours_by_environment(
+    environment: Mapping[str, str], described: Callable[[str], int | None] | None = None
+) -> tuple[ColourDepth, str]:
+    """What colours the terminal has by what the environment says of it, and why.
+
+    COLORTERM, by which terminals tell that they have truecolour, comes before the description of
+    TERM.
+
+    Args:
+        environment: The variables.
+        described: How many colours the description of a terminal says it has, 0 for none, None
+            where there is no description; terminfo's by default.
+    """
+    if environment.get("COLORTERM", "").lower() in {"truecolor", "24bit"}:
+        return ColourDepth.TRUECOLOUR, f"COLORTERM is {environment['COLORTERM']}"
+    name = environment.get("TERM", "")
+    if not name and sys.platform == "win32":
+        return ColourDepth.TRUECOLOUR, "consoles of Windows have them"
+    if not name:
+        return ColourDepth.MONO, "TERM is not set"
+    colours = (described or _described)(name)
+    if colours is None:
+        # A terminal that this machine has never heard of is newer than its descriptions.
+        return ColourDepth.INDEXED_256, f"this machine has no description of {name}"
+    reason = f"the description of {name} says {colours} colours"
+    if colours >= 1 << 24:
+        return ColourDepth.TRUECOLOUR, reason
+    if colours >= 256:
+        return ColourDepth.INDEXED_256, reason
+    return (ColourDepth.INDEXED_16 if colours >= 8 else ColourDepth.MONO), reason
+
+
+def _described(name: str) -> int | None:
+    """How many colours terminfo says a terminal has; only the first name of a process counts."""
+    try:
+        import curses
+    except ImportError:  # Windows
+        return None
+    try:
+        curses.setupterm(name, 1)
+    except curses.error:
+        return None
+    return max(0, curses.tigetnum("colors"))

@@ -1,0 +1,87 @@
+"""Answers of a terminal among keys and the mouse."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rune_tui.terminal.input_stream import HOLD_S, CursorReport, InputStream
+
+KEYS = {"\x1b[A", "\x1b[1;2R", "\x1b[15~", "\x1b[97;5u", "\x1b[<0;5;5M"}
+PIECES = st.sampled_from(
+    ["w", "abc", "\x1b[A", "\x1b[<0;5;5M", "\x1b[2;3R", "\x1b[?62;4c", "\x1bP1$r0m\x1b\\", "é"]
+)
+
+
+def split(*pieces: str) -> list[str | CursorReport]:
+    stream = InputStream(KEYS.__contains__)
+    return [part for piece in pieces for part in stream.feed(piece, 0.0)]
+
+
+def test_reports_of_the_cursor_are_told_from_keys() -> None:
+    assert split("w\x1b[2;7Rs") == ["w", CursorReport(row=2, column=7), "s"]
+
+
+def test_a_report_of_the_first_row_is_a_key_with_a_modifier() -> None:
+    assert split("\x1b[1;2R") == ["\x1b[1;2R"]
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        "\x1b[?62;22;52c",
+        "\x1b[?1u",
+        "\x1b[6;20;10t",
+        "\x1bP1$r48:2:1:2:3m\x1b\\",
+        "\x1bP1+r524742=38\x1b\\",
+        "\x1b]11;rgb:0000/0000/0000\x07",
+        "\x1b[?9999;0$y",
+    ],
+)
+def test_late_answers_to_other_questions_press_no_keys(answer: str) -> None:
+    assert split(f"w{answer}s") == ["ws"]
+    for at in range(1, len(answer)):
+        assert split(f"w{answer[:at]}", f"{answer[at:]}s") == ["w", "s"]
+
+
+def test_what_the_driver_understands_comes_through_whole() -> None:
+    assert split("\x1b[", "A") == ["\x1b[A"]
+    assert split("\x1b", "[1", "5~x") == ["\x1b[15~x"]
+
+
+def test_a_lone_escape_is_held_until_nothing_follows() -> None:
+    stream = InputStream(KEYS.__contains__)
+    assert list(stream.feed("w\x1b", 0.0)) == ["w"]
+    assert stream.holding
+    assert list(stream.feed("", HOLD_S / 2)) == []
+    assert list(stream.feed("", HOLD_S)) == ["\x1b"]
+    assert not stream.holding
+
+
+def test_a_letter_with_alt_does_not_keep_back_the_keys_that_follow() -> None:
+    stream = InputStream(KEYS.__contains__)
+    assert list(stream.feed("\x1bP", 0.0)) == []
+    assert list(stream.feed("w", 0.03)) == []
+    assert list(stream.feed("w", HOLD_S)) == ["\x1bPww"]
+
+
+@given(st.lists(PIECES, max_size=12), st.data())
+def test_however_it_is_cut_the_same_comes_out(pieces: list[str], data: st.DataObject) -> None:
+    text = "".join(pieces)
+    cuts = sorted(data.draw(st.lists(st.integers(0, len(text)), max_size=5)))
+    parts = [text[a:b] for a, b in zip([0, *cuts], [*cuts, len(text)], strict=True)]
+    assert joined(split(*parts)) == joined(split(text))
+
+
+@given(st.lists(st.text(alphabet="\x1b[]PX_^?;0123456789Rcumt$y\\\x07 wM<", max_size=40)))
+def test_nothing_that_comes_is_too_odd(pieces: list[str]) -> None:
+    stream = InputStream(KEYS.__contains__)
+    told = [part for piece in pieces for part in stream.feed(piece, 0.0)]
+    told += stream.feed("", HOLD_S)
+    assert len(joined(told)) <= len("".join(pieces))
+
+
+def joined(parts: list[str | CursorReport]) -> str:
+    """Everything in one text, a cursor report as its place."""
+    return "".join(p if isinstance(p, str) else f"{p.row},{p.column}" for p in parts)
