@@ -18,6 +18,8 @@ WINDOW: Final = 2
 TIMEOUT_S: Final = 1.0
 """An answer that takes longer may be lost [s]; the next time, it may take twice as long."""
 _LONGEST_S: Final = 8.0
+_NARROWEST: Final = 8_000.0
+"""What the narrowest way takes that can be worked with [bytes/s]."""
 _ROW: Final = 2
 """Where the cursor is put for the question; in the first row, answers look like keys."""
 _NUMBERS: Final = 8
@@ -32,13 +34,13 @@ class SentFrame:
         number: Tells it from the others, 0 to 7.
         size: How long it is [bytes].
         sent: When it was handed over [s].
-        behind: What was unanswered before it [bytes].
+        behind: Whether another one was under way.
     """
 
     number: int
     size: int
     sent: float
-    behind: int
+    behind: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -65,13 +67,18 @@ class FramePacer:
     has to see by other means whether it keeps up.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, heard: bool = False) -> None:
+        """Begin.
+
+        Args:
+            heard: Whether the terminal has answered such a question before.
+        """
         self._under_way: deque[SentFrame] = deque()
         self._number = 0
         self._answered = float("-inf")
         self._timeout = TIMEOUT_S
         self._silent = False
-        self._heard = False
+        self._heard = heard
 
     @property
     def answers(self) -> bool:
@@ -79,18 +86,13 @@ class FramePacer:
         return self._heard or not self._silent
 
     @property
-    def unanswered(self) -> int:
-        """What is under way [bytes]."""
-        return sum(frame.size for frame in self._under_way)
-
-    @property
-    def waiting(self) -> bool:
-        """Whether a frame is under way."""
-        return bool(self._under_way)
+    def under_way(self) -> tuple[SentFrame, ...]:
+        """Frames that are not answered, the oldest first."""
+        return tuple(self._under_way)
 
     def may_send(self, now: float, window: int = WINDOW) -> bool:
         """Whether another frame may follow with so many under way; late ones are given up."""
-        if self._under_way and now - self._under_way[0].sent >= self._timeout:
+        if self._under_way and now - self._under_way[0].sent >= self._patience():
             self._under_way.clear()
             self._timeout = min(_LONGEST_S, 2.0 * self._timeout)
             self._silent = True
@@ -100,7 +102,7 @@ class FramePacer:
         """A frame of so many bytes is handed over; the question that has to follow it."""
         if not self.answers:
             self._under_way.clear()
-        frame = SentFrame(number=self._number, size=size, sent=now, behind=self.unanswered)
+        frame = SentFrame(number=self._number, size=size, sent=now, behind=bool(self._under_way))
         self._under_way.append(frame)
         self._number = (self._number + 1) % _NUMBERS
         return f"\x1b[{_ROW};{frame.number + 1}H\x1b[6n"
@@ -116,11 +118,15 @@ class FramePacer:
             size += frame.size
             if frame.number == number:
                 break
-        busy = frame.behind > 0
-        gap = now - self._answered if busy else float("nan")
+        gap = now - self._answered if frame.behind else float("nan")
         self._answered, self._timeout = now, TIMEOUT_S
         self._heard, self._silent = True, False
         return Acknowledgement(frame=frame, age=now - frame.sent, gap=gap, size=size)
+
+    def _patience(self) -> float:
+        """How long the oldest answer may take [s]; one that answers may be at a narrow way."""
+        more = sum(frame.size for frame in self._under_way) / _NARROWEST if self._heard else 0.0
+        return self._timeout + min(_LONGEST_S, more)
 
     def restart(self) -> None:
         """The terminal is another one, or was away: what is under way is not answered."""

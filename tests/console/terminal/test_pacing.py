@@ -47,7 +47,7 @@ def test_an_answer_stands_for_all_frames_before_it() -> None:
     answer = pacer.answered(0.1, second)
     assert answer is not None
     assert answer.size == 30
-    assert not pacer.waiting
+    assert not pacer.under_way
 
 
 def test_what_is_no_answer_changes_nothing() -> None:
@@ -55,7 +55,7 @@ def test_what_is_no_answer_changes_nothing() -> None:
     asked = place(pacer.sent(0.0, 10))
     assert pacer.answered(0.1, CursorReport(row=9, column=asked.column)) is None
     assert pacer.answered(0.1, CursorReport(row=asked.row, column=asked.column + 1)) is None
-    assert pacer.waiting
+    assert pacer.under_way
     assert pacer.answered(0.1, asked) is not None
     assert pacer.answered(0.1, asked) is None
 
@@ -105,5 +105,5 @@ def test_the_account_never_grows_and_frames_can_always_go_on(
             assert answer is None or answer.age >= 0.0
         elif asked:
             asked.pop(0)
-        assert pacer.unanswered <= 10 * WINDOW
+        assert len(pacer.under_way) <= WINDOW
     assert pacer.may_send(now + 10.0)

@@ -1,0 +1,158 @@
+"""How exactly pictures are drawn, so that what the operator sees is now; pure.
+
+What the way to the terminal takes is measured by the terminal's acknowledgements. From it follows
+how long a frame is under way. If that is too long, the picture is drawn with coarser colours, then
+more seldom, and last with coarser pixels; where nothing moves it becomes exact.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Final
+
+from rune_tui.terminal.pacing import Acknowledgement, SentFrame
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Coarseness:
+    """A way to draw pictures.
+
+    Attributes:
+        tolerance: How far colours may be off that neighbours share, 0 to 127.
+        threshold: How far a pixel may be off before it is drawn anew, 0 to 255.
+        grain: Pixels become one colour in squares of so many.
+        longest: A frame should not be under way for longer [s]; if it is, the next coarser way is
+            better than fewer frames.
+    """
+
+    tolerance: int
+    threshold: int
+    grain: int
+    longest: float
+
+
+LADDER: Final = (
+    Coarseness(tolerance=0, threshold=0, grain=1, longest=1 / 25),
+    Coarseness(tolerance=2, threshold=4, grain=1, longest=1 / 25),
+    Coarseness(tolerance=4, threshold=6, grain=1, longest=1 / 20),
+    Coarseness(tolerance=8, threshold=10, grain=1, longest=1 / 15),
+    Coarseness(tolerance=12, threshold=16, grain=1, longest=1 / 8),
+    Coarseness(tolerance=16, threshold=20, grain=1, longest=1 / 4),
+    Coarseness(tolerance=16, threshold=20, grain=2, longest=1 / 4),
+    Coarseness(tolerance=16, threshold=20, grain=4, longest=math.inf),
+)
+"""From exact to so coarse that it can hardly be told what is seen."""
+_FIRST: Final = 3
+"""Where to begin, as long as nothing is known of the way."""
+_STEP: Final = 2.2
+"""A finer way makes frames at most so much longer, as a rule."""
+_TOO_LONG: Final = 2.0
+"""A frame that would be under way for so many times the longest time is drawn again, coarser."""
+_TELLING_BYTES: Final = 2000
+"""Shorter frames say how long the way is, not how wide."""
+_SAMPLES: Final = 5
+_TRIPS_S: Final = 10.0
+"""How long the shortest round trip is remembered [s]."""
+_LEAST_TRIP_S: Final = 0.001
+
+
+class RateController:
+    """Chooses how pictures are drawn; used with one `FramePacer`.
+
+    Attributes:
+        most_bytes: No frame may be longer [bytes]; a multiplexer throws away what is.
+    """
+
+    def __init__(self, round_trip: float = 0.0, most_bytes: float = math.inf) -> None:
+        """Begin in the middle.
+
+        Args:
+            round_trip: How long the terminal takes to answer when it has nothing to draw [s].
+            most_bytes: See the attribute.
+        """
+        self.most_bytes = most_bytes
+        self._round_trip = round_trip
+        self._level = _FIRST
+        self._widths: deque[float] = deque(maxlen=_SAMPLES)
+        self._trips: deque[tuple[float, float]] = deque()
+
+    @property
+    def way(self) -> Coarseness:
+        """How to draw pictures now."""
+        return LADDER[self._level]
+
+    @property
+    def level(self) -> int:
+        """Its number in the ladder, 0 is exact."""
+        return self._level
+
+    @property
+    def width(self) -> float:
+        """What the way to the terminal takes [bytes/s]; infinite as long as it is not known."""
+        if not self._widths:
+            return math.inf
+        return sorted(self._widths)[len(self._widths) // 2]
+
+    @property
+    def round_trip(self) -> float:
+        """How long the shortest frames are under way [s]."""
+        return min((trip for _, trip in self._trips), default=self._round_trip)
+
+    def acknowledged(self, now: float, answer: Acknowledgement) -> None:
+        """The terminal shows a frame."""
+        short = answer.size < _TELLING_BYTES
+        if short or answer.age < self.round_trip:
+            self._round_trip = min(answer.age, self.round_trip)
+            self._trips.append((now, answer.age))
+        while self._trips and now - self._trips[0][0] > _TRIPS_S:
+            self._round_trip = self._trips.popleft()[1]
+        took = answer.age - self.round_trip
+        if not math.isnan(answer.gap):
+            took = min(took, answer.gap)
+        width = answer.size / max(took, _LEAST_TRIP_S)
+        if not short or width > self.width:
+            self._widths.append(width)
+
+    def under_way(self, size: float) -> float:
+        """How long so many bytes need beyond the round trip [s]."""
+        return size / self.width
+
+    def may_follow(self, now: float, frames: Iterable[SentFrame]) -> bool:
+        """Whether a frame may follow those that are under way.
+
+        It may when they should have gone through; their answers need not be back.
+        """
+        through = -math.inf
+        for frame in frames:
+            if not self._widths:
+                return False
+            through = max(through, frame.sent) + self.under_way(frame.size)
+        return through <= now
+
+    def room(self, now_under_way: float = 0.0) -> float:
+        """How long the next frame should be at most [bytes]."""
+        return min(self.most_bytes, max(0.0, self.way.longest * self.width - now_under_way))
+
+    def too_long(self, size: float) -> bool:
+        """Whether a frame of this size should rather be drawn again, coarser; takes the step."""
+        if self._level + 1 == len(LADDER) or not self._exceeds(size, _TOO_LONG):
+            return False
+        self._level += 1
+        return True
+
+    def drawn(self, size: float) -> None:
+        """A picture of something that moves became so long; the next may be drawn otherwise."""
+        last = self._level + 1 == len(LADDER)
+        if not last and self._exceeds(size, 1.0):
+            self._level += 1
+        elif self._level:
+            finer = LADDER[self._level - 1]
+            grown = size * _STEP
+            if grown <= self.most_bytes and self.under_way(grown) <= finer.longest:
+                self._level -= 1
+
+    def _exceeds(self, size: float, factor: float) -> bool:
+        return size > self.most_bytes or self.under_way(size) > factor * self.way.longest
