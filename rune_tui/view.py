@@ -9,7 +9,10 @@ from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from typing import cast
 
-from rune_tui.compositor.blend import Layer, compose, tinted
+import numpy as np
+import numpy.typing as npt
+
+from rune_tui.compositor.blend import Layer, compose, tinted, video_cells
 from rune_tui.compositor.cells import Cells
 from rune_tui.controls.events import Hit
 from rune_tui.help_layer import HelpLayer
@@ -102,6 +105,7 @@ class _Pane:
             y=self.place.y,
             zpos=self.spec.zpos,
             transparency=self.spec.transparency,
+            video=isinstance(self.visualizer, CameraImage),
         )
         return True
 
@@ -172,6 +176,12 @@ class View:
         self._complete = False
         self._full = ""
         self._help = HelpLayer(layout)
+        self._video: npt.NDArray[np.bool_] = np.zeros((0, 0), np.bool_)
+
+    @property
+    def video(self) -> npt.NDArray[np.bool_]:
+        """Which cells of the newest picture show a camera's, shape (rows, columns)."""
+        return self._video
 
     def resize(self, columns: int, rows: int) -> None:
         """Place everything on a terminal of this size [cells]; the next frame is drawn anew."""
@@ -215,6 +225,7 @@ class View:
         elif passing:
             layers.append(self._told(passing, state))
         layers += self._help.layers
+        self._video = video_cells(self._columns, self._rows, layers)
         cells = compose(self._columns, self._rows, self._spec.background, layers)
         return tinted(cells, state.theme.tint)
 

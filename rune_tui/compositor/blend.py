@@ -33,6 +33,7 @@ class Layer:
         y: Row of its upper edge in the view [pixels]; may be outside.
         zpos: Larger is nearer to the eye.
         transparency: 0 shows it as it is, 255 not at all.
+        video: Whether it is a camera's picture, which a slow terminal may get late and coarser.
     """
 
     canvas: Canvas
@@ -40,6 +41,7 @@ class Layer:
     y: int
     zpos: int = 0
     transparency: int = 0
+    video: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +80,22 @@ def compose(
         if layer.transparency < 255:
             _lay(cells, layer)
     return cells
+
+
+def video_cells(columns: int, rows: int, layers: Iterable[Layer]) -> npt.NDArray[np.bool_]:
+    """Where a camera's picture is seen, if only through others, shape (rows, columns).
+
+    What lies before it and lets nothing through, such as a row of text, is none of it.
+    """
+    seen = np.zeros((rows, columns), np.bool_)
+    for layer in sorted(layers, key=attrgetter("zpos")):
+        canvas = layer.canvas
+        opaque = layer.transparency == 0 and bool((canvas.pixels[..., 3] == _OPAQUE).all())
+        if layer.transparency < _OPAQUE and (layer.video or opaque):
+            upper, lower = max(0, layer.y), max(0, layer.y + canvas.height)
+            left, right = max(0, layer.x), max(0, layer.x + canvas.width)
+            seen[upper // 2 : -(-lower // 2), left:right] = layer.video
+    return seen
 
 
 def mix(

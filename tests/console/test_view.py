@@ -434,3 +434,29 @@ def test_a_notice_is_shown_for_a_while_where_no_log_tells_of_it(function: str) -
     again = rendered(screen, {"magellan": robot()}, ConsoleState(now=107.0, notices=(quiet,)))
     assert again is not None
     assert "no ground" not in "\n".join(words(again).splitlines()[:4])
+
+
+def test_the_view_knows_where_a_camera_is_seen() -> None:
+    seen = View(
+        layout_of(
+            view(
+                viewport("visualizeCameraImage", (0, 0, 160, 80)),
+                viewport("visualizeStatus", (0, 76, 160, 20), zpos=1),
+                viewport("visualizeRangeData", (120, 40, 36, 36), zpos=2),
+            )
+        )
+    )
+    seen.resize(160, 48)
+    assert rendered(seen, {"magellan": robot()}, STATE) is not None
+    assert seen.video[:38].all()
+    assert not seen.video[38:].any()
+
+
+def test_a_camera_behind_the_help_is_not_seen() -> None:
+    seen = two_panes()
+    seen.resize(160, 48)
+    assert rendered(seen, {"magellan": robot()}, STATE) is not None
+    assert seen.video.any()
+    helped = dataclasses.replace(STATE, help=True)
+    assert rendered(seen, {"magellan": robot()}, helped) is not None
+    assert not seen.video.any()
