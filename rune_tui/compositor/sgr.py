@@ -14,6 +14,7 @@ from rune_tui.compositor.depth import ColourDepth
 
 Words = npt.NDArray[np.uint32]
 
+RESET: Final = b"\x1b[0m"
 NO_COLOUR: Final = np.uint32(0xFFFFFFFF)
 """No colour of which only some bytes count: the others are zero."""
 
@@ -40,11 +41,11 @@ class Form:
         foreground: Where what sets the foreground stands, with the semicolon after it; nowhere,
             if it is the other one of two.
         background: Where what sets the background stands, with the semicolon before it.
-        ink: Where the foreground itself stands.
-        ground: Where the background itself stands.
+        ink: Where the foreground itself begins, behind which there is a word that stays the same.
+        ground: Where the background itself begins, likewise.
         ink_words: What stands there by the value of each byte of a colour that counts.
         ground_words: The same of the background.
-        counts: Which bytes of a colour count.
+        numbered: Whether only the last byte of a colour counts, its number; else the others do.
         bright: Cells of one colour from this one on are full of it as foreground.
         at_start: The background in force where a row begins; where it is a colour, rows that end
             in it need no reset, and cells full of foreground need it.
@@ -53,63 +54,59 @@ class Form:
     cell: Words
     foreground: slice
     background: slice
-    ink: slice
-    ground: slice
+    ink: int
+    ground: int
     ink_words: Words
     ground_words: Words
-    counts: slice
+    numbered: bool = True
     bright: np.uint32 = NO_COLOUR
     at_start: np.uint32 = NO_COLOUR
 
     @property
     def mask(self) -> np.uint32:
         """Keeps the bytes that count of a colour read as one word."""
-        return np.uint32(RGB_MASK if self.counts == _CHANNELS else ~RGB_MASK)
+        return np.uint32(~RGB_MASK if self.numbered else RGB_MASK)
 
 
-_CHANNELS, _NUMBER = slice(0, 3), slice(3, 4)
 _ESCAPE = b"\x1b["
 # The semicolon between the colours goes with either of them.
 _TRUECOLOUR = Form(
     cell=words([_ESCAPE, b"38;2", b"", b"", b"", b";", b"48;2", b"", b"", b"", b"m", b""]),
     foreground=slice(1, 6),
     background=slice(5, 10),
-    ink=slice(2, 5),
-    ground=slice(7, 10),
+    ink=2,
+    ground=7,
     ink_words=_DIGITS,
     ground_words=_DIGITS,
-    counts=_CHANNELS,
+    numbered=False,
 )
 _256 = Form(
     cell=words([_ESCAPE, b"38;5", b"", b";", b"48;5", b"", b"m", b""]),
     foreground=slice(1, 4),
     background=slice(3, 6),
-    ink=slice(2, 3),
-    ground=slice(5, 6),
+    ink=2,
+    ground=5,
     ink_words=_DIGITS,
     ground_words=_DIGITS,
-    counts=_NUMBER,
 )
 _16 = Form(
     cell=words([_ESCAPE, b"", b";", b"", b"m", b""]),
     foreground=slice(1, 3),
     background=slice(2, 4),
-    ink=slice(1, 2),
-    ground=slice(3, 4),
+    ink=1,
+    ground=3,
     ink_words=words([b"%d" % code for code in (*range(30, 38), *range(90, 98))]),
     ground_words=words([b"%d" % code for code in (*range(40, 48), *range(100, 108))]),
-    counts=_NUMBER,
     bright=_number(8),  # as background, some terminals have the first eight only
 )
 _MONO = Form(
     cell=words([_ESCAPE, b"", b"m", b""]),
-    foreground=slice(0),
+    foreground=slice(0, 0),
     background=slice(1, 2),
-    ink=slice(0),
-    ground=slice(1, 2),
+    ink=0,
+    ground=1,
     ink_words=words([b""]),
     ground_words=words([b"27", b"7"]),
-    counts=_NUMBER,
     bright=_number(1),
     at_start=np.uint32(0),
 )

@@ -16,6 +16,7 @@ from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.colours import at_depth
 from rune_tui.compositor.depth import ColourDepth
 from tests.console.compositor.frames import flat, frames, random_cells
+from tests.console.compositor.terminal_model import Terminal, assert_shows
 
 FEWER = [depth for depth in ColourDepth if depth is not ColourDepth.TRUECOLOUR]
 Shown = tuple[str, tuple[int, ...] | None, tuple[int, ...] | None]
@@ -33,41 +34,20 @@ def wanted(cells: Cells, row: int, column: int) -> Shown:
     return glyph, None if glyph == " " else tuple(cells.ink[row, column, :3].tolist()), ground
 
 
-def eaten(row: str) -> list[Shown]:
-    """A screen model of its own: knows SGR colours and reset, refuses all else."""
-    shown: list[Shown] = []
-    ink: tuple[int, ...] | None = None
-    ground: tuple[int, ...] | None = None
-    for codes, character in re.findall(r"\x1b\[([\d;]*)m|([^\x1b\n])", row):
-        if character:
-            shown.append((character, None if character == " " else ink, ground))
-            continue
-        numbers = [int(code) for code in codes.split(";")]
-        while numbers:
-            kind = numbers.pop(0)
-            if kind == 0:
-                ink = ground = None
-                continue
-            assert numbers.pop(0) == 2
-            colour = tuple(numbers[:3])
-            assert len(colour) == 3
-            del numbers[:3]
-            if kind == 38:
-                ink = colour
-            else:
-                assert kind == 48
-                ground = colour
-    return shown
-
-
-@given(frames)
-def test_a_screen_model_that_eats_the_rows_shows_the_cells(cells: Cells) -> None:
+@pytest.mark.parametrize("depth", ColourDepth)
+@settings(max_examples=40)
+@given(cells=frames)
+def test_a_strict_terminal_that_eats_the_rows_shows_the_cells(
+    depth: ColourDepth, cells: Cells
+) -> None:
+    cells = at_depth(cells, depth)
     rows = RowEncoder().encode_text(cells)
     assert len(rows) == cells.rows
+    terminal = Terminal(cells.columns, cells.rows, coloured=depth is not ColourDepth.MONO)
     for number, row in enumerate(rows):
-        assert re.fullmatch(r"(\x1b\[[\d;]+m|[^\x00-\x1f\x7f-\x9f])*", row)
-        assert row.endswith("\x1b[0m")
-        assert eaten(row) == [wanted(cells, number, c) for c in range(cells.columns)]
+        terminal.feed(f"\x1b[{number + 1};1H{row}")
+        assert len(terminal.touched) == cells.columns
+    assert_shows(terminal, cells)
 
 
 @settings(max_examples=40, deadline=None)

@@ -1,0 +1,137 @@
+"""What can be seen of cells, as words of four bytes, so that frames compare quickly."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rune_tui.compositor.blend import RGB_MASK
+from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.depth import ColourDepth
+from rune_tui.compositor.sgr import Words
+
+Flags = npt.NDArray[np.bool_]
+Numbers = npt.NDArray[np.intp]
+
+SPACE = 32
+_REPLACEMENT = 0x3F  # question mark
+_LOW_BITS_OFF = np.uint32(0xFEFEFEFE)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Looks:
+    """What cells look like; two of the same look have the same words in all four planes.
+
+    Attributes:
+        pixels: Colours, shape (2 * rows, columns); both of a cell with a character have the one
+            that is behind it. In truecolour the unused byte is zero.
+        glyphs: Characters that a terminal may get, shape (rows, columns); 0 where the pixels show.
+        ink: Colours of the characters, shape (rows, columns); 0 where none is seen.
+        written: Whether there are characters at all.
+    """
+
+    pixels: Words
+    glyphs: Words
+    ink: Words
+    written: bool
+
+    @property
+    def upper(self) -> Words:
+        """Colours of the cells' upper halves, shape (rows, columns)."""
+        return self.pixels[0::2]
+
+    @property
+    def lower(self) -> Words:
+        """Colours of the cells' lower halves, shape (rows, columns)."""
+        return self.pixels[1::2]
+
+    def differs(self, other: Looks) -> Flags:
+        """Which cells look different, shape (rows, columns)."""
+        pixels = self.pixels != other.pixels
+        differs: Flags = pixels[0::2] | pixels[1::2]
+        if self.written or other.written:
+            differs |= self.glyphs != other.glyphs
+            differs |= self.ink != other.ink
+        return differs
+
+    def replaced(self, newer: Looks, where: Flags) -> Looks:
+        """These, with some cells of other ones; flags of shape (rows, columns)."""
+        pixels = np.where(where.repeat(2, axis=0), newer.pixels, self.pixels)
+        if not (self.written or newer.written):
+            return dataclasses.replace(self, pixels=pixels)
+        glyphs = np.where(where, newer.glyphs, self.glyphs)
+        ink = np.where(where, newer.ink, self.ink)
+        return Looks(pixels=pixels, glyphs=glyphs, ink=ink, written=bool(glyphs.any()))
+
+    def taken(self, numbers: Numbers) -> Looks:
+        """Some of the cells, by their numbers in reading order, each a row of one column."""
+        columns = self.glyphs.shape[1]
+        upper = numbers + numbers // columns * columns
+        colours = self.pixels.ravel()
+        pixels = np.stack([colours.take(upper), colours.take(upper + columns)], axis=1)
+        glyphs = self.glyphs.take(numbers)[:, None]
+        return Looks(
+            pixels=pixels.reshape(-1, 1),
+            glyphs=glyphs,
+            ink=self.ink.take(numbers)[:, None],
+            written=self.written and bool(glyphs.any()),
+        )
+
+
+def looks_of(cells: Cells, numbers: Numbers | Sequence[int] | None = None) -> Looks:
+    """What cells look like.
+
+    Args:
+        cells: The frame.
+        numbers: Which of its rows, in this order; None for all.
+    """
+    pixels, glyphs, ink = packed(cells.pixels), cells.glyphs, packed(cells.ink)
+    if numbers is not None:
+        chosen = np.asarray(numbers, np.intp)
+        rows, columns = glyphs.shape
+        pixels = pixels.reshape(rows, 2 * columns)[chosen].reshape(2 * len(chosen), columns)
+        glyphs, ink = glyphs[chosen], ink[chosen]
+    masked = cells.depth is ColourDepth.TRUECOLOUR
+    # A copy in either case: it is about to be changed, and kept for longer than the cells.
+    pixels = pixels & RGB_MASK if masked else pixels.copy()
+    written = bool(glyphs.any())
+    shown, inked = np.zeros_like(glyphs, np.uint32), np.zeros_like(ink)
+    if written:
+        place = np.nonzero(glyphs)
+        upper, lower = pixels[0::2], pixels[1::2]
+        first, second = upper[place], lower[place]
+        upper[place] = lower[place] = (first & second) + (((first ^ second) & _LOW_BITS_OFF) >> 1)
+        shown[place] = _allowed(glyphs[place])
+        colours = ink[place] & RGB_MASK if masked else ink[place]
+        inked[place] = np.where(shown[place] == SPACE, np.uint32(0), colours)
+    return Looks(pixels=pixels, glyphs=shown, ink=inked, written=written)
+
+
+def packed(pixels: npt.NDArray[np.uint8]) -> Words:
+    """Pixels of shape (h, w, 4) as words of shape (h, w)."""
+    words: Words = np.ascontiguousarray(pixels).view(np.uint32)[..., 0]
+    return words
+
+
+def any_channel(flags: Flags) -> Flags:
+    """Which pixels have a flag in one of their four channels; flags of shape (h, w, 4)."""
+    found: Flags = flags.view(np.uint32)[..., 0] != 0
+    return found
+
+
+def unpacked(colours: Words) -> npt.NDArray[np.uint8]:
+    """Words of shape (h, w) as pixels of shape (h, w, 4)."""
+    return np.ascontiguousarray(colours).view(np.uint8).reshape(*colours.shape, 4)
+
+
+def _allowed(code_points: Words) -> Words:
+    """Code points with a question mark for what a terminal must not get."""
+    points = code_points.astype(np.uint32)
+    control = (points < SPACE) | ((points >= 0x7F) & (points < 0xA0))
+    surrogate = (points >= 0xD800) & (points < 0xE000)
+    points[control | surrogate | (points > 0x10FFFF)] = _REPLACEMENT
+    return points

@@ -1,0 +1,87 @@
+"""What is written for cells: a character each, its colours, and which of those can be seen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from rune_tui.compositor.looks import SPACE, Flags, Looks
+from rune_tui.compositor.sgr import NO_COLOUR, Form, Words, words
+
+UPPER_HALF: Final = "▀"
+LOWER_HALF: Final = "▄"
+_UPPER, _LOWER, _FULL, _BLANK = words(["▀".encode(), "▄".encode(), "█".encode(), b" "])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Planes:
+    """What is written, in the order of writing; all of one shape.
+
+    Attributes:
+        foreground: Colours, only the bytes that count.
+        background: The same.
+        marks: The characters in UTF-8.
+        ink_shows: Where the foreground can be seen.
+        ground_shows: Where the background can be seen.
+    """
+
+    foreground: Words
+    background: Words
+    marks: Words
+    ink_shows: Flags
+    ground_shows: Flags
+
+
+def planes_of(looks: Looks, form: Form, half: str = UPPER_HALF) -> Planes:
+    """What to write for cells that look so; all of shape (rows, columns).
+
+    Args:
+        looks: The cells.
+        form: How their depth is written.
+        half: Which half block has two colours; where the terminal's colours are numbered, both do.
+    """
+    first, second = looks.upper & form.mask, looks.lower & form.mask
+    ink_shows = first != second
+    ground_shows = np.ones_like(ink_shows)
+    foreground, background, mark = first, second, _UPPER
+    if half == LOWER_HALF:
+        foreground, background, mark = second, first, _LOWER
+    marks = np.where(ink_shows, mark, _BLANK)
+    if form.numbered:
+        # With few colours, the same two often lie the other way round in the next cell.
+        foreground, background = np.maximum(first, second), np.minimum(first, second)
+        marks = np.where(ink_shows, np.where(first < second, _LOWER, _UPPER), _BLANK)
+        full = ~ink_shows & (first >= form.bright)
+        marks[full] = _FULL
+        ink_shows[full] = True
+        background[full] = 0
+        ground_shows[full] = form.at_start != NO_COLOUR
+    if looks.written:
+        place = np.nonzero(looks.glyphs)
+        glyphs = looks.glyphs[place]
+        background[place] = looks.lower[place] & form.mask
+        foreground[place] = looks.ink[place] & form.mask
+        ink_shows[place] = glyphs != SPACE
+        ground_shows[place] = True
+        marks[place] = _utf8(glyphs)
+    return Planes(
+        foreground=foreground,
+        background=background,
+        marks=marks,
+        ink_shows=ink_shows,
+        ground_shows=ground_shows,
+    )
+
+
+def _utf8(points: Words) -> Words:
+    """Each code point in UTF-8, padded with zero bytes."""
+    coded = np.zeros((points.size, 4), np.uint8)
+    limits = (0, 0x80, 0x800, 0x10000, 0x110000)
+    for length, lead in enumerate((0x00, 0xC0, 0xE0, 0xF0), start=1):
+        chosen = np.flatnonzero((points >= limits[length - 1]) & (points < limits[length]))
+        for index in range(length):
+            bits = points[chosen] >> (6 * (length - 1 - index))
+            coded[chosen, index] = (lead | bits) if index == 0 else (0x80 | (bits & 0x3F))
+    return coded.view(np.uint32)[:, 0]
