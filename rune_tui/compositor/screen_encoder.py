@@ -1,0 +1,160 @@
+"""Frames to terminal bytes: only what the terminal does not show yet, as exactly as is wanted."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from rune_tui.compositor.block_merge import merged
+from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.depth import ColourDepth
+from rune_tui.compositor.looks import Flags, Looks, any_channel, looks_of, unpacked
+from rune_tui.compositor.moves import Moves
+from rune_tui.compositor.planes import UPPER_HALF, planes_of
+from rune_tui.compositor.quality import EXACT, Quality
+from rune_tui.compositor.sgr import FORMS, RESET
+from rune_tui.compositor.word_matrix import WordMatrix
+
+_WHOLE = 0.98
+"""From this share of cells on, sending all is as good: each one left out costs a move."""
+
+
+class ScreenEncoder:
+    """Knows what the terminal shows, and makes the bytes that bring it to a frame.
+
+    The bytes expect the terminal's attributes to be reset and leave them so; they move the cursor,
+    and nowhere else than into the cells that they write. Whatever else is written to these cells
+    has to be told with `forget`.
+    """
+
+    def __init__(self, *, top: int = 0, left: int = 0, half: str = UPPER_HALF) -> None:
+        """Prepare; nothing is known of what the terminal shows.
+
+        Args:
+            top: Rows of the terminal above the frame.
+            left: Columns of the terminal left of it.
+            half: `UPPER_HALF` or `LOWER_HALF`: the block that shows two pixels in truecolour. Some
+                fonts draw one of them with seams. With fewer colours both are needed.
+        """
+        self._top, self._left, self._half = top, left, half
+        self._matrix = WordMatrix()
+        self._shown: Looks | None = None
+        self._depth = ColourDepth.TRUECOLOUR
+        self._known: Flags = np.zeros((0, 0), np.bool_)
+        self._moves = Moves((0, 0), top=top, left=left)
+
+    @property
+    def shown(self) -> Cells | None:
+        """What the terminal shows, where it is `known`; None before the first frame.
+
+        Both pixels of a cell with a character have the colour behind it.
+        """
+        if self._shown is None:
+            return None
+        return Cells(
+            pixels=unpacked(self._shown.pixels),
+            glyphs=self._shown.glyphs,
+            ink=unpacked(self._shown.ink),
+            depth=self._depth,
+        )
+
+    @property
+    def known(self) -> Flags:
+        """Where what the terminal shows is known, shape (rows, columns)."""
+        return self._known.copy()
+
+    def forget(self, where: Flags | None = None) -> None:
+        """The terminal may show anything; the next frame is sent anew there.
+
+        Args:
+            where: Which cells, shape (rows, columns); None for all, as is any other shape than that
+                of the frame before.
+        """
+        if where is None or where.shape != self._known.shape:
+            self._shown = None
+            self._known[...] = False
+        else:
+            self._known &= ~where
+
+    def encode(self, cells: Cells, quality: Quality = EXACT, covered: Flags | None = None) -> bytes:
+        """What brings the terminal to a frame, in UTF-8; empty if it shows it well enough.
+
+        The same frame in a better quality sends what is not good enough yet. A frame of another
+        size or depth than the one before is sent whole.
+
+        Args:
+            cells: The frame.
+            quality: How exact it has to be.
+            covered: Cells that something else covers, shape (rows, columns): they are left out,
+                and not known from then on.
+        """
+        looks = looks_of(cells)
+        shown = self._fitted(looks, cells.depth)
+        if cells.depth is not ColourDepth.TRUECOLOUR:
+            quality = EXACT
+        send = _wrong(looks, shown, quality.threshold) | ~self._known
+        open_to_all = covered is None or not covered.any()
+        if covered is not None:
+            self._known &= ~covered
+            send &= ~covered
+        if quality.tolerance and send.any():
+            looks = _simplified(looks, quality.tolerance)
+            # What it has become may be there already.
+            send &= looks.differs(shown) | ~self._known
+        elif open_to_all and np.count_nonzero(send) >= _WHOLE * send.size:
+            send[...] = True
+        if not send.any():
+            return b""
+        self._shown = looks if send.all() else shown.replaced(looks, send)
+        self._known |= send
+        return self._written(looks, send)
+
+    def _fitted(self, looks: Looks, depth: ColourDepth) -> Looks:
+        """What is shown, as a frame of the size and depth of this one."""
+        fits = self._depth is depth and self._known.shape == looks.glyphs.shape
+        if self._shown is not None and fits:
+            return self._shown
+        if self._known.shape != looks.glyphs.shape:
+            self._moves = Moves(looks.glyphs.shape, top=self._top, left=self._left)
+        self._depth = depth
+        self._known = np.zeros(looks.glyphs.shape, np.bool_)
+        self._shown = looks  # of which nothing is known yet
+        return looks
+
+    def _written(self, looks: Looks, send: Flags) -> bytes:
+        """The bytes of some of the cells."""
+        form = FORMS[self._depth]
+        if send.all():
+            first_of_each = np.arange(0, send.size, send.shape[1])
+            moves = self._moves.to(first_of_each)
+        else:
+            numbers = np.flatnonzero(send)
+            moves = self._moves.to(numbers)
+            looks = looks.taken(numbers)
+        planes = planes_of(looks, form, self._half)
+        joined = self._matrix.joined(planes, form, moves, anew=False)
+        return joined + RESET if planes.background[-1, -1] != form.at_start else joined
+
+
+def _wrong(looks: Looks, shown: Looks, threshold: int) -> Flags:
+    """Which cells look too different from what is shown."""
+    if not threshold:
+        return looks.differs(shown)
+    wanted, there = unpacked(looks.pixels), unpacked(shown.pixels)
+    off = np.maximum(wanted, there)
+    off -= np.minimum(wanted, there)
+    far = any_channel(off > threshold)
+    wrong: Flags = far[0::2] | far[1::2]
+    if looks.written or shown.written:
+        wrong |= ((looks.glyphs != 0) | (shown.glyphs != 0)) & looks.differs(shown)
+    return wrong
+
+
+def _simplified(looks: Looks, tolerance: int) -> Looks:
+    """Fewer colours where there are no characters."""
+    pixels = merged(looks.pixels, tolerance)
+    if looks.written:
+        text = np.repeat(looks.glyphs != 0, 2, axis=0)
+        np.copyto(pixels, looks.pixels, where=text)
+    return dataclasses.replace(looks, pixels=pixels)
