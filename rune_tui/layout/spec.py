@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import enum
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -41,6 +42,15 @@ class RobotSpec:
     capabilities: tuple[CapabilitySpec, ...]
     messages: frozenset[str] = frozenset()
     commands: frozenset[str] = frozenset()
+
+
+class ControlKind(enum.Enum):
+    """What kind of control a joystick has; the values are the words that layouts use."""
+
+    AXIS = "axis"
+    BALL = "ball"
+    BUTTON = "button"
+    HAT = "hat switch"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
