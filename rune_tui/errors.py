@@ -5,7 +5,8 @@
     ├── DemoError (RuntimeError)        the demo's hub did not come up
     ├── HubChoiceError (ValueError)     one hub is named for several robots
     ├── PictureFileError (OSError)      `rune shot` cannot write its file
-    └── FontError (OSError)             a font that cannot be drawn with
+    ├── FontError (OSError)             a font that cannot be drawn with
+    └── DescriptorError (ValueError)    a device describes its reports in a way that makes no sense
 
 A lost hub, a lost joystick and a stale picture are no errors but drawn states.
 """
@@ -70,3 +71,7 @@ class PictureFileError(ConsoleError, OSError):
 
 class FontError(ConsoleError, OSError):
     """A font whose file cannot be read or is none, or a size that cannot be drawn."""
+
+
+class DescriptorError(ConsoleError, ValueError):
+    """A report descriptor that makes no sense, or describes more than any real device has."""
