@@ -54,8 +54,9 @@ def find_channels(descriptor: ReportDescriptor) -> tuple[Channel, ...]:
     for field in descriptor.fields:
         if not _may_hold_controls(field):
             continue
+        elements += field.count
         for place, usage in enumerate(field.usages_of_elements()):
-            elements += 1
+            elements += field.array
             if elements > MAX_ELEMENTS:
                 message = f"a joystick's descriptor with more than {MAX_ELEMENTS} elements"
                 raise DescriptorError(message)

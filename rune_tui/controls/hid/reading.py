@@ -100,7 +100,8 @@ class Reading:
         ]
         ends = [slot.bit + slot.size for slot in slots]
         ends += [each.bit + each.size * each.count for each in arrays]
-        self.length = prefix + (max(ends, default=0) + 7) // 8
+        flags = needed[0] + 1 if needed[1] else 0
+        self.length = max(flags, prefix + (max(ends, default=0) + 7) // 8)
         """Least length of a report that holds them all [bytes]."""
 
     def read(self, report: bytes) -> tuple[Value, ...] | None:

@@ -1,0 +1,176 @@
+"""Which control of a real device is which: by usage, by profile, by a line of SDL's database."""
+
+from __future__ import annotations
+
+import pytest
+
+from rune_tui.controls.hid.device_controls import DeviceDecoder
+from rune_tui.controls.hid.sdl import roles_from_sdl
+from rune_tui.layout.spec import ControlKind
+from tests.console.controls.hid.fixtures import NAMES, device
+from tests.console.controls.hid.writing import RELATIVE, VARIABLE, application, axis, item
+
+AXIS_ROLES = {
+    "3dconnexion_spacenavigator": "leftx=x lefty=y twist=rz",
+    "8bitdo_sn30pro_plus_dinput": (
+        "leftx=x lefty=y rightx=z righty=rz righttrigger=accelerator lefttrigger=brake"
+    ),
+    "dragonrise_0079_0011": "leftx=x#4 lefty=y",
+    "google_stadia_ble": (
+        "leftx=x lefty=y rightx=z righty=rz lefttrigger=brake righttrigger=accelerator"
+    ),
+    "ion_icade_bt": "",
+    "logitech_f310_dinput": "leftx=x lefty=y rightx=z righty=rz",
+    "nintendo_switch_pro_usb": "leftx=x lefty=y rightx=z righty=rz",
+    "saitek_x52": "leftx=x lefty=y twist=rz throttle=z",
+    "sony_buzz": "leftx=x lefty=y",
+    "sony_dualsense_bt": "leftx=x lefty=y rightx=z righty=rz lefttrigger=rx righttrigger=ry",
+    "sony_dualsense_usb": "leftx=x lefty=y rightx=z righty=rz lefttrigger=rx righttrigger=ry",
+    "sony_dualshock4_v2_usb": "leftx=x lefty=y rightx=z righty=rz lefttrigger=rx righttrigger=ry",
+    "thrustmaster_t16000m": "leftx=x lefty=y twist=rz throttle=slider",
+    "xbox_elite2_1797_bt": (
+        "leftx=x lefty=y rightx=z righty=rz lefttrigger=brake righttrigger=accelerator"
+    ),
+    "xbox_series_1914_ble": (
+        "leftx=x lefty=y rightx=z righty=rz lefttrigger=brake righttrigger=accelerator"
+    ),
+}
+_STICK = "dpdown:h0.4,dpleft:h0.8,dpright:h0.2,dpup:h0.1,leftx:a0,lefty:a1"
+SDL = f"""\
+# what is no line is skipped
+05000000d11800000094000000010000,Stadia,a:b0,b:b1,back:b6,{_STICK},guide:b8,leftshoulder:b4,leftstick:b9,lefttrigger:a5,rightshoulder:b5,rightstick:b10,righttrigger:a4,rightx:a2,righty:a3,start:b7,x:b2,y:b3,platform:Linux,
+03000000c82d00000260000011010000,8BitDo,a:b1,b:b0,back:b10,{_STICK},guide:b2,leftshoulder:b6,leftstick:b13,lefttrigger:a5,rightshoulder:b7,rightstick:b14,righttrigger:a4,rightx:a2,righty:a3,start:b11,x:b4,y:b3,platform:Linux,
+030000006d04000016c2000010010000,F310,a:b1,b:b2,back:b8,{_STICK},leftshoulder:b4,leftstick:b10,lefttrigger:b6,rightshoulder:b5,rightstick:b11,righttrigger:b7,rightx:a2,righty:a3,start:b9,x:b0,y:b3,platform:Linux,
+050000004c050000e60c000000810000,by hid-sony,a:b0,b:b1,x:b3,y:b2,platform:Linux,
+050000004c050000e60c000000010000,DualSense,a:b1,b:b2,back:b8,{_STICK},guide:b12,leftshoulder:b4,leftstick:b10,lefttrigger:a3,misc1:b13,rightshoulder:b5,rightstick:b11,righttrigger:a4,rightx:a2,righty:a5,start:b9,x:b0,y:b3,platform:Linux,
+050000004c050000e60c000000010000,elsewhere,a:b7,platform:Mac OS X,
+050000005e040000130b000009050000,Series,a:b0,b:b1,back:b10,{_STICK},guide:b12,leftshoulder:b6,leftstick:b13,lefttrigger:a5,rightshoulder:b7,rightstick:b14,righttrigger:a4,rightx:a2,righty:a3,start:b11,x:b3,y:b4,platform:Linux,
+""".splitlines()
+"""Written after the database's lines for these devices."""
+IN_SDL = [
+    "google_stadia_ble",
+    "8bitdo_sn30pro_plus_dinput",
+    "logitech_f310_dinput",
+    "sony_dualsense_bt",
+    "xbox_series_1914_ble",
+]
+
+
+def decoder(*parts: bytes, usage: int = 4) -> DeviceDecoder:
+    return DeviceDecoder(application(*parts, usage=usage), vid=0, pid=0)
+
+
+def roles(of: DeviceDecoder) -> dict[str, str]:
+    return {each.role: each.usage for each in of.controls if each.role}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_axes_of_real_devices_have_their_roles(name: str) -> None:
+    found = {
+        each.role: each.usage
+        for each in device(name).decoder().controls
+        if each.role and each.kind is ControlKind.AXIS
+    }
+    assert found == dict(pair.split("=") for pair in AXIS_ROLES[name].split())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_role_is_given_twice_and_indices_count_within_a_kind(name: str) -> None:
+    controls = device(name).decoder().controls
+    given = [each.role for each in controls if each.role]
+    assert len(given) == len(set(given))
+    for kind in ControlKind:
+        own = [each.index for each in controls if each.kind is kind]
+        assert own == list(range(len(own)))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_grows_towards_the_operator_is_flipped(name: str) -> None:
+    decoder = device(name).decoder()
+    flipped = {each.role for each in decoder.controls if each.flipped and each.role}
+    assert flipped == {"lefty", "righty", "throttle"} & roles(decoder).keys()
+
+
+@pytest.mark.parametrize("name", IN_SDL)
+def test_profiles_and_guesses_agree_with_the_database(name: str) -> None:
+    each = device(name)
+    own = each.decoder().controls
+    unnamed = DeviceDecoder(each.descriptor, vid=0, pid=0).controls
+    assert roles_from_sdl(SDL, unnamed, each.vid, each.pid, each.bus) == own
+
+
+def test_buttons_without_a_name_have_their_number() -> None:
+    x52 = device("saitek_x52").decoder()
+    assert roles(x52)["button32"] == "button 32"
+    assert "button33" not in roles(x52)
+
+
+@pytest.mark.parametrize(
+    ("usages", "wanted"),
+    [
+        ("x y z rz rx ry", "rightx=rx righty=ry lefttrigger=z righttrigger=rz"),
+        ("x y rx ry", "rightx=rx righty=ry"),
+        ("x y z rz", "rightx=z righty=rz"),
+    ],
+)
+def test_right_stick_is_what_is_as_fine_as_the_left_one(usages: str, wanted: str) -> None:
+    numbers = dict(zip(("x", "y", "z", "rx", "ry", "rz"), range(0x30, 0x36), strict=True))
+    coarse = {"z", "rz"} if "rx" in usages else set()
+    parts = [
+        axis(numbers[name]) if name in coarse else axis(numbers[name], size=16, maximum=65535)
+        for name in usages.split()
+    ]
+    expected = {"leftx": "x", "lefty": "y"} | dict(pair.split("=") for pair in wanted.split())
+    assert roles(decoder(*parts, usage=5)) == expected
+
+
+@pytest.mark.parametrize(
+    ("usages", "wanted"),
+    [
+        ((0x30, 0x31, 0x35, 0x36), {"twist": "rz", "throttle": "slider"}),
+        ((0x30, 0x31, 0x32), {"throttle": "z"}),
+        ((0x30, 0x31, 0x35), {"twist": "rz"}),
+        ((0x30, 0x31, 0x32, 0x35, 0x36), {"twist": "rz", "throttle": "z"}),
+    ],
+)
+def test_flight_sticks_have_twist_and_throttle(
+    usages: tuple[int, ...], wanted: dict[str, str]
+) -> None:
+    expected = {"leftx": "x", "lefty": "y"} | wanted
+    assert roles(decoder(*map(axis, usages))) == expected
+
+
+def test_pedals_and_wheel_of_a_car_are_triggers_and_stick() -> None:
+    parts = [axis(usage, page=2) for usage in (0xC8, 0xC4, 0xC5)]
+    assert roles(decoder(*parts)) == {
+        "leftx": "steering",
+        "righttrigger": "accelerator",
+        "lefttrigger": "brake",
+    }
+
+
+def test_balls_have_no_role() -> None:
+    assert roles(decoder(axis(0x30, flags=VARIABLE | RELATIVE))) == {}
+
+
+def test_database_may_turn_an_axis_round_and_place_the_hat() -> None:
+    buttons = item(0x04, 9) + item(0x24, 1) + item(0x74, 1) + item(0x94, 8)
+    buttons += item(0x18, 1) + item(0x28, 8) + item(0x80, VARIABLE)
+    pad = decoder(axis(0x30), axis(0x31), axis(0x36), axis(0x36), axis(0x39, maximum=7), buttons)
+    line = "03000000341200007856000000010000,pad,lefttrigger:a3~,lefty:a0~,leftx:a1,"
+    line += "righttrigger:+a2,a:b7,dpup:h0.1,rightx:a9,paddle1:b2,platform:Linux"
+    changed = roles_from_sdl([line], pad.controls, 0x1234, 0x5678, 3)
+    assert [(each.usage, each.role, each.flipped) for each in changed[:5]] == [
+        ("x", "lefty", False),
+        ("y", "leftx", False),
+        ("slider", "", False),
+        ("slider#2", "lefttrigger", True),
+        ("hat switch", "dpad", False),
+    ]
+    assert [each.role for each in changed[5:]] == [*(f"button{n}" for n in range(1, 8)), "a"]
+
+
+def test_without_a_line_for_it_a_device_keeps_its_roles() -> None:
+    each = device("saitek_x52")
+    controls = each.decoder().controls
+    assert roles_from_sdl(SDL, controls, each.vid, each.pid, each.bus) == controls
