@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,6 +19,21 @@ from rune_tui.compositor.word_matrix import WordMatrix
 
 _WHOLE = 0.98
 """From this share of cells on, sending all is as good: each one left out costs a move."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Remembered:
+    """What was known of a terminal.
+
+    Attributes:
+        shown: What it showed; None if nothing was known.
+        known: Where that was known, shape (rows, columns).
+        depth: In which colours.
+    """
+
+    shown: Looks | None
+    known: Flags
+    depth: ColourDepth
 
 
 class ScreenEncoder:
@@ -77,7 +93,36 @@ class ScreenEncoder:
         else:
             self._known &= ~where
 
-    def encode(self, cells: Cells, quality: Quality = EXACT, covered: Flags | None = None) -> bytes:
+    def wrong(self, cells: Cells, threshold: int) -> Flags:
+        """Where the terminal shows a frame too badly, shape (rows, columns).
+
+        Args:
+            cells: The frame.
+            threshold: As in a `Quality`.
+        """
+        looks = looks_of(cells)
+        return _wrong(looks, self._fitted(looks, cells.depth), threshold) | ~self._known
+
+    @property
+    def remembered(self) -> Remembered:
+        """What is known of the terminal now, to `return_to`."""
+        return Remembered(shown=self._shown, known=self._known.copy(), depth=self._depth)
+
+    def return_to(self, before: Remembered) -> None:
+        """What was encoded since then will not be written."""
+        if before.known.shape == self._known.shape:
+            self._shown, self._known, self._depth = before.shown, before.known.copy(), before.depth
+        else:
+            self.forget()
+
+    def encode(
+        self,
+        cells: Cells,
+        quality: Quality = EXACT,
+        covered: Flags | None = None,
+        *,
+        only: Flags | None = None,
+    ) -> bytes:
         """What brings the terminal to a frame, in UTF-8; empty if it shows it well enough.
 
         The same frame in a better quality sends what is not good enough yet. A frame of another
@@ -88,6 +133,7 @@ class ScreenEncoder:
             quality: How exact it has to be.
             covered: Cells that something else covers, shape (rows, columns): they are left out,
                 and not known from then on.
+            only: Cells that are looked at, shape (rows, columns); the others stay as they are.
         """
         looks = looks_of(cells)
         shown = self._fitted(looks, cells.depth)
@@ -98,6 +144,9 @@ class ScreenEncoder:
         if covered is not None:
             self._known &= ~covered
             send &= ~covered
+        if only is not None:
+            send &= only
+            open_to_all = False
         if quality.tolerance and send.any():
             looks = _simplified(looks, quality.tolerance)
             # What it has become may be there already.

@@ -280,3 +280,45 @@ def test_moves_reach_across_the_widest_terminals() -> None:
     ends.pixels[:, 999, :3] = 0
     terminal.feed(encoder.encode(ends).decode())
     assert terminal.touched == {(0, 0), (0, 1100)}
+
+
+def test_of_a_part_of_the_cells_nothing_else_is_sent_or_believed() -> None:
+    encoder, terminal = ScreenEncoder(), Terminal(7, 3)
+    first, second = random_cells(1, 7, 3, 4, 0.2), random_cells(2, 7, 3, 4, 0.2)
+    terminal.feed(encoder.encode(first).decode())
+    upper = np.zeros((3, 7), np.bool_)
+    upper[0] = True
+    terminal.feed(encoder.encode(second, only=upper).decode())
+    assert_near(terminal, encoder, joined(second, first), EXACT)
+    terminal.feed(encoder.encode(second, only=~upper).decode())
+    assert_near(terminal, encoder, second, EXACT)
+
+
+def test_what_was_encoded_and_not_written_can_be_taken_back() -> None:
+    encoder, terminal = ScreenEncoder(), Terminal(7, 3)
+    first, second = random_cells(1, 7, 3, 4, 0.2), random_cells(2, 7, 3, 4, 0.2)
+    terminal.feed(encoder.encode(first).decode())
+    before = encoder.remembered
+    assert encoder.encode(second)
+    encoder.return_to(before)
+    assert_near(terminal, encoder, first, EXACT)
+    terminal.feed(encoder.encode(second, ROUGH).decode())
+    assert_near(terminal, encoder, second, ROUGH)
+
+
+def test_what_was_known_of_another_size_is_of_no_use() -> None:
+    encoder = ScreenEncoder()
+    encoder.encode(flat(3, 2, 9))
+    before = encoder.remembered
+    encoder.encode(flat(4, 2, 9))
+    encoder.return_to(before)
+    assert encoder.shown is None
+
+
+def joined(upper: Cells, lower: Cells) -> Cells:
+    """The first row of one frame over the others of another."""
+    return Cells(
+        pixels=np.concatenate([upper.pixels[:2], lower.pixels[2:]]),
+        glyphs=np.concatenate([upper.glyphs[:1], lower.glyphs[1:]]),
+        ink=np.concatenate([upper.ink[:1], lower.ink[1:]]),
+    )

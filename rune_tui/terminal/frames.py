@@ -1,0 +1,124 @@
+"""Frames for a terminal near or far: what matters first, then the picture as it fits."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.quality import EXACT, Quality
+from rune_tui.compositor.screen_encoder import ScreenEncoder
+from rune_tui.terminal.rate import RateController
+
+Flags = npt.NDArray[np.bool_]
+
+_CELL_BYTES: Final = 40
+"""What the dearest cell takes [bytes]."""
+
+
+@dataclasses.dataclass(frozen=True, slots=True, kw_only=True)
+class Frame:
+    """What is to be written, in this order; either may be empty.
+
+    Attributes:
+        first: What is around the picture: stops and alarms, drive state, ranges.
+        picture: The camera's picture.
+    """
+
+    first: bytes
+    picture: bytes
+
+    @property
+    def size(self) -> int:
+        """Length of both [bytes]."""
+        return len(self.first) + len(self.picture)
+
+
+class FrameWriter:
+    """Draws the newest cells, the camera's picture only as exactly as there is room for."""
+
+    def __init__(self, encoder: ScreenEncoder, control: RateController) -> None:
+        self._encoder = encoder
+        self._control = control
+        self._newest: tuple[Cells, Flags] | None = None
+        self._inexact = False
+        self._row = 0
+
+    @property
+    def inexact(self) -> bool:
+        """Whether the terminal may show less than the newest cells say."""
+        return self._inexact
+
+    def draw(self, cells: Cells, video: Flags, covered: Flags | None = None) -> Frame:
+        """The next frame.
+
+        Args:
+            cells: What is to be seen.
+            video: Which cells show a camera's picture, shape (rows, columns).
+            covered: Cells that something else covers.
+        """
+        self._newest = cells, video
+        first = self._encoder.encode(cells, EXACT, covered, only=~video)
+        return Frame(first=first, picture=self._picture(cells, video, covered))
+
+    def refine(self, covered: Flags | None = None) -> Frame:
+        """What makes the picture more exact, no longer than there is room for; some rows of it."""
+        if self._newest is None or not self._inexact:
+            return Frame(first=b"", picture=b"")
+        cells, video = self._newest
+        rows = max(1, int(min(cells.rows, self._control.room() / (_CELL_BYTES * cells.columns))))
+        picture = b""
+        for _ in range(-(-cells.rows // rows)):
+            only = video.copy()
+            only[: self._row] = False
+            only[self._row + rows :] = False
+            picture = self._encoder.encode(cells, EXACT, covered, only=only)
+            self._row += rows
+            if self._row >= cells.rows:
+                self._row = 0
+            if picture:
+                break
+        self._inexact = bool(picture)
+        return Frame(first=b"", picture=picture)
+
+    def forget(self) -> None:
+        """The terminal may show anything."""
+        self._encoder.forget()
+
+    def _picture(self, cells: Cells, video: Flags, covered: Flags | None) -> bytes:
+        before = self._encoder.remembered
+        while True:
+            way = self._control.way
+            quality = Quality(tolerance=way.tolerance, threshold=way.threshold)
+            drawn, only = cells, video
+            if way.grain > 1:
+                # What is shown well enough must not become coarser again.
+                only = video & self._encoder.wrong(cells, way.threshold)
+                drawn = coarsened(cells, way.grain)
+            picture = self._encoder.encode(drawn, quality, covered, only=only)
+            if not self._control.too_long(len(picture)):
+                break
+            self._encoder.return_to(before)
+        if picture:
+            self._control.drawn(len(picture))
+        self._inexact = quality != EXACT or way.grain > 1
+        return picture
+
+
+def coarsened(cells: Cells, grain: int) -> Cells:
+    """The cells with pixels in squares of so many, each the mean of what it was.
+
+    The last square of a row or column may be smaller.
+    """
+    pixels = cells.pixels
+    height, width = pixels.shape[:2]
+    tops, lefts = np.arange(0, height, grain), np.arange(0, width, grain)
+    sums = np.add.reduceat(np.add.reduceat(pixels, tops, axis=0, dtype=np.uint32), lefts, axis=1)
+    heights, widths = np.diff([*tops, height]), np.diff([*lefts, width])
+    counts = (heights[:, None] * widths[None, :])[..., None]
+    means = ((sums + counts // 2) // counts).astype(np.uint8)
+    spread = np.repeat(np.repeat(means, heights, axis=0), widths, axis=1)
+    return dataclasses.replace(cells, pixels=spread)

@@ -1,0 +1,139 @@
+"""Frames for terminals near and far: what is shown, in which order, and when it is exact."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.screen_encoder import ScreenEncoder
+from rune_tui.terminal.frames import FrameWriter, coarsened
+from rune_tui.terminal.pacing import Acknowledgement, SentFrame
+from rune_tui.terminal.rate import LADDER, RateController
+from tests.console.compositor.frames import flat, random_cells
+from tests.console.compositor.terminal_model import Terminal, assert_shows
+
+COLUMNS, ROWS = 24, 10
+VIDEO = np.zeros((ROWS, COLUMNS), np.bool_)
+VIDEO[:8] = True
+
+
+def narrow(bytes_per_s: float) -> RateController:
+    """The controller of a terminal that takes so much."""
+    control = RateController(0.0)
+    frame = SentFrame(number=0, size=10_000, sent=0.0, behind=False)
+    for _ in range(5):
+        age = 10_000 / bytes_per_s
+        control.acknowledged(
+            0.0, Acknowledgement(frame=frame, age=age, gap=float("nan"), size=10_000)
+        )
+    return control
+
+
+def scene(seed: int) -> Cells:
+    """Noise in the picture, text around it."""
+    cells = random_cells(seed, COLUMNS, ROWS, 4, 0.0)
+    glyphs = cells.glyphs.copy()
+    glyphs[8:] = 65 + seed % 20
+    return Cells(pixels=cells.pixels, glyphs=glyphs, ink=cells.ink)
+
+
+def writer(bytes_per_s: float) -> FrameWriter:
+    return FrameWriter(ScreenEncoder(), narrow(bytes_per_s))
+
+
+def test_what_is_around_the_picture_comes_first_and_exactly() -> None:
+    terminal, frames = Terminal(COLUMNS, ROWS), writer(2000.0)
+    for seed in range(5):
+        frame = frames.draw(scene(seed), VIDEO)
+        terminal.feed(frame.first.decode())
+        assert all(row >= 8 for row, _ in terminal.touched)
+        assert all(
+            terminal.marks[row, column].character == chr(65 + seed)
+            for row in (8, 9)
+            for column in range(COLUMNS)
+        )
+        terminal.feed(frame.picture.decode())
+        assert all(row < 8 for row, _ in terminal.touched)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    width=st.sampled_from([500.0, 5e3, 50e3, 5e6]),
+    seeds=st.lists(st.integers(0, 3), min_size=1, max_size=5),
+)
+def test_a_still_scene_becomes_exact_whatever_was_before(width: float, seeds: list[int]) -> None:
+    terminal, frames = Terminal(COLUMNS, ROWS), writer(width)
+    for seed in seeds:
+        cells = scene(seed)
+        frame = frames.draw(cells, VIDEO)
+        terminal.feed((frame.first + frame.picture).decode())
+    refined = 0
+    while frames.inexact:
+        frame = frames.refine()
+        terminal.feed(frame.picture.decode())
+        refined += 1
+        assert refined <= 3 * ROWS
+    assert_shows(terminal, cells)
+    assert frames.draw(cells, VIDEO).size == 0
+    assert not frames.refine().size
+
+
+@pytest.mark.parametrize("width", [50e3, 200e3])
+def test_a_refinement_is_no_longer_than_there_is_room_for(width: float) -> None:
+    control = narrow(width)
+    frames = FrameWriter(ScreenEncoder(), control)
+    frames.draw(scene(1), VIDEO)
+    row = 40 * COLUMNS
+    while frames.inexact:
+        assert frames.refine().size <= max(control.room(), row)
+
+
+def test_a_picture_that_would_be_under_way_for_too_long_is_drawn_coarser_at_once() -> None:
+    control = narrow(3000.0)
+    frames = FrameWriter(ScreenEncoder(), control)
+    frame = frames.draw(scene(1), VIDEO)
+    assert LADDER[control.level].grain > 1
+    exact = FrameWriter(ScreenEncoder(), narrow(50e6)).draw(scene(1), VIDEO)
+    assert len(frame.picture) < len(exact.picture) / 2
+
+
+def test_a_terminal_that_may_show_anything_gets_everything_anew() -> None:
+    frames = writer(50e6)
+    whole = frames.draw(scene(1), VIDEO)
+    assert frames.draw(scene(1), VIDEO).size == 0
+    frames.forget()
+    assert frames.draw(scene(1), VIDEO) == whole
+
+
+def test_what_is_covered_is_left_alone_until_it_is_free() -> None:
+    terminal, frames = Terminal(COLUMNS, ROWS), writer(50e6)
+    covered = np.zeros((ROWS, COLUMNS), np.bool_)
+    covered[2:5, 4:9] = True
+    cells = scene(1)
+    frame = frames.draw(cells, VIDEO, covered)
+    terminal.feed((frame.first + frame.picture).decode())
+    assert not terminal.touched & {tuple(place) for place in np.argwhere(covered).tolist()}
+    frame = frames.draw(cells, VIDEO)
+    terminal.feed((frame.first + frame.picture).decode())
+    while frames.inexact:
+        terminal.feed(frames.refine().picture.decode())
+    assert_shows(terminal, cells)
+
+
+@given(st.integers(1, 7), st.integers(1, 5), st.integers(1, 4))
+def test_coarse_pixels_are_the_means_of_their_squares(columns: int, rows: int, grain: int) -> None:
+    cells = random_cells(columns + 7 * rows, columns, rows, 9, 0.0)
+    coarse = coarsened(cells, grain).pixels
+    for y in range(2 * rows):
+        for x in range(columns):
+            top, left = y // grain * grain, x // grain * grain
+            square = cells.pixels[top : top + grain, left : left + grain].astype(float)
+            assert np.abs(coarse[y, x] - square.mean((0, 1))).max() <= 0.5
+
+
+def test_pixels_of_one_are_what_they_were() -> None:
+    cells = flat(3, 2, 77)
+    assert (coarsened(cells, 1).pixels == cells.pixels).all()
