@@ -23,7 +23,6 @@ from textual.binding import Binding
 
 from hub.errors import HubError
 from rune_tui import desk
-from rune_tui.compositor.depth import ColourDepth
 from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.keyboard import KeyboardHold, name_of_key
 from rune_tui.controls.stall_guard import StallGuard
@@ -55,9 +54,12 @@ from rune_tui.model.effects import (
     changed,
 )
 from rune_tui.model.happenings import Watch
+from rune_tui.terminal.traits import Traits
+from rune_tui.ui.frame_answered import FrameAnswered
+from rune_tui.ui.painter import Painter
 from rune_tui.ui.palette import palette_of
 from rune_tui.ui.question import Question
-from rune_tui.ui.terminal import output_is_pending, terminal_driver
+from rune_tui.ui.terminal import terminal_driver
 from rune_tui.ui.view_pane import ViewPane, ViewScreen
 from rune_tui.view import View
 
@@ -67,8 +69,6 @@ if TYPE_CHECKING:
 _logger = logging.getLogger(__name__)
 
 _FRAME_S = 1.0 / 30.0
-_COVERED_FRAME_S = 0.5
-"""Between two frames under the palette, where Textual mixes every cell by itself [s]."""
 _TICK_S = 0.05
 _BUTTONS = {1: "left", 2: "middle", 3: "right"}
 _LEAVE_S = 3.0
@@ -86,13 +86,16 @@ class Console(App[None], inherit_bindings=False):
     """Whatever the layout says and whatever is open, there is a way out."""
     CSS = "Screen { layers: view; overflow: hidden; }"
 
-    def __init__(self, source: LayoutSource, links: RobotLinks, depth: ColourDepth) -> None:
+    def __init__(
+        self, source: LayoutSource, links: RobotLinks, traits: Traits, round_trip: float = 0.0
+    ) -> None:
         """Prepare.
 
         Args:
             source: What is shown, what keys do, and what may come instead of it.
             links: A connection for each robot of the layout, not yet started.
-            depth: What colours the terminal has.
+            traits: What the terminal can do.
+            round_trip: How long it takes to answer [s].
         """
         super().__init__(driver_class=terminal_driver())
         layout = source.layout
@@ -110,9 +113,9 @@ class Console(App[None], inherit_bindings=False):
         self._stalls = StallGuard()
         self._undone: set[type] = set()
         self._leaving = False
-        self._drawn = 0.0
         self._recording: Recording | None = None
-        self._pane = ViewPane(depth)
+        self._pane = ViewPane()
+        self._painter = Painter(self, self._pane, traits, round_trip)
 
     def get_default_screen(self) -> ViewScreen:
         """The screen below everything."""
@@ -280,16 +283,18 @@ class Console(App[None], inherit_bindings=False):
             self._let_go()
         return now
 
+    def on_frame_answered(self, event: FrameAnswered) -> None:
+        """The terminal shows a frame; the next need not wait for the clock."""
+        waited = not self._painter.ready(event.when)
+        self._painter.answered(event.when, event.report)
+        if waited:
+            self._draw()
+
     def _draw(self) -> None:
-        if output_is_pending(self):
-            return
         state = self.state
-        if self._covered and state.now - self._drawn < _COVERED_FRAME_S:
+        if not self._painter.ready(state.now):
             return
-        self._drawn = state.now
-        cells = self._view.render(state)
-        if cells is not None:
-            self._pane.show(cells)
+        self._painter.paint(state.now, self._view.render(state), self._view.video)
         for name, robot in state.robots.items():
             if robot.picture is not None:
                 self._links[name].shown(robot.picture.number)
@@ -437,6 +442,7 @@ class Console(App[None], inherit_bindings=False):
             clock=time.strftime("%H:%M:%S"),
             held=self._keyboard.held,
             robots={name: link.state for name, link in self._links.items()},
+            display=self._painter.display(time.monotonic()),
         )
 
 

@@ -169,8 +169,8 @@ def _shot(options: argparse.Namespace) -> int:
 def _console(source: LayoutSource, links: RobotLinks, options: argparse.Namespace) -> int:
     from rune_tui.app import Console
 
-    traits, *_ = _asked_terminal(options)
-    return Console(source, links, traits.depth).run_to_end()
+    traits, answers, took, _ = _asked_terminal(options)
+    return Console(source, links, traits, took if answers.complete else 0.0).run_to_end()
 
 
 def _terminal(options: argparse.Namespace) -> int:

@@ -9,6 +9,7 @@ from typing import Self
 
 from hub.gcm.vision import ImageCoding, ImageKind
 from rune_tui.layout.spec import CHOSEN, LayoutSpec
+from rune_tui.model.display_state import DisplayState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import DARK, Theme
 
@@ -77,6 +78,7 @@ class ConsoleState:
         clock: The time of day now, such as "14:03:22".
         recording: The file that everything is being recorded in; empty if nothing is.
         trouble: What is wrong with the layout as it was saved last; drawn over everything.
+        display: How the picture reaches the operator's eyes; None without a terminal.
     """
 
     now: float
@@ -96,6 +98,7 @@ class ConsoleState:
     clock: str = ""
     recording: str = ""
     trouble: str = ""
+    display: DisplayState | None = None
 
     @classmethod
     def at_start(cls, layout: LayoutSpec, now: float, operator: str = "") -> Self:

@@ -84,9 +84,13 @@ class FrameWriter:
         self._inexact = bool(picture)
         return Frame(first=b"", picture=picture)
 
-    def forget(self) -> None:
-        """The terminal may show anything."""
-        self._encoder.forget()
+    def forget(self, where: Flags | None = None) -> None:
+        """The terminal may show anything.
+
+        Args:
+            where: Which cells, shape (rows, columns); None for all.
+        """
+        self._encoder.forget(where)
 
     def _picture(self, cells: Cells, video: Flags, covered: Flags | None) -> bytes:
         before = self._encoder.remembered

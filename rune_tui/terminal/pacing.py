@@ -18,6 +18,8 @@ WINDOW: Final = 2
 TIMEOUT_S: Final = 1.0
 """An answer that takes longer may be lost [s]; the next time, it may take twice as long."""
 _LONGEST_S: Final = 8.0
+_MISSES: Final = 4
+"""A terminal that leaves so many frames unanswered in a row no longer answers."""
 _NARROWEST: Final = 8_000.0
 """What the narrowest way takes that can be worked with [bytes/s]."""
 _ROW: Final = 2
@@ -63,8 +65,8 @@ class Acknowledgement:
 class FramePacer:
     """Keeps account of frames under way; every method gets the time [s].
 
-    A terminal that has never answered is not waited for: `answers` is False then, and the caller
-    has to see by other means whether it keeps up.
+    A terminal that has never answered, or no longer does, is not waited for: `answers` is False
+    then, and the caller has to see by other means whether it keeps up. It is asked all the same.
     """
 
     def __init__(self, *, heard: bool = False) -> None:
@@ -77,13 +79,13 @@ class FramePacer:
         self._number = 0
         self._answered = float("-inf")
         self._timeout = TIMEOUT_S
-        self._silent = False
+        self._missed = 0
         self._heard = heard
 
     @property
     def answers(self) -> bool:
-        """Whether the terminal answers, as far as is known; unknown counts as yes."""
-        return self._heard or not self._silent
+        """Whether the terminal answers."""
+        return self._heard
 
     @property
     def under_way(self) -> tuple[SentFrame, ...]:
@@ -95,7 +97,8 @@ class FramePacer:
         if self._under_way and now - self._under_way[0].sent >= self._patience():
             self._under_way.clear()
             self._timeout = min(_LONGEST_S, 2.0 * self._timeout)
-            self._silent = True
+            self._missed += 1
+            self._heard = self._missed < _MISSES
         return not self.answers or len(self._under_way) < window
 
     def sent(self, now: float, size: int) -> str:
@@ -120,16 +123,15 @@ class FramePacer:
                 break
         gap = now - self._answered if frame.behind else float("nan")
         self._answered, self._timeout = now, TIMEOUT_S
-        self._heard, self._silent = True, False
+        self._heard, self._missed = True, 0
         return Acknowledgement(frame=frame, age=now - frame.sent, gap=gap, size=size)
 
     def _patience(self) -> float:
         """How long the oldest answer may take [s]; one that answers may be at a narrow way."""
-        more = sum(frame.size for frame in self._under_way) / _NARROWEST if self._heard else 0.0
+        more = sum(frame.size for frame in self._under_way) / _NARROWEST
         return self._timeout + min(_LONGEST_S, more)
 
     def restart(self) -> None:
         """The terminal is another one, or was away: what is under way is not answered."""
         self._under_way.clear()
-        self._timeout = TIMEOUT_S
-        self._silent = False
+        self._timeout, self._missed = TIMEOUT_S, 0

@@ -24,6 +24,7 @@ from textual.drivers.linux_driver import LinuxDriver
 from textual.message import Message
 
 from rune_tui.terminal.input_stream import HOLD_S, CursorReport, InputStream
+from rune_tui.ui.frame_answered import FrameAnswered
 
 _logger = logging.getLogger(__name__)
 
@@ -42,15 +43,6 @@ _UNDERSTOOD: Final = (
     _xterm_parser._re_in_band_window_resize,  # noqa: SLF001
     _xterm_parser._re_extended_key,  # noqa: SLF001
 )
-
-
-class FrameAnswered(Message):
-    """The terminal has come to the question that followed a frame."""
-
-    def __init__(self, report: CursorReport) -> None:
-        """Prepare to tell of a report."""
-        super().__init__()
-        self.report = report
 
 
 def understood(sequence: str) -> bool:
@@ -74,10 +66,30 @@ class SturdyParser(XTermParser):
 
 
 class SturdyDriver(LinuxDriver):
-    """Takes any bytes; a terminal that has gone ends the console in order."""
+    """Takes any bytes; a terminal that has gone ends the console in order.
 
+    Attributes:
+        lost: Whether something was not written because the terminal takes nothing.
+    """
+
+    lost: bool = False
+    _ending: bool = False
     _left_out: events.MouseMove | None = None
     """Where the mouse has gone, if the console was not told."""
+
+    def write(self, data: str) -> None:
+        """Hand over what is to be written, or lose it if that would hold up the console."""
+        writer = self._writer_thread
+        if writer is not None and not self._ending and writer._queue.full():  # noqa: SLF001
+            self.lost = True
+        else:
+            super().write(data)
+
+    def stop_application_mode(self) -> None:
+        """Leave the terminal as it was; nothing of that may be lost."""
+        self._ending = True
+        super().stop_application_mode()
+        self._ending = False
 
     def run_input_thread(self) -> None:
         """Read until the console ends; Textual calls this in a thread of its own."""
@@ -105,7 +117,7 @@ class SturdyDriver(LinuxDriver):
         try:
             for part in stream.feed(text, time.monotonic()):
                 if isinstance(part, CursorReport):
-                    self.process_message(FrameAnswered(part))
+                    self.process_message(FrameAnswered(part, time.monotonic()))
                 else:
                     self._read_events(parser, _PASSED.sub("", part))
             for event in parser.tick():

@@ -23,6 +23,15 @@ def output_is_pending(app: App[Any]) -> bool:
     return writer is not None and writer._queue.qsize() > 0  # noqa: SLF001 - as above
 
 
+def output_was_lost(app: App[Any]) -> bool:
+    """Whether something was not written since this was asked last, as the terminal took nothing."""
+    driver = app._driver  # noqa: SLF001 - as above
+    lost = bool(getattr(driver, "lost", False))
+    if lost:
+        driver.lost = False  # type: ignore[union-attr] # only ours has it
+    return lost
+
+
 def terminal_driver() -> type[Driver] | None:
     """The driver to use; None for Textual's own, where ours does not work (Windows)."""
     if sys.platform == "win32":

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 import numpy.typing as npt
 from rich.style import Style
@@ -12,10 +10,7 @@ from textual.screen import Screen
 from textual.strip import Strip
 from textual.widget import Widget
 
-from rune_tui.compositor.ansi import RowEncoder, changed_rows
 from rune_tui.compositor.cells import Cells
-from rune_tui.compositor.colours import at_depth
-from rune_tui.compositor.depth import ColourDepth
 from rune_tui.ui.pixel_strip import PixelStrip
 
 
@@ -29,48 +24,36 @@ class ViewScreen(Screen[None]):
 
 
 class ViewPane(Widget, can_focus=False):
-    """Shows cells; only rows that changed go to the terminal."""
+    """Holds the newest cells for when Textual draws the screen by itself, and knows when it does.
+
+    That is at the start, at another size, and when something over the pane comes or goes. All else
+    is drawn past Textual.
+
+    Attributes:
+        cells: The newest, in the terminal's colours; None before the first.
+    """
 
     DEFAULT_CSS = "ViewPane { width: 100%; height: 100%; background: black; }"
 
-    def __init__(self, depth: ColourDepth = ColourDepth.TRUECOLOUR) -> None:
-        """Prepare to show cells in colours of that depth."""
+    def __init__(self) -> None:
+        """Prepare; there is nothing to see yet."""
         super().__init__()
-        self._depth = depth
-        self._cells: Cells | None = None
-        self._strips: list[Strip] = []
-        self._encoder = RowEncoder()
+        self.cells: Cells | None = None
+        self._drawn: set[int] = set()
 
-    @property
-    def cells(self) -> Cells | None:
-        """The newest frame."""
-        return self._cells
-
-    def show(self, cells: Cells) -> None:
-        """Show a frame in truecolour as well as the terminal can."""
-        cells = at_depth(cells, self._depth)
-        rows = changed_rows(self._cells, cells)
-        if self._cells is None or len(self._strips) != cells.rows:
-            self._strips = [Strip.blank(cells.columns)] * cells.rows
-        self._cells = cells
-        for row, encoded in zip(rows.tolist(), self._encoder.encode_text(cells, rows), strict=True):
-            self._strips[row] = PixelStrip(cells, row, 0, cells.columns, encoded)
-        self.refresh(*(Region(0, top, cells.columns, count) for top, count in _spans(rows)))
+    def drawn_rows(self) -> npt.NDArray[np.intp]:
+        """Which rows Textual has drawn since this was asked last."""
+        rows, self._drawn = sorted(self._drawn), set()
+        return np.array(rows, np.intp)
 
     def render_lines(self, crop: Region) -> list[Strip]:
         """The rows of `crop`; what lies outside of the newest frame is blank."""
-        lines = []
-        for row in range(crop.y, crop.bottom):
-            strip = self._strips[row] if row < len(self._strips) else Strip.blank(0)
-            if strip.cell_length < crop.right:
-                # The terminal has grown and the frame that fits it is still to come.
-                strip = Strip.blank(crop.right)
-            lines.append(strip.crop(crop.x, crop.right))
-        return lines
+        self._drawn.update(range(crop.y, crop.bottom))
+        return [self._row(number).crop(crop.x, crop.right) for number in range(crop.y, crop.bottom)]
 
-
-def _spans(rows: npt.NDArray[np.intp]) -> Iterator[tuple[int, int]]:
-    """First row and number of rows of each run of neighbouring rows."""
-    for run in np.split(rows, np.flatnonzero(np.diff(rows) != 1) + 1):
-        if len(run):
-            yield int(run[0]), len(run)
+    def _row(self, number: int) -> Strip:
+        cells = self.cells
+        if cells is None or number >= cells.rows or cells.columns < self.size.width:
+            # The terminal has grown and the frame that fits it is still to come.
+            return Strip.blank(self.size.width)
+        return PixelStrip(cells, number, 0, cells.columns)

@@ -18,7 +18,6 @@ from hub.ipc.central import Central
 from hub.ipc.client import Client
 from hub.modules.mapping.points import PointBook
 from rune_tui.app import Console
-from rune_tui.compositor.depth import ColourDepth
 from rune_tui.layout.loader import load_layout
 from rune_tui.layout.rules import VisualizerRule, Vocabulary
 from rune_tui.layout.spec import VisualizerSpec
@@ -31,6 +30,8 @@ from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.model.world import WorldPoint
 from rune_tui.opening import BUILT_IN
 from rune_tui.raster.canvas import Canvas
+from rune_tui.terminal.questions import Answers
+from rune_tui.terminal.traits import traits_of
 from rune_tui.ui.question import Question
 
 LAYOUT = """<rune>
@@ -57,6 +58,7 @@ LAYOUT = """<rune>
 </rune>
 """
 TIMEOUT = 20.0
+TRAITS = traits_of(Answers(truecolour=True), {}, (60, 20))
 
 
 class Floor:
@@ -167,7 +169,7 @@ def play(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[
         stack.enter_context(closing(link))
 
         async def run(script: Script) -> None:
-            console = Console(source, links, ColourDepth.TRUECOLOUR)
+            console = Console(source, links, TRAITS)
             async with console.run_test(size=(60, 20)) as pilot:
                 desk = Desk(console, link, robot, pilot)
                 await desk.until(lambda: link.state.link.phase is LinkPhase.CONNECTED)

@@ -1,0 +1,150 @@
+"""Frames to the terminal, past Textual, which would style every cell by itself.
+
+Textual draws the screen now and then all the same, and things that lie over the pane. What it has
+drawn is drawn anew here, but for what lies over the pane.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+from textual.app import App
+
+from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.colours import at_depth
+from rune_tui.compositor.screen_encoder import ScreenEncoder
+from rune_tui.model.display_state import DisplayState
+from rune_tui.terminal.frames import Frame, FrameWriter
+from rune_tui.terminal.input_stream import CursorReport
+from rune_tui.terminal.pacing import FramePacer
+from rune_tui.terminal.rate import RateController
+from rune_tui.terminal.traits import Traits
+from rune_tui.ui.terminal import output_is_pending, output_was_lost
+from rune_tui.ui.view_pane import ViewPane
+
+Flags = npt.NDArray[np.bool_]
+
+_BEGIN: Final = "\x1b[?2026h"
+_END: Final = "\x1b[?2026l"
+_COUNTED_S: Final = 1.0
+"""Frames of so long are counted [s]."""
+
+
+class Painter:
+    """Draws the newest cells whenever the terminal has come far enough with what was drawn."""
+
+    def __init__(
+        self,
+        app: App[None],
+        pane: ViewPane,
+        traits: Traits,
+        round_trip: float,
+        most_bytes: float = math.inf,
+    ) -> None:
+        """Prepare.
+
+        Args:
+            app: Whose terminal it is.
+            pane: What Textual draws.
+            traits: What the terminal can do.
+            round_trip: How long it takes to answer [s].
+            most_bytes: No frame may be longer [bytes].
+        """
+        self._app = app
+        self._pane = pane
+        self._traits = traits
+        self._pacer = FramePacer(heard=traits.acknowledges)
+        self._control = RateController(round_trip, most_bytes)
+        self._frames = FrameWriter(ScreenEncoder(), self._control)
+        self._video: Flags = np.zeros((0, 0), np.bool_)
+        self._latency = math.nan
+        self._sent: deque[tuple[float, int]] = deque()
+
+    def ready(self, now: float) -> bool:
+        """Whether a frame may follow; if not, there will be a newer one when it may."""
+        if output_is_pending(self._app):
+            return False
+        frames = self._pacer.under_way
+        return self._pacer.may_send(now) and self._control.may_follow(now, frames)
+
+    def paint(self, now: float, cells: Cells | None, video: Flags) -> None:
+        """Bring the terminal to the newest cells, or nearer to them.
+
+        Args:
+            now: The time [s].
+            cells: The newest in truecolour; None if they are those of the last time.
+            video: Which of them show a camera's picture, shape (rows, columns).
+        """
+        if output_was_lost(self._app):
+            self._frames.forget()
+            self._app.screen.refresh()
+        if cells is not None:
+            self._pane.cells, self._video = at_depth(cells, self._traits.depth), video
+        newest = self._pane.cells
+        if newest is None:
+            return
+        rows = self._pane.drawn_rows()
+        if rows.size:
+            drawn = np.zeros((newest.rows, newest.columns), np.bool_)
+            drawn[rows[rows < newest.rows]] = True
+            self._frames.forget(drawn)
+        covered = self._covered(newest)
+        frame = Frame(first=b"", picture=b"")
+        if cells is not None or rows.size:
+            frame = self._frames.draw(newest, self._video, covered)
+        if not frame.picture and self._frames.inexact:
+            finer = self._frames.refine(covered)
+            frame = Frame(first=frame.first, picture=finer.picture)
+        if frame.size:
+            self._write(now, frame)
+
+    def answered(self, now: float, report: CursorReport) -> None:
+        """The terminal says where its cursor is."""
+        answer = self._pacer.answered(now, report)
+        if answer is not None:
+            self._latency = answer.age
+            self._control.acknowledged(now, answer)
+
+    def restart(self) -> None:
+        """The terminal was away, or is another one."""
+        self._pacer.restart()
+        self._frames.forget()
+
+    def display(self, now: float) -> DisplayState:
+        """How the picture reaches the operator's eyes."""
+        while self._sent and now - self._sent[0][0] > _COUNTED_S:
+            self._sent.popleft()
+        return DisplayState(
+            latency=self._latency if self._pacer.answers else math.nan,
+            frames_per_s=len(self._sent) / _COUNTED_S,
+            bytes_per_s=sum(size for _, size in self._sent) / _COUNTED_S,
+            coarseness=self._control.level if self._frames.inexact else 0,
+        )
+
+    def _write(self, now: float, frame: Frame) -> None:
+        driver = self._app._driver  # noqa: SLF001 - no public way past the compositor
+        if driver is None or self._app.is_headless:
+            return
+        begin, end = (_BEGIN, _END) if self._traits.synchronized else ("", "")
+        parts = [part.decode() for part in (frame.first, frame.picture) if part]
+        text = "".join(f"{begin}{part}{end}" for part in parts)
+        # The cursor is not seen, but input methods write where it is.
+        home = f"\x1b[{self._app.cursor_position.y + 1};{self._app.cursor_position.x + 1}H"
+        driver.write(f"{text}{self._pacer.sent(now, frame.size)}{home}")
+        self._sent.append((now, frame.size))
+
+    def _covered(self, cells: Cells) -> Flags | None:
+        """Cells that something lies over; None if nothing does."""
+        screen = self._app.screen
+        if screen is self._pane.screen:
+            return None
+        covered = np.zeros((cells.rows, cells.columns), np.bool_)
+        for widget in screen.children:
+            region = widget.region
+            top, left = max(0, region.y), max(0, region.x)
+            covered[top : max(0, region.bottom), left : max(0, region.right)] = True
+        return covered
