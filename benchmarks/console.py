@@ -9,7 +9,6 @@ from __future__ import annotations
 import dataclasses
 import math
 import multiprocessing
-import os
 import sys
 import tempfile
 import threading
@@ -184,29 +183,19 @@ def measured(count: int, interval: int) -> tuple[float, float, float]:
         with closing(
             ConsoleProcess(arguments, columns=COLUMNS, rows=ROWS, environment=environment)
         ) as console:
-            drain(console, WARM_S)
+            console.drain(WARM_S)
             process = psutil.Process(console.process.pid)
             before, bytes_before = process.cpu_times(), console.output_bytes
             pipe.send("count")
             answered = pipe.recv()
             began = time.monotonic()
-            drain(console, MEASURED_S)
+            console.drain(MEASURED_S)
             took = time.monotonic() - began
             after = process.cpu_times()
             pipe.send("count")
             shown = [b - a for a, b in zip(answered, pipe.recv(), strict=True)]
         spent = after.user + after.system - before.user - before.system
         return spent / took, min(shown) / took, (console.output_bytes - bytes_before) / took
-
-
-def drain(console: ConsoleProcess, seconds: float) -> None:
-    """Read what it writes, and make nothing of it: the terminal is not what is measured."""
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        try:
-            console.output_bytes += len(os.read(console.terminal, 1 << 16))
-        except BlockingIOError:
-            time.sleep(0.002)
 
 
 def figure(name: str, bar: float, count: int, interval: int, wanted: float) -> None:

@@ -66,10 +66,9 @@ class Painter:
 
     def ready(self, now: float) -> bool:
         """Whether a frame may follow; if not, there will be a newer one when it may."""
-        if output_is_pending(self._app):
+        if output_is_pending(self._app) or not self._pacer.may_send(now):
             return False
-        frames = self._pacer.under_way
-        return self._pacer.may_send(now) and self._control.may_follow(now, frames)
+        return not self._pacer.answers or self._control.may_follow(now, self._pacer.under_way)
 
     def paint(self, now: float, cells: Cells | None, video: Flags) -> None:
         """Bring the terminal to the newest cells, or nearer to them.

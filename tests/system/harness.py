@@ -7,6 +7,7 @@ import fcntl
 import json
 import os
 import pty
+import re
 import selectors
 import signal
 import struct
@@ -156,6 +157,11 @@ class Observer:
         self.client.close()
 
 
+_ASKED = re.compile(rb"\x1b\[(\d+);(\d+)H\x1b\[6n")
+_QUESTION_BYTES = 16
+"""A question is no longer, and may come in two pieces."""
+
+
 class _Answering(pyte.Screen):
     """A terminal that answers what it is asked, as real ones do."""
 
@@ -184,6 +190,7 @@ class ConsoleProcess:
         self.screen = _Answering(columns, rows, self.terminal)
         self._stream = pyte.ByteStream(self.screen)
         self.output_bytes = 0
+        self._unread = b""
         fcntl.ioctl(inner, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
         self.process = subprocess.Popen(
             [sys.executable, "-m", "rune_tui", *arguments],
@@ -216,6 +223,22 @@ class ConsoleProcess:
                     return
                 self.output_bytes += len(data)
                 self._stream.feed(data)
+
+    def drain(self, seconds: float) -> None:
+        """Read for a while what it writes and make nothing of it, but answer what it asks."""
+        end = time.monotonic() + seconds
+        with selectors.DefaultSelector() as selector:
+            selector.register(self.terminal, selectors.EVENT_READ)
+            while (left := end - time.monotonic()) > 0:
+                if not selector.select(left):
+                    return
+                data = os.read(self.terminal, 1 << 16)
+                self.output_bytes += len(data)
+                for row, column in _ASKED.findall(self._unread + data):
+                    os.write(self.terminal, b"\x1b[%s;%sR" % (row, column))
+                if b"\x1b[c" in data:
+                    os.write(self.terminal, b"\x1b[?6c")
+                self._unread = data[-_QUESTION_BYTES:] if not _ASKED.search(data[-32:]) else b""
 
     def hold(self, keys: str, seconds: float, *, every: float = 0.033) -> None:
         """Keep a key down as a terminal shows it: a press and repeats."""
