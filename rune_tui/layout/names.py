@@ -1,4 +1,4 @@
-"""The names a layout may use whatever is installed: capabilities, keys, the mouse's parts."""
+"""The names a layout may use whatever is installed: capabilities, and inputs of all kinds."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import unicodedata
 from collections.abc import Mapping
 
 from hub.gcm.capability import Capability
+from rune_tui.layout.spec import ControlKind
 
 _INTERVALS_MS = {
     Capability.CON_REAL: 6_000,
@@ -23,6 +24,28 @@ MOUSE_PARTS = ("left", "middle", "right", "wheel", "motion")
 """What of a mouse can wake a widget."""
 MOUSE = "mouse "
 """What the names of the mouse's inputs begin with; no key's name does."""
+
+JOYSTICK = "joystick "
+"""What the names of joysticks' inputs begin with; no key's name does."""
+DIRECTIONS = ("up", "right", "down", "left")
+"""Where a hat switch can be pushed, in the order of a layout's bindings."""
+PRESSED = "pressed"
+"""What ends the name of an axis that is used as a button."""
+
+ONE_SIDED = frozenset({"lefttrigger", "righttrigger", "throttle"})
+"""Roles of axes that go from 0 to 1; all others go from -1 to 1."""
+ROLES: Mapping[str, ControlKind] = {
+    **dict.fromkeys(("leftx", "lefty", "rightx", "righty"), ControlKind.AXIS),
+    **dict.fromkeys(("lefttrigger", "righttrigger", "twist", "throttle"), ControlKind.AXIS),
+    **dict.fromkeys(("a", "b", "x", "y", "back", "guide", "start"), ControlKind.BUTTON),
+    **dict.fromkeys(("leftshoulder", "rightshoulder"), ControlKind.BUTTON),
+    **dict.fromkeys(("leftstick", "rightstick"), ControlKind.BUTTON),
+    **dict.fromkeys(("dpup", "dpdown", "dpleft", "dpright"), ControlKind.BUTTON),
+    **{f"button{number}": ControlKind.BUTTON for number in range(1, 33)},
+    "dpad": ControlKind.HAT,
+}
+"""What controls are for, whatever the device. Of axes, x is positive to the right, y up or away
+from the operator, twist clockwise."""
 
 NAMED_KEYS = (
     *("up", "down", "left", "right", "space", "enter", "escape", "tab", "backspace"),
@@ -85,3 +108,14 @@ def is_key(name: str) -> bool:
     if name in KEYS or name in KEY_ALIASES:
         return True
     return len(name) == 1 and name.isprintable() and name != " " and canonical_key(name) == name
+
+
+def joystick_input(joystick: str, control: str, part: str = "") -> str:
+    """The name of an input of a joystick.
+
+    Args:
+        joystick: Its name in the layout.
+        control: Name of the control.
+        part: Which of `DIRECTIONS`, for a hat; `PRESSED`, for an axis that is used as a button.
+    """
+    return f"{JOYSTICK}{joystick} {control} {part}".rstrip()

@@ -54,13 +54,71 @@ class ControlKind(enum.Enum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ControlSpec:
+    """A control of a joystick; its role, usage or index says which, the other two are not given.
+
+    Attributes:
+        name: What events call it.
+        kind: What it is.
+        role: What it is for on any device, such as "leftx"; empty if not given.
+        usage: What the device's report calls it, such as "rz" or "slider#2"; empty if not given.
+        index: Which of its kind it is in the report, from 0.
+        calibrate: Whether the operator is asked to move it to its ends.
+        minimum: Raw value at one end; None for what the device says.
+        maximum: Raw value at the other end; None for what the device says.
+        invert: Whether its directions are exchanged.
+        deadzone: Share of its way that counts as neutral, 0 to 0.9; None for the device's own.
+        expo: How much finer it is about its neutral, 0 (linear) to 1; None for the device's own.
+        bindings: Raw values of a hat that is pushed up, right, down and left; None for those of
+            the device.
+    """
+
+    name: str
+    kind: ControlKind
+    role: str = ""
+    usage: str = ""
+    index: int | None = None
+    calibrate: bool = False
+    minimum: int | None = None
+    maximum: int | None = None
+    invert: bool = False
+    deadzone: float | None = None
+    expo: float | None = None
+    bindings: tuple[int, int, int, int] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JoystickSpec:
+    """A joystick that a layout knows; without vid, pid, serial and device it is any.
+
+    Attributes:
+        name: What events call it.
+        vid: The vendor's number.
+        pid: The product's number.
+        serial: The device's serial number; empty for any.
+        device: Pattern of the product's name, such as "Logitech*"; empty for any.
+        controls: Those that the layout describes, and then the roles that its events name.
+        line: Line in the layout file.
+    """
+
+    name: str
+    vid: int | None = None
+    pid: int | None = None
+    serial: str = ""
+    device: str = ""
+    controls: tuple[ControlSpec, ...] = ()
+    line: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class EventSpec:
     """An input pattern that wakes a widget.
 
     Attributes:
-        name: The input, such as "w", "up", "ctrl+c", "mouse left", "mouse wheel".
+        name: The input, such as "w", "up", "ctrl+c", "mouse left", "mouse wheel",
+            "joystick pad lefty".
         released: Whether it wakes when the input goes up, not down.
-        control: What the key stands for where a handler has several controls, such as
+        control: What the input stands for where a handler has several controls, such as
             "translate" or "rotate"; empty where it has one.
         value: How far the control is moved while the key is down, -1 to 1.
         line: Line in the layout file.
@@ -71,6 +129,7 @@ class EventSpec:
     value: float
     line: int
     released: bool = False
+    kind: ControlKind | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -192,6 +251,7 @@ class LayoutSpec:
         path: Where it was read from.
         run_number: The run it is for, shown and recorded.
         robots: Robots, in file order.
+        joysticks: Joysticks, in file order.
         view: The whole picture.
         files: The file itself, the parts that it includes, its extensions and its fonts.
         vocabulary: The visualizers and widgets that it names, and all others there are.
@@ -201,6 +261,7 @@ class LayoutSpec:
     run_number: int
     robots: tuple[RobotSpec, ...]
     view: ViewSpec
+    joysticks: tuple[JoystickSpec, ...] = ()
     files: tuple[Path, ...] = ()
     vocabulary: Vocabulary = field(compare=False, repr=False)
 

@@ -191,3 +191,16 @@ def test_what_no_terminal_reports_is_no_key(key: str):
 )
 def test_a_key_that_goes_by_several_names_has_one(written: str, known: str):
     assert names.canonical_key(written) == known
+
+
+@pytest.mark.parametrize(
+    ("said", "name"),
+    [
+        (("pad", "lefty"), "joystick pad lefty"),
+        (("pad", "pov", "up"), "joystick pad pov up"),
+        (("pad", "righttrigger", names.PRESSED), "joystick pad righttrigger pressed"),
+    ],
+)
+def test_inputs_of_joysticks_have_names_that_no_key_has(said: tuple[str, ...], name: str):
+    assert names.joystick_input(*said) == name
+    assert not names.is_key(name)
