@@ -49,9 +49,9 @@ class _Listener:
 class Dispatch:
     """All widgets of a layout, by the inputs that wake them.
 
-    Only one of a robot's speed widgets speaks at a time, the one whose key was pressed last; two
-    that spoke at once would contradict each other 20 times a second. After a stop, a robot's
-    other widgets forget what is held.
+    Only one of a robot's speed widgets speaks at a time, the one whose key was pressed or whose
+    stick left neutral last; two that spoke at once would contradict each other 20 times a second.
+    After a stop, a robot's other widgets forget what is held.
 
     A widget that fails, as somebody else's may, is told of once; if it drives, its robot is told to
     stand, and the widget rests until its next press.
@@ -106,8 +106,8 @@ class Dispatch:
         """Effects of an action that somebody chose from a list, as if its first input was used."""
         spec = action.event
         chosen = [each for each in self._by_input.get(spec.name, ()) if each.spec is spec]
-        event = ControlEvent(name=spec.name, pressed=not spec.released)
-        return self._woken(event, chosen, state)
+        press, release = (ControlEvent(name=spec.name, pressed=down) for down in (True, False))
+        return (*self._woken(press, chosen, state), *self._woken(release, chosen, state))
 
     def _woken(
         self, event: ControlEvent, listeners: Iterable[_Listener], state: ConsoleState
@@ -118,7 +118,7 @@ class Dispatch:
             widget = listener.widget
             if event.pressed and not event.repeat:
                 self._failed.discard(id(widget))
-                if isinstance(widget, SetSpeed):
+                if isinstance(widget, SetSpeed) and widget.heeds(listener.spec):
                     self._take_over(widget, state)
             elif id(widget) in self._failed:
                 continue
@@ -161,7 +161,11 @@ class Dispatch:
         return tuple(effects)
 
     def released(self, state: ConsoleState) -> tuple[Effect, ...]:
-        """Everything is let go (focus lost, quit, crash): one zero speed for each driven robot."""
+        """Everything is let go (focus lost, quit, crash): one zero speed for each driven robot.
+
+        Axes that are not neutral then count again when all of them have been told to be neutral,
+        which the caller does at once if it lets nothing through before they are.
+        """
         self._buttons.clear()
         robots = dict.fromkeys(_commanded(widget, state) for widget in self._widgets)
         return tuple(effect for robot in robots for effect in self._release(robot, state))

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from rune_tui.layout.input_words import ways
 from rune_tui.layout.names import MOUSE
 from rune_tui.layout.rules import HandlerRule, NumberOption, Option, TextOption
-from rune_tui.layout.spec import EventSpec, LayoutSpec, ViewportSpec, WidgetSpec
+from rune_tui.layout.spec import ControlKind, EventSpec, LayoutSpec, ViewportSpec, WidgetSpec
 
 _WHEEL = MOUSE + "wheel"
 
@@ -51,17 +52,6 @@ def actions_of(layout: LayoutSpec) -> tuple[Action, ...]:
     return tuple(sorted(merged.values(), key=lambda action: robots.index(action.robot)))
 
 
-def input_words(event: EventSpec, where: str = "") -> str:
-    """The name of an input, as people call it; of the mouse with where it is meant."""
-    if event.name.startswith(MOUSE):
-        part = event.name.removeprefix(MOUSE)
-        named = {"wheel": "mouse wheel", "motion": "mouse moves"}.get(part, f"{part} click")
-    else:
-        named = event.name.upper() if len(event.name) == 1 else event.name
-    place = where if event.name.startswith(MOUSE) else ""
-    return f"{named} goes up{place}" if event.released else f"{named}{place}"
-
-
 def _single_actions(layout: LayoutSpec) -> Iterator[Action]:
     owners = [("", "", layout.view.widgets)]
     owners += [(each.robot, _where(each), each.widgets) for each in layout.view.viewports]
@@ -69,13 +59,19 @@ def _single_actions(layout: LayoutSpec) -> Iterator[Action]:
         for widget in widgets:
             rule = layout.vocabulary.widgets[widget.handler].rule
             for event in widget.events:
-                yield Action(
-                    words=_words(widget, event, rule),
-                    inputs=(input_words(event, where),),
-                    robot=owner if rule.needs_robot else "",
-                    event=event,
-                    at_once=not (rule.pointed or rule.held or event.name == _WHEEL),
-                )
+                for said, moved in ways(event, layout.joysticks, where):
+                    yield Action(
+                        words=_words(widget, moved, rule),
+                        inputs=(said,),
+                        robot=owner if rule.needs_robot else "",
+                        event=event,
+                        at_once=not (rule.pointed or rule.held or _both_ways(event)),
+                    )
+
+
+def _both_ways(event: EventSpec) -> bool:
+    """Whether an input has no one direction."""
+    return event.name == _WHEEL or event.kind in {ControlKind.AXIS, ControlKind.BALL}
 
 
 def _where(viewport: ViewportSpec) -> str:
@@ -95,7 +91,7 @@ def _direction(event: EventSpec, rule: HandlerRule) -> str:
     if event.control not in rule.words:
         return event.control
     plus, minus = rule.words[event.control]
-    if event.name == _WHEEL:
+    if event.name == _WHEEL or event.kind is ControlKind.BALL:
         return f"{plus} or {minus}" if event.value >= 0.0 else f"{minus} or {plus}"
     size = abs(event.value)
     share = "" if size == 1.0 else f" ({size:g} of it)"

@@ -9,8 +9,9 @@ from pathlib import Path
 from rune_tui.layout import names
 from rune_tui.layout.checks import viewport_robot
 from rune_tui.layout.grammar import Mistake, Node, Rules
-from rune_tui.layout.inputs import input_name
-from rune_tui.layout.rules import LOCAL_MESSAGES, Option, Options, Vocabulary
+from rune_tui.layout.inputs import inputs_of
+from rune_tui.layout.joysticks import Input, Joysticks
+from rune_tui.layout.rules import LOCAL_MESSAGES, HandlerRule, Option, Options, Vocabulary
 from rune_tui.layout.spec import (
     CHOSEN,
     CapabilitySpec,
@@ -44,18 +45,26 @@ class SpecBuilder:
         self._path = path
         self._vocabulary = vocabulary
         self._robots: tuple[str, ...] = ()
+        self._joysticks = Joysticks((), rules)
         self.mistakes: list[Mistake] = []
 
     def layout(self, root: Node, files: tuple[Path, ...]) -> LayoutSpec:
         """The whole layout, which these files make up."""
         self._robots = tuple(self._text(robot, "name") for robot in root.of("robot"))
+        self._joysticks = Joysticks(root.of("joystick"), self._rules)
         (node,) = root.of("view")
         view = self._view(node)
+        widgets = [
+            widget for owner in (node, *node.of("viewport")) for widget in owner.of("widget")
+        ]
         return LayoutSpec(
             path=self._path,
             run_number=self._whole(root, "run"),
             robots=tuple(self._robot(robot, view) for robot in root.of("robot")),
             view=view,
+            joysticks=self._joysticks.specs(
+                event for widget in widgets for event in widget.of("event")
+            ),
             files=files,
             vocabulary=self._vocabulary,
         )
@@ -154,10 +163,15 @@ class SpecBuilder:
 
     def _widget(self, node: Node, robot: str = "", viewport: str = "") -> WidgetSpec:
         handler = self._text(node, "handler")
+        rule = self._vocabulary.widgets[handler].rule
         spec = WidgetSpec(
             handler=handler,
-            options=self._options(node, self._vocabulary.widgets[handler].rule.options),
-            events=tuple(map(self._event, node.of("event"))),
+            options=self._options(node, rule.options),
+            events=tuple(
+                self._event(event, each, rule)
+                for event in node.of("event")
+                for each in inputs_of(event, self._rules, self._joysticks)
+            ),
             line=node.place.line,
             viewport=viewport,
         )
@@ -168,11 +182,17 @@ class SpecBuilder:
         given = {self._text(each, "name"): self._text(each, "value") for each in node.of("option")}
         return Options.of(rules, {name: rules[name].value(text) for name, text in given.items()})
 
-    def _event(self, node: Node) -> EventSpec:
+    def _event(self, node: Node, wanted: Input, rule: HandlerRule) -> EventSpec:
+        control, value = self._text(node, "control"), self._decimal(node, "value")
+        if wanted.pushed and rule.plane:
+            across, along = rule.plane
+            control = across if wanted.pushed in {"left", "right"} else along
+            value = -value if wanted.pushed in {"right", "down"} else value
         return EventSpec(
-            name=input_name(node, self._rules),
-            control=self._text(node, "control"),
-            value=self._decimal(node, "value"),
+            name=wanted.name,
+            control=control,
+            value=value,
             line=node.place.line,
             released=self._text(node, "when") == "released",
+            kind=wanted.kind,
         )

@@ -12,6 +12,8 @@ from hub.gcm.catalog import BY_NAME
 from rune_tui.layout import names
 from rune_tui.layout.grammar import Mistake, Node, Rules, hint, quoted, tag
 from rune_tui.layout.inputs import TakenInputs, input_mistakes
+from rune_tui.layout.joystick_checks import handler_mistakes, joystick_mistakes
+from rune_tui.layout.joysticks import Joysticks
 from rune_tui.layout.places import Place
 from rune_tui.layout.references import reference_mistakes
 from rune_tui.layout.rules import HandlerRule, NumberOption, Option, Vocabulary
@@ -36,7 +38,9 @@ def find_mistakes(root: Node, rules: Rules, vocabulary: Vocabulary) -> Iterator[
         yield from _robot_mistakes(robot, rules)
     known = tuple(filter(None, (rules.value(robot, "name") for robot in robots)))
     viewports = [viewport for view in root.of("view") for viewport in view.of("viewport")]
-    inputs, wants = TakenInputs(rules), Wants(robots, rules)
+    joysticks = Joysticks(root.of("joystick"), rules)
+    yield from _joystick_mistakes(root, rules)
+    inputs, wants = TakenInputs(rules, joysticks), Wants(robots, rules)
     for view in root.of("view"):
         for child in view.children:
             if child.tag == "viewport":
@@ -47,11 +51,11 @@ def find_mistakes(root: Node, rules: Rules, vocabulary: Vocabulary) -> Iterator[
                     yield from _font_mistakes(visualizer, letters, rules, vocabulary)
                     yield from _undrawn(visualizer, robot_name, rules, vocabulary, wants)
                 for widget in child.of("widget"):
-                    yield from _widget_mistakes(widget, rules, vocabulary, viewport=child)
+                    yield from _widget_mistakes(widget, rules, vocabulary, joysticks, child)
                     yield from _unheard(widget, robot_name, rules, vocabulary, wants)
                     yield from inputs.claim(widget, robot_name, viewport=child)
             elif child.tag == "widget":
-                yield from _widget_mistakes(child, rules, vocabulary, viewport=None)
+                yield from _widget_mistakes(child, rules, vocabulary, joysticks)
                 yield from inputs.claim(child, None)
     yield from _duplicates(viewports, "viewport", rules)
     yield from reference_mistakes(root, rules, vocabulary)
@@ -201,13 +205,25 @@ def _value_mistakes(place: Place, what: str, value: str, rule: Option) -> Iterat
     yield Mistake(place, f"{what} is {quoted(value)[1:-1]}, {begins} {rule.allowed}")
 
 
+def _joystick_mistakes(root: Node, rules: Rules) -> Iterator[Mistake]:
+    nodes = root.of("joystick")
+    yield from joystick_mistakes(nodes, rules)
+    yield from _duplicates(nodes, "joystick", rules)
+    for node in nodes:
+        yield from _duplicates(node.of("control"), "control", rules)
+
+
 def _widget_mistakes(
-    widget: Node, rules: Rules, vocabulary: Vocabulary, *, viewport: Node | None
+    widget: Node,
+    rules: Rules,
+    vocabulary: Vocabulary,
+    joysticks: Joysticks,
+    viewport: Node | None = None,
 ) -> Iterator[Mistake]:
     yield from _lacking(widget, "event")
     handler = rules.value(widget, "handler")
     for event in widget.of("event"):
-        yield from input_mistakes(event, rules, viewport)
+        yield from input_mistakes(event, rules, viewport, joysticks)
     if handler is None:
         return
     kind = vocabulary.widgets.get(handler)
@@ -221,7 +237,9 @@ def _widget_mistakes(
         yield Mistake(widget.at("handler"), message)
     yield from _option_mistakes(widget, handler, rule.options, rules)
     for event in widget.of("event"):
-        yield from _control_mistakes(event, handler, rule, rules)
+        if not any(each.pushed for each in joysticks.inputs(event)):
+            yield from _control_mistakes(event, handler, rule, rules)
+        yield from handler_mistakes(event, handler, rule, rules, joysticks)
         if rule.pointed and rules.value(event, "key") is not None:
             message = f"{handler} has to know where, give its event a mouse button, not a key"
             yield Mistake(event.at("key"), message)

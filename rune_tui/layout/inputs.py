@@ -1,4 +1,4 @@
-"""Which keys and which parts of the mouse wake which widget, and where two of them collide."""
+"""Which keys, parts of the mouse and of joysticks wake which widget, and where two collide."""
 
 from __future__ import annotations
 
@@ -7,33 +7,59 @@ from dataclasses import dataclass, field
 
 from rune_tui.layout import names
 from rune_tui.layout.grammar import Mistake, Node, Rules, hint, quoted
+from rune_tui.layout.joystick_checks import event_mistakes
+from rune_tui.layout.joysticks import KINDS_FOR, Input, Joysticks
 from rune_tui.layout.places import Place
 
 
-def input_name(event: Node, rules: Rules) -> str:
-    """The one name of the input that an event waits for; empty if it names none or several."""
-    key, mouse = rules.value(event, "key"), rules.value(event, "mouse")
-    if (key is None) == (mouse is None):
-        return ""
-    return names.MOUSE + mouse if mouse else names.canonical_key(key or "")
+def inputs_of(event: Node, rules: Rules, joysticks: Joysticks) -> tuple[Input, ...]:
+    """The inputs that an event waits for; none if it is of no one kind, or what it says is wrong.
+
+    They are several where an event means a whole hat switch.
+    """
+    if len(given := _sources(event)) != 1:
+        return ()
+    text = rules.value(event, given[0])
+    if text is None:
+        return ()
+    if given == ["joystick"]:
+        return joysticks.inputs(event)
+    return (Input(name=names.MOUSE + text if given == ["mouse"] else names.canonical_key(text)),)
 
 
-def input_mistakes(event: Node, rules: Rules, viewport: Node | None) -> Iterator[Mistake]:
+def input_mistakes(
+    event: Node, rules: Rules, viewport: Node | None, joysticks: Joysticks
+) -> Iterator[Mistake]:
     """What is wrong with the input that an event names."""
-    key, mouse = rules.value(event, "key"), rules.value(event, "mouse")
+    key = rules.value(event, "key")
     if key is not None and not names.is_key(key):
         yield Mistake(event.at("key"), _unknown_key(key))
     elif key is not None and names.canonical_key(key) == names.WAY_OUT:
         message = f"the key {quoted(key)} ends the console always; choose another key"
         yield Mistake(event.at("key"), message)
-    if "key" not in event.attributes and "mouse" not in event.attributes:
-        yield Mistake(event.place, "an event needs one of the attributes key and mouse")
-    elif "key" in event.attributes and "mouse" in event.attributes:
-        yield Mistake(event.place, "an event is of a key or of the mouse, not of both")
-    if mouse is not None and viewport is None:
+    given = _sources(event)
+    if len(given) > 1:
+        message = f"an event is of one of key, mouse and joystick, not of {' and of '.join(given)}"
+        yield Mistake(event.place, message)
+    elif not given and not any(part in event.attributes for part in KINDS_FOR):
+        message = "an event needs one of the attributes key, mouse and joystick"
+        yield Mistake(event.place, message)
+    yield from _mouse_mistakes(event, rules, viewport)
+    yield from event_mistakes(event, rules, joysticks)
+
+
+def _sources(event: Node) -> list[str]:
+    return [source for source in ("key", "mouse", "joystick") if source in event.attributes]
+
+
+def _mouse_mistakes(event: Node, rules: Rules, viewport: Node | None) -> Iterator[Mistake]:
+    mouse = rules.value(event, "mouse")
+    if mouse is None:
+        return
+    if viewport is None:
         message = "an event of the mouse belongs into a viewport: it is meant where that is"
         yield Mistake(event.at("mouse"), message)
-    elif mouse is not None and viewport is not None and _unseen(viewport, rules):
+    elif _unseen(viewport, rules):
         message = "the mouse cannot meet this viewport: give it a visualizer that can be seen"
         yield Mistake(event.at("mouse"), message)
     if mouse in {"wheel", "motion"} and rules.value(event, "when") == "released":
@@ -54,6 +80,10 @@ def _unknown_key(key: str) -> str:
     return f"unknown key {quoted(key)}{nearest or '; ' + names.KEY_RULE}"
 
 
+_ANY = "*"
+"""In place of a control: a whole hat moves several."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Claim:
     """An event that wants an input.
@@ -63,13 +93,15 @@ class _Claim:
         shown: What it wants, in words.
         what: The same as a key for tables; the mouse is meant where it is, so its viewport is
             part of it.
-        control: What of the widget it moves.
+        control: What of the widget it moves, or `_ANY`.
+        other: What else to choose.
     """
 
     place: Place
     shown: str
     what: str
     control: str
+    other: str = "key"
 
 
 @dataclass(slots=True)
@@ -77,10 +109,11 @@ class TakenInputs:
     """Which inputs are taken, and where; each is reported once for each event."""
 
     rules: Rules
+    joysticks: Joysticks
     anywhere: dict[str, Place] = field(default_factory=dict)
     globally: dict[str, Place] = field(default_factory=dict)
     by_handler: dict[tuple[str, str, str], Place] = field(default_factory=dict)
-    by_widget: dict[tuple[int, str, str], Place] = field(default_factory=dict)
+    by_widget: dict[tuple[int, str], dict[str, Place]] = field(default_factory=dict)
 
     def claim(
         self, widget: Node, robot: str | None, *, viewport: Node | None = None
@@ -88,15 +121,20 @@ class TakenInputs:
         """Take the inputs of a widget, whose robot is None if it is global."""
         handler = self.rules.value(widget, "handler") or ""
         claims = [
-            self._claim(event, name, viewport)
+            self._claim(event, each, viewport)
             for event in widget.of("event")
-            if (name := input_name(event, self.rules)) and self.rules.value(event, "when")
+            if self.rules.value(event, "when")
+            for each in inputs_of(event, self.rules, self.joysticks)
         ]
+        reported: set[Place] = set()
         for claim in claims:
             taken = self._taken(widget, robot, handler, claim)
-            if taken is not None:
-                yield Mistake(claim.place, f"{claim.shown} {taken}; choose another key")
-            self.by_widget.setdefault((id(widget), claim.what, claim.control), claim.place)
+            if taken is not None and claim.place not in reported:
+                reported.add(claim.place)
+                message = f"{claim.shown} {taken}; choose another {claim.other}"
+                yield Mistake(claim.place, message)
+            bound = self.by_widget.setdefault((id(widget), claim.what), {})
+            bound.setdefault(claim.control, claim.place)
         for claim in claims:
             self.anywhere.setdefault(claim.what, claim.place)
             if robot is None:
@@ -104,20 +142,30 @@ class TakenInputs:
             elif robot:
                 self.by_handler.setdefault((robot, handler, claim.what), claim.place)
 
-    def _claim(self, event: Node, name: str, viewport: Node | None) -> _Claim:
+    def _claim(self, event: Node, wanted: Input, viewport: Node | None) -> _Claim:
         when = "" if self.rules.value(event, "when") == "pressed" else " when released"
-        shown, what = f"the key {quoted(name)}{when}", name + when
+        control = _ANY if wanted.pushed else self.rules.value(event, "control") or ""
+        name = wanted.name
+        if wanted.kind is not None:
+            place = event.at(next(part for part in KINDS_FOR if part in event.attributes))
+            return _Claim(
+                place=place, shown=name + when, what=name + when, control=control, other="control"
+            )
         if name.startswith(names.MOUSE):
-            place = viewport.attributes.get("name", "") if viewport else ""
             shown = f"the mouse's {name.removeprefix(names.MOUSE)}{when}"
-            what += f" in {place}"
-        control = self.rules.value(event, "control") or ""
-        place_of_name = event.at("mouse" if name.startswith(names.MOUSE) else "key")
-        return _Claim(place=place_of_name, shown=shown, what=what, control=control)
+            within = viewport.attributes.get("name", "") if viewport else ""
+            what = f"{name}{when} in {within}"
+            return _Claim(place=event.at("mouse"), shown=shown, what=what, control=control)
+        shown = f"the key {quoted(name)}{when}"
+        return _Claim(place=event.at("key"), shown=shown, what=name + when, control=control)
 
     def _taken(self, widget: Node, robot: str | None, handler: str, claim: _Claim) -> str | None:
         what = claim.what
-        if (first := self.by_widget.get((id(widget), what, claim.control))) is not None:
+        bound = self.by_widget.get((id(widget), what), {})
+        first = next(iter(bound.values()), None)
+        if _ANY not in {claim.control, *bound}:
+            first = bound.get(claim.control)
+        if first is not None:
             return f"is already bound by this widget in {first.seen_from(claim.place)}"
         if (first := self.globally.get(what)) is not None:
             return f"belongs to a global widget already, in {first.seen_from(claim.place)}"

@@ -37,7 +37,7 @@ _DEEPEST = 16
 """Levels of elements that are looked at; valid layouts have five, the schema eight."""
 
 _MOST_ATTRIBUTES = 100
-"""Attributes of an element that are looked at; the schema allows ten, and looking is quadratic."""
+"""Attributes of an element that are looked at; the schema allows 11, and looking is quadratic."""
 
 # Atomic and possessive, so that a hostile file cannot make the search backtrack.
 _DOCTYPE = re.compile(r"(?>\s|<\?(?>.*?\?>)|<!--(?>.*?-->))*+<!DOCTYPE", re.DOTALL)

@@ -190,7 +190,9 @@ class HandlerRule:
         uses: Names of the messages that it makes use of.
         pointed: Whether it wants to know where the mouse was, and so needs events of the mouse.
         words: What a positive and a negative value do, by control (empty where there is none),
-            for the help.
+            for the help; those that have none know no amounts, and so no axes.
+        plane: The controls that a whole hat switch moves: the one whose positive is to the left,
+            and the one whose positive is up or forward; None if it cannot.
         held: Whether it acts while an input is held, so that a mere moment of it is nothing.
         under_help: Whether its keys count while the help covers everything.
     """
@@ -203,6 +205,7 @@ class HandlerRule:
     uses: tuple[str, ...] = ()
     pointed: bool = False
     words: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    plane: tuple[str, str] | None = None
     held: bool = False
     under_help: bool = False
 

@@ -66,7 +66,7 @@ class ControlSpec:
         calibrate: Whether the operator is asked to move it to its ends.
         minimum: Raw value at one end; None for what the device says.
         maximum: Raw value at the other end; None for what the device says.
-        invert: Whether its directions are exchanged.
+        invert: Whether its directions are exchanged; a button is then pressed while it is up.
         deadzone: Share of its way that counts as neutral, 0 to 0.9; None for the device's own.
         expo: How much finer it is about its neutral, 0 (linear) to 1; None for the device's own.
         bindings: Raw values of a hat that is pushed up, right, down and left; None for those of

@@ -1,4 +1,4 @@
-"""Widgets that move the camera, one step for each press and repeat."""
+"""Widgets that move the camera by steps."""
 
 from __future__ import annotations
 
@@ -12,34 +12,28 @@ from rune_tui.layout.rules import HandlerRule, NumberOption
 from rune_tui.layout.spec import EventSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, SendEffect
+from rune_tui.widgets.stepping import SteppingWidget
 from rune_tui.widgets.widget import PressWidget
 
 
-class _AdjustCamera(PressWidget):
+class _AdjustCamera(SteppingWidget):
     """Moves the camera by a step."""
-
-    repeats: ClassVar[bool] = True
 
     @abstractmethod
     def command(self, value: float, control: str) -> CameraCommand:
-        """The step that an event of this value makes."""
+        """The step that an input of this value makes."""
 
-    def press(
-        self,
-        event: ControlEvent,
-        event_spec: EventSpec,
-        state: ConsoleState,  # noqa: ARG002 - a step is a step at any time
-    ) -> tuple[Effect, ...]:
-        """One step; a repeat is one more."""
-        value = self.command(event_spec.value * event.value, event_spec.control)
-        return (SendEffect(robot=self.robot, definition=CAMERA_COMMAND, value=value),)
+    def step(self, value: float, control: str) -> Effect:
+        """One command."""
+        command = self.command(value, control)
+        return SendEffect(robot=self.robot, definition=CAMERA_COMMAND, value=command)
 
 
 class AdjustPan(_AdjustCamera):
     """Turns the camera; a positive value is to the left."""
 
     rule: ClassVar = HandlerRule(
-        meaning="Turns the camera by a step for each press and repeat; positive is left.",
+        meaning="Turns the camera by a step for each press and while it is held; positive is left.",
         options={
             "step_deg": NumberOption(
                 default=5.0, least=0.1, most=90.0, unit="deg", meaning="turn a press, to the left"
@@ -58,7 +52,7 @@ class AdjustTilt(_AdjustCamera):
     """Tilts the camera; a positive value is upwards."""
 
     rule: ClassVar = HandlerRule(
-        meaning="Tilts the camera by a step for each press and repeat; positive is up.",
+        meaning="Tilts the camera by a step for each press and while it is held; positive is up.",
         options={
             "step_deg": NumberOption(
                 default=3.0, least=0.1, most=90.0, unit="deg", meaning="turn a press, upwards"
@@ -78,8 +72,8 @@ class AdjustPanTilt(_AdjustCamera):
 
     rule: ClassVar = HandlerRule(
         meaning=(
-            "Turns and tilts the camera by a step for each press and repeat. Positive `pan` is "
-            "left, positive `tilt` is up."
+            "Turns and tilts the camera by a step for each press and while it is held. Positive "
+            "`pan` is left, positive `tilt` is up."
         ),
         controls=("pan", "tilt"),
         options={
@@ -92,6 +86,7 @@ class AdjustPanTilt(_AdjustCamera):
         },
         sends=("GCM_Camera_Command",),
         words={"pan": ("left", "right"), "tilt": ("up", "down")},
+        plane=("pan", "tilt"),
     )
 
     def command(self, value: float, control: str) -> CameraCommand:
@@ -104,7 +99,7 @@ class AdjustZoom(_AdjustCamera):
     """Zooms; a positive value is closer."""
 
     rule: ClassVar = HandlerRule(
-        meaning="Zooms by a step for each press and repeat; positive is closer.",
+        meaning="Zooms by a step for each press and while it is held; positive is closer.",
         options={
             "step": NumberOption(
                 default=0.05, least=0.001, most=1.0, unit="", meaning="change a press, of 0 to 1"

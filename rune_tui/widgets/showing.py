@@ -22,6 +22,7 @@ from rune_tui.model.effects import (
     Zoom,
 )
 from rune_tui.model.theme import THEMES
+from rune_tui.widgets.stepping import SteppingWidget
 from rune_tui.widgets.widget import PressWidget
 
 _NEXT = "next"
@@ -33,21 +34,22 @@ class _Showing(PressWidget):
     """A widget whose effect does not depend on what is known."""
 
     @abstractmethod
-    def effect(self, value: float) -> Effect:
-        """What an input of this value changes."""
+    def effect(self) -> Effect:
+        """What its inputs change."""
 
     def press(
         self,
-        event: ControlEvent,
-        event_spec: EventSpec,
-        state: ConsoleState,  # noqa: ARG002 - as the class says
+        event: ControlEvent,  # noqa: ARG002 - as the class says
+        event_spec: EventSpec,  # noqa: ARG002
+        state: ConsoleState,  # noqa: ARG002
     ) -> tuple[Effect, ...]:
         """The change."""
-        return (self.effect(event_spec.value * event.value),)
+        return (self.effect(),)
 
-    def viewport(self) -> str:
-        """The viewport that the layout names, else the widget's own."""
-        return self.spec.options.word("viewport") or self.spec.viewport
+
+def _viewport(widget: PressWidget) -> str:
+    """The viewport that the layout names, else the widget's own."""
+    return widget.spec.options.word("viewport") or widget.spec.viewport
 
 
 class ShowViewportWidget(_Showing):
@@ -64,10 +66,10 @@ class ShowViewportWidget(_Showing):
         needs_robot=False,
     )
 
-    def effect(self, value: float) -> Effect:  # noqa: ARG002 - a press is a press
+    def effect(self) -> Effect:
         """The viewport appears or goes."""
         shown = _SHOWN[self.spec.options.word("shown")]
-        return ShowViewport(viewport=self.viewport(), shown=shown)
+        return ShowViewport(viewport=_viewport(self), shown=shown)
 
 
 class FullScreen(_Showing):
@@ -79,15 +81,14 @@ class FullScreen(_Showing):
         needs_robot=False,
     )
 
-    def effect(self, value: float) -> Effect:  # noqa: ARG002 - a press is a press
+    def effect(self) -> Effect:
         """The viewport fills the view or goes back to its place."""
-        return FillView(viewport=self.viewport())
+        return FillView(viewport=_viewport(self))
 
 
-class ZoomMap(_Showing):
+class ZoomMap(SteppingWidget):
     """Shows the world larger or smaller."""
 
-    repeats: ClassVar[bool] = True
     rule: ClassVar = HandlerRule(
         meaning="Shows the world larger or smaller. The value 0 shows it as the layout says.",
         options={
@@ -100,10 +101,10 @@ class ZoomMap(_Showing):
         words={"": ("larger", "smaller")},
     )
 
-    def effect(self, value: float) -> Effect:
+    def step(self, value: float, control: str) -> Effect:  # noqa: ARG002 - it has one
         """The factor to the power of the value; 0 goes back to the layout's."""
         factor = self.spec.options.number("factor") ** value if value else 0.0
-        return Zoom(viewport=self.viewport(), factor=factor)
+        return Zoom(viewport=_viewport(self), factor=factor)
 
 
 class ChooseRobotWidget(_Showing):
@@ -118,7 +119,7 @@ class ChooseRobotWidget(_Showing):
         needs_robot=False,
     )
 
-    def effect(self, value: float) -> Effect:  # noqa: ARG002 - a press is a press
+    def effect(self) -> Effect:
         """The choice."""
         return ChooseRobot(robot=self.spec.options.word("robot"))
 
@@ -131,7 +132,7 @@ class NextLayout(_Showing):
         needs_robot=False,
     )
 
-    def effect(self, value: float) -> Effect:  # noqa: ARG002 - a press is a press
+    def effect(self) -> Effect:
         """The next layout."""
         return NextLayoutEffect()
 
@@ -149,7 +150,7 @@ class ThemeWidget(_Showing):
         needs_robot=False,
     )
 
-    def effect(self, value: float) -> Effect:  # noqa: ARG002 - a press is a press
+    def effect(self) -> Effect:
         """The theme."""
         name = self.spec.options.word("theme")
         return SetTheme(name="" if name == _NEXT else name)
@@ -164,7 +165,7 @@ class Help(_Showing):
         under_help=True,
     )
 
-    def effect(self, value: float) -> Effect:  # noqa: ARG002 - a press is a press
+    def effect(self) -> Effect:
         """The help."""
         return ToggleHelp()
 
@@ -177,7 +178,7 @@ class Screenshot(_Showing):
         needs_robot=False,
     )
 
-    def effect(self, value: float) -> Effect:  # noqa: ARG002 - a press is a press
+    def effect(self) -> Effect:
         """The files."""
         return ScreenshotEffect()
 
@@ -193,6 +194,6 @@ class RecordWidget(_Showing):
         needs_robot=False,
     )
 
-    def effect(self, value: float) -> Effect:  # noqa: ARG002 - a press is a press
+    def effect(self) -> Effect:
         """On or off."""
         return RecordEffect()

@@ -73,7 +73,8 @@ class PressWidget(ABC):
         state: ConsoleState,
     ) -> tuple[Effect, ...]:
         """Effects of what the layout asks for, a press or a release; the other has none."""
-        if event.pressed == event_spec.released or (event.repeat and not self.repeats):
+        again = event.pressed and event.repeat
+        if event.pressed == event_spec.released or (again and not self.repeats):
             return ()
         return self.press(event, event_spec, state)
 
