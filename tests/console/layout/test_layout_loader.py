@@ -55,6 +55,30 @@ SHORT = """\
   </view>
 </rune>
 """
+STICK = """\
+<rune>
+  <robot name="magellan"><capability name="VIS_PTZ"/><capability name="NAV_MOVE"/></robot>
+  <joystick name="pad" vid="046d" pid="c215" serial="7" device="Logi*">
+    <control name="one" type="axis" usage="y" calibrate="true" min="0" max="9" deadzone="0.1"/>
+    <control name="two" type="axis" role="twist" invert="true" expo="0.3"/>
+    <control name="pov" type="hat switch" index="0">
+      <hatSwitchBindings up="0" right="2" down="4" left="6"/>
+    </control>
+    <control name="wheel" type="ball" usage="wheel"/>
+  </joystick>
+  <view xsize="80" ysize="48">
+    <viewport name="camera" xpos="0" ypos="0" xsize="80" ysize="48">
+      <widget handler="widgetSetSpeed">
+        <event joystick="pad" axis="one" control="translate"/>
+        <event joystick="pad" axis="two" control="rotate" value="-1"/>
+        <event joystick="pad" button="leftshoulder" control="enable"/>
+      </widget>
+      <widget handler="widgetAdjustPanTilt"><event joystick="pad" hat="pov"/></widget>
+      <widget handler="widgetAdjustZoom"><event joystick="pad" ball="wheel"/></widget>
+    </viewport>
+  </view>
+</rune>
+"""
 PARTED = """\
 <rune run="${run}">
   <variable name="run" value="3"/>
@@ -129,6 +153,12 @@ def test_every_value_of_a_file_arrives(tmp_path: Path):
     assert [widget.handler for widget in layout.view.widgets] == ["widgetQuit"]
 
 
+def test_a_joystick_with_all_that_one_may_have_is_a_layout(tmp_path: Path):
+    (joystick,) = load(tmp_path, STICK).joysticks
+    names = ["one", "two", "pov", "wheel", "leftshoulder"]
+    assert [control.name for control in joystick.controls] == names
+
+
 def test_what_a_file_leaves_out_has_its_default(tmp_path: Path):
     layout = load(tmp_path, SHORT)
     assert layout.run_number == 0
@@ -145,7 +175,7 @@ def test_what_a_file_leaves_out_has_its_default(tmp_path: Path):
     assert viewport.widgets[0].events == (EventSpec(name="space", control="", value=1.0, line=8),)
 
 
-def test_the_demo_drives_with_letters_and_arrows_and_says_its_keys():
+def test_the_demo_drives_with_letters_arrows_and_a_stick_and_says_its_keys():
     layout = open_layout(LAYOUTS / "demo.xml")
     camera = layout.view.viewports[0]
     bound = {
@@ -153,8 +183,9 @@ def test_the_demo_drives_with_letters_and_arrows_and_says_its_keys():
         for handler in ("widgetSetSpeed", "widgetStop")
         if (found := [widget for widget in camera.widgets if widget.handler == handler])
     }
-    assert bound["widgetSetSpeed"] == ["w", "s", "a", "d", "up", "down", "left", "right"]
-    assert bound["widgetStop"] == ["space"]
+    keys = ["w", "s", "a", "d", "up", "down", "left", "right"]
+    assert bound["widgetSetSpeed"] == [*keys, "joystick pad lefty", "joystick pad leftx"]
+    assert bound["widgetStop"] == ["space", "joystick pad b"]
     status = next(one for one in layout.view.viewports if one.name == "status")
     assert (status.xpos, status.ypos, status.xsize, status.ysize) == (0, 94, 160, 2)
     label = next(one for one in layout.view.viewports if one.name == "help").visualizer
@@ -312,7 +343,7 @@ def test_a_changed_layout_is_a_layout_or_a_layout_error_with_printable_problems(
     tmp_path: Path, seed: int | str, count: int
 ):
     chance = random.Random(seed)
-    texts = [path.read_text() for path in GOOD] + [FULL, SHORT, PARTED]
+    texts = [path.read_text() for path in GOOD] + [FULL, SHORT, STICK, PARTED]
     read, refused = 0, 0
     for _ in range(count):
         part = mutated(PART, chance) if chance.random() < 0.5 else PART.encode()
