@@ -438,3 +438,24 @@ def test_a_button_that_counts_when_it_goes_up_does_not_go_on_stepping():
     assert widget.tick(at(1.0)) == ()
     assert camera(widget.handle(let_go(late), late, at(1.1))) == [CameraCommand(zoom=0.05)]
     assert widget.tick(at(2.0)) == ()
+
+
+SHIPPED = Path(__file__).parents[3] / "layouts"
+
+
+@pytest.mark.parametrize(
+    "path",
+    [path for path in sorted(SHIPPED.glob("*.xml")) if path.stem not in {"minimal", "xroboview"}],
+    ids=lambda path: path.stem,
+)
+def test_in_shipped_layouts_the_left_stick_drives_one_robot_and_b_stops_all(path: Path):
+    layout = open_layout(path)
+    dispatch = Dispatch(layout)
+    assert driven(dispatch.handle(pad("lefty", 0.5), at(0.0))) == [(0.25, 0.0)]
+    assert driven(dispatch.handle(pad("leftx", 0.5), at(0.0))) == [(0.25, -0.5)]
+    stopped = [
+        effect.robot
+        for effect in dispatch.handle(pad("b"), at(0.1))
+        if isinstance(effect, SendEffect) and effect.definition is STOP
+    ]
+    assert stopped == [robot.name for robot in layout.robots]
