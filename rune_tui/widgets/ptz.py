@@ -33,7 +33,7 @@ class AdjustPan(_AdjustCamera):
     """Turns the camera; a positive value is to the left."""
 
     rule: ClassVar = HandlerRule(
-        meaning="Turns the camera by a step for each press and while it is held; positive is left.",
+        meaning="Turns the camera by steps while held; positive is left.",
         options={
             "step_deg": NumberOption(
                 default=5.0, least=0.1, most=90.0, unit="deg", meaning="turn a press, to the left"
@@ -52,7 +52,7 @@ class AdjustTilt(_AdjustCamera):
     """Tilts the camera; a positive value is upwards."""
 
     rule: ClassVar = HandlerRule(
-        meaning="Tilts the camera by a step for each press and while it is held; positive is up.",
+        meaning="Tilts the camera by steps while held; positive is up.",
         options={
             "step_deg": NumberOption(
                 default=3.0, least=0.1, most=90.0, unit="deg", meaning="turn a press, upwards"
@@ -72,8 +72,8 @@ class AdjustPanTilt(_AdjustCamera):
 
     rule: ClassVar = HandlerRule(
         meaning=(
-            "Turns and tilts the camera by a step for each press and while it is held. Positive "
-            "`pan` is left, positive `tilt` is up."
+            "Turns and tilts the camera by steps while held; positive `pan` is left, positive "
+            "`tilt` is up."
         ),
         controls=("pan", "tilt"),
         options={
@@ -99,7 +99,7 @@ class AdjustZoom(_AdjustCamera):
     """Zooms; a positive value is closer."""
 
     rule: ClassVar = HandlerRule(
-        meaning="Zooms by a step for each press and while it is held; positive is closer.",
+        meaning="Zooms by steps while held; positive is closer.",
         options={
             "step": NumberOption(
                 default=0.05, least=0.001, most=1.0, unit="", meaning="change a press, of 0 to 1"

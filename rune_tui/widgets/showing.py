@@ -160,7 +160,7 @@ class Help(_Showing):
     """Shows what keys do."""
 
     rule: ClassVar = HandlerRule(
-        meaning="Shows what keys and the mouse do, and hides it again.",
+        meaning="Shows what keys, the mouse and joysticks do, and hides it again.",
         needs_robot=False,
         under_help=True,
     )

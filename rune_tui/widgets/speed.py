@@ -36,9 +36,9 @@ class SetSpeed:
 
     rule: ClassVar = HandlerRule(
         meaning=(
-            "Drives while keys are held or a stick is moved. Positive `translate` is forward, "
-            "positive `rotate` counter-clockwise (to the left). Each control follows the newest of "
-            "its inputs that is not neutral. Where `enable` is bound, axes count only while it is "
+            "Drives while held; positive `translate` is forward, positive `rotate` is "
+            "counter-clockwise (to the left). Each control follows the newest of its keys, buttons "
+            "and axes that is not neutral. Where `enable` is bound, axes count only while it is "
             "held; while `turbo` is held, all is faster."
         ),
         controls=("translate", "rotate", _ENABLE, _TURBO),

@@ -68,8 +68,7 @@ def test_inputs_that_do_the_same_are_one_action_with_its_direction_and_options(
     actions: dict[tuple[str, ...], Action],
 ):
     said = actions["W", "up"].words
-    drives = "Drives while keys are held or a stick is moved"
-    assert said == f"{drives}: forward, linear 0.3 m/s, angular 1 rad/s"
+    assert said == "Drives while held: forward, linear 0.3 m/s, angular 1 rad/s"
     assert "backward (0.5 of it)" in actions[("S",)].words
     assert actions[("mouse wheel in camera",)].words.endswith(": closer or wider, step 0.05")
     assert actions[("F",)].words.endswith("viewport camera")
