@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 
 from rune_tui.layout import names
@@ -14,6 +15,8 @@ from rune_tui.layout.spec import ControlKind
 _WHICH = ("role", "usage", "index")
 _OF_DEVICE = ("vid", "pid", "serial", "device")
 _OF_AXES = ("calibrate", "min", "max", "deadzone", "expo")
+_NUMBERED = re.compile(r"#([2-9]|[1-9][0-9]{1,2})$")
+"""What ends the usage of the second and further controls of the same."""
 _ARTICLES = {
     ControlKind.AXIS: "an axis",
     ControlKind.BALL: "a ball",
@@ -54,10 +57,22 @@ def _control_mistakes(control: Node, rules: Rules) -> Iterator[Mistake]:
     elif role is not None and kind not in {None, names.ROLES[role]}:
         message = f"the role {role} is that of {_ARTICLES[names.ROLES[role]]}; write "
         yield Mistake(control.at("type"), f'{message}type="{names.ROLES[role].value}"')
+    yield from _usage_mistakes(control, kind, rules)
     yield from _out_of_kind(control, kind, text)
     yield from _range_mistakes(control, rules)
     for bindings in control.of("hatSwitchBindings"):
         yield from _binding_mistakes(bindings, rules)
+
+
+def _usage_mistakes(control: Node, kind: ControlKind | None, rules: Rules) -> Iterator[Mistake]:
+    """That no device has such a control; what buttons are called is not known of all."""
+    usage = rules.value(control, "usage")
+    if usage is None or kind in {None, ControlKind.BUTTON}:
+        return
+    known = (names.HAT_USAGE,) if kind is ControlKind.HAT else names.AXIS_USAGES
+    if _NUMBERED.sub("", usage) not in known:
+        message = f"unknown usage {quoted(usage)} of {_ARTICLES[kind]}{hint(usage, known)}"
+        yield Mistake(control.at("usage"), message)
 
 
 def _out_of_kind(control: Node, kind: ControlKind | None, text: str | None) -> Iterator[Mistake]:

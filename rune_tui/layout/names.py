@@ -47,6 +47,17 @@ ROLES: Mapping[str, ControlKind] = {
 """What controls are for, whatever the device. Of axes, x is positive to the right, y up or away
 from the operator, twist clockwise."""
 
+AXIS_USAGES = (
+    *("x", "y", "z", "rx", "ry", "rz", "slider", "dial", "wheel"),
+    *("vx", "vy", "vz", "vbrx", "vbry", "vbrz", "vno"),
+    *("aileron", "aileron trim", "anti-torque", "collective", "dive brake", "elevator"),
+    *("elevator trim", "rudder", "throttle", "toe brake", "wing flaps", "accelerator", "brake"),
+    *("clutch", "shifter", "steering", "dive plane", "ballast"),
+)
+"""What devices call their axes and balls."""
+HAT_USAGE = "hat switch"
+"""What devices call their hats."""
+
 NAMED_KEYS = (
     *("up", "down", "left", "right", "space", "enter", "escape", "tab", "backspace"),
     *("home", "end", "pageup", "pagedown", "insert", "delete"),

@@ -13,6 +13,7 @@ from textual.keys import _character_to_key
 
 from hub.gcm import catalog
 from hub.gcm.capability import Capability
+from rune_tui.controls.hid import usages
 from rune_tui.layout import names
 from rune_tui.layout.loader import _schema
 from rune_tui.layout.rules import LOCAL_MESSAGES, HandlerRule, Option, VisualizerRule
@@ -204,3 +205,14 @@ def test_a_key_that_goes_by_several_names_has_one(written: str, known: str):
 def test_inputs_of_joysticks_have_names_that_no_key_has(said: tuple[str, ...], name: str):
     assert names.joystick_input(*said) == name
     assert not names.is_key(name)
+
+
+def test_layouts_and_the_decoder_of_reports_call_axes_the_same():
+    assert sorted(names.AXIS_USAGES) == sorted(usages.AXES.values())
+
+
+def test_the_page_lists_every_role_and_every_usage_of_axes():
+    listed = set(re.findall(r"`([^`]+)`", PAGE.split("### Roles\n", 1)[1].split("\n### ", 1)[0]))
+    numbered = {f"button{number}" for number in range(2, 32)}
+    assert names.ROLES.keys() - numbered <= listed
+    assert {*names.AXIS_USAGES, names.HAT_USAGE} <= listed
