@@ -31,13 +31,16 @@ class Hit:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ControlEvent:
-    """An input moved: a key went down, repeated, or went up; the mouse did something.
+    """An input moved: a key went down, repeated, or went up; the mouse or a joystick did something.
 
     Attributes:
-        name: The input's name, such as "w", "up", "ctrl+c", "mouse left", "mouse wheel".
-        pressed: Whether it went down (or repeats, or moved); False when it went up.
-        repeat: Whether it was down already.
-        value: How far: 1 for keys, the clicks of a wheel, positive away from the operator.
+        name: The input's name, such as "w", "up", "ctrl+c", "mouse left", "mouse wheel",
+            "joystick pad lefty".
+        pressed: Whether it went down (or repeats, or moved); False when it went up, or when an
+            axis is back in neutral.
+        repeat: Whether it was down, or an axis out of neutral, already.
+        value: How far: 1 for keys, the clicks of a wheel, positive away from the operator, the
+            counts of a ball; of an axis where it is, -1 to 1.
         hits: The viewports under the mouse, the nearest first.
     """
 
