@@ -54,7 +54,7 @@ def _control_mistakes(control: Node, rules: Rules) -> Iterator[Mistake]:
     role = rules.value(control, "role")
     if role is not None and role not in names.ROLES:
         yield Mistake(control.at("role"), f"unknown role {quoted(role)}{hint(role, names.ROLES)}")
-    elif role is not None and kind not in {None, names.ROLES[role]}:
+    elif role is not None and kind is not None and not _has_role(kind, role):
         message = f"the role {role} is that of {_ARTICLES[names.ROLES[role]]}; write "
         yield Mistake(control.at("type"), f'{message}type="{names.ROLES[role].value}"')
     yield from _usage_mistakes(control, kind, rules)
@@ -62,6 +62,10 @@ def _control_mistakes(control: Node, rules: Rules) -> Iterator[Mistake]:
     yield from _range_mistakes(control, rules)
     for bindings in control.of("hatSwitchBindings"):
         yield from _binding_mistakes(bindings, rules)
+
+
+def _has_role(kind: ControlKind, role: str) -> bool:
+    return kind is names.ROLES[role] or (kind is ControlKind.BUTTON and role in names.TRIGGERS)
 
 
 def _usage_mistakes(control: Node, kind: ControlKind | None, rules: Rules) -> Iterator[Mistake]:

@@ -32,7 +32,9 @@ DIRECTIONS = ("up", "right", "down", "left")
 PRESSED = "pressed"
 """What ends the name of an axis that is used as a button."""
 
-ONE_SIDED = frozenset({"lefttrigger", "righttrigger", "throttle"})
+TRIGGERS = frozenset({"lefttrigger", "righttrigger"})
+"""Roles of axes that are buttons on some pads."""
+ONE_SIDED = TRIGGERS | {"throttle"}
 """Roles of axes that go from 0 to 1; all others go from -1 to 1."""
 ROLES: Mapping[str, ControlKind] = {
     **dict.fromkeys(("leftx", "lefty", "rightx", "righty"), ControlKind.AXIS),

@@ -225,6 +225,7 @@ def test_the_help_says_what_to_do_with_sticks_and_what_comes_of_it(tmp_path: Pat
         ('type="axis" role="throttle"', "button", ["stick one"]),
         ('type="axis" usage="x"', "button", ["stick one right or left"]),
         ('type="button" index="0"', "button", ["stick one"]),
+        ('type="button" role="lefttrigger"', "button", ["stick one"]),
         ('type="ball" usage="wheel"', "ball", ["stick one"]),
     ],
 )
