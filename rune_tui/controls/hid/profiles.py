@@ -24,6 +24,9 @@ _ANDROID = "a b - x y - leftshoulder rightshoulder - - back start guide leftstic
 _DIRECT_INPUT = (
     "x a b y leftshoulder rightshoulder lefttrigger righttrigger back start leftstick rightstick"
 )
+_DRAGONRISE_6 = (
+    "y b a x leftshoulder rightshoulder lefttrigger righttrigger back start leftstick rightstick"
+)
 _SWITCH = (
     "a b x y leftshoulder rightshoulder lefttrigger righttrigger"
     " back start leftstick rightstick guide"
@@ -37,7 +40,7 @@ def _numbered(roles: str) -> dict[str, str]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Profile:
-    """Roles by usage, "" for none, for devices of one maker; all of them if no ids are given."""
+    """Roles by usage for devices of one maker; for all of them if no ids are given."""
 
     vid: int
     pids: frozenset[int]
@@ -51,11 +54,17 @@ _PROFILES = (
         pids=frozenset({0x05C4, 0x09CC, 0x0BA0, 0x0CE6, 0x0DF2}),
         roles=_numbered(_DUALSHOCK_4),
     ),
-    # Model 1708 and Elite 2: the view button is beside the numbered ones, so is 1708's guide.
+    # Elite 2 and model 1708 have the view button beside the numbered ones; 1708 its guide too.
     _Profile(
         vid=_MICROSOFT,
-        pids=frozenset({0x02FD, 0x0B05}),
+        pids=frozenset({0x0B05}),
         roles=_numbered(_ANDROID) | {"button 11": "button11", "back": "back"},
+    ),
+    _Profile(
+        vid=_MICROSOFT,
+        pids=frozenset({0x02FD}),
+        roles=_numbered(_ANDROID)
+        | {"button 11": "button11", "back": "back", "button 13": "button13", "home": "guide"},
     ),
     _Profile(vid=_MICROSOFT, pids=frozenset(), roles=_numbered(_ANDROID)),
     _Profile(vid=_GOOGLE, pids=frozenset({0x9400}), roles=_numbered(_ANDROID)),
@@ -72,8 +81,14 @@ _PROFILES = (
         roles=_numbered(_DIRECT_INPUT),
     ),
     _Profile(vid=_NINTENDO, pids=frozenset({0x2009}), roles=_numbered(_SWITCH)),
-    # The bytes that are called X, X, X, X, Y hold three constants, X and Y.
-    _Profile(vid=_DRAGONRISE, pids=frozenset({0x0011}), roles={"x": "", "x#4": "leftx"}),
+    # The bytes that are called X, X, X, X, Y hold three constants, X and Y; those that are called
+    # X, Y, Z, Z, Rz hold a constant in the third place.
+    _Profile(vid=_DRAGONRISE, pids=frozenset({0x0011}), roles={"x#4": "leftx"}),
+    _Profile(
+        vid=_DRAGONRISE,
+        pids=frozenset({0x0006}),
+        roles=_numbered(_DRAGONRISE_6) | {"z#2": "rightx"},
+    ),
 )
 
 

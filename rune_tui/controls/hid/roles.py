@@ -24,6 +24,8 @@ _OTHERS = {
     "main menu": "guide",
     "start": "start",
     "select": "back",
+    "back": "back",
+    "home": "guide",
 } | {f"button {number}": f"button{number}" for number in range(1, 33)}
 _STICKS_ONLY = frozenset({"slider", "throttle", "rudder"})
 """What no gamepad has."""
@@ -36,16 +38,18 @@ def find_roles(channels: Sequence[Channel], *, vid: int, pid: int) -> tuple[str,
     pedals = {"accelerator", "brake"} <= axes.keys()
     known = find_profile(vid, pid, gamepad=pedals and _application(channels) == usages.GAMEPAD)
     roles = [""] * len(channels)
-    # A trigger that is an axis and a button too is the axis; the button keeps its number.
+    # A trigger that is an axis and a button too is the axis; the button keeps its number. Of two
+    # axes with the same usage the profile knows which one is meant.
     for position in sorted(
-        range(len(channels)), key=lambda each: channels[each].kind is not ControlKind.AXIS
+        range(len(channels)),
+        key=lambda each: (
+            channels[each].kind is not ControlKind.AXIS,
+            channels[each].name not in known,
+        ),
     ):
         name = channels[position].name
-        if channels[position].kind is ControlKind.BALL:
-            continue
-        wanted = [known.get(name, guessed.get(name, "")), guessed.get(name, "")]
-        free = [role for role in wanted if role not in roles]
-        roles[position] = free[0] if free and wanted[0] else ""
+        wanted = (known.get(name, ""), guessed.get(name, ""))
+        roles[position] = next((role for role in wanted if role not in roles), "")
     return tuple(roles)
 
 

@@ -30,12 +30,16 @@ def _in_bytes(first: int, usages: str, hat: int) -> dict[str, tuple[int, int]]:
 _DUALSHOCK_4_PLACES = _in_bytes(2, "x y z rz", 6) | {"rx": (72, 8), "ry": (80, 8)}
 _DUALSENSE_PLACES = _in_bytes(1, "x y z rz rx ry", 8)
 _SWITCH_STICKS = {"x": (40, 12), "y": (52, 12), "z": (64, 12), "rz": (76, 12)}
-_SWITCH_SIMPLE_STICKS = {"x": "x", "y": "y", "z": "z", "rz": "rz", "rx": "z", "ry": "rz"}
+_SWITCH_STICKS |= {"rx": (64, 12), "ry": (76, 12)}  # what the right one is called over Bluetooth
 _SWITCH_BUTTONS = (18, 19, 16, 17, 38, 22, 39, 23, 24, 25, 27, 26, 28, 29)
 """Bits of: B A Y X, L R ZL ZR, minus, plus, left and right stick, home, capture."""
 _SWITCH_HAT = (32, 4)
 """One bit each for down, up, right and left."""
 _HAT_OF_BITS = {2: 0, 6: 1, 4: 2, 5: 3, 1: 4, 9: 5, 8: 6, 10: 7}
+_STICKS: tuple[int | None, ...] = tuple(value << 4 for value in range(4096))
+"""12 bits widened to the 16 bits that the descriptor speaks of."""
+_STICKS_UP = _STICKS[::-1]
+"""The same for what grows up, other than what the descriptor speaks of."""
 
 
 def read_vendor_reports(
@@ -64,25 +68,18 @@ def _slots(channels: Sequence[Channel], places: Places) -> list[Slot]:
 
 
 def _switch_slots(channels: Sequence[Channel]) -> list[Slot]:
-    """Sticks of 12 bits that grow up, widened to the 16 bits that the descriptor speaks of."""
-    places: dict[str, tuple[int, int]] = {
-        f"button {number}": (bit, 1) for number, bit in enumerate(_SWITCH_BUTTONS, 1)
-    }
-    for usage, same in _SWITCH_SIMPLE_STICKS.items():
-        places[usage] = _SWITCH_STICKS[same]
-    places["hat switch"] = _SWITCH_HAT
-    up = {"y", "rz", "ry"}
+    """As far as the descriptor has the ranges that its makers give it."""
+    places: dict[str, tuple[int, int]] = _SWITCH_STICKS | {"hat switch": _SWITCH_HAT}
+    places |= {f"button {number}": (bit, 1) for number, bit in enumerate(_SWITCH_BUTTONS, 1)}
     slots = []
     for position, channel in enumerate(channels):
-        if channel.name not in places:
-            continue
-        bit, size = places[channel.name]
-        table: tuple[int | None, ...] | None = None
-        if size == 12:
-            table = tuple((4095 - v if channel.name in up else v) << 4 for v in range(4096))
-        elif size == 4:
-            table = tuple(
-                channel.minimum + _HAT_OF_BITS[v] if v in _HAT_OF_BITS else None for v in range(16)
-            )
-        slots.append(Slot(position=position, bit=bit, size=size, table=table))
+        bit, size = places.get(channel.name, (0, 0))
+        table = None
+        if size == 12 and (channel.minimum, channel.maximum) == (0, 0xFFFF):
+            table = _STICKS_UP if channel.name in {"y", "rz", "ry"} else _STICKS
+        elif size == 4 and channel.maximum - channel.minimum == 7:
+            hats = (_HAT_OF_BITS.get(bits) for bits in range(16))
+            table = tuple(None if hat is None else channel.minimum + hat for hat in hats)
+        if table is not None or size == 1:
+            slots.append(Slot(position=position, bit=bit, size=size, table=table))
     return slots

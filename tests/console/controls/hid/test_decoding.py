@@ -269,6 +269,20 @@ def test_switch_pro_sends_its_own_report_under_the_id_of_another() -> None:
     assert pad.unread == 0
 
 
+SWITCH_BUTTONS = (
+    dict(zip(("x", "y", "a", "b"), range(4), strict=True))
+    | {"rightshoulder": 6, "righttrigger": 7, "leftshoulder": 22, "lefttrigger": 23}
+    | {"back": 8, "start": 9, "rightstick": 10, "leftstick": 11, "guide": 12, "button14": 13}
+)
+
+
+@pytest.mark.parametrize("role", SWITCH_BUTTONS)
+def test_switch_pro_has_every_button_where_its_driver_looks_for_it(role: str) -> None:
+    pad = device("nintendo_switch_pro_usb").decoder()
+    values = by_role(pad, switch_report(1 << SWITCH_BUTTONS[role], 0, 0, 0, 0))
+    assert [role for role, value in values.items() if value == 1] == [role]
+
+
 @pytest.mark.parametrize(
     ("bits", "hat"),
     [(0, None), (2, 0), (6, 1), (4, 2), (5, 3), (1, 4), (9, 5), (8, 6), (10, 7), (3, None)],

@@ -117,7 +117,7 @@ def test_what_follows_the_last_collection_does_no_harm(tail: bytes) -> None:
 
 
 def test_unknown_and_long_items_are_skipped() -> None:
-    odd = b"\xfe\x03\x00abc" + b"\x0d\x01" + b"\xd4"
+    odd = b"\xfe\x03\x00\xc0\xc0\xc0" + b"\x0d\x01" + b"\xd4"
     assert parse(application(odd, axis(0x30))) == parse(application(axis(0x30)))
 
 

@@ -39,6 +39,7 @@ def test_four_values_are_up_right_down_left(least: int) -> None:
 def test_degrees_and_their_hundredths_go_clockwise_from_up(most: int, step: int) -> None:
     assert [hat_direction(n * step, hat(0, most)) for n in range(8)] == AROUND
     assert hat_direction(step // 3, hat(0, most)) == (0, 1)
+    assert hat_direction(step * 2 // 3, hat(0, most)) == (1, 1)
 
 
 @pytest.mark.parametrize("raw", [None, -1, 8, 15])

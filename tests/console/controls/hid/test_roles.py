@@ -7,6 +7,7 @@ import pytest
 from rune_tui.controls.hid.device_controls import DeviceDecoder
 from rune_tui.controls.hid.sdl import roles_from_sdl
 from rune_tui.layout.spec import ControlKind
+from tests.console.controls.hid import writing as w
 from tests.console.controls.hid.fixtures import NAMES, device
 from tests.console.controls.hid.writing import RELATIVE, VARIABLE, application, axis, item
 
@@ -38,12 +39,12 @@ AXIS_ROLES = {
 _STICK = "dpdown:h0.4,dpleft:h0.8,dpright:h0.2,dpup:h0.1,leftx:a0,lefty:a1"
 SDL = f"""\
 # what is no line is skipped
+050000004c050000e60c000000010000,elsewhere,a:b7,platform:Mac OS X,
 05000000d11800000094000000010000,Stadia,a:b0,b:b1,back:b6,{_STICK},guide:b8,leftshoulder:b4,leftstick:b9,lefttrigger:a5,rightshoulder:b5,rightstick:b10,righttrigger:a4,rightx:a2,righty:a3,start:b7,x:b2,y:b3,platform:Linux,
 03000000c82d00000260000011010000,8BitDo,a:b1,b:b0,back:b10,{_STICK},guide:b2,leftshoulder:b6,leftstick:b13,lefttrigger:a5,rightshoulder:b7,rightstick:b14,righttrigger:a4,rightx:a2,righty:a3,start:b11,x:b4,y:b3,platform:Linux,
 030000006d04000016c2000010010000,F310,a:b1,b:b2,back:b8,{_STICK},leftshoulder:b4,leftstick:b10,lefttrigger:b6,rightshoulder:b5,rightstick:b11,righttrigger:b7,rightx:a2,righty:a3,start:b9,x:b0,y:b3,platform:Linux,
 050000004c050000e60c000000810000,by hid-sony,a:b0,b:b1,x:b3,y:b2,platform:Linux,
 050000004c050000e60c000000010000,DualSense,a:b1,b:b2,back:b8,{_STICK},guide:b12,leftshoulder:b4,leftstick:b10,lefttrigger:a3,misc1:b13,rightshoulder:b5,rightstick:b11,righttrigger:a4,rightx:a2,righty:a5,start:b9,x:b0,y:b3,platform:Linux,
-050000004c050000e60c000000010000,elsewhere,a:b7,platform:Mac OS X,
 050000005e040000130b000009050000,Series,a:b0,b:b1,back:b10,{_STICK},guide:b12,leftshoulder:b6,leftstick:b13,lefttrigger:a5,rightshoulder:b7,rightstick:b14,righttrigger:a4,rightx:a2,righty:a3,start:b11,x:b3,y:b4,platform:Linux,
 """.splitlines()
 """Written after the database's lines for these devices."""
@@ -147,6 +148,33 @@ def test_pedals_and_wheel_of_a_car_are_triggers_and_stick() -> None:
         "righttrigger": "accelerator",
         "lefttrigger": "brake",
     }
+
+
+def test_trigger_that_is_an_axis_and_a_button_is_the_axis() -> None:
+    buttons = item(0x04, 9) + item(0x24, 1) + item(0x74, 1) + item(0x94, 8)
+    buttons += item(0x18, 1) + item(0x28, 8) + item(0x80, VARIABLE)
+    inner = application(buttons, axis(0xC4, page=2))
+    pad = DeviceDecoder(inner, vid=0x046D, pid=0xC216)
+    assert roles(pad)["righttrigger"] == "accelerator"
+    assert roles(pad)["lefttrigger"] == "button 7"
+    assert roles(pad)["button8"] == "button 8"
+
+
+def test_profile_knows_which_of_two_axes_is_meant() -> None:
+    inner = application(*map(axis, (0x30, 0x31, 0x32, 0x32, 0x35)))
+    pad = DeviceDecoder(inner, vid=0x0079, pid=0x0006)
+    assert roles(pad) == {"leftx": "x", "lefty": "y", "rightx": "z#2", "righty": "rz"}
+
+
+def test_some_xbox_pads_have_view_and_guide_beside_the_numbered_buttons() -> None:
+    elite = device("xbox_elite2_1797_bt")
+    assert roles(elite.decoder())["back"] == "back"
+    assert roles(elite.decoder())["guide"] == "button 13"
+    numbered = [w.axis(number, page=9, size=1, maximum=1) for number in range(1, 16)]
+    keys = [w.axis(usage, page=12, size=1, maximum=1) for usage in (0x224, 0x223)]
+    inner = application(*numbered, *keys, usage=5)
+    found = roles(DeviceDecoder(inner, vid=0x045E, pid=0x02FD))
+    assert (found["back"], found["guide"], found["button11"]) == ("back", "home", "button 11")
 
 
 def test_balls_have_no_role() -> None:
