@@ -54,17 +54,16 @@ _PROFILES = (
         pids=frozenset({0x05C4, 0x09CC, 0x0BA0, 0x0CE6, 0x0DF2}),
         roles=_numbered(_DUALSHOCK_4),
     ),
-    # Elite 2 and model 1708 have the view button beside the numbered ones; 1708 its guide too.
+    # Elite 2 and model 1708 have "back" beside the numbered buttons; 1708 "home" too.
     _Profile(
         vid=_MICROSOFT,
         pids=frozenset({0x0B05}),
-        roles=_numbered(_ANDROID) | {"button 11": "button11", "back": "back"},
+        roles=_numbered(_ANDROID) | {"button 11": "button11"},
     ),
     _Profile(
         vid=_MICROSOFT,
         pids=frozenset({0x02FD}),
-        roles=_numbered(_ANDROID)
-        | {"button 11": "button11", "back": "back", "button 13": "button13", "home": "guide"},
+        roles=_numbered(_ANDROID) | {"button 11": "button11", "button 13": "button13"},
     ),
     _Profile(vid=_MICROSOFT, pids=frozenset(), roles=_numbered(_ANDROID)),
     _Profile(vid=_GOOGLE, pids=frozenset({0x9400}), roles=_numbered(_ANDROID)),

@@ -292,6 +292,14 @@ def test_switch_pro_has_a_button_for_each_direction(bits: int, hat: int | None) 
     assert by_role(pad, switch_report(bits << 16, 0, 0, 0, 0))["dpad"] == hat
 
 
+def test_switch_pro_with_a_hat_of_other_directions_has_none_in_its_own_report() -> None:
+    each = device("nintendo_switch_pro_usb")
+    odd = each.descriptor.replace(b"\x15\x00\x25\x07", b"\x15\x00\x25\x01")
+    pad = DeviceDecoder(odd, vid=each.vid, pid=each.pid)
+    assert control(pad, "hat switch").maximum == 1
+    assert "dpad" not in by_role(pad, switch_report(8 << 16, 0, 0, 0, 0))
+
+
 def test_other_makers_reports_with_the_same_ids_are_not_taken_for_these() -> None:
     descriptor = device("sony_dualsense_bt").descriptor
     other = DeviceDecoder(descriptor, vid=0x1234, pid=0x0CE6, bus=5)
