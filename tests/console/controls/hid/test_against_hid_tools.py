@@ -43,17 +43,18 @@ def test_every_field_is_where_hid_tools_finds_it(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_control_has_the_value_that_hid_tools_reads(name: str) -> None:
-    descriptor = device(name).descriptor
-    channels = find_channels(parse(descriptor))
+    descriptor, said = device(name).descriptor, golden(name)
+    parsed = parse(descriptor)
+    channels = find_channels(parsed)
     decoder = DeviceDecoder(descriptor, vid=0, pid=0)
     compared = 0
-    for text, values in golden(name)["reports"]:
+    for text, values in said["reports"]:
         report = bytes.fromhex(text)
         decoded = dict(decoder.decode(report))
-        report_id = report[0] if parse(descriptor).numbered else 0
+        report_id = report[0] if parsed.numbered else 0
         places = [
             (each[0], each[1])
-            for each in golden(name)["fields"]
+            for each in said["fields"]
             if each[0] == report_id and not each[7] and each[2] <= 32
         ]
         read = dict(zip(places, values, strict=True))
