@@ -7,6 +7,7 @@ writes the time into each picture, from where it is read off the screen at the f
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 import multiprocessing
 import statistics
@@ -217,7 +218,7 @@ def watch(line: Line) -> Seen:
             keys = [key_time(terminal) for _ in range(KEYS)]
             pipe.send("commands")
             times = [at for at in pipe.recv() if at > pressed]
-            gaps = [b - a for a, b in zip(times, times[1:], strict=False)]
+            gaps = [b - a for a, b in itertools.pairwise(times)]
             return Seen(ages, keys, gaps, frames / took, bytes_per_s)
 
 
