@@ -134,7 +134,7 @@ class _Pane:
             if robot is not None and isinstance(self.visualizer, Locating):
                 shown = self.visualizer.locate(pixel, size, robot, state)
             if robot is not None and isinstance(self.visualizer, Picturing):
-                in_picture = self.visualizer.in_picture(pixel, size, robot)
+                in_picture = self.visualizer.in_picture(pixel, size, robot, state)
         except Exception:  # as above; then no place is known there
             if not self.lost:
                 _logger.exception("viewport %s cannot tell what was clicked", self.spec.name)

@@ -79,6 +79,7 @@ class ConsoleState:
         recording: The file that everything is being recorded in; empty if nothing is.
         trouble: What is wrong with the layout as it was saved last; drawn over everything.
         display: How the picture reaches the operator's eyes; None without a terminal.
+        pixel_height: Height of a pixel, half a cell of the terminal, over its width.
     """
 
     now: float
@@ -99,6 +100,7 @@ class ConsoleState:
     recording: str = ""
     trouble: str = ""
     display: DisplayState | None = None
+    pixel_height: float = 1.0
 
     @classmethod
     def at_start(cls, layout: LayoutSpec, now: float, operator: str = "") -> Self:

@@ -82,7 +82,7 @@ class CameraImage:
             canvas.fill(state.theme.ground)
             picture = robot.picture.value
             age = robot.picture.age(state.now)
-            frame = self._frame(picture, (canvas.width, canvas.height))
+            frame = self._frame(picture, (canvas.width, canvas.height), state)
             _paste(canvas, picture, frame)
             weather(canvas, age)
             if self.crosshair:
@@ -105,32 +105,36 @@ class CameraImage:
         return (fitted_size if self.fit == FIT else covering_size)(4, 3, width, height)
 
     def in_picture(
-        self, pixel: tuple[float, float], size: tuple[int, int], robot: RobotState
+        self,
+        pixel: tuple[float, float],
+        size: tuple[int, int],
+        robot: RobotState,
+        state: ConsoleState,
     ) -> tuple[float, float] | None:
         """Where in the camera's picture a pixel of the viewport is; None beside the picture."""
         if robot.picture is None or not robot.picture.value.pixels.size:
             return None
-        return self._frame(robot.picture.value, size).shares(pixel)
+        return self._frame(robot.picture.value, size, state).shares(pixel)
 
     def locate(
         self,
         pixel: tuple[float, float],
         size: tuple[int, int],
         robot: RobotState,
-        state: ConsoleState,  # noqa: ARG002 where the camera looked came with the picture
+        state: ConsoleState,
     ) -> WorldPoint | None:
         """The place on the ground that a pixel shows; None above the horizon.
 
         Also None beside the picture, and when where the robot was is not known.
         """
-        if robot.picture is None or self.in_picture(pixel, size, robot) is None:
+        if robot.picture is None or self.in_picture(pixel, size, robot, state) is None:
             return None
         picture = robot.picture.value
         rows, columns = picture.pixels.shape[:2]
         pose, whole = Pose.of(picture.camera), PictureGeometry.of(picture.camera, columns, rows)
         if pose is None or whole is None:
             return None
-        frame = self._frame(picture, size)
+        frame = self._frame(picture, size, state)
         geometry = frame.shown(whole)
         seen, spread = geometry.ground_point(*pixel), geometry.spread(*pixel)
         if seen is None or spread is None:
@@ -145,9 +149,9 @@ class CameraImage:
             distance=math.hypot(*seen),
         )
 
-    def _frame(self, picture: Picture, size: tuple[int, int]) -> PictureFrame:
+    def _frame(self, picture: Picture, size: tuple[int, int], state: ConsoleState) -> PictureFrame:
         height, width = picture.pixels.shape[:2]
-        return PictureFrame.of(self.fit, width, height, size)
+        return PictureFrame.of(self.fit, width, height, size, tall=state.pixel_height)
 
     def _write_direction(self, canvas: Canvas, camera: CameraState, theme: Theme) -> None:
         words = aside_words(camera.pan, self.aside_deg)

@@ -146,7 +146,9 @@ class GroundPlane:
             return
         age = ground.received.age(state.now)
         size = int(ground.geometry.width), int(ground.geometry.height)
-        frame = PictureFrame.of(self.fit, *size, (canvas.width, canvas.height))
+        frame = PictureFrame.of(
+            self.fit, *size, (canvas.width, canvas.height), tall=state.pixel_height
+        )
         geometry = frame.shown(ground.geometry)
         course = _course(robot, ground, state)
         way = course.way(reach=self.farthest, braking=self.braking) if course else None

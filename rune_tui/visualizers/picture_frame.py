@@ -13,6 +13,9 @@ FIT: Final = "fit"
 FILL: Final = "fill"
 STRETCH: Final = "stretch"
 
+_FINE: Final = 1000
+"""So many parts of a pixel tell how it is shaped."""
+
 FIT_OPTION: Final = ChoiceOption(
     default=FIT,
     choices=(FIT, FILL, STRETCH),
@@ -38,7 +41,9 @@ class PictureFrame:
     height: int
 
     @classmethod
-    def of(cls, fit: str, width: int, height: int, room: tuple[int, int]) -> Self:
+    def of(
+        cls, fit: str, width: int, height: int, room: tuple[int, int], *, tall: float = 1.0
+    ) -> Self:
         """Where a picture is drawn.
 
         Args:
@@ -46,11 +51,13 @@ class PictureFrame:
             width: Width of the picture [pixels].
             height: Height of the picture [pixels].
             room: Width and height of the viewport [pixels].
+            tall: Height of the viewport's pixels over their width; those of the picture are square.
         """
         if fit == STRETCH:
             size = room
         else:
-            size = (covering_size if fit == FILL else fitted_size)(width, height, *room)
+            sized = covering_size if fit == FILL else fitted_size
+            size = sized(round(_FINE * tall * width), _FINE * height, *room)
         return cls(
             left=(room[0] - size[0]) // 2,
             top=(room[1] - size[1]) // 2,

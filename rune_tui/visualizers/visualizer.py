@@ -67,7 +67,11 @@ class Picturing(Protocol):
     """A visualizer that shows the camera's picture, and can tell where in it a pixel is."""
 
     def in_picture(
-        self, pixel: tuple[float, float], size: tuple[int, int], robot: RobotState
+        self,
+        pixel: tuple[float, float],
+        size: tuple[int, int],
+        robot: RobotState,
+        state: ConsoleState,
     ) -> tuple[float, float] | None:
         """Where in the camera's picture a pixel of the newest drawing is.
 
@@ -75,6 +79,7 @@ class Picturing(Protocol):
             pixel: Right of the left edge and below the upper edge of the viewport [pixels].
             size: Width and height of the viewport [pixels].
             robot: What was drawn, not what is known since.
+            state: What the console is doing.
 
         Returns:
             Shares of the picture's width and height, 0 to 1; None beside the picture.

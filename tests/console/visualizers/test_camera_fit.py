@@ -48,6 +48,13 @@ def test_stretching_shows_all_of_the_picture_in_all_of_the_viewport(made, draw) 
     assert (canvas.pixels[-1, :, :3] == whole[-1, ::2]).all()
 
 
+@pytest.mark.parametrize("tall", [0.8, 1.25])
+def test_a_picture_keeps_its_shape_on_terminals_with_cells_of_another(tall: float) -> None:
+    frame = PictureFrame.of("fit", 400, 300, (800, 800), tall=tall)
+    assert frame.width == 800
+    assert frame.height * tall == pytest.approx(600, abs=tall)
+
+
 @given(st.sampled_from(["fit", "fill", "stretch"]), sides, sides, sides, sides)
 def test_a_frame_shows_the_middle_and_keeps_the_aspect_unless_it_stretches(
     fit: str, width: int, height: int, room_width: int, room_height: int
@@ -74,7 +81,7 @@ def test_a_pixel_is_where_in_the_picture_it_was_drawn_from(made, draw, size, fit
     canvas = draw(NAME, robot, size, fit=fit)
     for x in range(0, size[0], 3):
         for y in range(0, size[1], 3):
-            found = shown.in_picture((x + 0.5, y + 0.5), size, robot)
+            found = shown.in_picture((x + 0.5, y + 0.5), size, robot, STATE)
             red, green, blue, _ = canvas.pixels[y, x].tolist()
             assert (found is not None) == (blue == 255)
             if found is not None:
