@@ -32,6 +32,8 @@ class Moves:
         self._row_of, self._column_of = np.divmod(np.arange(rows * columns), max(1, columns))
         steps = range(2, min(columns, _FARTHEST + 1))
         self._steps = words([b"", b"C", *(b"%dC" % step for step in steps)])
+        self.to_rows: Words = self.to(np.arange(0, rows * columns, max(1, columns)))
+        """What leads to the first cell of each row, shape (rows, 5)."""
 
     def to(self, numbers: Numbers) -> Words:
         """What leads to each cell from the one before it, and to the first from anywhere.

@@ -175,8 +175,7 @@ class ScreenEncoder:
         """The bytes of some of the cells."""
         form = FORMS[self._depth]
         if send.all():
-            first_of_each = np.arange(0, send.size, send.shape[1])
-            moves = self._moves.to(first_of_each)
+            moves = self._moves.to_rows
         else:
             numbers = np.flatnonzero(send)
             moves = self._moves.to(numbers)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -32,7 +33,7 @@ def _number(number: int) -> np.uint32:
 _DIGITS = words([b";%d" % value for value in range(256)])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)  # without slots, for what it keeps
 class Form:
     """How cells of one depth are written.
 
@@ -66,6 +67,21 @@ class Form:
     def mask(self) -> np.uint32:
         """Keeps the bytes that count of a colour read as one word."""
         return np.uint32(~RGB_MASK if self.numbered else RGB_MASK)
+
+    @cached_property
+    def outlines(self) -> Words:
+        """The words of a cell that tells nothing, its foreground, its background, and both."""
+        places = np.arange(len(self.cell))
+        in_ink = (places >= self.foreground.start) & (places < self.foreground.stop)
+        in_ground = (places >= self.background.start) & (places < self.background.stop)
+        apart = in_ink ^ in_ground
+        told = [
+            np.zeros_like(in_ink),
+            (apart & in_ink) | ~(in_ink | in_ground),
+            (apart & in_ground) | ~(in_ink | in_ground),
+            np.ones_like(in_ink),
+        ]
+        return np.where(told, self.cell, np.uint32(0))
 
 
 _ESCAPE = b"\x1b["

@@ -7,8 +7,6 @@ colours.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from rune_tui.compositor.looks import Flags, Numbers, unpacked
@@ -21,7 +19,6 @@ class WordMatrix:
 
     def __init__(self) -> None:
         self._room: Words = np.zeros(0, np.uint32)
-        self._order: Numbers = np.zeros(0, np.intp)
 
     def joined(self, planes: Planes, form: Form, leads: Words, *, anew: bool) -> bytes:
         """The cells as bytes; colours are told where they are not in force already.
@@ -35,47 +32,48 @@ class WordMatrix:
         """
         groups, count = planes.marks.shape
         lead, length = leads.shape[1], len(form.cell)
-        self._make_room(groups * count, groups * (lead + count * length))
-        buffer = self._room[: groups * (lead + count * length)].reshape(groups, -1)
+        size = groups * (lead + count * length)
+        if len(self._room) < size:
+            self._room = np.zeros(size, np.uint32)
+        words = self._room[:size]
+        buffer = words.reshape(groups, -1)
         buffer[:, :lead] = leads
-        # Every word of every cell is written below, if only with zero.
+        # Every word of every cell is written below, if only with zero. Copying several words as
+        # one item is several times faster than copying words.
         cell = buffer[:, lead:].reshape(groups, count, length)
         starts = np.arange(0, groups * count, count) if anew else np.zeros(1, np.intp)
-        ground = self._new(planes.background, planes.ground_shows, starts, form.at_start)
+        ground = _new(planes.background, planes.ground_shows, starts, form.at_start)
         ink = np.zeros_like(ground)
         if form.foreground.stop:
-            ink = self._new(planes.foreground, planes.ink_shows, starts, NO_COLOUR)
+            ink = _new(planes.foreground, planes.ink_shows, starts, NO_COLOUR)
+        item = f"V{4 * length}"
+        cell.view(item)[..., 0] = form.outlines.view(item)[:, 0].take(ink + 2 * ground)
+        if form.foreground.stop:
             _tell(cell[..., form.ink :], planes.foreground, form.ink_words, form, ink)
         _tell(cell[..., form.ground :], planes.background, form.ground_words, form, ground)
-        for place, mask in _constants(form, ink, ground):
-            np.multiply(mask, form.cell[place], out=cell[..., place])
         cell[..., -1] = planes.marks
-        joined: bytes = buffer.tobytes().translate(None, b"\0")
+        if 2 * np.count_nonzero(words) < len(words):
+            words = words[words != 0]
+        joined: bytes = words.tobytes().translate(None, b"\0")
         return joined
 
-    def _make_room(self, cells: int, words: int) -> None:
-        if len(self._room) < words:
-            self._room = np.zeros(words, np.uint32)
-        if len(self._order) < cells:
-            self._order = np.arange(cells)
 
-    def _new(self, colours: Words, shows: Flags, starts: Numbers, at_start: np.uint32) -> Words:
-        """1 where a colour must be set, else 0: cells that show none leave the last in force."""
-        flat, seen = colours.ravel(), shows.ravel()
-        before = np.empty_like(flat)
-        before[1:] = flat[:-1]
-        if not seen.all():
-            known = seen.copy()
-            known[starts] = True
-            last = np.where(known, self._order[: len(flat)], 0)
-            np.maximum.accumulate(last, out=last)
-            in_force = flat.copy()
-            hidden = starts[~seen[starts]]
-            in_force[hidden] = at_start
-            before[1:] = in_force[last[:-1]]
-        before[starts] = at_start
-        new: Words = ((flat != before) & seen).astype(np.uint32).reshape(colours.shape)
-        return new
+def _new(colours: Words, shows: Flags, starts: Numbers, at_start: np.uint32) -> Words:
+    """1 where a colour must be set, else 0: cells that show none leave the last in force."""
+    flat, seen = colours.ravel(), shows.ravel()
+    before = np.empty_like(flat)
+    before[1:] = flat[:-1]
+    before[starts] = at_start
+    if not seen.all():
+        # Behind cells that show none, the last one that showed one counts, or the start.
+        behind = np.flatnonzero(seen[1:] > seen[:-1]) + 1
+        telling = np.flatnonzero(seen)
+        last = telling[np.searchsorted(telling, behind) - 1]
+        start = starts[np.searchsorted(starts, behind, side="right") - 1]
+        since_start = (last >= start) & (last < behind)
+        before[behind] = np.where(since_start, flat[last], at_start)
+    new: Words = ((flat != before) & seen).astype(np.uint32).reshape(colours.shape)
+    return new
 
 
 def _tell(room: Words, colours: Words, words: Words, form: Form, new: Words) -> None:
@@ -92,19 +90,6 @@ def _tell(room: Words, colours: Words, words: Words, form: Form, new: Words) -> 
     if form.numbered:
         np.multiply(words.take(parts[..., 3], mode="clip"), new, out=room[..., 0])
     else:
-        # Four words are copied faster than three; the place of the last is a constant's.
-        np.multiply(words.take(parts, mode="clip"), new[..., None], out=room[..., :4])
-
-
-def _constants(form: Form, ink: Words, ground: Words) -> Iterator[tuple[int, Words]]:
-    """The places of a cell's words that are always the same, and 1 where they are written."""
-    either, both = ink | ground, ink & ground
-    for place in np.flatnonzero(form.cell).tolist():
-        in_ink = form.foreground.start <= place < form.foreground.stop
-        in_ground = form.background.start <= place < form.background.stop
-        if in_ink and in_ground:
-            yield place, both
-        elif in_ink or in_ground:
-            yield place, ink if in_ink else ground
-        else:
-            yield place, either
+        told = words.take(parts, mode="clip")
+        told *= new[..., None]
+        room[..., :3].view("V12")[...] = told[..., :3].view("V12")
