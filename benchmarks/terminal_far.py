@@ -10,7 +10,10 @@ import dataclasses
 import itertools
 import math
 import multiprocessing
+import os
+import shutil
 import statistics
+import subprocess
 import sys
 import tempfile
 import threading
@@ -23,6 +26,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from benchmarks.camera_scenes import panning
 from benchmarks.figures import report, say
 from benchmarks.slow_terminal import Line, Screen, SlowTerminal
 from hub.gcm import rle, vision
@@ -38,10 +42,8 @@ from tests.system.harness import ConsoleProcess
 Pixels = npt.NDArray[np.uint8]
 
 COLUMNS, ROWS = 160, 48
-PICTURE = (128, 96)
-PAN_PX = 7
-NOISE = 2.0
-BITS, BLOCK = 16, 8
+PICTURE = (160, 96)
+BITS, BLOCK = 16, 10
 WARM_S, MEASURED_S = 8.0, 20.0
 KEYS = 8
 LAYOUT = f"""<rune>
@@ -61,48 +63,35 @@ LAYOUT = f"""<rune>
 </rune>"""
 
 
-def panorama(seed: int = 1) -> Pixels:
-    """A scene whose spectrum falls as natural ones do, wider than the picture."""
-    random = np.random.default_rng(seed)
-    height, width = PICTURE[1], 1024
-    fy, fx = np.fft.fftfreq(height)[:, None], np.fft.rfftfreq(width)[None, :]
-    falls = 1.0 / np.maximum(np.hypot(fy, fx), 1.0 / width)
-    planes = []
-    for _ in range(3):
-        phases = np.exp(2j * np.pi * random.random(falls.shape))
-        plane = np.fft.irfft2(falls * phases, (height, width))
-        planes.append(plane / plane.std())
-    mixed = 0.8 * planes[0][..., None] + 0.35 * np.stack(planes, -1)
-    return np.clip(128 + 45 * mixed, 0, 255).astype(np.uint8)
-
-
 def stamped(pixels: Pixels, now: float) -> Pixels:
-    """The picture with the time in milliseconds as black and white squares at its upper edge."""
+    """The picture with the time in milliseconds as black and white squares, above and below."""
     code = int(now * 1000) % (1 << BITS)
     for bit in range(BITS):
         shade = 255 if code >> bit & 1 else 0
-        pixels[:BLOCK, bit * BLOCK : (bit + 1) * BLOCK] = shade
+        for edge in (pixels[:BLOCK], pixels[-BLOCK:]):
+            edge[:, bit * BLOCK : (bit + 1) * BLOCK] = shade
     return pixels
 
 
 def age_of(screen: Screen, now: float) -> float | None:
-    """How old the picture on the screen is [s]; None if no time can be read from it."""
-    across, down = COLUMNS / PICTURE[0], (2 * ROWS - 2) / PICTURE[1]
-    row = round(down * BLOCK / 2)
+    """How old the picture on the screen is [s]; None while it is not one whole picture."""
+    across, height = COLUMNS / PICTURE[0], 2 * ROWS - 2
     columns = [round(across * BLOCK * (bit + 0.5)) for bit in range(BITS)]
-    shades = screen.pixels()[row, columns].mean(-1)
-    if ((shades > 60) & (shades < 195)).any():
+    pixels = screen.pixels()
+    shades = [pixels[row, columns].mean(-1) for row in (BLOCK // 2, height - BLOCK // 2)]
+    codes = {sum(1 << bit for bit, shade in enumerate(row) if shade > 127) for row in shades}
+    clear = all(((row < 60) | (row > 195)).all() for row in shades)
+    if len(codes) != 1 or not clear:
         return None
-    code = sum(1 << bit for bit, shade in enumerate(shades) if shade > 127)
-    return ((int(now * 1000) - code) % (1 << BITS)) / 1000
+    return ((int(now * 1000) - codes.pop()) % (1 << BITS)) / 1000
 
 
 class Robot:
     """A hub with a module that does what vision and navigation would."""
 
     def __init__(self) -> None:
-        self._scene = panorama()
-        self._random = np.random.default_rng(2)
+        there = [cells.pixels[..., :3] for cells in panning()]
+        self._frames = [*there, *there[-2:0:-1]]
         self._number = 0
         self._body = SimulatedMagellan(load_arena("yellow"), seed=1)
         self.central = Central(["tcp://127.0.0.1:0"])
@@ -131,9 +120,7 @@ class Robot:
 
     def _picture(self, _: vision.ImageRequest) -> vision.Image:
         self._number += 1
-        places = (np.arange(PICTURE[0]) + PAN_PX * self._number) % self._scene.shape[1]
-        noise = self._random.normal(0.0, NOISE, (PICTURE[1], PICTURE[0], 3))
-        pixels = np.clip(self._scene[:, places] + noise, 0, 255).astype(np.uint8)
+        pixels = self._frames[self._number % len(self._frames)].copy()
         data = rle.encode(stamped(pixels, time.monotonic()), quality=100)
         return vision.Image(
             camera=camera_state(),
@@ -200,11 +187,11 @@ def watch(line: Line) -> Seen:
             terminal = SlowTerminal(console, line, COLUMNS, ROWS)
             terminal.run(WARM_S)
             ages: list[float] = []
-            last = [math.nan]
+            last = [0.0]
 
             def look(now: float) -> bool:
                 age = age_of(terminal.screen, now)
-                if age is not None and (taken := round(now - age, 3)) != last[0]:
+                if age is not None and abs((taken := now - age) - last[0]) > 0.002:
                     last[0] = taken
                     ages.append(age)
                 return False
@@ -239,6 +226,39 @@ def key_time(terminal: SlowTerminal) -> float:
     return shown[0] - began
 
 
+def discarded() -> None:
+    """What tmux throws away for a client that reads 2 MB/s [bytes]."""
+    name, tmux = "link.tmux_discarded_bytes", shutil.which("tmux")
+    if tmux is None:
+        report(name, None, "bytes", bar=0, note="tmux is not installed")
+        return
+    own = [tmux, "-L", f"rune-far-{os.getpid()}"]
+    settings = ["-f", os.devnull, "new-session", "-x", str(COLUMNS), "-y", str(ROWS + 1)]
+    with robot() as (hub, _), tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "layout.xml"
+        path.write_text(LAYOUT.format(hub=hub))
+        arguments = ["run", str(path), "--colors", "truecolor"]
+        with closing(
+            ConsoleProcess(
+                arguments,
+                columns=COLUMNS,
+                rows=ROWS + 1,
+                environment={"COLORTERM": "truecolor"},
+                within=[*own, "-T", "RGB", *settings],
+            )
+        ) as console:
+            try:
+                line = Line(width=2e6, round_trip=0.001, buffer=1 << 16)
+                terminal = SlowTerminal(console, line, COLUMNS, ROWS + 1)
+                terminal.run(WARM_S + MEASURED_S)
+                told = [*own, "list-clients", "-F", "#{client_written} #{client_discarded}"]
+                said = subprocess.run(told, capture_output=True, text=True, check=True).stdout
+            finally:
+                subprocess.run([*own, "kill-server"], capture_output=True, check=False)
+    written, lost = (int(number) for number in said.split())
+    report(name, lost, "bytes", bar=0, note=f"{written} bytes written")
+
+
 def figures(name: str, line: Line, bars: dict[str, float]) -> None:
     """All figures of a line, in milliseconds."""
     seen = watch(line)
@@ -270,8 +290,11 @@ LINES = {
 
 
 def main() -> None:
-    for name in sys.argv[1:] or LINES:
-        figures(name, *LINES[name])
+    for name in sys.argv[1:] or [*LINES, "tmux"]:
+        if name == "tmux":
+            discarded()
+        else:
+            figures(name, *LINES[name])
 
 
 if __name__ == "__main__":

@@ -45,12 +45,18 @@ class FrameWriter:
         self._control = control
         self._newest: tuple[Cells, Flags] | None = None
         self._inexact = False
+        self._behind = False
         self._row = 0
 
     @property
     def inexact(self) -> bool:
         """Whether the terminal may show less than the newest cells say."""
         return self._inexact
+
+    @property
+    def behind(self) -> bool:
+        """Whether the last frame had no room for all that is around the picture."""
+        return self._behind
 
     def draw(self, cells: Cells, video: Flags, covered: Flags | None = None) -> Frame:
         """The next frame.
@@ -61,26 +67,19 @@ class FrameWriter:
             covered: Cells that something else covers.
         """
         self._newest = cells, video
+        before = self._encoder.remembered
         first = self._encoder.encode(cells, EXACT, covered, only=~video)
+        self._behind = len(first) > self._control.most_bytes
+        if self._behind:
+            self._encoder.return_to(before)
+            return Frame(first=self._some_rows(cells, ~video, covered), picture=b"")
         return Frame(first=first, picture=self._picture(cells, video, covered))
 
     def refine(self, covered: Flags | None = None) -> Frame:
         """What makes the picture more exact, no longer than there is room for; some rows of it."""
         if self._newest is None or not self._inexact:
             return Frame(first=b"", picture=b"")
-        cells, video = self._newest
-        rows = max(1, int(min(cells.rows, self._control.room() / (_CELL_BYTES * cells.columns))))
-        picture = b""
-        for _ in range(-(-cells.rows // rows)):
-            only = video.copy()
-            only[: self._row] = False
-            only[self._row + rows :] = False
-            picture = self._encoder.encode(cells, EXACT, covered, only=only)
-            self._row += rows
-            if self._row >= cells.rows:
-                self._row = 0
-            if picture:
-                break
+        picture = self._some_rows(*self._newest, covered)
         self._inexact = bool(picture)
         return Frame(first=b"", picture=picture)
 
@@ -91,6 +90,19 @@ class FrameWriter:
             where: Which cells, shape (rows, columns); None for all.
         """
         self._encoder.forget(where)
+
+    def _some_rows(self, cells: Cells, wanted: Flags, covered: Flags | None) -> bytes:
+        """What is wrong in as many rows of the wanted cells as there is room for, made exact."""
+        rows = max(1, int(min(cells.rows, self._control.room() / (_CELL_BYTES * cells.columns))))
+        for _ in range(-(-cells.rows // rows)):
+            only = wanted.copy()
+            only[: self._row] = False
+            only[self._row + rows :] = False
+            written = self._encoder.encode(cells, EXACT, covered, only=only)
+            self._row = self._row + rows if self._row + rows < cells.rows else 0
+            if written:
+                return written
+        return b""
 
     def _picture(self, cells: Cells, video: Flags, covered: Flags | None) -> bytes:
         before = self._encoder.remembered

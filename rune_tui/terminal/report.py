@@ -26,6 +26,7 @@ def report(traits: Traits, answers: Answers, took: float, size: tuple[int, int])
         ("whole frames", _yes(yes=traits.synchronized), why["synchronized"]),
         ("acknowledges", _yes(yes=traits.acknowledges), why["acknowledges"]),
         ("key releases", _yes(yes=traits.releases), why["releases"]),
+        ("long frames", "thrown away" if traits.discards else "kept", why["discards"]),
     ]
     return "".join(
         f"{name:<13} {value:<26} {reason}".rstrip() + "\n" for name, value, reason in lines
@@ -44,6 +45,7 @@ def as_json(traits: Traits, answers: Answers, took: float, size: tuple[int, int]
         "synchronized": traits.synchronized,
         "acknowledges": traits.acknowledges,
         "releases": traits.releases,
+        "discards": traits.discards,
         "reasons": dict(traits.reasons),
     }
     return json.dumps(found) + "\n"

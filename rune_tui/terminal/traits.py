@@ -29,6 +29,7 @@ class Traits:
         synchronized: Whether it shows a frame all at once.
         acknowledges: Whether it tells when it shows a frame.
         releases: Whether it can tell when a key goes up.
+        discards: Whether it throws away what does not fit between two looks of its own terminal.
         reasons: Why each is so, by its name.
     """
 
@@ -37,6 +38,7 @@ class Traits:
     synchronized: bool
     acknowledges: bool
     releases: bool
+    discards: bool
     reasons: Mapping[str, str]
 
 
@@ -69,6 +71,7 @@ def traits_of(
         "releases": "it knows the kitty keyboard protocol"
         if answers.keyboard is not None
         else "it does not know the kitty keyboard protocol",
+        "discards": "TMUX is set" if environment.get("TMUX") else "TMUX is not set",
     }
     return Traits(
         depth=colours,
@@ -76,6 +79,7 @@ def traits_of(
         synchronized=bool(answers.synchronized),
         acknowledges=answers.reports_cursor,
         releases=answers.keyboard is not None,
+        discards=bool(environment.get("TMUX")),
         reasons=reasons,
     )
 

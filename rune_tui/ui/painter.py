@@ -30,6 +30,10 @@ Flags = npt.NDArray[np.bool_]
 
 _BEGIN: Final = "\x1b[?2026h"
 _END: Final = "\x1b[?2026l"
+_KEPT_BYTES: Final = 6
+"""tmux throws away what waits for its terminal beyond 8 bytes a cell [bytes]."""
+_SELDOM_S: Final = 1 / 15 - 0.005
+"""Least time between two frames for tmux, which takes all and says nothing of its terminal [s]."""
 _COUNTED_S: Final = 1.0
 """Frames of so long are counted [s]."""
 
@@ -43,7 +47,6 @@ class Painter:
         pane: ViewPane,
         traits: Traits,
         round_trip: float,
-        most_bytes: float = math.inf,
     ) -> None:
         """Prepare.
 
@@ -52,13 +55,12 @@ class Painter:
             pane: What Textual draws.
             traits: What the terminal can do.
             round_trip: How long it takes to answer [s].
-            most_bytes: No frame may be longer [bytes].
         """
         self._app = app
         self._pane = pane
         self._traits = traits
         self._pacer = FramePacer(heard=traits.acknowledges)
-        self._control = RateController(round_trip, most_bytes)
+        self._control = RateController(round_trip)
         self._frames = FrameWriter(ScreenEncoder(), self._control)
         self._video: Flags = np.zeros((0, 0), np.bool_)
         self._latency = math.nan
@@ -67,6 +69,8 @@ class Painter:
     def ready(self, now: float) -> bool:
         """Whether a frame may follow; if not, there will be a newer one when it may."""
         if output_is_pending(self._app) or not self._pacer.may_send(now):
+            return False
+        if self._traits.discards and self._sent and now - self._sent[-1][0] < _SELDOM_S:
             return False
         return not self._pacer.answers or self._control.may_follow(now, self._pacer.under_way)
 
@@ -86,6 +90,8 @@ class Painter:
         newest = self._pane.cells
         if newest is None:
             return
+        if self._traits.discards:
+            self._control.most_bytes = _KEPT_BYTES * newest.rows * newest.columns
         rows = self._pane.drawn_rows()
         if rows.size:
             drawn = np.zeros((newest.rows, newest.columns), np.bool_)
@@ -93,7 +99,7 @@ class Painter:
             self._frames.forget(drawn)
         covered = self._covered(newest)
         frame = Frame(first=b"", picture=b"")
-        if cells is not None or rows.size:
+        if cells is not None or rows.size or self._frames.behind:
             frame = self._frames.draw(newest, self._video, covered)
         if not frame.picture and self._frames.inexact:
             finer = self._frames.refine(covered)

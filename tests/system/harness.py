@@ -184,7 +184,17 @@ class ConsoleProcess:
         columns: int = 100,
         rows: int = 30,
         environment: dict[str, str] | None = None,
+        within: Sequence[str] = (),
     ) -> None:
+        """Start it.
+
+        Args:
+            arguments: What follows `rune`.
+            columns: Width of the terminal [cells].
+            rows: Height of the terminal [cells].
+            environment: Variables besides this process's own.
+            within: A command that runs it, such as a terminal multiplexer.
+        """
         self.started = time.monotonic()
         self.terminal, inner = pty.openpty()
         self.screen = _Answering(columns, rows, self.terminal)
@@ -193,7 +203,7 @@ class ConsoleProcess:
         self._unread = b""
         fcntl.ioctl(inner, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "rune_tui", *arguments],
+            [*within, sys.executable, "-m", "rune_tui", *arguments],
             stdin=inner,
             stdout=inner,
             stderr=inner,

@@ -137,3 +137,20 @@ def test_coarse_pixels_are_the_means_of_their_squares(columns: int, rows: int, g
 def test_pixels_of_one_are_what_they_were() -> None:
     cells = flat(3, 2, 77)
     assert (coarsened(cells, 1).pixels == cells.pixels).all()
+
+
+def test_what_does_not_fit_into_a_frame_follows_in_the_next() -> None:
+    control, terminal = RateController(0.0, most_bytes=2000), Terminal(COLUMNS, ROWS)
+    frames = FrameWriter(ScreenEncoder(), control)
+    cells = random_cells(1, COLUMNS, ROWS, 99, 0.5)
+    frame = frames.draw(cells, VIDEO & False)
+    sizes = []
+    while True:
+        sizes.append(frame.size)
+        terminal.feed((frame.first + frame.picture).decode())
+        if not frames.behind:
+            break
+        frame = frames.draw(cells, VIDEO & False)
+    assert max(sizes) <= 2000
+    assert len(sizes) > 3
+    assert_shows(terminal, cells)

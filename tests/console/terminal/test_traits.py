@@ -80,5 +80,12 @@ def test_the_shape_of_cells_is_given_told_or_usual() -> None:
 
 def test_there_is_a_reason_for_everything() -> None:
     traits = traits_of(Answers(), XTERM, (80, 24))
-    assert set(traits.reasons) == {"depth", "aspect", "synchronized", "acknowledges", "releases"}
+    assert set(traits.reasons) == {
+        "depth",
+        "aspect",
+        "synchronized",
+        "acknowledges",
+        "releases",
+        "discards",
+    }
     assert all(traits.reasons.values())
