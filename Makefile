@@ -31,7 +31,7 @@ bench: $(READY)  ## every figure, or one script's with ONLY=sim
 	@for script in benchmarks/$(ONLY).py; do \
 		if [ $$script != benchmarks/figures.py ]; then $(BIN)/python $$script || exit 1; fi; done
 
-bench-peers:  ## what benchmarks/bus.py compares with, in an environment of its own
+bench-peers:  ## what benchmarks compare with, in an environment of its own
 	@$(PYTHON) -m venv .venv-bench
 	@.venv-bench/bin/pip install --quiet --disable-pip-version-check -r benchmarks/requirements.txt
 

@@ -1,19 +1,20 @@
 """What fewer colours cost and save: mapping a frame to 256, 16 or none, and bytes; 160 x 48 cells.
 
-The frames are those of `terminal_encode.py`.
+The frames are those of `camera_scenes.py`.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from benchmarks.camera_scenes import COLUMNS, FRAMES, ROWS, panning
 from benchmarks.figures import median_ms, report, say
-from benchmarks.terminal_encode import COLUMNS, FRAMES, ROWS, RUNS, panning
 from rune_tui.compositor.ansi import RowEncoder
 from rune_tui.compositor.colours import at_depth
 from rune_tui.compositor.depth import ColourDepth
 
 BAR_MS = 2.0
+RUNS = 300
 
 
 def main() -> None:

@@ -1,75 +1,230 @@
-"""How fast a frame becomes terminal bytes, exactly; 160 x 48 cells.
+"""What a frame costs on its way to the terminal, in time and in bytes; 160 x 48 cells.
 
-A synthetic camera pans over a textured scene with sensor noise, 7 pixels a frame, so nearly every
-cell differs from its neighbour and from the frame before: the worst case for an exact encoder.
+All that draw half blocks take turns with the same frames, so that what else the machine does
+harms them alike; times are CPU times, medians. How good a picture is that was sent with fewer
+bytes is measured on a terminal that has eaten them.
 """
 
 from __future__ import annotations
 
+import json
+import math
+import subprocess
+import tempfile
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from statistics import mean, median
+
 import numpy as np
 
-from benchmarks.figures import median_ms, report, say
-from rune_tui.compositor.ansi import RowEncoder
+from benchmarks.camera_scenes import COLUMNS, FRAMES, ROWS, fixed, panning, photo, static
+from benchmarks.figures import report, say
+from benchmarks.peers.contest import PEERS_PYTHON, ROOT
+from benchmarks.peers.terminal_programs import Played, played_by_mpv, played_by_timg
 from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.quality import EXACT, Quality
+from rune_tui.compositor.screen_encoder import ScreenEncoder
+from tests.console.compositor.terminal_model import Terminal
 
-COLUMNS, ROWS, FRAMES, RUNS = 160, 48, 30, 300
-BAR_MS = 0.9
-
-
-def panning() -> list[Cells]:
-    random = np.random.default_rng(2005)
-    height, width = 2 * ROWS, COLUMNS + 7 * FRAMES
-    rows, columns = np.fft.fftfreq(height)[:, None], np.fft.rfftfreq(width)[None]
-    distance = np.hypot(rows, columns)
-    distance[0, 0] = 1.0
-    spectrum = random.normal(size=(*distance.shape, 2)) @ (1.0, 1.0j) / distance**1.3
-    texture = np.fft.irfft2(spectrum, (height, width))
-    scene = 120.0 + 26.0 * (texture / texture.std())[..., None] + np.array([-10.0, 0.0, 20.0])
-    frames = []
-    for index in range(FRAMES):
-        seen = scene[:, 7 * index : 7 * index + COLUMNS]
-        pixels = np.zeros((height, COLUMNS, 4), np.uint8)
-        pixels[..., :3] = np.clip(seen + random.normal(0.0, 2.0, seen.shape), 0, 255)
-        frames.append(without_text(pixels))
-    return frames
+GOOD = Quality(tolerance=8, threshold=10)
+ROUNDS, IN_A_ROW = 6, 10
+WAKING_UP = 3
+"""Frames in a row that are not counted: others have had the processor and its caches."""
+_MISSING = "run `make bench-peers`"
 
 
-def without_text(pixels: np.ndarray) -> Cells:
-    rows, columns = pixels.shape[0] // 2, pixels.shape[1]
-    return Cells(
-        pixels=pixels,
-        glyphs=np.zeros((rows, columns), np.uint32),
-        ink=np.zeros((rows, columns, 4), np.uint8),
-    )
+@dataclass(frozen=True, slots=True)
+class Costs:
+    """What frames of one scene cost one renderer: CPU time [ms] and bytes of each."""
+
+    milliseconds: list[float] = field(default_factory=list)
+    sizes: list[int] = field(default_factory=list)
+
+    def add(self, milliseconds: float, size: int) -> None:
+        self.milliseconds.append(milliseconds)
+        self.sizes.append(size)
+
+    @property
+    def typical_ms(self) -> float:
+        return median(self.milliseconds)
+
+    @property
+    def mean_kb(self) -> float:
+        return mean(self.sizes) / 1e3
 
 
-def plain_python(cells: Cells) -> list[str]:
-    """The same rows as one writes them first: a loop over cells with f-strings."""
+Draw = Callable[[str, int], tuple[float, int]]
+"""Draws a frame of a scene, by its number; CPU time [ms] and bytes."""
+
+
+class Ours:
+    """The encoder over all scenes, each on a terminal of its own."""
+
+    def __init__(self, scenes: Mapping[str, list[Cells]], quality: Quality) -> None:
+        self._scenes, self._quality = scenes, quality
+        self._encoders = {scene: ScreenEncoder() for scene in scenes}
+
+    def draw(self, scene: str, number: int) -> tuple[float, int]:
+        cells, encoder = self._scenes[scene][number], self._encoders[scene]
+        start = time.process_time()
+        encoded = encoder.encode(cells, self._quality)
+        return (time.process_time() - start) * 1e3, len(encoded)
+
+
+def plain_python(cells: Cells) -> str:
+    """The same picture as one writes it first: a loop over cells with f-strings."""
     lines = []
     for upper, lower in zip(cells.pixels[0::2].tolist(), cells.pixels[1::2].tolist(), strict=True):
         parts = [
             f"\x1b[38;2;{a[0]};{a[1]};{a[2]};48;2;{b[0]};{b[1]};{b[2]}m▀"
             for a, b in zip(upper, lower, strict=True)
         ]
-        lines.append("".join(parts) + "\x1b[0m")
-    return lines
+        lines.append("".join(parts) + "\x1b[0m\n")
+    return "".join(lines)
+
+
+@contextmanager
+def libraries(folder: Path) -> Iterator[dict[str, Draw]]:
+    """Renderers in the peers' own environment, by name and version."""
+    if not PEERS_PYTHON.exists():
+        say(f"peers are not installed; {_MISSING}")
+        yield {}
+        return
+    command = [str(PEERS_PYTHON), "-m", "benchmarks.peers.terminal_renderers"]
+    arguments = [str(folder), str(COLUMNS), str(ROWS)]
+    with subprocess.Popen(
+        command + arguments, cwd=ROOT, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as process:
+        inlet, outlet = process.stdin, process.stdout
+        there = json.loads(outlet.readline())
+        for name, why in there["missing"].items():
+            say(f"{name} cannot be measured: {why}; {_MISSING}")
+
+        def drawer(name: str) -> Draw:
+            def draw(scene: str, number: int) -> tuple[float, int]:
+                inlet.write(f"{name} {scene} {number}\n")
+                inlet.flush()
+                milliseconds, size = outlet.readline().split()
+                return float(milliseconds), int(size)
+
+            return draw
+
+        yield {f"{name} {known}": drawer(name) for name, known in there["versions"].items()}
+        inlet.close()
+
+
+def contest(contenders: Mapping[str, Draw], scene: str, rounds: int = ROUNDS) -> dict[str, Costs]:
+    """What a scene costs each, in turns."""
+    costs: dict[str, Costs] = defaultdict(Costs)
+    for turn in range(rounds):
+        for name, draw in contenders.items():
+            for number in range(IN_A_ROW):
+                cost = draw(scene, (IN_A_ROW * turn + number) % FRAMES)
+                if number >= WAKING_UP:
+                    costs[name].add(*cost)
+    return costs
+
+
+def quality_of(frames: list[Cells], quality: Quality) -> tuple[float, float]:
+    """Kilobytes a frame after the first, and what the terminal then shows of it [dB]."""
+    encoder, terminal = ScreenEncoder(), Terminal(COLUMNS, ROWS)
+    sizes, errors = [], []
+    for cells in frames:
+        encoded = encoder.encode(cells, quality)
+        terminal.feed(encoded.decode())
+        seen = np.array([terminal.marks[place].halves for place in np.ndindex(ROWS, COLUMNS)])
+        shown = (
+            seen.reshape(ROWS, COLUMNS, 2, 3).transpose(0, 2, 1, 3).reshape(2 * ROWS, COLUMNS, 3)
+        )
+        sizes.append(len(encoded))
+        errors.append(np.square(shown - cells.pixels[..., :3].astype(float)).mean())
+    error = mean(errors[1:])
+    return mean(sizes[1:]) / 1e3, 10.0 * math.log10(255.0**2 / error) if error else math.inf
+
+
+def programs(folder: Path, scene: str) -> dict[str, Played]:
+    """What programs that are installed take for a scene."""
+    players = {"timg": played_by_timg, "mpv --vo=tct": played_by_mpv}
+    played = {name: play(folder / scene, COLUMNS, ROWS, FRAMES) for name, play in players.items()}
+    return {name: cost for name, cost in played.items() if cost is not None}
 
 
 def main() -> None:
-    frames = panning()
-    encoder = RowEncoder()
-    say(f"{COLUMNS} x {ROWS} cells, {RUNS} frames of a panning camera")
-    exact = median_ms(lambda index: encoder.encode(frames[index % FRAMES]), RUNS, warmup=30)
-    plain = median_ms(lambda index: plain_python(frames[index % FRAMES]), FRAMES)
-    kilobytes = np.mean([sum(map(len, encoder.encode(cells))) for cells in frames]) / 1e3
+    say("making scenes")
+    scenes = {"pan": panning(), "photo": photo(), "static": static(), "fixed": fixed()}
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for scene, frames in scenes.items():
+            (folder / scene).write_bytes(b"".join(f.pixels[..., :3].tobytes() for f in frames))
+        with libraries(folder) as others:
+            report_times(scenes, others, folder)
+            report_bytes(scenes, others, folder)
+
+
+def report_times(
+    scenes: Mapping[str, list[Cells]], others: Mapping[str, Draw], folder: Path
+) -> None:
+    def naive(scene: str, number: int) -> tuple[float, int]:
+        start = time.process_time()
+        drawn = plain_python(scenes[scene][number])
+        return (time.process_time() - start) * 1e3, len(drawn.encode())
+
+    exact, good = Ours(scenes, EXACT), Ours(scenes, GOOD)
+    say(f"{ROUNDS} rounds of a panning camera")
+    contenders = {"exact": exact.draw, "good": good.draw, "f-strings (Python)": naive, **others}
+    costs = contest(contenders, "pan")
+    ours, lossy = costs.pop("exact"), costs.pop("good")
+    played = programs(folder, "pan")
+    times = {name: cost.typical_ms for name, cost in costs.items()}
+    times |= {name: cost.milliseconds for name, cost in played.items()}
+    rounded = {name: round(value, 2) for name, value in times.items()}
+    note = f"{ours.mean_kb:.0f} kB a frame; nothing is left out but what the terminal has"
+    report("terminal.exact_ms", ours.typical_ms, "ms", bar=0.9, peers=rounded, note=note)
+    note = f"{lossy.mean_kb:.0f} kB a frame"
+    report("terminal.good_ms", lossy.typical_ms, "ms", peers=rounded, note=note)
+    for peer, bar in (("chafa.py", 15), ("rich-pixels", 100), ("textual-image", 100)):
+        taken = [value for name, value in times.items() if name.startswith(peer)]
+        report(
+            f"terminal.exact_vs_{peer.removesuffix('.py').replace('-', '_')}",
+            taken[0] / ours.typical_ms if taken else None,
+            "times faster",
+            bar=bar,
+            better="higher",
+            note="" if taken else f"{peer} is not installed; {_MISSING}",
+        )
     report(
-        "terminal.exact_ms",
-        exact,
-        "ms",
-        bar=BAR_MS,
-        peers={"f-strings (Python)": round(plain, 3)},
-        note=f"{kilobytes:.0f} kB a frame; nothing is left out but what the terminal has in force",
+        "terminal.exact_vs_notcurses",
+        None,
+        "times its time",
+        bar=1.5,
+        peers={"notcurses 3.0.17 (recorded) ms": 0.62},
+        note="neither PyPI nor Debian 12 has its library",
     )
+
+
+def report_bytes(
+    scenes: Mapping[str, list[Cells]], others: Mapping[str, Draw], folder: Path
+) -> None:
+    for scene, quality, bar_kb, bar_db in (
+        ("static", EXACT, 2.9, None),
+        ("pan", GOOD, 55, 35),
+        ("fixed", GOOD, 10, 36),
+        ("photo", GOOD, None, None),
+    ):
+        say(f"bytes of scene {scene}")
+        kilobytes, decibels = quality_of(scenes[scene], quality)
+        peers = {name: cost.mean_kb for name, cost in contest(others, scene, rounds=1).items()}
+        peers["exact"], _ = quality_of(scenes[scene], EXACT)
+        peers |= {name: cost.kilobytes for name, cost in programs(folder, scene).items()}
+        rounded = {name: round(value, 1) for name, value in peers.items()}
+        report(f"terminal.{scene}_kB", kilobytes, "kB", bar=bar_kb, peers=rounded)
+        if quality is not EXACT:
+            note = f"tolerance {quality.tolerance}, threshold {quality.threshold}"
+            report(f"terminal.{scene}_dB", decibels, "dB", bar=bar_db, better="higher", note=note)
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@ from benchmarks.peers.job import Job
 from benchmarks.peers.page import DONE, MEASURING, Page
 
 ROOT = Path(__file__).resolve().parents[2]
-_PEERS_PYTHON = ROOT / ".venv-bench/bin/python"
+PEERS_PYTHON = ROOT / ".venv-bench/bin/python"
 _START_S = 20.0
 _WINDOW, _LARGE_WINDOW = 200, 48
 _LARGE = 5000
@@ -55,7 +55,7 @@ class Contender:
 
     @property
     def python(self) -> str:
-        return str(_PEERS_PYTHON) if self.needs else sys.executable
+        return str(PEERS_PYTHON) if self.needs else sys.executable
 
     def missing(self) -> str:
         """Why it cannot take part; empty if it can."""
@@ -63,7 +63,7 @@ class Contender:
             return f"the program {self.program} is not installed"
         if self.needs:
             there = list(ROOT.glob(f".venv-bench/lib/python3*/site-packages/{self.needs}"))
-            if not there or not _PEERS_PYTHON.exists():
+            if not there or not PEERS_PYTHON.exists():
                 return f"{self.needs} is not installed; run `make bench-peers`"
         plane = self.options.get("plane", "STATE")
         if self.module == "rune_bus" and importlib.util.find_spec("hub"):
