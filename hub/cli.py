@@ -104,6 +104,8 @@ def _look(client: Client, options: argparse.Namespace) -> int:
 
     if options.command in ("status", "log", "close", "log-level"):
         return _look_at_central(client, options)
+    if options.command == "control":
+        return _look_at_control(client, options)
     if options.command in _OF_MODULES:
         return _look_at_modules(client, options)
     if options.command == "list":
@@ -136,6 +138,15 @@ def _look_at_central(client: Client, options: argparse.Namespace) -> int:
     if options.command == "close":
         return status.close(client, options.module)
     return status.log_level(client, options.level)
+
+
+def _look_at_control(client: Client, options: argparse.Namespace) -> int:
+    """Carry out a command about who commands the robot."""
+    from hub.inspection import control
+
+    if options.task == "release":
+        return control.release(client, force=options.force)
+    return control.show(client, as_json=options.json)
 
 
 def _look_at_modules(client: Client, options: argparse.Namespace) -> int:
@@ -291,6 +302,7 @@ def _parser() -> argparse.ArgumentParser:
     tables = _add_supervision(commands, look)
     for command in (listing, echo, rate, query, state, *tables):
         command.add_argument("--json", action="store_true", help="JSON, one line a message")
+    _add_control(commands, look)
     _add_keys(commands.add_parser("keys", help="who may connect from other machines"))
     return parser
 
@@ -324,6 +336,19 @@ def _add_supervision(
     return [modules, capabilities]
 
 
+def _add_control(
+    commands: argparse._SubParsersAction[argparse.ArgumentParser], look: argparse.ArgumentParser
+) -> None:
+    control = commands.add_parser(
+        "control", parents=[look], help="who has control of the robot, and who asks for it"
+    )
+    control.add_argument("--json", action="store_true", help="JSON, one line")
+    control.add_argument(
+        "task", nargs="?", choices=("release",), help="with --force: take it from whoever has it"
+    )
+    control.add_argument("--force", action="store_true", help="release what somebody else has")
+
+
 def _add_keys(keys: argparse.ArgumentParser) -> None:
     where = argparse.ArgumentParser(add_help=False)
     where.add_argument("--folder", type=Path, help="folder of the keys (~/.config/rune/keys)")
@@ -336,7 +361,8 @@ def _add_keys(keys: argparse.ArgumentParser) -> None:
         choices=[role.value for role in Role],
         required=True,
         metavar="|".join(role.value for role in Role),
-        help="observe: see all; operate: command as well; module: be a part of the robot",
+        help="observe: see all; operate: command as well; supervise: also take control from "
+        "others; module: be a part of the robot",
     )
     listing = tasks.add_parser("list", parents=[where], help="show all keys")
     listing.add_argument("--json", action="store_true", help="JSON, one line a key")

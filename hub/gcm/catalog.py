@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from hub.gcm import autonomy, common, flight, mapping, navigation, supervision, vision
+from hub.gcm import autonomy, common, control, flight, mapping, navigation, supervision, vision
 from hub.ipc.definition import MessageDefinition
 
 MESSAGES: tuple[MessageDefinition[Any], ...] = (
@@ -15,5 +15,6 @@ MESSAGES: tuple[MessageDefinition[Any], ...] = (
     *mapping.MESSAGES,
     *autonomy.MESSAGES,
     *supervision.MESSAGES,
+    *control.MESSAGES,
 )
 BY_NAME = {definition.name: definition for definition in MESSAGES}

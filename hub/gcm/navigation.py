@@ -95,7 +95,7 @@ class MotionState(enum.IntEnum):
         SILENCE: Commands stopped coming while moving; stopped, waits for a neutral command.
         STOPPED: Somebody sent a stop; waits for a neutral command.
         NO_DRIVER: The driver does not report; nothing can move.
-        WAITING: Nobody has commanded yet; waits for a neutral command.
+        WAITING: Nobody has commanded yet, or control was handed over; waits for a neutral command.
         GOING: Going to a point, or turning, by itself.
     """
 
@@ -141,8 +141,8 @@ class RobotState:
         battery_voltage: Battery [V]; NaN when not measured.
         battery_fraction: Charge left, 0 to 1; NaN when not known.
         motion: What is done with velocity commands.
-        refused: Velocity commands refused since the module started: late, out of order, not
-            finite, or not from neutral.
+        refused: Commands refused since the module started: late, out of order, not finite, not
+            from neutral, or not from who has control.
         assistance: Whether velocities that would lead into something are held back.
         held_back: How much of the commanded velocity is held back now, 0 (nothing) to 1.
     """

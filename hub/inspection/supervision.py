@@ -11,7 +11,6 @@ from typing import Any
 
 from hub.errors import (
     HandlerFailedError,
-    HubError,
     NoHandlerError,
     QueryError,
     QueryTimeoutError,
@@ -82,7 +81,7 @@ def order(client: Client, module: str, wanted: str) -> int:
             supervision.MODULE_COMMAND, command, COMMON_RESULT, timeout=_ANSWER_S
         )
     except NoHandlerError as error:
-        raise _no_daemon(client) from error
+        raise no_daemon(client) from error
     if result.done:
         put(printable(result.text))
     else:
@@ -118,7 +117,7 @@ def logs(client: Client, module: str, *, lines: int, follow: bool) -> int:
     try:
         shown = _lines(client, module, 0, lines)
     except NoHandlerError as error:
-        raise _no_daemon(client) from error
+        raise no_daemon(client) from error
     _show(shown)
     if not shown.text:
         sys.stderr.write(f"rune-hub: {module} has written nothing since this hub was started\n")
@@ -170,10 +169,11 @@ def _last(client: Client, definition: Any) -> Any:  # noqa: ANN401 - a report of
     except QueryTimeoutError:
         raise
     except QueryError as error:
-        raise _no_daemon(client) from error
+        raise no_daemon(client) from error
 
 
-def _no_daemon(client: Client) -> HubError:
+def no_daemon(client: Client) -> QueryError:
+    """Nobody answers what only a daemon answers."""
     text = f"no daemon answers at {client.endpoint}: is it `rune-hub run` that runs there?"
     return QueryError(text)
 

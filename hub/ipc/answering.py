@@ -19,9 +19,14 @@ Pack = Callable[[MessageDefinition[Any], Any, float], bytes]
 
 
 class Reply(Generic[R]):
-    """An answer that is owed; it is given once, at any time before the query's time has run out."""
+    """An answer that is owed; it is given once, at any time before the query's time has run out.
 
-    def __init__(self, respond: Callable[[R, float | None], None], fail: Fail) -> None:
+    Attributes:
+        asker: Who asked: its number at central, as in frame headers.
+    """
+
+    def __init__(self, asker: int, respond: Callable[[R, float | None], None], fail: Fail) -> None:
+        self.asker = asker
         self._respond = respond
         self._fail = fail
 
@@ -94,7 +99,7 @@ class Answers:
                 tell(control.Response(number=number), self._pack(response, value, when))
 
             fail = functools.partial(_fail, tell, number)
-            handler(decode(request, frame), Reply(respond, fail))
+            handler(decode(request, frame), Reply(frame.publisher, respond, fail))
 
         self._responders[request.name] = answer
         self._announce(request.name, on=True)

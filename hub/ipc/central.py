@@ -28,7 +28,7 @@ from hub.ipc.floods import FloodWatch
 from hub.ipc.gateway import Gateway
 from hub.ipc.keyring import Keyring
 from hub.ipc.loop import Loop
-from hub.ipc.peers import Caller, Outgoing
+from hub.ipc.peers import Caller, Outgoing, Peer
 from hub.ipc.registry import Registry
 from hub.ipc.security import LOCAL, parse_bearer
 
@@ -131,6 +131,10 @@ class Central:
     def connected(self) -> tuple[str, ...]:
         """Names of the modules and consoles that are connected now."""
         return self._registry.connected()
+
+    def peer_of(self, publisher: int) -> Peer | None:
+        """The module or console of this number in frame headers; None if it is not connected."""
+        return self._registry.peer_of(publisher)
 
     def close(self) -> None:
         """End the threads and free the endpoints."""

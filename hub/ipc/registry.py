@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from hub.errors import HubError, NotAllowedError
+from hub.errors import FrameError, HubError, NotAllowedError
 from hub.ipc import control, frames, listing, permissions
 from hub.ipc.codec import compiled
 from hub.ipc.codegen import Buffer
@@ -107,6 +107,11 @@ class Registry:
     def connected(self) -> tuple[str, ...]:
         """Names of the peers; any thread may ask."""
         return tuple(self._names)
+
+    def peer_of(self, publisher: int) -> Peer | None:
+        """The peer of this number in frame headers, None if there is none; any thread may ask."""
+        peers = tuple(self._names.values())
+        return next((peer for peer in peers if peer.publisher == publisher), None)
 
     def handle(self, caller: Caller, message: Any, attached: Buffer | None) -> list[Outgoing]:
         """A control message came."""
@@ -379,11 +384,21 @@ class Registry:
             text = f"the query of {message.name[:80]} came without its message"
             failure = control.Failure(number=message.number, error="NoHandlerError", text=text)
             return [Outgoing(identity=peer.identity, message=failure)]
+        if peer.bearer is not LOCAL and attached is not None and self._is_forged(peer, attached):
+            return self._not_allowed(peer, message, f"{peer.name} asks in the name of another")
         asked = self._routes.ask(peer, message, attached, self._clock())
         handlers = list(self._handling.of(message.name))
         if isinstance(message, control.Query) and len(handlers) == 1:
             asked += self._shortcuts.offer(peer, handlers[0], message.name)
         return asked
+
+    def _is_forged(self, peer: Peer, attached: Buffer) -> bool:
+        """Whether a message says that it comes from another one who is connected."""
+        try:
+            publisher = frames.unpack(attached).publisher
+        except FrameError:
+            return False  # who is asked will say so
+        return self.peer_of(publisher) not in (peer, None)
 
     def _answer(
         self, peer: Peer, message: control.Response | control.Failure, attached: Buffer | None

@@ -26,6 +26,7 @@ class Role(enum.Enum):
 
     OBSERVE = "observe"
     OPERATE = "operate"
+    SUPERVISE = "supervise"
     MODULE = "module"
 
 
@@ -38,6 +39,7 @@ class Action(enum.Enum):
     QUERY = "query"
     QUERY_COMMAND = "query on the command plane"
     PUBLISH_COMMAND = "publish commands"
+    TAKE_OVER = "take control from others"
     PUBLISH_STATE = "publish states and pictures"
     DEFINE = "define a new message"
     ANSWER = "answer queries"
@@ -47,7 +49,12 @@ class Action(enum.Enum):
 
 _OBSERVE = frozenset({Action.SUBSCRIBE, Action.LIST, Action.PRESENCE, Action.QUERY})
 _OPERATE = _OBSERVE | {Action.QUERY_COMMAND, Action.PUBLISH_COMMAND}
-_ACTIONS = {Role.OBSERVE: _OBSERVE, Role.OPERATE: _OPERATE, Role.MODULE: frozenset(Action)}
+_ACTIONS = {
+    Role.OBSERVE: _OBSERVE,
+    Role.OPERATE: _OPERATE,
+    Role.SUPERVISE: _OPERATE | {Action.TAKE_OVER},
+    Role.MODULE: frozenset(Action),
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,9 +6,11 @@ import logging
 import sys
 import time
 
+from hub.control_gate import ControlGate
 from hub.errors import CodecError, QueryError
 from hub.gcm import autonomy, mapping, navigation
 from hub.gcm.capability import Abilities, Capability
+from hub.gcm.control import ControlState
 from hub.grids.grid import grid_of
 from hub.ipc.client import Client
 from hub.ipc.reception import Reception
@@ -35,6 +37,7 @@ class Autonomy:
         self._pilot = Pilot(radius=robot.radius + robot.margin, seed=robot.seed, limits=limits)
         self._said = ""
         self._why = ""
+        self._gate = ControlGate(client, self._handed_over)
         client.subscribe(autonomy.AUTONOMY_COMMAND, self._command)
         client.subscribe(navigation.STOP, self._stop)
         client.subscribe(navigation.VELOCITY_COMMAND, self._stick)
@@ -51,7 +54,8 @@ class Autonomy:
         self._act()
 
     def _command(self, command: autonomy.AutonomyCommand, reception: Reception) -> None:
-        del reception
+        if not self._gate.admits(autonomy.AUTONOMY_COMMAND, reception):
+            return
         self._pilot.command(command, self._clock())
         _logger.info("asked for %s", command.behaviour.name)
         self._act()
@@ -61,8 +65,15 @@ class Autonomy:
         self._pilot.see_stop(message.reason)
         self._act()
 
+    def _handed_over(self, state: ControlState, before: int) -> None:
+        """Somebody else has control than before; who gets it from somebody gets a robot at rest."""
+        if state.owner and before:
+            self._pilot.see_stop(f"{state.operator} has control now")
+            self._act()
+
     def _stick(self, twist: navigation.Twist, reception: Reception) -> None:
-        if not twist.neutral and reception.publisher != self._client.number:
+        sender = reception.publisher
+        if not twist.neutral and sender != self._client.number and self._gate.counts(sender):
             self._pilot.see_stick(self._clock())
             self._act()
 

@@ -6,9 +6,11 @@ import logging
 import sys
 import time
 
+from hub.control_gate import ControlGate
 from hub.errors import CodecError, HubError
 from hub.gcm import mapping, navigation
 from hub.gcm.capability import Abilities, Capability
+from hub.gcm.control import ControlState
 from hub.gcm.navigation import Assistance, MotionState, Task
 from hub.grids.grid import grid_of
 from hub.ipc.client import Client
@@ -50,6 +52,7 @@ class Navigation:
         self._driver: int | None = None
         self._asking = False
         self._assistance = Assistance.ON
+        self._gate = ControlGate(client, self._handed_over)
         client.subscribe(navigation.STOP, self._stop)
         client.subscribe(navigation.VELOCITY_COMMAND, self._command)
         client.subscribe(navigation.DRIVE_STATE, self._report)
@@ -74,10 +77,13 @@ class Navigation:
         self._drive()
 
     def _command(self, twist: navigation.Twist, reception: Reception) -> None:
+        sender = reception.publisher
+        if not self._gate.counts(sender):
+            if not twist.neutral:  # idle consoles send neutral all the time
+                self._gate.admits(navigation.VELOCITY_COMMAND, reception)
+            return
         now = self._clock()
-        self._governor.command(
-            reception.publisher, twist.linear.x, twist.angular.z, now - reception.age, now
-        )
+        self._governor.command(sender, twist.linear.x, twist.angular.z, now - reception.age, now)
         self._look()
 
     def _stop(self, message: navigation.Stop, reception: Reception) -> None:
@@ -87,6 +93,14 @@ class Navigation:
         self._drive()
         self._look()
         _logger.warning("stopped: %s", message.reason or "no reason given")
+
+    def _handed_over(self, state: ControlState, before: int) -> None:
+        """Somebody else has control than before."""
+        self._governor.controlled_by(state.owner, before)
+        if state.owner and before:
+            self._pilot.errand.end(Task.CANCELLED, f"{state.operator} has control now")
+        self._drive()
+        self._look()
 
     def _report(self, state: navigation.DriveState, reception: Reception) -> None:
         now = self._clock()
@@ -100,6 +114,8 @@ class Navigation:
         self._pilot.reported(state, now)
 
     def _go(self, goal: navigation.GoalCommand, reception: Reception) -> None:
+        if not self._gate.admits(navigation.GOAL_COMMAND, reception):
+            return
         now = self._clock()
         if not goal.points:
             self._pilot.errand.end(Task.CANCELLED, "somebody ended it")
@@ -110,6 +126,8 @@ class Navigation:
         self._ask_for_map()
 
     def _turn(self, command: navigation.TurnCommand, reception: Reception) -> None:
+        if not self._gate.admits(navigation.TURN_COMMAND, reception):
+            return
         now = self._clock()
         why = self._governor.begin_task(now) or self._pilot.turn(command, reception.publisher, now)
         self._begun("a turn", why)
@@ -121,13 +139,13 @@ class Navigation:
         self._look()
 
     def _assist(self, command: navigation.AssistanceCommand, reception: Reception) -> None:
-        del reception
-        self._pilot.assist(command.assistance, self._clock())
-        self._look()
+        if self._gate.admits(navigation.ASSISTANCE_COMMAND, reception):
+            self._pilot.assist(command.assistance, self._clock())
+            self._look()
 
     def _correct(self, landmark: navigation.LandmarkCorrection, reception: Reception) -> None:
-        del reception
-        _logger.info("landmark: %s", self._pilot.correct(landmark, self._clock()))
+        if self._gate.admits(navigation.LANDMARK_CORRECTION, reception):
+            _logger.info("landmark: %s", self._pilot.correct(landmark, self._clock()))
 
     def _drive(self) -> None:
         """Decide on the velocity and tell the driver."""
@@ -205,7 +223,8 @@ class Navigation:
         drive, measured = self._newest
         now = self._clock()
         counts = self._client.complaints.counts
-        refused = self._governor.refused + counts["too old"] + counts["out of order"]
+        refused = self._governor.refused + self._gate.refused
+        refused += counts["too old"] + counts["out of order"]
         state = robot_state(drive, self._pilot, self._governor.state(now), refused, now)
         self._client.publish(navigation.ROBOT_STATE, state, measured=measured)
 

@@ -1,9 +1,9 @@
 """Which velocity the wheels get, given the commands that came and the time; pure.
 
 The robot follows fresh commands of one sender at a time. Whoever wants to drive has to have sent a
-neutral command first, and again after every stop, every silence of its own, and every pause of the
-driver or of this process: nobody drives off with a stick that was left deflected. Neutral commands
-of those who do not drive change nothing.
+neutral command first, and again after every stop, every silence of its own, every hand-over of
+control, and every pause of the driver or of this process: nobody drives off with a stick that was
+left deflected. Neutral commands of those who do not drive change nothing.
 
 A task of navigation's own holds the wheels as a sender does, but needs no neutral command: it is
 begun by an event, not by a stick. It never takes over from somebody who drives; anybody who wants
@@ -115,6 +115,15 @@ class SpeedGovernor:
         """Another driver reports than before: it, too, waits for a neutral command."""
         self._halt(MotionState.WAITING)
         self._armed.clear()
+
+    def controlled_by(self, owner: int, before: int) -> None:
+        """Somebody else has control than before, by numbers; 0: nobody.
+
+        The robot stands until the new owner sends neutral, unless that is who drives already.
+        """
+        if owner and (before or self._sender not in (owner, None)):
+            self._halt(MotionState.WAITING)
+            self._armed.clear()
 
     def driver_reported(self, now: float) -> None:
         """The driver lives."""

@@ -6,6 +6,7 @@ import dataclasses
 import sys
 import time
 
+from hub.control_gate import ControlGate
 from hub.gcm import navigation, vision
 from hub.gcm.capability import Abilities, Capability
 from hub.ipc.answering import Reply
@@ -34,6 +35,7 @@ class Vision:
         self._night = NightMode()
         self._poses = PoseHistory()
         self._advanced = self._clock()
+        self._gate = ControlGate(client)
         client.respond_later(vision.IMAGE_REQUEST, vision.IMAGE, self._answer)
         client.subscribe(vision.CAMERA_COMMAND, self._move)
         client.subscribe(vision.NIGHT_COMMAND, self._switch_night)
@@ -97,12 +99,13 @@ class Vision:
         self._client.publish(vision.CAMERA_STATE, self._state(now), measured=now)
 
     def _move(self, command: vision.CameraCommand, reception: Reception) -> None:
-        del reception
-        self._advance()
-        self._camera.move(command)
+        if self._gate.admits(vision.CAMERA_COMMAND, reception):
+            self._advance()
+            self._camera.move(command)
 
     def _switch_night(self, command: vision.NightCommand, reception: Reception) -> None:
-        del reception
+        if not self._gate.admits(vision.NIGHT_COMMAND, reception):
+            return
         self._night.command(command)
         self._camera.set_headlight(self._night.headlight)
         self._publish_state()

@@ -23,6 +23,7 @@ def test_each_role_may_do_what_is_written_in_the_documentation() -> None:
     allowed = {role: {action for action in Action if security.may(role, action)} for role in Role}
     assert allowed[Role.OBSERVE] == watch
     assert allowed[Role.OPERATE] == watch | {Action.QUERY_COMMAND, Action.PUBLISH_COMMAND}
+    assert allowed[Role.SUPERVISE] == allowed[Role.OPERATE] | {Action.TAKE_OVER}
     assert allowed[Role.MODULE] == set(Action)
 
 
@@ -31,6 +32,7 @@ def test_observer_enters_only_where_nothing_goes_in() -> None:
     out = ["control", "state out", "command out", "picture out"]
     assert entered[Role.OBSERVE] == out
     assert sorted(entered[Role.OPERATE]) == sorted([*out, "command in"])
+    assert entered[Role.SUPERVISE] == entered[Role.OPERATE]
     assert entered[Role.MODULE] == PLACES
 
 
@@ -48,7 +50,9 @@ def test_each_role_enters_where_the_ones_before_it_do(place: str) -> None:
 def test_what_a_role_does_not_allow_is_refused_with_the_role_that_does() -> None:
     alice = Bearer(name="alice", role=Role.OBSERVE)
     security.demand(alice, Action.SUBSCRIBE)
-    with pytest.raises(NotAllowedError, match=r"alice .*publish commands.*operate or module"):
+    with pytest.raises(
+        NotAllowedError, match=r"alice .*publish commands.*operate or supervise or module"
+    ):
         security.demand(alice, Action.PUBLISH_COMMAND)
     with pytest.raises(NotAllowedError, match="--role module"):
         security.demand(Bearer(name="bob", role=Role.OPERATE), Action.CLOSE_MODULE)

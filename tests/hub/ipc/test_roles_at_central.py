@@ -89,7 +89,7 @@ def test_operators_and_modules_command(hub: Hub, role: Role) -> None:
 def test_observers_do_not_command_however_they_try(hub: Hub) -> None:
     values = _subscribed(hub.local, v.EVENT)
     one = hub.client("one", Role.OBSERVE)
-    with pytest.raises(NotAllowedError, match="--role operate or module"):
+    with pytest.raises(NotAllowedError, match="--role operate or supervise or module"):
         one.publish(v.EVENT, Number(value=1))
     with pytest.raises(NotAllowedError, match="--role module"):
         one.publish(v.LOG, Number(value=1))

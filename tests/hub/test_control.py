@@ -1,0 +1,199 @@
+"""The control lease on a real central: who gets control, whose commands a module follows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack, closing
+from pathlib import Path
+
+import pytest
+
+from hub.control_gate import ControlGate
+from hub.errors import HandlerFailedError
+from hub.gcm.common import COMMON_RESULT, CommonResult
+from hub.gcm.control import (
+    CONSOLE_HEARTBEAT,
+    CONTROL_REFUSAL,
+    CONTROL_REQUEST,
+    CONTROL_STATE,
+    ConsoleHeartbeat,
+    ControlAction,
+    ControlRefusal,
+    ControlRequest,
+    ControlState,
+)
+from hub.gcm.navigation import GOAL_COMMAND, GoalCommand
+from hub.gcm.supervision import MODULE_INFO, ModuleInfo
+from hub.ipc.central import Central
+from hub.ipc.client import Client
+from hub.ipc.keyring import Keyring
+from hub.ipc.keys import read_client_keys
+from hub.ipc.loop import Loop
+from hub.ipc.security import Role
+from hub.robomon.control_desk import ControlDesk
+from tests.waiting import until
+
+HOLDS = ConsoleHeartbeat(holds=1)
+
+
+class Robot:
+    """Central, the daemon's desk, and a module that follows goals of those who may send them."""
+
+    def __init__(self, folder: Path, stack: ExitStack) -> None:
+        self._stack = stack
+        self._keyring = Keyring(folder / "keys")
+        local = f"ipc://{folder}/central"
+        self.central = Central([local], gateway="tcp://127.0.0.1:0", keyring=self._keyring)
+        stack.callback(self.central.close)
+        self.loop = Loop()
+        stack.callback(self.loop.close)
+        self.followed: list[tuple[int, int]] = []
+        self.changes: list[tuple[int, int]] = []
+        self.desk = ControlDesk(self.client("robomon"), self.central.peer_of)
+        module = self.client("navigation")
+        self.gate = ControlGate(
+            module, lambda now, before: self.changes.append((now.owner, before))
+        )
+        module.subscribe(
+            GOAL_COMMAND,
+            lambda goal, how: (
+                self.gate.admits(GOAL_COMMAND, how)
+                and self.followed.append((how.publisher, int(goal.theta)))
+            ),
+        )
+        self.states: list[ControlState] = []
+        self.refusals: list[ControlRefusal] = []
+        watcher = self.client("watcher")
+        watcher.subscribe(CONTROL_STATE, lambda state, _: self.states.append(state), last=True)
+        watcher.subscribe(CONTROL_REFUSAL, lambda refusal, _: self.refusals.append(refusal))
+        self.until(lambda: self.states)
+
+    def client(self, name: str, role: Role | None = None) -> Client:
+        """Somebody on the robot, or the holder of a key elsewhere."""
+        keys = read_client_keys(self._keyring.make(name, role)) if role else None
+        endpoint = self.central.endpoints[-1 if role else 0]
+        client = self._stack.enter_context(
+            closing(Client(name, endpoint, loop=self.loop, keys=keys))
+        )
+        client.wait_connected(10.0)
+        return client
+
+    def until(self, condition: object) -> None:
+        assert callable(condition)
+        until(condition, 15.0, meanwhile=lambda: self.loop.listen(0.02))
+
+    def until_owned_by(self, client: Client | None) -> None:
+        number = client.number if client else 0
+        self.until(lambda: self.states[-1].owner == number and self.gate.counts(number))
+
+    def send_goal(self, client: Client, number: int) -> None:
+        client.define(GOAL_COMMAND)
+        client.publish(GOAL_COMMAND, GoalCommand(theta=float(number)))
+
+
+def want(client: Client, action: ControlAction) -> CommonResult:
+    request = ControlRequest(action=action, operator=client.name)
+    return client.query_response(CONTROL_REQUEST, request, COMMON_RESULT, timeout=10.0)
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> Iterator[Robot]:
+    with ExitStack() as stack:
+        yield Robot(tmp_path, stack)
+
+
+def test_only_the_owners_commands_count_and_the_others_are_told(robot: Robot) -> None:
+    alice, bob = robot.client("alice"), robot.client("bob")
+    for client in (alice, bob):
+        robot.send_goal(client, 1)
+        robot.until(lambda client=client: (client.number, 1) in robot.followed)
+    assert want(alice, ControlAction.TAKE).done
+    assert not want(bob, ControlAction.TAKE).done
+    robot.until_owned_by(alice)
+    for number in (2, 3, 4):
+        robot.send_goal(bob, number)
+    robot.until(lambda: robot.gate.refused == 3)
+    robot.send_goal(alice, 5)
+    robot.until(lambda: (alice.number, 5) in robot.followed and robot.refusals)
+    assert not [number for sender, number in robot.followed if sender == bob.number][1:]
+    # Told once, however often it is tried within a second.
+    assert robot.refusals == [
+        ControlRefusal(
+            sender=bob.number,
+            message=GOAL_COMMAND.name,
+            owner=alice.number,
+            operator="alice",
+            refused=1,
+        )
+    ]
+
+
+def test_modules_of_the_robot_are_followed_whoever_has_control(robot: Robot) -> None:
+    alice, autonomy = robot.client("alice"), robot.client("autonomy")
+    info = ModuleInfo(name="autonomy", pid=1, state="running", capabilities="AUT_PILOT")
+    autonomy.define(MODULE_INFO)
+    autonomy.publish(MODULE_INFO, info)
+    want(alice, ControlAction.TAKE)
+    robot.until_owned_by(alice)
+    robot.until(lambda: robot.gate.counts(autonomy.number))
+    robot.send_goal(autonomy, 7)
+    robot.until(lambda: (autonomy.number, 7) in robot.followed)
+    autonomy.close()
+    robot.until(lambda: not robot.states[-1].count)
+
+
+def test_control_is_handed_over_on_request(robot: Robot) -> None:
+    alice, bob = robot.client("alice"), robot.client("bob")
+    want(alice, ControlAction.TAKE)
+    assert "10 s" in want(bob, ControlAction.ASK).text
+    robot.until(lambda: robot.states[-1].asker_operator == "bob")
+    assert 0.0 < robot.states[-1].left_s <= 10.0
+    assert want(alice, ControlAction.GRANT).done
+    robot.until_owned_by(bob)
+    assert robot.states[-1].why == "alice handed control to bob"
+    assert robot.changes[-1] == (bob.number, alice.number)
+
+
+def test_owner_that_leaves_frees_the_robot_at_once(robot: Robot) -> None:
+    alice = robot.client("alice")
+    want(alice, ControlAction.TAKE)
+    robot.until_owned_by(alice)
+    alice.close()
+    robot.until_owned_by(None)
+    assert "left" in robot.states[-1].why
+
+
+def test_owner_that_falls_silent_frees_the_robot_and_is_warned_of_before(robot: Robot) -> None:
+    alice = robot.client("alice")
+    want(alice, ControlAction.TAKE)
+    timer = alice.every(0.1, lambda: alice.publish(CONSOLE_HEARTBEAT, HOLDS))
+    robot.until(lambda: robot.states[-1].held_s > 0.5)
+    assert robot.states[-1].silent_s < 0.5
+    timer.cancel()
+    robot.until_owned_by(None)
+    assert "silent" in robot.states[-1].why
+    assert any(state.silent_s >= 1.0 for state in robot.states if state.owner)
+
+
+@pytest.mark.parametrize("action", [ControlAction.TAKE_OVER, ControlAction.FREE])
+@pytest.mark.parametrize(("role", "done"), [(Role.OPERATE, 0), (Role.SUPERVISE, 1), (None, 1)])
+def test_control_is_taken_from_others_by_supervisors_and_on_the_robot_only(
+    robot: Robot, role: Role | None, done: int, action: ControlAction
+) -> None:
+    owner, other = robot.client("owner", Role.OPERATE), robot.client("other", role)
+    want(owner, ControlAction.TAKE)
+    robot.until_owned_by(owner)
+    answer = want(other, action)
+    assert answer.done == done
+    if done:
+        robot.until_owned_by(other if action is ControlAction.TAKE_OVER else None)
+    else:
+        assert "--role supervise" in answer.text
+        assert robot.states[-1].owner == owner.number
+
+
+def test_nobody_asks_in_the_name_of_another(robot: Robot) -> None:
+    boss, eve = robot.client("boss", Role.SUPERVISE), robot.client("eve", Role.OPERATE)
+    eve._connection.publisher = boss.number
+    with pytest.raises(HandlerFailedError, match="in the name of another"):
+        want(eve, ControlAction.TAKE_OVER)
