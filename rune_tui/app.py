@@ -37,6 +37,7 @@ from rune_tui.model.console_state import ConsoleState, carried_over
 from rune_tui.model.effects import (
     AskEffect,
     ChooseRobot,
+    ControlEffect,
     DeedEffect,
     Effect,
     ExportEffect,
@@ -272,6 +273,8 @@ class Console(App[None], inherit_bindings=False):
 
     def _tick(self) -> None:
         now = self._look_up()
+        for link in self._links.values():
+            link.attend()
         self._handle(self._keyboard.expire(now))
         state = self.state
         self._execute(Tell(notice=notice) for notice in self._watch.look(state))
@@ -341,7 +344,7 @@ class Console(App[None], inherit_bindings=False):
 
     def _do(self, effect: DeedEffect) -> None:
         match effect:
-            case SendEffect():
+            case SendEffect() | ControlEffect():
                 self._send(effect)
             case ScreenshotEffect():
                 now, cells = datetime.datetime.now().astimezone(), self._pane.cells
@@ -368,9 +371,12 @@ class Console(App[None], inherit_bindings=False):
         else:
             self._tell(desk.Outcome(text="the console was started with no other layout"))
 
-    def _send(self, effect: SendEffect) -> None:
+    def _send(self, effect: SendEffect | ControlEffect) -> None:
         link = self._links[effect.robot]
-        link.send(effect.definition, effect.value)
+        if isinstance(effect, ControlEffect):
+            link.control(effect.action, by_driving=effect.by_driving)
+        else:
+            link.send(effect.definition, effect.value)
         if (outcome := desk.undelivered(effect, link.state)) is not None:
             self._tell(outcome)
 

@@ -204,9 +204,10 @@ def _load(name_or_path: str, variables: Sequence[tuple[str, str]]) -> LayoutSpec
 
 
 def _links(layout: LayoutSpec, hubs: Sequence[str], keys: Path | None = None) -> RobotLinks:
+    from rune_tui.desk import operator_name
     from rune_tui.link.robot_links import RobotLinks
 
-    return RobotLinks(layout, hubs, keys=keys)
+    return RobotLinks(layout, hubs, keys=keys, operator=operator_name())
 
 
 def _endpoints(hubs: Sequence[str]) -> list[str]:

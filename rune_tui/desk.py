@@ -18,7 +18,7 @@ from rune_tui.compositor.cells import Cells
 from rune_tui.export.points import csv_table, geojson
 from rune_tui.export.report import html_page
 from rune_tui.layout.spec import LayoutSpec
-from rune_tui.model.effects import SendEffect
+from rune_tui.model.effects import ControlEffect, SendEffect
 from rune_tui.model.robot_state import LinkPhase, RobotState
 
 if TYPE_CHECKING:
@@ -52,11 +52,14 @@ def operator_name() -> str:
         return ""
 
 
-def undelivered(effect: SendEffect, robot: RobotState) -> Outcome | None:
+def undelivered(effect: SendEffect | ControlEffect, robot: RobotState) -> Outcome | None:
     """Why an order cannot arrive now; None if it can, or if a newer one follows it anyway."""
-    if effect.definition.keep is not Keep.ALL:
+    if isinstance(effect, ControlEffect):
+        what = "request for control"
+    elif effect.definition.keep is Keep.ALL:
+        what = effect.definition.name.removeprefix("GCM_").replace("_", " ").lower()
+    else:
         return None
-    what = effect.definition.name.removeprefix("GCM_").replace("_", " ").lower()
     if not robot.link.may_command:
         text = f"{what} not sent: your key may watch {robot.name}, not command it"
     elif robot.link.phase is not LinkPhase.CONNECTED:

@@ -16,7 +16,9 @@ from rune_tui.layout.actions import Action
 from rune_tui.layout.names import MOUSE
 from rune_tui.layout.spec import CHOSEN, EventSpec, LayoutSpec
 from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.control import Standing, is_lost, refusal, refused, standing, taking
 from rune_tui.model.effects import (
+    ControlEffect,
     Effect,
     ExportEffect,
     PaletteEffect,
@@ -26,6 +28,7 @@ from rune_tui.model.effects import (
     ToggleNight,
     WishPictures,
 )
+from rune_tui.widgets.control import TakeControl
 from rune_tui.widgets.speed import SetSpeed, StopRobot
 from rune_tui.widgets.widget import Widget
 
@@ -34,7 +37,7 @@ _logger = logging.getLogger(__name__)
 _UNLESS_BOUND: Mapping[str, Effect] = {"?": ToggleHelp(), "ctrl+p": PaletteEffect()}
 """What keys do that the layout binds to nothing."""
 _CLOSE_HELP = "escape"
-_TO_ROBOTS = SendEffect | ExportEffect | WishPictures | ToggleNight
+_TO_ROBOTS = SendEffect | ControlEffect | ExportEffect | WishPictures | ToggleNight
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,6 +59,9 @@ class Dispatch:
     A widget that fails, as somebody else's may, is told of once; if it drives, its robot is told to
     stand, and the widget rests until its next press.
 
+    What only the operator may send who has control is not sent while somebody else has it; what
+    drives a free robot takes control of it. When control changes, what is held counts no more.
+
     While the help covers everything, only the keys of the stop, the help and the quit count.
 
     The caller executes the effects in order. Before it ends, and whenever it can no longer see
@@ -68,6 +74,7 @@ class Dispatch:
         self._driving: dict[str, SetSpeed] = {}
         self._buttons: set[str] = set()
         self._failed: set[int] = set()
+        self._standings: dict[str, Standing] = {}
         owners = [(viewport.robot, viewport.widgets) for viewport in layout.view.viewports]
         kinds = layout.vocabulary.widgets
         for robot, specs in (("", layout.view.widgets), *owners):
@@ -89,6 +96,9 @@ class Dispatch:
 
     def handle(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
         """Effects of an event, from every widget that it matches."""
+        return (*self._heed(state), *self._handled(event, state))
+
+    def _handled(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
         fresh = event.pressed and not event.repeat
         listeners = self._listeners(event)
         self._note_button(event, listeners)
@@ -123,7 +133,10 @@ class Dispatch:
             elif id(widget) in self._failed:
                 continue
             ask = partial(widget.handle, event, listener.spec, state)
-            for effect in self._asked(widget, ask, state):
+            fresh = not event.repeat and event.pressed != listener.spec.released
+            for effect in self._allowed(
+                widget, self._asked(widget, ask, state), state, fresh=fresh
+            ):
                 effects.append(effect)
                 if isinstance(effect, SendEffect) and effect.definition is STOP:
                     stopped[effect.robot] = None
@@ -154,11 +167,38 @@ class Dispatch:
 
     def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
         """Effects of time going by; to be called 20 times a second."""
-        effects: list[Effect] = []
+        effects = self._heed(state)
         for widget in self._widgets:
             if not self._silent(widget, state):
-                effects += self._asked(widget, partial(widget.tick, state), state)
+                asked = self._asked(widget, partial(widget.tick, state), state)
+                effects += self._allowed(widget, asked, state, fresh=False)
         return tuple(effects)
+
+    def _heed(self, state: ConsoleState) -> list[Effect]:
+        """Let go where control has changed: a key that was held before must be pressed anew."""
+        effects: list[Effect] = []
+        for name, robot in state.robots.items():
+            now = standing(robot)
+            before = self._standings.get(name, Standing.UNKNOWN)
+            self._standings[name] = now
+            if is_lost(before, now):
+                effects += self._release(name, state)
+        return effects
+
+    def _allowed(
+        self, widget: Widget, asked: list[Effect], state: ConsoleState, *, fresh: bool
+    ) -> list[Effect]:
+        """What a widget wants done, if this console may; `fresh`: because of a new press."""
+        by_hand = frozenset(
+            _commanded(each, state)
+            for each in self._widgets
+            if isinstance(each, TakeControl) and not each.by_driving
+        )
+        robot = refused(asked, state, by_hand)
+        if robot is None:
+            return [*taking(asked, state), *asked] if fresh else asked
+        rest = self._asked(widget, partial(widget.release, state), state)
+        return [refusal(robot, state), *rest] if fresh else rest
 
     def released(self, state: ConsoleState) -> tuple[Effect, ...]:
         """Everything is let go (focus lost, quit, crash): one zero speed for each driven robot.

@@ -52,6 +52,19 @@ def actions_of(layout: LayoutSpec) -> tuple[Action, ...]:
     return tuple(sorted(merged.values(), key=lambda action: robots.index(action.robot)))
 
 
+def inputs_of(layout: LayoutSpec) -> dict[tuple[str, str], str]:
+    """The first input of each handler, in words, by the handler and the robot it is for."""
+    owners = [("", layout.view.widgets)]
+    owners += [(viewport.robot, viewport.widgets) for viewport in layout.view.viewports]
+    found: dict[tuple[str, str], str] = {}
+    for robot, widgets in owners:
+        for widget in widgets:
+            for event in widget.events[:1]:
+                said, _ = next(ways(event, layout.joysticks))
+                found.setdefault((widget.handler, robot), said)
+    return found
+
+
 def _single_actions(layout: LayoutSpec) -> Iterator[Action]:
     owners = [("", "", layout.view.widgets)]
     owners += [(each.robot, _where(each), each.widgets) for each in layout.view.viewports]

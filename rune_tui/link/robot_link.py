@@ -19,6 +19,7 @@ from hub.errors import HubError
 from hub.gcm import mapping, vision
 from hub.gcm.capability import Capability
 from hub.gcm.catalog import BY_NAME
+from hub.gcm.control import CONTROL_STATE, ControlAction, ControlState
 from hub.gcm.providers import PROVIDED_BY
 from hub.gcm.supervision import (
     CAPABILITY_REPORTS,
@@ -36,6 +37,7 @@ from hub.ipc.security import Action, may
 from rune_tui.layout.names import CAPABILITY_INTERVALS_MS
 from rune_tui.layout.spec import RobotSpec
 from rune_tui.link.bounds import MOST_LETTERS, bounded
+from rune_tui.link.control_line import ControlLine
 from rune_tui.link.pictures import map_of, picture_of
 from rune_tui.link.requests import Requester
 from rune_tui.model.console_state import PictureWish
@@ -73,6 +75,7 @@ class RobotLink:
         hub: str = "",
         *,
         keys: Path | None = None,
+        operator: str = "",
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Prepare the connection.
@@ -81,6 +84,7 @@ class RobotLink:
             spec: The robot.
             hub: Endpoint instead of the one in the layout.
             keys: File of the operator's key, for a hub on another machine.
+            operator: Who sits here.
             clock: Monotonic time [s].
 
         Raises:
@@ -92,11 +96,13 @@ class RobotLink:
         self._picture_size: tuple[int, int] | None = None
         self._wish = PictureWish()
         self._numbers = 0
+        self._owner = 0
         self._counted = (clock(), 0, 0)
         self._want_due = clock()
         self._messages = self._bytes = 0
         self._handlers: dict[str, Callable[[Any, Reception], None]] = {}
         self._tap: Tap | None = None
+        self._control: ControlLine | None = None
         self._stopping = threading.Event()
         own_keys = read_client_keys(keys) if keys else None
         self._client = Client(
@@ -131,6 +137,7 @@ class RobotLink:
         if link.may_command:
             self._client.define(CAPABILITY_WANTS)
             self._client.every(_KEEP_ALIVE_LOOK_S, self._keep_alive)
+            self._control = ControlLine(self._client, operator, lambda: self._state, self._say)
         self._client.every(_REQUEST_CHECK_S, self._pictures.look)
         self._client.every(_REQUEST_CHECK_S, self._maps.look)
         self._client.every(_COUNT_S, self._count)
@@ -170,6 +177,19 @@ class RobotLink:
             self._record(definition, value, measured)
             self._client.post(lambda: self._client.publish(definition, value, measured=measured))
 
+    def control(self, action: ControlAction, *, by_driving: bool = False) -> None:
+        """Take control of the robot, ask for it, hand it over or give it up.
+
+        It is lost while there is no connection, as commands are.
+        """
+        if self._control is not None and self._state.link.phase is LinkPhase.CONNECTED:
+            self._control.want(action, by_driving=by_driving)
+
+    def attend(self) -> None:
+        """Somebody looks after this console: it keeps control for a second more, if it has it."""
+        if self._control is not None:
+            self._control.attended = self._clock()
+
     def tap(self, tap: Tap | None) -> None:
         """Hand everything that comes and goes to somebody else as well; None: to nobody."""
         self._tap = tap
@@ -206,7 +226,7 @@ class RobotLink:
             for capability in capabilities[:1]
             if capability in wanted
         }
-        messages = (spec.messages | {CAPABILITY_REPORTS.name}) - _ANSWERS
+        messages = (spec.messages | {CAPABILITY_REPORTS.name, CONTROL_STATE.name}) - _ANSWERS
         for name in self._handlers.keys() - messages:
             self._client.unsubscribe(BY_NAME[name], self._handlers.pop(name))
         kept = {n: r for n, r in self._state.messages.items() if n in messages}
@@ -245,9 +265,12 @@ class RobotLink:
             if taken is not value and name not in self._state.link.cut:
                 self._change_link(cut=self._state.link.cut | {name})
             received = self._received(taken, reception)
+            self._note_number()
             self._state = self._state.with_(messages={**self._state.messages, name: received})
             if isinstance(taken, CapabilityReports):
                 self._note_lacking(taken)
+            elif isinstance(taken, ControlState):
+                self._note_owner(taken)
 
         return store
 
@@ -286,7 +309,28 @@ class RobotLink:
         else:
             closed = f"closed by {self._client.closed_by}" if self._client.closed_by else ""
             phase, detail = LinkPhase.LOST, closed or str(self._client.refusal or "")
+        if phase is not LinkPhase.CONNECTED and CONTROL_STATE.name in self._state.messages:
+            # Nothing is known of control until the hub says it anew: it may be another hub by then.
+            kept = {n: r for n, r in self._state.messages.items() if n != CONTROL_STATE.name}
+            self._state = self._state.with_(messages=kept)
+        self._note_number()
         self._set_link(phase, detail)
+
+    def _note_number(self) -> None:
+        if self._client.number != self._state.link.number:
+            self._change_link(number=self._client.number)
+
+    def _note_owner(self, control: ControlState) -> None:
+        """Note since when there is another owner, by the clock on the wall here."""
+        if control.owner != self._owner:
+            self._owner = control.owner
+            since = time.localtime(time.time() - control.held_s)
+            self._change_link(owned_since=time.strftime("%H:%M", since) if self._owner else "")
+
+    def _say(self, text: str) -> None:
+        """Have the operator told that something was refused."""
+        link = self._state.link
+        self._change_link(said=text[:MOST_LETTERS], said_count=link.said_count + 1)
 
     def _set_link(self, phase: LinkPhase, detail: str) -> None:
         link, detail = self._state.link, detail[:MOST_LETTERS]

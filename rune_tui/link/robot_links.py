@@ -14,7 +14,12 @@ class RobotLinks(Mapping[str, RobotLink]):
     """A connection for each robot, by its name."""
 
     def __init__(
-        self, layout: LayoutSpec, hubs: Sequence[str] = (), *, keys: Path | None = None
+        self,
+        layout: LayoutSpec,
+        hubs: Sequence[str] = (),
+        *,
+        keys: Path | None = None,
+        operator: str = "",
     ) -> None:
         """Prepare them.
 
@@ -23,6 +28,7 @@ class RobotLinks(Mapping[str, RobotLink]):
             hubs: Endpoints instead of those in the layout, in the order of its robots; none or
                 one for each.
             keys: File of the operator's key, for hubs on other machines.
+            operator: Who sits here, as robots are told.
 
         Raises:
             HubChoiceError: There are not as many endpoints as robots.
@@ -31,6 +37,7 @@ class RobotLinks(Mapping[str, RobotLink]):
         """
         self._hubs = tuple(hubs)
         self._keys = keys
+        self._operator = operator
         self._wanted: dict[str, str] = {}
         wanted = self._endpoints(layout)
         self._links = self._made(layout, wanted, {})
@@ -71,7 +78,7 @@ class RobotLinks(Mapping[str, RobotLink]):
         return {
             robot.name: known[robot.name]
             if self._wanted.get(robot.name) == wanted[robot.name]
-            else RobotLink(robot, wanted[robot.name], keys=self._keys)
+            else RobotLink(robot, wanted[robot.name], keys=self._keys, operator=self._operator)
             for robot in layout.robots
         }
 

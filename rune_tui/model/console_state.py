@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Self
 
 from hub.gcm.vision import ImageCoding, ImageKind
+from rune_tui.layout.actions import inputs_of
 from rune_tui.layout.spec import CHOSEN, LayoutSpec
 from rune_tui.model.display_state import DisplayState
 from rune_tui.model.robot_state import RobotState
@@ -80,6 +81,7 @@ class ConsoleState:
         trouble: What is wrong with the layout as it was saved last; drawn over everything.
         display: How the picture reaches the operator's eyes; None without a terminal.
         pixel_height: Height of a pixel, half a cell of the terminal, over its width.
+        inputs: Which input wakes a handler first, in words, by the handler and its robot.
     """
 
     now: float
@@ -101,6 +103,7 @@ class ConsoleState:
     trouble: str = ""
     display: DisplayState | None = None
     pixel_height: float = 1.0
+    inputs: Mapping[tuple[str, str], str] = field(default_factory=dict)
 
     @classmethod
     def at_start(cls, layout: LayoutSpec, now: float, operator: str = "") -> Self:
@@ -111,11 +114,17 @@ class ConsoleState:
             chosen=layout.robots[0].name,
             shown={viewport.name: viewport.visible for viewport in layout.view.viewports},
             operator=operator,
+            inputs=inputs_of(layout),
         )
 
     def robot(self, name: str) -> RobotState | None:
         """The robot of this name, which may be `CHOSEN`; None if there is none."""
         return self.robots.get(self.chosen if name == CHOSEN else name)
+
+    def input_of(self, handler: str, robot: str) -> str:
+        """The input that wakes a handler for a robot, in words; empty if none does."""
+        chosen = self.inputs.get((handler, CHOSEN), "") if robot == self.chosen else ""
+        return self.inputs.get((handler, robot), chosen)
 
     def notice(self, text: str, *, robot: str = "", alarm: bool = False) -> Notice:
         """Something that happens now, for the operator to read."""
@@ -143,4 +152,5 @@ def carried_over(state: ConsoleState, before: LayoutSpec, layout: LayoutSpec) ->
         wishes={name: wish for name, wish in state.wishes.items() if name in robots},
         night=state.night & robots,
         trouble="",
+        inputs=inputs_of(layout),
     )

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from hub.gcm.control import ControlAction
 from hub.ipc.definition import MessageDefinition
 from rune_tui.model.console_state import MOST_NOTICES, ConsoleState, Notice, PictureWish
 from rune_tui.model.theme import THEMES
@@ -30,6 +31,21 @@ class SendEffect:
     robot: str
     definition: MessageDefinition[Any]
     value: Any
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ControlEffect:
+    """Take control of a robot, ask for it, hand it over or give it up.
+
+    Attributes:
+        robot: The robot's name in the layout.
+        action: What is wanted.
+        by_driving: Whether a key that drives wants it, and not one of its own.
+    """
+
+    robot: str
+    action: ControlAction
+    by_driving: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,6 +221,7 @@ StateEffect = (
 """What only changes the console's state."""
 DeedEffect = (
     SendEffect
+    | ControlEffect
     | QuitEffect
     | NextLayoutEffect
     | ScreenshotEffect

@@ -5,8 +5,18 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator, Mapping
 
+from hub.gcm.control import ControlState
 from hub.gcm.supervision import CAPABILITY_REPORTS, CapabilityPhase
 from rune_tui.model.console_state import ConsoleState, Notice
+from rune_tui.model.control import (
+    Standing,
+    answer_keys,
+    asks,
+    control_of,
+    owner_words,
+    seconds_left,
+    standing,
+)
 from rune_tui.model.robot_state import LinkPhase, RobotState
 
 _TRANSIENT = frozenset({"starting", "not started yet"})
@@ -19,8 +29,8 @@ GRACE_S = 4.0
 class Watch:
     """Compares what is known of each robot with what was known before.
 
-    Links that are lost and found, wanted capabilities that a robot does not provide, and messages
-    that say more than the console takes.
+    Links that are lost and found, control that changes hands, what a robot refuses, wanted
+    capabilities that a robot does not provide, and messages that say more than the console takes.
     """
 
     def __init__(self) -> None:
@@ -29,6 +39,8 @@ class Watch:
         self._had: dict[str, set[str]] = {}
         self._since: dict[tuple[str, str], float] = {}
         self._cut: dict[str, frozenset[str]] = {}
+        self._control: dict[str, ControlState] = {}
+        self._said: dict[str, int] = {}
 
     def look(self, state: ConsoleState) -> tuple[Notice, ...]:
         """What has happened since the last look."""
@@ -49,8 +61,43 @@ class Watch:
             text = f"{message} says more than can be shown: only part of it is"
             yield state.notice(text, robot=name, alarm=True)
         self._cut[name] = link.cut
+        if link.said_count != self._said.get(name, 0):
+            self._said[name] = link.said_count
+            yield state.notice(link.said, robot=name, alarm=True)
+        yield from self._handed_over(robot, state)
         if link.phase is LinkPhase.CONNECTED:
             yield from self._capabilities(robot, state)
+
+    def _handed_over(self, robot: RobotState, state: ConsoleState) -> Iterator[Notice]:
+        """Control that others have now, or ask for, or did not get."""
+        name, now = robot.name, control_of(robot)
+        if now is None:
+            return
+        before = self._control.get(name, ControlState())
+        self._control[name] = now
+        if now.owner != before.owner:
+            lost = before.owner == robot.link.number != 0
+            text = f"{owner_words(robot)}: {now.why}"
+            notice = state.notice(text, robot=name, alarm=lost and bool(now.owner))
+            yield dataclasses.replace(notice, quiet=standing(robot) is Standing.MINE)
+        elif before.asker and now.asker != before.asker:
+            yield state.notice(now.why, robot=name)
+        if now.asker and now.asker != before.asker:
+            yield self._request(robot, now, state)
+
+    @staticmethod
+    def _request(robot: RobotState, control: ControlState, state: ConsoleState) -> Notice:
+        """That somebody asks for control; an alarm where it is to be answered."""
+        left = f"{seconds_left(robot, state.now)} s to answer"
+        if asks(robot):
+            return state.notice(
+                f"{control.operator} is asked for control: {left}", robot=robot.name
+            )
+        here = standing(robot) is Standing.MINE
+        keys = ", ".join(answer_keys(robot, state)) if here else ""
+        text = f"{control.asker_operator} asks {'you' if here else control.operator} for control"
+        words = "; ".join(filter(None, (f"{text}: {left}", keys)))
+        return state.notice(words, robot=robot.name, alarm=here)
 
     def _capabilities(self, robot: RobotState, state: ConsoleState) -> Iterator[Notice]:
         """Capabilities that are missing, and those that are back."""

@@ -99,6 +99,10 @@ class LinkState:
         missed: How many messages did not come, of those that should have.
         lacking: Wanted capabilities that the robot does not provide now, in words by name.
         cut: Messages of which some was too much to be taken, by name.
+        number: This console's number at the robot's hub, as in frame headers; 0: none yet.
+        owned_since: The time of day since when its owner has control of it, such as "14:03".
+        said: Why the robot or its hub refused something last; empty before.
+        said_count: How often that was, to tell a new one from the one before.
     """
 
     phase: LinkPhase
@@ -112,6 +116,10 @@ class LinkState:
     missed: int = 0
     lacking: Mapping[str, str] = field(default_factory=dict)
     cut: frozenset[str] = frozenset()
+    number: int = 0
+    owned_since: str = ""
+    said: str = ""
+    said_count: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

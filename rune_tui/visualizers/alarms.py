@@ -14,10 +14,10 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
-from rune_tui.visualizers.mood import Mood, ink_of
+from rune_tui.visualizers.mood import Mood, Part, ink_of
 from rune_tui.visualizers.range_data import pressed_bumpers
 from rune_tui.visualizers.rows import Row, cut, wrapped
-from rune_tui.visualizers.status_words import Part, side_of, status_parts
+from rune_tui.visualizers.status_words import side_of, status_parts
 
 _SIGNS = {Mood.ALARM: "!! ", Mood.WARNING: "! "}
 
@@ -29,7 +29,7 @@ class Alarms:
     rule: ClassVar = VisualizerRule(
         meaning="what is wrong now, the worst first; all well if nothing is",
         message=ROBOT_STATE.name,
-        others=("GCM_CameraState",),
+        others=("GCM_CameraState", "GCM_Control_State"),
     )
     whole_cells: ClassVar[bool] = True
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+from dataclasses import dataclass
 
 from rune_tui.model.theme import Colour, Theme
 
@@ -23,6 +24,21 @@ class Mood(enum.Enum):
     GOOD = "good"
     WARNING = "warning"
     ALARM = "alarm"
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A piece of what is said of a robot.
+
+    Attributes:
+        text: What it says.
+        weight: Where room is short, parts of the least weight go first.
+        mood: How it is meant.
+    """
+
+    text: str
+    weight: int
+    mood: Mood = Mood.PLAIN
 
 
 def ink_of(mood: Mood, theme: Theme) -> Colour:

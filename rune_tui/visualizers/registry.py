@@ -11,6 +11,7 @@ from rune_tui.visualizers.button import Button
 from rune_tui.visualizers.camera_image import CameraImage
 from rune_tui.visualizers.capabilities import Capabilities
 from rune_tui.visualizers.compass import Compass
+from rune_tui.visualizers.control import Control
 from rune_tui.visualizers.depth import Depth
 from rune_tui.visualizers.event_log import EventLog
 from rune_tui.visualizers.ground_plane import GroundPlane
@@ -47,6 +48,7 @@ VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
     "visualizeSpeed": Speed,
     "visualizeAlarms": Alarms,
     "visualizeCapabilities": Capabilities,
+    "visualizeControl": Control,
     "visualizeEventLog": EventLog,
     "visualizeLink": Link,
     "visualizeMarks": Marks,

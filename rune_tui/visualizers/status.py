@@ -11,20 +11,20 @@ from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas, printable_text
-from rune_tui.visualizers.mood import ink_of
-from rune_tui.visualizers.status_words import Part, status_parts
+from rune_tui.visualizers.mood import Part, ink_of
+from rune_tui.visualizers.status_words import status_parts
 
 _GAP = 2
 
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """Name, link, motion, speed, battery, nearest obstacle, camera, picture age, keys held."""
+    """Name, link, control, motion, speed, battery, obstacle, camera, picture age, keys held."""
 
     rule: ClassVar = VisualizerRule(
-        meaning="one line: link, speed, battery, motion",
+        meaning="one line: link, who has control, speed, battery, motion",
         message="GCM_RobotState",
-        others=("GCM_CameraState",),
+        others=("GCM_CameraState", "GCM_Control_State"),
     )
     whole_cells: ClassVar[bool] = True
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,7 +11,8 @@ from hub.gcm.navigation import SENSOR_COUNT, MotionState
 from hub.gcm.navigation import RobotState as NavigationState
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase, RobotState
-from rune_tui.visualizers.mood import Mood
+from rune_tui.visualizers.control_words import control_parts
+from rune_tui.visualizers.mood import Mood, Part
 from rune_tui.visualizers.range_data import BODY_RADIUS_M, is_near
 from rune_tui.visualizers.staleness import MENTION_AFTER_S, Staleness, age_text, staleness
 
@@ -33,27 +33,13 @@ _MOTION = {
 _UNHINDERED = frozenset({MotionState.STANDING, MotionState.MOVING, MotionState.GOING})
 
 
-@dataclass(frozen=True, slots=True)
-class Part:
-    """A piece of the status line.
-
-    Attributes:
-        text: What it says.
-        weight: Where room is short, parts of the least weight go first.
-        mood: How it is meant.
-    """
-
-    text: str
-    weight: int
-    mood: Mood = Mood.PLAIN
-
-
 def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     """All that there is to say now, in the order in which it is shown."""
     return (
         Part(robot.name, 8),
         _link(robot, state.now),
         *_permission(robot),
+        *control_parts(robot, state),
         *_motion(robot, state.now),
         *_camera(robot),
         *_picture_age(robot, state.now),

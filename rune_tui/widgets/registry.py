@@ -4,6 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from rune_tui.widgets.control import (
+    DenyControl,
+    GrantControl,
+    ReleaseControl,
+    TakeControl,
+    TakeOver,
+)
 from rune_tui.widgets.marked import CorrectLandmark, EditMark, ExportMarks, RemoveMark, UndoMark
 from rune_tui.widgets.marks import SetLandmark, SetVictim
 from rune_tui.widgets.orders import Autonomy, GoTo, Safety
@@ -27,6 +34,11 @@ from rune_tui.widgets.widget import Widget
 WIDGETS: Mapping[str, type[Widget]] = {
     "widgetSetSpeed": SetSpeed,
     "widgetStop": StopRobot,
+    "widgetTakeControl": TakeControl,
+    "widgetReleaseControl": ReleaseControl,
+    "widgetGrantControl": GrantControl,
+    "widgetDenyControl": DenyControl,
+    "widgetTakeOver": TakeOver,
     "widgetGoTo": GoTo,
     "widgetAutonomy": Autonomy,
     "widgetSafety": Safety,

@@ -26,7 +26,9 @@ from rune_tui.model.effects import (
     SendEffect,
     ToggleHelp,
 )
+from rune_tui.model.robot_state import LinkPhase, LinkState
 from rune_tui.opening import open_layout
+from tests.console.states import robot_of
 
 DEMO = open_layout(Path(__file__).parents[2] / "layouts" / "demo.xml")
 TWO_ROBOTS = """\
@@ -123,9 +125,11 @@ def test_every_key_of_the_demo_has_an_effect():
     specs = [*DEMO.view.widgets]
     for viewport in DEMO.view.viewports:
         specs += viewport.widgets
+    link = LinkState(phase=LinkPhase.CONNECTED, since=0.0, endpoint="")
+    state = dataclasses.replace(at(0.0), robots={"magellan": robot_of(name="magellan", link=link)})
     for event in [event for spec in specs for event in spec.events]:
-        assert dispatch.handle(down(event.name), at(0.0))
-        dispatch.handle(up(event.name), at(0.0))
+        assert dispatch.handle(down(event.name), state)
+        dispatch.handle(up(event.name), state)
 
 
 def test_the_demo_looks_left_with_j_and_right_with_l():

@@ -1,0 +1,98 @@
+"""What a link says and hears of control of its robot; used by the link's thread."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from hub.errors import NoHandlerError, QueryError
+from hub.gcm.common import COMMON_RESULT, CommonResult
+from hub.gcm.control import (
+    CONSOLE_HEARTBEAT,
+    CONTROL_REFUSAL,
+    CONTROL_REQUEST,
+    HEARTBEAT_HZ,
+    ConsoleHeartbeat,
+    ControlAction,
+    ControlRefusal,
+    ControlRequest,
+)
+from hub.ipc.client import Client
+from hub.ipc.reception import Reception
+from rune_tui.model.control import Standing, standing
+from rune_tui.model.robot_state import RobotState
+
+ATTENDED_S = 1.0
+"""A console that was not looked after for this long says no more that it lives [s]."""
+_ANSWER_S = 2.0
+
+
+class ControlLine:
+    """Says that this console lives, asks for control, and hears what is refused.
+
+    Attributes:
+        attended: When the console itself was last seen at work [s]; any thread may set it. The
+            thread of a link goes on when the console hangs, but its heartbeat must not.
+    """
+
+    def __init__(
+        self,
+        client: Client,
+        operator: str,
+        state: Callable[[], RobotState],
+        say: Callable[[str], None],
+    ) -> None:
+        """Begin.
+
+        Args:
+            client: The link's.
+            operator: Who sits here.
+            state: What is known of the robot.
+            say: Gets in words what was refused.
+        """
+        self.attended = -math.inf
+        self._client = client
+        self._operator = operator
+        self._state = state
+        self._say = say
+        client.define(CONSOLE_HEARTBEAT, CONTROL_REQUEST, COMMON_RESULT)
+        client.subscribe(CONTROL_REFUSAL, self._refused)
+        client.every(1.0 / HEARTBEAT_HZ, self._beat)
+
+    def want(self, action: ControlAction, *, by_driving: bool) -> None:
+        """Ask the robot's hub for something; any thread may."""
+        self._client.post(lambda: self._ask(action, by_driving=by_driving))
+
+    def _ask(self, action: ControlAction, *, by_driving: bool) -> None:
+        def answered(result: CommonResult, reception: Reception) -> None:
+            del reception
+            if not result.done:
+                self._say(result.text)
+
+        def failed(error: QueryError) -> None:
+            if isinstance(error, NoHandlerError):
+                if not by_driving:
+                    self._say("this robot's hub knows no control: everybody commands it")
+            else:
+                self._say(f"control: {error}")
+
+        self._client.query_notify(
+            CONTROL_REQUEST,
+            ControlRequest(action=action, operator=self._operator),
+            COMMON_RESULT,
+            timeout=_ANSWER_S,
+            answered=answered,
+            failed=failed,
+        )
+
+    def _beat(self) -> None:
+        lives = self._client.loop.clock() - self.attended < ATTENDED_S
+        if lives and self._client.connected:
+            holds = standing(self._state()) is Standing.MINE
+            self._client.publish(CONSOLE_HEARTBEAT, ConsoleHeartbeat(holds=int(holds)))
+
+    def _refused(self, refusal: ControlRefusal, reception: Reception) -> None:
+        del reception
+        if refusal.sender == self._client.number:
+            what = refusal.message.removeprefix("GCM_").replace("_", " ").lower()
+            self._say(f"{what} refused: {refusal.operator} has control")
