@@ -15,12 +15,14 @@ from hub.errors import (
     CentralUnreachableError,
     HubError,
     NoHandlerError,
+    QueryError,
     UndefinedMessageError,
 )
 from hub.gcm.catalog import BY_NAME
 from hub.gcm.common import CommonResult
+from hub.gcm.control import CONTROL_STATE, RESTRICTED
 from hub.inspection import values
-from hub.inspection.writing import outcome, put
+from hub.inspection.writing import outcome, printable, put
 from hub.ipc import control
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
@@ -127,10 +129,14 @@ def send(
     """Publish one message, or at `rate_hz` until Ctrl-C; if wanted, one of zeros before.
 
     Returns:
-        The exit code: 1 if nobody listens.
+        The exit code: 1 if nobody listens, or somebody else has control.
     """
     definition = find(client, name)
     value = values.value_from_text(definition, assignments)
+    owner = _owner(client) if name in RESTRICTED else ""
+    if owner:
+        text = f"{owner} has control, so the robot refuses this; `rune-hub control` says more"
+        sys.stderr.write(f"rune-hub: {printable(text)}\n")
     client.define(definition)
     client.wait_defined(_ANSWER_S)
     if zero_first:
@@ -147,7 +153,15 @@ def send(
         client.every(1.0 / rate_hz, lambda: client.publish(definition, value))
         while True:
             client.listen(0.2)
-    return 0 if heard else 1
+    return 0 if heard and not owner else 1
+
+
+def _owner(client: Client) -> str:
+    """Who has control of the robot; empty if nobody has, or the hub does not say."""
+    try:
+        return client.last_value(CONTROL_STATE, timeout=_ANSWER_S).operator
+    except QueryError:
+        return ""
 
 
 def query(

@@ -28,7 +28,7 @@ def control_parts(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
         return
     stands = standing(robot)
     if stands is Standing.OTHERS:
-        yield Part(f"{control.operator} has control", 7, Mood.WARNING)
+        yield Part(f"{control.operator} has control", 7)
     elif stands is Standing.MINE:
         yield Part("you have control", 3, Mood.GOOD)
     else:

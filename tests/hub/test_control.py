@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import json
 from collections.abc import Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path
@@ -9,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from hub.control_gate import ControlGate
-from hub.errors import HandlerFailedError
+from hub.errors import HandlerFailedError, HubError
 from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.gcm.control import (
     CONSOLE_HEARTBEAT,
@@ -24,6 +26,7 @@ from hub.gcm.control import (
 )
 from hub.gcm.navigation import GOAL_COMMAND, GoalCommand
 from hub.gcm.supervision import MODULE_INFO, ModuleInfo
+from hub.inspection import commands, control
 from hub.ipc.central import Central
 from hub.ipc.client import Client
 from hub.ipc.keyring import Keyring
@@ -197,3 +200,39 @@ def test_nobody_asks_in_the_name_of_another(robot: Robot) -> None:
     eve._connection.publisher = boss.number
     with pytest.raises(HandlerFailedError, match="in the name of another"):
         want(eve, ControlAction.TAKE_OVER)
+
+
+def test_commands_show_who_has_control_and_free_the_robot(
+    robot: Robot, capsys: pytest.CaptureFixture[str]
+) -> None:
+    alice, bob, tool = robot.client("alice"), robot.client("bob"), robot.client("tool")
+    assert control.show(tool, as_json=False) == 0
+    assert capsys.readouterr().out.splitlines()[0] == "nobody has control"
+    want(alice, ControlAction.TAKE)
+    want(bob, ControlAction.ASK)
+    assert control.show(tool, as_json=False) == 0
+    first, second, *_ = capsys.readouterr().out.splitlines()
+    assert first.startswith("alice (alice) has had control for 0.")
+    assert second.startswith("bob (bob) asks for it, ")
+    assert control.show(tool, as_json=True) == 0
+    assert json.loads(capsys.readouterr().out)["operator"] == "alice"
+    with pytest.raises(HubError, match="add --force"):
+        control.release(tool, force=False)
+    assert control.release(tool, force=True) == 0
+    assert capsys.readouterr().out == "control was taken from alice\n"
+    robot.until_owned_by(None)
+
+
+def test_who_sends_what_is_refused_is_told_so(
+    robot: Robot, capsys: pytest.CaptureFixture[str]
+) -> None:
+    tool = robot.client("tool")
+    goal = functools.partial(
+        commands.send, tool, GOAL_COMMAND.name, [], rate_hz=0.0, zero_first=False
+    )
+    assert goal() == 0
+    want(robot.client("alice"), ControlAction.TAKE)
+    assert goal() == 1
+    assert "alice has control, so the robot refuses this" in capsys.readouterr().err
+    commands.send(tool, "GCM_Stop", [], rate_hz=0.0, zero_first=False)
+    assert "has control" not in capsys.readouterr().err
