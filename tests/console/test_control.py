@@ -169,12 +169,14 @@ def test_stop_is_sent_whoever_has_control(hands: Hands) -> None:
         assert STOP.name in sent(hands.press("space"))
 
 
+@pytest.mark.parametrize("lost", [BOBS, NOBODY, None])
 def test_key_that_is_held_while_control_is_lost_counts_only_when_it_is_pressed_anew(
-    hands: Hands,
+    hands: Hands, lost: ControlState | None
 ) -> None:
     hands.control = MINE
+    hands.tick()
     assert speeds(hands.press("w")) == [(0.5, 0.0)]
-    for control in (BOBS, MINE):
+    for control in (lost, MINE):
         hands.control = control
         assert set(speeds(hands.seconds(0.5) + hands.repeat("w"))) == {(0.0, 0.0)}
     hands.let_go("w")

@@ -5,13 +5,38 @@ from __future__ import annotations
 import signal
 from collections.abc import Callable
 from contextlib import ExitStack, closing
+from typing import Any
 
 import pytest
 
-from hub.gcm.control import CONTROL_STATE, ControlState
-from hub.gcm.navigation import GROUND_TRUTH
-from tests.system.harness import ConsoleProcess, HubProcess, Observer, drive, expect_stop
+from hub.gcm import autonomy, navigation
+from hub.gcm.catalog import BY_NAME
+from hub.gcm.common import COMMON_RESULT
+from hub.gcm.control import (
+    CONSOLE_HEARTBEAT,
+    CONTROL_REFUSAL,
+    CONTROL_REQUEST,
+    CONTROL_STATE,
+    RESTRICTED,
+    ConsoleHeartbeat,
+    ControlAction,
+    ControlRequest,
+    ControlState,
+)
+from hub.gcm.navigation import GROUND_TRUTH, Task
+from hub.ipc.client import Client
+from hub.ipc.definition import MessageDefinition
+from tests.system.harness import (
+    STILL,
+    ConsoleProcess,
+    HubProcess,
+    Observer,
+    drive,
+    expect_stop,
+    in_soak,
+)
 
+HUB = {"modules": ("driver", "navigation", "vision", "mapping", "autonomy")}
 HELD_S = 1.5
 Start = Callable[[str], ConsoleProcess]
 
@@ -94,7 +119,7 @@ def test_who_asks_is_given_control_and_the_robot_stands_until_they_drive(
     drive(bob, observer)
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGKILL, *in_soak(signal.SIGTERM, signal.SIGHUP)])
 def test_console_of_the_owner_is_gone_and_the_other_one_takes_over_a_robot_at_rest(
     start: Start, observer: Observer, number: signal.Signals
 ) -> None:
@@ -107,3 +132,88 @@ def test_console_of_the_owner_is_gone_and_the_other_one_takes_over_a_robot_at_re
     bob.wait(lambda: "nobody has control" in bob.text, 10.0)
     drive(bob, observer)
     wait_owner(observer, "bob")
+
+
+class Somebody:
+    """A client that may have control; it says that it lives."""
+
+    def __init__(self, name: str, hub: HubProcess, observer: Observer, stack: ExitStack) -> None:
+        self.client = Client(name, hub.endpoint, loop=observer.client.loop)
+        stack.enter_context(closing(self.client))
+        self.client.wait_connected(5.0)
+        holds = ConsoleHeartbeat(holds=1)
+        self.client.every(0.2, lambda: self.client.publish(CONSOLE_HEARTBEAT, holds))
+
+    def want(self, action: ControlAction) -> None:
+        request = ControlRequest(action=action, operator=self.client.name)
+        answer = self.client.query_response(CONTROL_REQUEST, request, COMMON_RESULT, timeout=5.0)
+        assert answer.done, answer.text
+
+    def send(self, definition: MessageDefinition[Any], value: Any) -> None:
+        self.client.define(definition)
+        self.client.wait_defined(5.0)
+        self.client.publish(definition, value)
+        self.client.wait_published(5.0)
+
+
+def command_of(definition: MessageDefinition[Any]) -> Any:
+    """A command that moves something."""
+    if definition is navigation.VELOCITY_COMMAND:
+        return navigation.Twist.planar(0.3, 0.0)
+    if definition is navigation.LANDMARK_CORRECTION:
+        return navigation.LandmarkCorrection(x=1.0, y=0.0, seen_x=1.0, seen_y=0.0)
+    return definition.type()
+
+
+def test_modules_refuse_all_that_only_the_owner_may_send(
+    hub: HubProcess, observer: Observer, stack: ExitStack
+) -> None:
+    alice = Somebody("alice", hub, observer, stack)
+    alice.want(ControlAction.TAKE)
+    wait_owner(observer, "alice")
+    refused: set[str] = set()
+    observer.client.subscribe(CONTROL_REFUSAL, lambda refusal, _: refused.add(refusal.message))
+    observer.client.wait_subscribed(5.0)
+    for number, name in enumerate(sorted(RESTRICTED)):
+        other = Somebody(f"other-{number}", hub, observer, stack)  # each is told once a second
+        other.send(BY_NAME[name], command_of(BY_NAME[name]))
+    observer.wait(lambda: refused == RESTRICTED, 10.0, lambda: f"only {refused}")
+
+
+def test_what_the_robot_does_by_itself_ends_when_control_is_handed_over(
+    hub: HubProcess, observer: Observer, stack: ExitStack
+) -> None:
+    alice, bob = (Somebody(name, hub, observer, stack) for name in ("alice", "bob"))
+    statuses: list[navigation.NavigationStatus] = []
+    observer.client.subscribe(
+        navigation.NAVIGATION_STATUS, lambda status, _: statuses.append(status)
+    )
+    alice.want(ControlAction.TAKE)
+    wait_owner(observer, "alice")
+    alice.send(navigation.TURN_COMMAND, navigation.TurnCommand(angle=6.0))
+    observer.wait(lambda: statuses and statuses[-1].task is Task.TURNING, 10.0)
+    observer.wait(lambda: control(observer).commander_name == "alice", 10.0)
+    bob.want(ControlAction.ASK)
+    alice.want(ControlAction.GRANT)
+    observer.wait(lambda: statuses[-1].task is Task.CANCELLED, 10.0)
+    assert statuses[-1].why == "bob has control now"
+    observer.wait(lambda: abs(observer.truth.angular) < STILL, 5.0)
+
+
+def test_autonomy_drives_for_the_owner_and_holds_when_control_is_handed_over(
+    hub: HubProcess, observer: Observer, stack: ExitStack
+) -> None:
+    alice, bob = (Somebody(name, hub, observer, stack) for name in ("alice", "bob"))
+    states: list[autonomy.AutonomyState] = []
+    observer.client.subscribe(autonomy.AUTONOMY_STATE, lambda state, _: states.append(state))
+    alice.want(ControlAction.TAKE)
+    wait_owner(observer, "alice")
+    explore = autonomy.AutonomyCommand(behaviour=autonomy.Behaviour.EXPLORE)
+    alice.send(autonomy.AUTONOMY_COMMAND, explore)
+    observer.wait(lambda: control(observer).commander is autonomy.Pilot.AUTONOMY, 20.0)
+    bob.want(ControlAction.ASK)
+    alice.want(ControlAction.GRANT)
+    observer.wait(lambda: states[-1].behaviour is autonomy.Behaviour.HOLD, 10.0)
+    assert states[-1].why == "stopped: bob has control now"
+    observer.wait(lambda: abs(observer.truth.linear) < STILL, 5.0)
+    observer.wait(lambda: control(observer).commander is autonomy.Pilot.NOBODY, 5.0)

@@ -324,3 +324,30 @@ def test_driver_that_began_anew_waits_for_neutral_and_so_does_the_operator() -> 
     scene.governor.command(A, 0.0, 0.0, scene.now, scene.now)
     scene.governor.command(A, 0.3, 0.0, scene.now, scene.now)
     assert scene.governor.velocity(scene.now) == (0.3, 0.0)
+
+
+def test_robot_that_is_handed_over_stands_until_its_new_operator_sends_neutral():
+    scene = driving()
+    scene.governor.controlled_by(B, A)
+    assert scene.velocity == (0.0, 0.0)
+    assert scene.state is MotionState.WAITING
+    for sender in (A, B):
+        scene.hold(sender, 0.3, 0.2)
+        assert scene.velocity == (0.0, 0.0)
+    scene.command(B, 0.0)
+    scene.command(B, 0.3)
+    assert scene.velocity == (0.3, 0.0)
+
+
+def test_who_drives_a_free_robot_drives_on_when_they_get_control():
+    scene = driving()
+    scene.governor.controlled_by(A, 0)
+    assert scene.velocity != (0.0, 0.0)
+    scene.governor.controlled_by(0, A)
+    assert scene.velocity != (0.0, 0.0)
+
+
+def test_who_drives_a_free_robot_is_stopped_when_somebody_else_gets_control():
+    scene = driving()
+    scene.governor.controlled_by(B, 0)
+    assert scene.velocity == (0.0, 0.0)
