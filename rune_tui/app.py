@@ -153,10 +153,17 @@ class Console(App[None], inherit_bindings=False):
             # as they always do, and the robot stops by itself.
             with contextlib.suppress(AttributeError, NotImplementedError, ValueError, RuntimeError):
                 loop.add_signal_handler(getattr(signal, name), self._leave)
+        self.app_resume_signal.subscribe(self, self._come_back)
         self.set_interval(_FRAME_S, self._draw)
         self.set_interval(_TICK_S, self._tick)
         if self._source.changes:
             self.run_worker(self._follow_layouts())
+
+    def _come_back(self, _: App[None]) -> None:
+        """The terminal was somebody else's for a while."""
+        self._let_go()
+        self._painter.restart()
+        self.screen.refresh()
 
     async def _follow_layouts(self) -> None:
         """Open what is asked for or was saved, read in a thread so that driving goes on."""

@@ -74,8 +74,23 @@ class SturdyDriver(LinuxDriver):
 
     lost: bool = False
     _ending: bool = False
+    _suspended: bool = False
     _left_out: events.MouseMove | None = None
     """Where the mouse has gone, if the console was not told."""
+
+    def _sigtstp_application(self, *given: object) -> None:
+        """Somebody suspends the console from the terminal."""
+        self._suspended = True
+        super()._sigtstp_application(*given)
+
+    def _sigcont_application(self, *given: object) -> None:
+        """The process goes on; only one that had left the terminal has to enter it again.
+
+        Textual's own would read and write in two threads from then on.
+        """
+        if self._suspended:
+            self._suspended = False
+            super()._sigcont_application(*given)
 
     def write(self, data: str) -> None:
         """Hand over what is to be written, or lose it if that would hold up the console."""

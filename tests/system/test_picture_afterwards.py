@@ -1,0 +1,98 @@
+"""Whatever happens to the terminal, it shows the right picture afterwards."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import signal
+import struct
+import termios
+import time
+from collections.abc import Callable
+
+import psutil
+import pyte
+import pytest
+
+from tests.system.harness import ConsoleProcess, HubProcess
+from tests.waiting import until
+
+PICTURE_ROWS = 20
+"""Below them are words that change by themselves."""
+STABLE_S = 0.6
+
+
+@pytest.fixture
+def hub(lasting_hub: HubProcess) -> HubProcess:
+    return lasting_hub
+
+
+def picture(console: ConsoleProcess) -> list[tuple[str, ...]]:
+    """What is seen of the camera's picture, which stands still as the robot does."""
+    buffer, columns = console.screen.buffer, console.screen.columns
+    return [seen(buffer[row][column]) for row in range(PICTURE_ROWS) for column in range(columns)]
+
+
+def seen(cell: pyte.screens.Char) -> tuple[str, ...]:
+    """The colours of the upper and lower half of a cell, or its character too."""
+    halves = {"▀": (cell.fg, cell.bg), " ": (cell.bg, cell.bg)}
+    return halves.get(cell.data, (cell.data, cell.fg, cell.bg))
+
+
+def settled(console: ConsoleProcess) -> list[tuple[str, ...]]:
+    """The picture once it has not changed for a while: then it is exact."""
+    console.wait_for_picture()
+    known, since = picture(console), time.monotonic()
+
+    def still() -> bool:
+        nonlocal known, since
+        if (now := picture(console)) != known:
+            known, since = now, time.monotonic()
+        return time.monotonic() - since > STABLE_S
+
+    console.wait(still, 30.0, "the picture does not settle")
+    return known
+
+
+def resize(console: ConsoleProcess, columns: int, rows: int) -> None:
+    """The window becomes larger or smaller."""
+    size = struct.pack("HHHH", rows, columns, 0, 0)
+    fcntl.ioctl(console.terminal, termios.TIOCSWINSZ, size)
+    console.screen.resize(rows, columns)
+    os.killpg(console.process.pid, signal.SIGWINCH)
+
+
+def other_sizes(console: ConsoleProcess) -> None:
+    for columns, rows in ((20, 5), (200, 60), (100, 30)):
+        resize(console, columns, rows)
+        console.pump(0.5)
+
+
+def suspend(console: ConsoleProcess) -> None:
+    process = psutil.Process(console.process.pid)
+    process.send_signal(signal.SIGTSTP)
+    until(lambda: process.status() == psutil.STATUS_STOPPED, 10.0)
+    console.pump(0.2)
+    console.screen.reset()  # what the shell and others leave
+    process.send_signal(signal.SIGCONT)
+
+
+def stop_reading(_: ConsoleProcess) -> None:
+    time.sleep(2.5)
+
+
+def open_the_list(console: ConsoleProcess) -> None:
+    console.type("\x10")  # ctrl+p
+    console.wait(lambda: "What shall be done?" in console.text, 20.0, "the list does not open")
+    console.pump(0.5)
+    console.type("\x1b")
+    console.wait(lambda: "What shall be done?" not in console.text, 20.0, "the list stays")
+
+
+@pytest.mark.parametrize("event", [other_sizes, suspend, stop_reading, open_the_list])
+def test_the_picture_is_right_afterwards(
+    console: ConsoleProcess, event: Callable[[ConsoleProcess], None]
+) -> None:
+    before = settled(console)
+    event(console)
+    console.wait(lambda: picture(console) == before, 20.0, "the picture is another one")
