@@ -330,7 +330,7 @@ class Console(App[None], inherit_bindings=False):
             self._execute(self._dispatch.handle(event, self.state))
 
     def _let_go(self) -> None:
-        self._keyboard.release_all()
+        self._keyboard.release_all(time.monotonic())
         self._execute(self._dispatch.released(self.state))
 
     def _execute(self, effects: Iterable[Effect]) -> None:

@@ -49,10 +49,14 @@ class KeyboardHold:
 
     How fast the keyboard repeats is measured over its last few repeats, whatever the key. The
     longest of these intervals counts, because a slow line delivers repeats in bursts.
+
+    A key that was held when all were let go may still be down, and repeat. Until it has been silent
+    for as long as a hold lasts, it only repeats: what it drove before, it drives no more.
     """
 
     def __init__(self) -> None:
         self._holds: dict[str, _Hold] = {}
+        self._let_go: dict[str, float] = {}
         self._intervals: deque[float] = deque(maxlen=_REPEATS_MEASURED)
 
     @property
@@ -64,6 +68,9 @@ class KeyboardHold:
         """The terminal reports a key: releases that were due by now, then its press or repeat."""
         key = canonical_key(key)
         due = self.expire(now)
+        if now < self._let_go.pop(key, now):
+            self._let_go[key] = now + self._repeat_hold()
+            return (*due, ControlEvent(name=key, pressed=True, repeat=True))
         hold = self._holds.get(key)
         if hold is None:
             self._holds[key] = _Hold(last=now, deadline=now + _FIRST_HOLD_S)
@@ -85,9 +92,10 @@ class KeyboardHold:
             del self._holds[key]
         return tuple(ControlEvent(name=key, pressed=False) for _, key in due)
 
-    def release_all(self) -> tuple[ControlEvent, ...]:
+    def release_all(self, now: float) -> tuple[ControlEvent, ...]:
         """Everything is let go: the terminal lost the focus, was suspended, or the console ends."""
         released = tuple(ControlEvent(name=key, pressed=False) for key in self._holds)
+        self._let_go |= dict.fromkeys(self._holds, now + _FIRST_HOLD_S)
         self._holds.clear()
         return released
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Iterable
 
 import pytest
@@ -81,7 +82,7 @@ class Operator:
                 self.state = changed(self.state, effect)
 
     def let_go(self) -> None:
-        self.keyboard.release_all()
+        self.keyboard.release_all(self.state.now)
         self.execute(self.dispatch.released(self.state))
 
     def wait(self, ticks: int) -> None:
@@ -96,7 +97,7 @@ class Operator:
             self.execute(self.dispatch.handle(event, self.state))
 
     def lift(self) -> None:
-        for event in self.keyboard.release_all():
+        for event in self.keyboard.expire(math.inf):
             self.execute(self.dispatch.handle(event, self.state))
 
     def choose(self, number: int) -> None:
@@ -144,6 +145,9 @@ def test_a_held_key_drives_the_next_robot_only_when_pressed_anew(choosing: Layou
     assert operator.state.chosen == "blimp"
     operator.wait(2)
     assert all(operator.at_rest.values())
+    operator.press("w")  # which repeats, as it is still down
+    assert all(operator.at_rest.values())
+    operator.wait(13)
     operator.press("w")
     assert operator.at_rest == {"magellan": True, "blimp": False}
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import math
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -312,9 +313,9 @@ def play(actions: list[tuple[str, int]]) -> Hands:
     hands = Hands(DEMO)
     for action, pause in actions:
         if action == "let go":
-            hands.feed(hands.keyboard.release_all())
+            hands.feed(hands.keyboard.expire(math.inf))
         elif action == "focus lost":
-            hands.keyboard.release_all()
+            hands.keyboard.release_all(hands.now)
             hands.put(hands.dispatch.released(at(hands.now)))
         else:
             hands.feed(hands.keyboard.press(action, hands.now))
@@ -350,7 +351,7 @@ def test_letting_go_sends_zero_once_and_then_five_times_a_second(actions: list[t
     hands.wait(1)
     moving = any(not twist.neutral for twist in hands.velocities(0.0, 1e9)[-1:])
     before = len(hands.sent)
-    hands.feed(hands.keyboard.release_all())
+    hands.feed(hands.keyboard.expire(math.inf))
     let_go = [
         effect.value.neutral
         for _, effect in hands.sent[before:]
@@ -370,7 +371,7 @@ def test_letting_go_sends_zero_once_and_then_five_times_a_second(actions: list[t
 @given(actions=ACTIONS)
 def test_losing_the_focus_sends_exactly_one_zero_at_once(actions: list[tuple[str, int]]):
     hands = play(actions)
-    hands.keyboard.release_all()
+    hands.keyboard.release_all(hands.now)
     effects = hands.dispatch.released(at(hands.now))
     assert velocities(effects, "magellan") == [(0.0, 0.0)]
     assert len(effects) == 1

@@ -14,9 +14,10 @@ import struct
 import subprocess
 import sys
 import termios
+import threading
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -250,12 +251,34 @@ class ConsoleProcess:
                     os.write(self.terminal, b"\x1b[?6c")
                 self._unread = data[-_QUESTION_BYTES:] if not _ASKED.search(data[-32:]) else b""
 
-    def hold(self, keys: str, seconds: float, *, every: float = 0.033) -> None:
-        """Keep a key down as a terminal shows it: a press and repeats."""
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
+    @contextlib.contextmanager
+    def holding(self, keys: str, *, every: float = 0.033) -> Iterator[None]:
+        """Keep a key down as a terminal shows it: a press and repeats.
+
+        They come in time however long the emulator takes for what the console writes; a gap would
+        be a release.
+        """
+        let_go = threading.Event()
+
+        def repeat() -> None:
             self.type(keys)
-            self.pump(every)
+            while not let_go.wait(every):
+                self.type(keys)
+
+        hand = threading.Thread(target=repeat)
+        hand.start()
+        try:
+            yield
+        finally:
+            let_go.set()
+            hand.join()
+
+    def hold(self, keys: str, seconds: float, *, every: float = 0.033) -> None:
+        """Keep a key down for a while."""
+        end = time.monotonic() + seconds
+        with self.holding(keys, every=every):
+            while (left := end - time.monotonic()) > 0:
+                self.pump(left)
 
     def hold_until(self, keys: str, condition: Any, timeout: float = 30.0) -> None:
         """Keep a key down until the robot does what it should.
@@ -266,10 +289,11 @@ class ConsoleProcess:
         end = time.monotonic() + timeout
         while True:
             let_go = time.monotonic() + 2.5
-            while time.monotonic() < let_go:
-                self.hold(keys, 0.1)
-                if condition():
-                    return
+            with self.holding(keys):
+                while time.monotonic() < let_go:
+                    self.pump(0.1)
+                    if condition():
+                        return
             assert time.monotonic() < end, f"holding {keys!r} does nothing\n{self.text}"
             self.pump(1.0)
 

@@ -129,8 +129,26 @@ def test_losing_the_focus_releases_everything_in_the_order_pressed():
     keyboard = KeyboardHold()
     for key in ("w", "d", "up"):
         keyboard.press(key, 0.0)
-    assert keyboard.release_all() == (release("w"), release("d"), release("up"))
-    assert (keyboard.held, keyboard.expire(9.0), keyboard.release_all()) == ((), (), ())
+    assert keyboard.release_all(0.1) == (release("w"), release("d"), release("up"))
+    assert (keyboard.held, keyboard.expire(9.0), keyboard.release_all(9.0)) == ((), (), ())
+
+
+def test_a_key_that_stays_down_when_all_are_let_go_only_repeats_until_it_was_silent():
+    keyboard = KeyboardHold()
+    last = hold_down(keyboard, "w", 0.0, 10, RATE)
+    keyboard.release_all(last)
+    for number in range(1, 40):
+        assert keyboard.press("w", last + 0.3 + number * RATE) == (repeat("w"),)
+        assert keyboard.held == ()
+    assert keyboard.press("w", last + 0.3 + 39 * RATE + 0.16) == (press("w"),)
+
+
+def test_a_key_that_was_up_when_all_were_let_go_is_a_press():
+    keyboard = KeyboardHold()
+    keyboard.press("w", 0.0)
+    keyboard.release_all(0.1)
+    assert keyboard.press("d", 0.2) == (press("d"),)
+    assert keyboard.press("w", 0.7) == (press("w"),)
 
 
 def test_the_names_of_a_key_are_one_key():
@@ -181,6 +199,7 @@ def test_presses_and_releases_of_a_key_alternate_and_everything_ends_released(
     keyboard = KeyboardHold()
     now = 0.0
     down: set[str] = set()
+    stayed: set[str] = set()
     for action, key, pause in steps:
         now += pause
         if action == "press":
@@ -188,8 +207,12 @@ def test_presses_and_releases_of_a_key_alternate_and_everything_ends_released(
         elif action == "expire":
             events = keyboard.expire(now)
         else:
-            events = keyboard.release_all()
+            events = keyboard.release_all(now)
+            stayed |= {event.name for event in events}
         for event in events:
+            if event.repeat and event.name not in down:
+                assert event.name in stayed
+                continue
             assert (event.name in down) == (event.repeat or not event.pressed)
             (down.add if event.pressed else down.discard)(event.name)
         assert down == set(keyboard.held)
