@@ -1,0 +1,1 @@
+"""From what devices report to what layouts name: shaping, matching, calibration; pure."""

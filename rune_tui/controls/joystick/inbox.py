@@ -1,0 +1,71 @@
+"""What a device reported and nobody has taken yet: of axes the newest, of buttons every edge."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Sequence
+
+from rune_tui.controls.hid.device_controls import PhysicalControl
+from rune_tui.layout.spec import ControlKind
+
+MOST_EDGES = 256
+"""More than hands do in seconds; of more, the oldest are dropped and counted."""
+
+
+class Inbox:
+    """Between the thread that reads a device and the one that uses it.
+
+    Attributes:
+        dropped: Edges of buttons that nobody took in time; where they end is known all the same.
+        reports: How many reports came.
+    """
+
+    def __init__(self, controls: Sequence[PhysicalControl]) -> None:
+        self.dropped = 0
+        self.reports = 0
+        self._kinds = [control.kind for control in controls]
+        self._turns = any(kind is ControlKind.BALL for kind in self._kinds)
+        self._last: tuple[tuple[int, int | None], ...] = ()
+        self._lock = threading.Lock()
+        self._known: dict[int, int | None] = {}
+        self._changed: dict[int, int | None] = {}
+        self._counts: dict[int, int] = {}
+        self._edges: deque[tuple[int, int | None]] = deque(maxlen=MOST_EDGES)
+
+    def put(self, values: tuple[tuple[int, int | None], ...]) -> bool:
+        """A report came; whether it says anything new."""
+        self.reports += 1
+        if values == self._last and not self._turns:
+            return False
+        self._last = values
+        with self._lock:
+            news = [self._put(position, raw) for position, raw in values]
+        return True in news
+
+    def take(self) -> list[tuple[int, int | None]]:
+        """All that is new, edges in their order, and at the end the newest of everything."""
+        with self._lock:
+            taken = [*self._edges, *self._changed.items(), *self._counts.items()]
+            self._edges.clear()
+            self._changed.clear()
+            self._counts.clear()
+        return taken
+
+    def everything(self) -> list[tuple[int, int | None]]:
+        """The newest of all controls that have said anything, taken or not."""
+        with self._lock:
+            return list(self._known.items())
+
+    def _put(self, position: int, raw: int | None) -> bool:
+        kind = self._kinds[position]
+        if kind is ControlKind.BALL:
+            self._counts[position] = self._counts.get(position, 0) + (raw or 0)
+            return bool(raw)
+        if position in self._known and self._known[position] == raw:
+            return False
+        self._known[position] = self._changed[position] = raw
+        if kind is not ControlKind.AXIS:
+            self.dropped += len(self._edges) == MOST_EDGES
+            self._edges.append((position, raw))
+        return True

@@ -1,0 +1,118 @@
+"""Which device is which joystick of the layout; pure."""
+
+from __future__ import annotations
+
+import fnmatch
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from rune_tui.layout.spec import JoystickSpec
+
+JOYSTICK_USAGES = frozenset({(1, 4), (1, 5), (1, 8)})
+"""Usage page and usage of joysticks, gamepads and devices with many axes (HID usage tables)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DeviceInfo:
+    """A device that is plugged in.
+
+    Attributes:
+        path: How the system names it now; another after it was plugged in again.
+        vid: The vendor's number.
+        pid: The product's number.
+        serial: Its serial number; empty if it tells none.
+        name: The product's name.
+        joystick: Whether it says that it is a joystick or the like.
+        port: Where it is plugged in, as far as the system tells; empty if it does not.
+        bus: 1 for USB, 2 for Bluetooth, else something else; 0 if the system does not tell.
+    """
+
+    path: str
+    vid: int
+    pid: int
+    serial: str = ""
+    name: str = ""
+    joystick: bool = True
+    port: str = ""
+    bus: int = 0
+
+    @property
+    def shown(self) -> str:
+        """What to call it to an operator."""
+        return self.name or f"device {self.vid:04x}:{self.pid:04x}"
+
+    @property
+    def key(self) -> str:
+        """Under which what is known of it is kept."""
+        return f"{self.vid:04x}:{self.pid:04x}:{self.serial}"
+
+
+def is_meant(spec: JoystickSpec, device: DeviceInfo) -> bool:
+    """Whether a device is one that the layout can mean, joystick or not."""
+    return (
+        spec.vid in {None, device.vid}
+        and spec.pid in {None, device.pid}
+        and spec.serial in {"", device.serial}
+        and (not spec.device or fnmatch.fnmatch(device.name.lower(), spec.device.lower()))
+        and (device.joystick or is_particular(spec))
+    )
+
+
+def is_particular(spec: JoystickSpec) -> bool:
+    """Whether the layout means a certain kind of device, not just any joystick."""
+    return spec.vid is not None or bool(spec.serial or spec.device)
+
+
+def assigned(
+    specs: Sequence[JoystickSpec],
+    devices: Sequence[DeviceInfo],
+    last: Mapping[str, DeviceInfo],
+) -> Mapping[str, DeviceInfo]:
+    """The device of each joystick that has one, by the joystick's name; none has two.
+
+    Who has a device keeps it while it is there. One that is plugged in again goes to the joystick
+    that it was before, known by its serial number, else by its port. What is left is shared out in
+    the order of the layout, first to the joysticks that are most particular.
+
+    Args:
+        specs: The joysticks of the layout.
+        devices: What is plugged in.
+        last: The device that each joystick has or had last, by the joystick's name.
+    """
+    found: dict[str, DeviceInfo] = {}
+    free = sorted((each for each in devices), key=lambda each: (each.port, each.path))
+    by_care = sorted(specs, key=lambda spec: (not spec.serial, spec.vid is None, not spec.device))
+    for same in (_same_path, _same_serial, _same_port, _same_kind, _any):
+        for spec in by_care:
+            before = last.get(spec.name)
+            for device in [] if spec.name in found else free:
+                if is_meant(spec, device) and same(before, device):
+                    found[spec.name] = device
+                    free.remove(device)
+                    break
+    return found
+
+
+def _same_kind(before: DeviceInfo | None, device: DeviceInfo) -> bool:
+    return before is not None and (before.vid, before.pid) == (device.vid, device.pid)
+
+
+def _same_path(before: DeviceInfo | None, device: DeviceInfo) -> bool:
+    return before is not None and before == device
+
+
+def _same_serial(before: DeviceInfo | None, device: DeviceInfo) -> bool:
+    return before is not None and bool(before.serial) and before.key == device.key
+
+
+def _same_port(before: DeviceInfo | None, device: DeviceInfo) -> bool:
+    return (
+        before is not None
+        and bool(before.port)
+        and before.port == device.port
+        and _same_kind(before, device)
+    )
+
+
+def _any(before: DeviceInfo | None, device: DeviceInfo) -> bool:  # noqa: ARG001 - as the others
+    return True
