@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-CONSOLE_ONLY = {"textual", "rich", "lxml", "hid", "PIL", "rune_tui"}
+CONSOLE_ONLY = {"textual", "rich", "lxml", "hid", "hidraw", "PIL", "rune_tui"}
 ON_DEMAND = {"av"}
 
 
@@ -24,9 +24,9 @@ ON_DEMAND = {"av"}
         ("import hub.gcm.catalog", CONSOLE_ONLY | {"zmq"}),
         (
             "import rune_tui.view, rune_tui.dispatch, rune_tui.layout.spec",
-            {"textual", "rich", "hid", "zmq"},
+            {"textual", "rich", "hid", "hidraw", "zmq"},
         ),
-        ("import rune_tui.shot", {"textual", "rich", "hid"}),
+        ("import rune_tui.shot", {"textual", "rich", "hid", "hidraw"}),
         (
             "import hub.cli, rune_tui.cli",
             CONSOLE_ONLY - {"rune_tui"} | {"zmq", "numpy", "importlib.metadata"},
