@@ -11,7 +11,6 @@ import dataclasses
 import datetime
 import logging
 import os
-import signal
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -24,6 +23,9 @@ from textual.binding import Binding
 from hub.errors import HubError
 from rune_tui import desk
 from rune_tui.controls.events import ControlEvent
+from rune_tui.controls.hid_reader import HidReader
+from rune_tui.controls.joystick.store import CalibrationStore
+from rune_tui.controls.joysticks import Joysticks
 from rune_tui.controls.keyboard import KeyboardHold, name_of_key
 from rune_tui.controls.stall_guard import StallGuard
 from rune_tui.dispatch import Dispatch
@@ -36,6 +38,7 @@ from rune_tui.link.robot_links import RobotLinks
 from rune_tui.model.console_state import ConsoleState, carried_over
 from rune_tui.model.effects import (
     AskEffect,
+    CalibrateEffect,
     ChooseRobot,
     ControlEffect,
     DeedEffect,
@@ -62,6 +65,7 @@ from rune_tui.ui.palette import palette_of
 from rune_tui.ui.question import Question
 from rune_tui.ui.terminal import terminal_driver
 from rune_tui.ui.view_pane import ViewPane, ViewScreen
+from rune_tui.ui.waking import at_the_systems_end, waker
 from rune_tui.view import View
 
 if TYPE_CHECKING:
@@ -112,6 +116,7 @@ class Console(App[None], inherit_bindings=False):
         self._actions = actions_of(layout)
         self._watch = Watch()
         self._keyboard = KeyboardHold()
+        self._joysticks = Joysticks(layout.joysticks, HidReader(), CalibrationStore())
         self._stalls = StallGuard()
         self._undone: set[type] = set()
         self._leaving = False
@@ -139,6 +144,7 @@ class Console(App[None], inherit_bindings=False):
             self.run()
         finally:
             self._let_go()
+            self._joysticks.close()
             for link in self._links.values():
                 link.close()
             if self._recording is not None:
@@ -148,12 +154,9 @@ class Console(App[None], inherit_bindings=False):
     def on_mount(self) -> None:
         """Start the clocks, and end in order when the system asks."""
         loop = asyncio.get_running_loop()
-        for name in ("SIGTERM", "SIGHUP"):
-            # Where signals cannot be handled (Windows, tests in a thread), they end the process
-            # as they always do, and the robot stops by itself.
-            with contextlib.suppress(AttributeError, NotImplementedError, ValueError, RuntimeError):
-                loop.add_signal_handler(getattr(signal, name), self._leave)
+        at_the_systems_end(loop, self._leave)
         self.app_resume_signal.subscribe(self, self._come_back)
+        self._joysticks.start(waker(loop, self._joysticks_moved))
         self.set_interval(_FRAME_S, self._draw)
         self.set_interval(_TICK_S, self._tick)
         if self._source.changes:
@@ -202,6 +205,7 @@ class Console(App[None], inherit_bindings=False):
         self._actions = actions_of(layout)
         self._console = carried_over(self._console, self._shown_layout, layout)
         self._shown_layout = layout
+        self._joysticks.follow(layout.joysticks, time.monotonic())
         self._tap()
         self._tell(desk.Outcome(text=f"opened {layout.path}"))
         self._ask_for_pictures()
@@ -266,6 +270,20 @@ class Console(App[None], inherit_bindings=False):
         moved = ControlEvent(name=MOUSE + part, pressed=pressed, value=value, hits=hits)
         self._execute(self._dispatch.handle(moved, state))
 
+    def _joysticks_moved(self) -> None:
+        """Joysticks have something to tell.
+
+        What lies over the view, and another window in front, rests them, but for the stop.
+        """
+        now = self._look_up()
+        resting = self._covered or self._console.help or not self.app_focus
+        for event in self._joysticks.events(now):
+            if self._dispatch.waits_for(event.name):
+                state = dataclasses.replace(self.state, help=resting)
+                self._execute(self._dispatch.handle(event, state))
+        if resting:
+            self._handle(self._joysticks.release_all(now))
+
     async def action_quit(self) -> None:
         """The terminal has gone."""
         self._leave()
@@ -283,9 +301,17 @@ class Console(App[None], inherit_bindings=False):
         for link in self._links.values():
             link.attend()
         self._handle(self._keyboard.expire(now))
+        self._mind_joysticks(now)
         state = self.state
         self._execute(Tell(notice=notice) for notice in self._watch.look(state))
         self._execute(self._dispatch.tick(state))
+
+    def _mind_joysticks(self, now: float) -> None:
+        for text in self._joysticks.tick(now):
+            self._tell(desk.Outcome(text=text))
+        if self._joysticks.unsaved:
+            self._joysticks.unsaved = False
+            self._write(lambda: desk.write_calibrations(self._joysticks.store))
 
     def _look_up(self) -> float:
         """The time now; after a pause of the console itself, nothing counts as held."""
@@ -330,8 +356,11 @@ class Console(App[None], inherit_bindings=False):
             self._execute(self._dispatch.handle(event, self.state))
 
     def _let_go(self) -> None:
-        self._keyboard.release_all(time.monotonic())
+        now = time.monotonic()
+        self._keyboard.release_all(now)
+        released = self._joysticks.release_all(now)
         self._execute(self._dispatch.released(self.state))
+        self._handle(released)
 
     def _execute(self, effects: Iterable[Effect]) -> None:
         for effect in effects:
@@ -353,15 +382,10 @@ class Console(App[None], inherit_bindings=False):
         match effect:
             case SendEffect() | ControlEffect():
                 self._send(effect)
-            case ScreenshotEffect():
-                now, cells = datetime.datetime.now().astimezone(), self._pane.cells
-                if cells is not None:
-                    self._write(lambda: desk.write_screenshot(cells, now))
-            case RecordEffect():
-                self._record_or_not()
-            case ExportEffect(robot=name):
-                now, robot = datetime.datetime.now().astimezone(), self._links[name].state
-                self._write(lambda: desk.write_marks(robot, now))
+            case ScreenshotEffect() | RecordEffect() | ExportEffect():
+                self._put_on_file(effect)
+            case CalibrateEffect(joystick=name, control=control):
+                self._joysticks.calibrate(name, control, time.monotonic())
             case NextLayoutEffect():
                 self._open_next()
             case PaletteEffect():
@@ -386,6 +410,17 @@ class Console(App[None], inherit_bindings=False):
             link.send(effect.definition, effect.value)
         if (outcome := desk.undelivered(effect, link.state)) is not None:
             self._tell(outcome)
+
+    def _put_on_file(self, effect: ScreenshotEffect | RecordEffect | ExportEffect) -> None:
+        now, cells = datetime.datetime.now().astimezone(), self._pane.cells
+        match effect:
+            case RecordEffect():
+                self._record_or_not()
+            case ScreenshotEffect() if cells is not None:
+                self._write(lambda: desk.write_screenshot(cells, now))
+            case ExportEffect(robot=name):
+                robot = self._links[name].state
+                self._write(lambda: desk.write_marks(robot, now))
 
     def _record_or_not(self) -> None:
         """Begin to record, or end it."""
@@ -457,6 +492,7 @@ class Console(App[None], inherit_bindings=False):
             held=self._keyboard.held,
             robots={name: link.state for name, link in self._links.items()},
             display=self._painter.display(time.monotonic()),
+            joysticks=self._joysticks.states,
         )
 
 

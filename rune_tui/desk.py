@@ -15,6 +15,7 @@ from hub.gcm.mapping import INTEREST_POINTS
 from hub.ipc.definition import Keep
 from rune_tui.compositor import picture
 from rune_tui.compositor.cells import Cells
+from rune_tui.controls.joystick.store import CalibrationStore
 from rune_tui.export.points import csv_table, geojson
 from rune_tui.export.report import html_page
 from rune_tui.layout.spec import LayoutSpec
@@ -103,6 +104,15 @@ def write_marks(robot: RobotState, now: datetime.datetime) -> Outcome:
         return _not_written("marks", error)
     text = f"what is marked ({len(points)}) is in {base}.csv, .geojson and .html"
     return Outcome(text=text, robot=robot.name)
+
+
+def write_calibrations(store: CalibrationStore) -> Outcome:
+    """Write what is known of joysticks into the user's configuration folder."""
+    try:
+        store.save()
+    except OSError as error:
+        return _not_written("the calibration", error)
+    return Outcome(text=f"the calibration is in {store.path}")
 
 
 def begin_recording(

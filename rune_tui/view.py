@@ -211,7 +211,8 @@ class View:
         changed = [pane.refresh(state) for pane in self._panes]
         changed.append(self._help.refresh(self._columns, self._rows, state))
         passing = self._passing(state)
-        now_said = (state.theme.name, state.trouble, passing)
+        urgent = state.trouble or _asked(state)
+        now_said = (state.theme.name, urgent, passing)
         said = now_said == self._said
         if self._complete and not any(changed) and said:
             return None
@@ -220,8 +221,8 @@ class View:
         layers = [pane.layer for pane in self._panes if pane.layer is not None]
         if self._too_small:
             layers = [self._apology(state)]
-        elif state.trouble:
-            layers.append(self._complaint(state))
+        elif urgent:
+            layers.append(self._urgent(urgent, state))
         elif passing:
             layers.append(self._told(passing, state))
         layers += self._help.layers
@@ -264,10 +265,10 @@ class View:
     def _too_small(self) -> bool:
         return self._columns < MIN_COLUMNS or self._rows < MIN_ROWS
 
-    def _complaint(self, state: ConsoleState) -> Layer:
-        """What is wrong with the layout as it was saved, over the upper edge of everything."""
+    def _urgent(self, text: str, state: ConsoleState) -> Layer:
+        """What stays until something is done about it, over the upper edge of everything."""
         canvas = Canvas.blank(self._columns, 2 * min(_COMPLAINT_ROWS, self._rows))
-        write_notice(canvas, state.trouble, state.theme)
+        write_notice(canvas, text, state.theme)
         return Layer(canvas=canvas, x=0, y=0, zpos=self._nearest + 1)
 
     def _passing(self, state: ConsoleState) -> Notice | None:
@@ -296,6 +297,11 @@ class View:
         canvas = Canvas.blank(self._columns, 2 * self._rows)
         write_notice(canvas, "too small", state.theme)
         return Layer(canvas=canvas, x=0, y=0)
+
+
+def _asked(state: ConsoleState) -> str:
+    """What the operator is asked to do with a joystick now."""
+    return next((each.prompt for each in state.joysticks.values() if each.prompt), "")
 
 
 def _is_drawn(viewport: ViewportSpec) -> bool:

@@ -11,6 +11,7 @@ from hub.gcm.vision import ImageCoding, ImageKind
 from rune_tui.layout.actions import inputs_of
 from rune_tui.layout.spec import CHOSEN, LayoutSpec
 from rune_tui.model.display_state import DisplayState
+from rune_tui.model.joystick_state import JoystickState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import DARK, Theme
 
@@ -82,6 +83,7 @@ class ConsoleState:
         display: How the picture reaches the operator's eyes; None without a terminal.
         pixel_height: Height of a pixel, half a cell of the terminal, over its width.
         inputs: Which input wakes a handler first, in words, by the handler and its robot.
+        joysticks: All that is known of the layout's joysticks, by name.
     """
 
     now: float
@@ -104,6 +106,7 @@ class ConsoleState:
     display: DisplayState | None = None
     pixel_height: float = 1.0
     inputs: Mapping[tuple[str, str], str] = field(default_factory=dict)
+    joysticks: Mapping[str, JoystickState] = field(default_factory=dict)
 
     @classmethod
     def at_start(cls, layout: LayoutSpec, now: float, operator: str = "") -> Self:

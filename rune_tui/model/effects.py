@@ -96,6 +96,19 @@ class ExportEffect:
     robot: str
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CalibrateEffect:
+    """Ask the operator for the ends of a joystick's axes; if that is being done, end it.
+
+    Attributes:
+        joystick: The joystick's name in the layout; empty: the first.
+        control: Which axis; empty: those that the layout wants calibrated, or all.
+    """
+
+    joystick: str = ""
+    control: str = ""
+
+
 @dataclass(frozen=True, slots=True)
 class PaletteEffect:
     """Open the list of all that the layout's inputs do, to choose from."""
@@ -228,6 +241,7 @@ DeedEffect = (
     | RecordEffect
     | AskEffect
     | ExportEffect
+    | CalibrateEffect
     | PaletteEffect
 )
 """What the app has to do."""

@@ -1,4 +1,4 @@
-"""What happens to robots that the operator must see, told once each."""
+"""What happens to robots and joysticks that the operator must see, told once each."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from rune_tui.model.control import (
     seconds_left,
     standing,
 )
+from rune_tui.model.joystick_state import JoystickPhase, JoystickState
 from rune_tui.model.robot_state import LinkPhase, RobotState
 
 _TRANSIENT = frozenset({"starting", "not started yet"})
@@ -27,10 +28,11 @@ GRACE_S = 4.0
 
 
 class Watch:
-    """Compares what is known of each robot with what was known before.
+    """Compares what is known of each robot and joystick with what was known before.
 
     Links that are lost and found, control that changes hands, what a robot refuses, wanted
-    capabilities that a robot does not provide, and messages that say more than the console takes.
+    capabilities that a robot does not provide, and messages that say more than the console takes;
+    joysticks that come, go or cannot be used.
     """
 
     def __init__(self) -> None:
@@ -41,10 +43,29 @@ class Watch:
         self._cut: dict[str, frozenset[str]] = {}
         self._control: dict[str, ControlState] = {}
         self._said: dict[str, int] = {}
+        self._joysticks: dict[str, tuple[JoystickPhase, str]] = {}
 
     def look(self, state: ConsoleState) -> tuple[Notice, ...]:
         """What has happened since the last look."""
-        return tuple(notice for robot in state.robots.values() for notice in self._of(robot, state))
+        of_robots = (self._of(robot, state) for robot in state.robots.values())
+        of_joysticks = (self._of_joystick(each, state) for each in state.joysticks.values())
+        return tuple(notice for some in (*of_robots, *of_joysticks) for notice in some)
+
+    def _of_joystick(self, joystick: JoystickState, state: ConsoleState) -> Iterator[Notice]:
+        name, device = joystick.name, joystick.device
+        now = (joystick.phase, joystick.why)
+        before = self._joysticks.get(name, (JoystickPhase.MISSING, ""))
+        self._joysticks[name] = now
+        if now == before:
+            return
+        lacking = f", {joystick.why}" if joystick.why else ""
+        match joystick.phase:
+            case JoystickPhase.CONNECTED:
+                yield state.notice(f"{name} is {device}{lacking}", alarm=bool(lacking))
+            case JoystickPhase.MISSING if before[0] is JoystickPhase.CONNECTED:
+                yield state.notice(f"{name} is unplugged: {device} is gone", alarm=True)
+            case JoystickPhase.FORBIDDEN | JoystickPhase.UNSUITABLE:
+                yield state.notice(f"{name} cannot be used: {joystick.why}", alarm=True)
 
     def _of(self, robot: RobotState, state: ConsoleState) -> Iterator[Notice]:
         link, name = robot.link, robot.name

@@ -16,6 +16,7 @@ from rune_tui.visualizers.depth import Depth
 from rune_tui.visualizers.event_log import EventLog
 from rune_tui.visualizers.ground_plane import GroundPlane
 from rune_tui.visualizers.heading import Heading
+from rune_tui.visualizers.joystick import Joystick
 from rune_tui.visualizers.label import Label
 from rune_tui.visualizers.link_words import Link
 from rune_tui.visualizers.map_data import MapData
@@ -50,6 +51,7 @@ VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
     "visualizeCapabilities": Capabilities,
     "visualizeControl": Control,
     "visualizeEventLog": EventLog,
+    "visualizeJoystick": Joystick,
     "visualizeLink": Link,
     "visualizeMarks": Marks,
     "visualizeModules": Modules,

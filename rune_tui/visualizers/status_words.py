@@ -10,6 +10,7 @@ import numpy as np
 from hub.gcm.navigation import SENSOR_COUNT, MotionState
 from hub.gcm.navigation import RobotState as NavigationState
 from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.joystick_state import JoystickPhase, JoystickState
 from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.visualizers.control_words import control_parts
 from rune_tui.visualizers.mood import Mood, Part
@@ -43,6 +44,7 @@ def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
         *_motion(robot, state.now),
         *_camera(robot),
         *_picture_age(robot, state.now),
+        *_joysticks(state),
         *_recording(state),
         *_held(state),
     )
@@ -122,6 +124,30 @@ def _picture_age(robot: RobotState, now: float) -> Iterator[Part]:
     if age > MENTION_AFTER_S:
         mood = Mood.PLAIN if staleness(age) is Staleness.FRESH else Mood.WARNING
         yield Part(f"picture {age_text(age)} old", 5, mood)
+
+
+def _joysticks(state: ConsoleState) -> Iterator[Part]:
+    for joystick in state.joysticks.values():
+        text, mood = joystick_words(joystick)
+        if mood is not Mood.GOOD:
+            yield Part(f"{joystick.name} {text}", 1 if mood is Mood.PLAIN else 8, mood)
+
+
+def joystick_words(joystick: JoystickState) -> tuple[str, Mood]:
+    """How a joystick stands to its device, in few words."""
+    match joystick.phase:
+        case JoystickPhase.CONNECTED if joystick.why:
+            return joystick.why, Mood.WARNING
+        case JoystickPhase.CONNECTED:
+            return "plugged in", Mood.GOOD
+        case JoystickPhase.FORBIDDEN:
+            return "NO PERMISSION", Mood.WARNING
+        case JoystickPhase.UNSUITABLE:
+            return "UNUSABLE", Mood.WARNING
+        case JoystickPhase.MISSING if joystick.lost:
+            return "UNPLUGGED", Mood.ALARM
+        case JoystickPhase.MISSING:
+            return "not plugged in", Mood.PLAIN
 
 
 def _recording(state: ConsoleState) -> Iterator[Part]:

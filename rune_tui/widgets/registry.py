@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from rune_tui.widgets.calibrate import Calibrate
 from rune_tui.widgets.control import (
     DenyControl,
     GrantControl,
@@ -66,5 +67,6 @@ WIDGETS: Mapping[str, type[Widget]] = {
     "widgetHelp": Help,
     "widgetScreenshot": Screenshot,
     "widgetRecord": RecordWidget,
+    "widgetCalibrate": Calibrate,
     "widgetQuit": Quit,
 }

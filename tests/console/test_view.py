@@ -16,6 +16,7 @@ from rune_tui.compositor.ansi import RowEncoder
 from rune_tui.compositor.cells import Cells
 from rune_tui.layout.spec import ViewportSpec, ViewSpec
 from rune_tui.model.console_state import ConsoleState, Notice
+from rune_tui.model.joystick_state import JoystickState
 from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.view import MIN_COLUMNS, MIN_ROWS, View, placed
@@ -393,7 +394,14 @@ def test_the_help_lies_over_everything_and_takes_the_mouse() -> None:
     assert shown.render(state) is not None
 
 
-def test_what_is_wrong_with_the_layout_is_drawn_over_the_upper_edge_until_it_is_right():
+@pytest.mark.parametrize(
+    "told",
+    [
+        {"trouble": "1 problem: layout.xml:3:5: no such thing"},
+        {"joysticks": {"pad": JoystickState(name="pad", prompt="move lefty to its maximum")}},
+    ],
+)
+def test_what_somebody_has_to_do_is_drawn_over_the_upper_edge_until_it_is_done(told):
     over = View(
         layout_of(
             view(viewport("visualizeCameraImage", (0, 0, 80, 48), zpos=1000), xsize=80, ysize=48)
@@ -402,12 +410,12 @@ def test_what_is_wrong_with_the_layout_is_drawn_over_the_upper_edge_until_it_is_
     over.resize(80, 24)
     robots = {"magellan": robot()}
     before = rendered(over, robots, STATE)
-    troubled = dataclasses.replace(STATE, trouble="1 problem: layout.xml:3:5: no such thing")
+    troubled = dataclasses.replace(STATE, **told)
     cells = rendered(over, robots, troubled)
     assert before is not None
     assert cells is not None
     said = "".join(chr(glyph) for glyph in cells.glyphs[:4].ravel())
-    assert "1 problem: layout.xml:3:5: no such thing" in said
+    assert "no such thing" in said or "move lefty to its maximum" in said
     assert rendered(over, robots, troubled) is None
     after = rendered(over, robots, STATE)
     assert after is not None

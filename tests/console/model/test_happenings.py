@@ -1,4 +1,4 @@
-"""What the operator is told when links and capabilities come and go."""
+"""What the operator is told when links, capabilities and joysticks come and go."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from hub.gcm.supervision import (
 )
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.happenings import GRACE_S, Watch
+from rune_tui.model.joystick_state import JoystickPhase, JoystickState
 from rune_tui.model.robot_state import LinkPhase
 from tests.console.visualizers.conftest import Made, received
 
@@ -91,3 +92,26 @@ def test_a_message_that_says_too_much_is_told_once():
     text = "GCM_Modules says more than can be shown: only part of it is"
     assert look("GCM_Modules") == [(text, True)]
     assert look("GCM_Modules") == []
+
+
+def told_of(watch: Watch, phase: JoystickPhase, device: str = "F310", why: str = "") -> Any:
+    pad = JoystickState(name="pad", device=device, phase=phase, why=why)
+    return texts(list(watch.look(ConsoleState(now=1.0, joysticks={"pad": pad}))))
+
+
+def test_a_joystick_is_told_of_when_it_comes_and_goes():
+    watch = Watch()
+    assert told_of(watch, JoystickPhase.MISSING, "") == []
+    assert told_of(watch, JoystickPhase.CONNECTED) == [("pad is F310", False)]
+    assert told_of(watch, JoystickPhase.CONNECTED) == []
+    assert told_of(watch, JoystickPhase.MISSING) == [("pad is unplugged: F310 is gone", True)]
+    assert told_of(watch, JoystickPhase.MISSING) == []
+
+
+def test_a_joystick_that_cannot_be_used_is_told_of_once_with_the_reason():
+    watch = Watch()
+    forbidden = [("pad cannot be used: no permission", True)]
+    assert told_of(watch, JoystickPhase.FORBIDDEN, why="no permission") == forbidden
+    assert told_of(watch, JoystickPhase.FORBIDDEN, why="no permission") == []
+    lacking = [("pad is F310, it has no rightx", True)]
+    assert told_of(watch, JoystickPhase.CONNECTED, why="it has no rightx") == lacking

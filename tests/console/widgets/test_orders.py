@@ -12,6 +12,7 @@ from hub.gcm.navigation import Assistance, AssistanceCommand, GoalCommand
 from hub.gcm.vision import ImageCoding, ImageKind, NightCommand
 from rune_tui.model.console_state import ConsoleState, PictureWish
 from rune_tui.model.effects import (
+    CalibrateEffect,
     ChooseRobot,
     Effect,
     FillView,
@@ -157,6 +158,12 @@ def test_a_robot_without_headlight_is_sent_nothing():
         ("widgetTheme", {"theme": "light"}, SetTheme(name="light")),
         ("widgetHelp", {}, ToggleHelp()),
         ("widgetScreenshot", {}, ScreenshotEffect()),
+        ("widgetCalibrate", {}, CalibrateEffect()),
+        (
+            "widgetCalibrate",
+            {"joystick": "pad", "control": "twist"},
+            CalibrateEffect(joystick="pad", control="twist"),
+        ),
     ],
 )
 def test_what_only_the_console_shows_changes_once_a_press(

@@ -1,0 +1,41 @@
+"""widgetCalibrate: asks for the ends of a joystick's axes."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from rune_tui.controls.events import ControlEvent
+from rune_tui.layout.rules import HandlerRule, TextOption
+from rune_tui.layout.spec import EventSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.effects import CalibrateEffect, Effect
+from rune_tui.widgets.widget import PressWidget
+
+
+class Calibrate(PressWidget):
+    """Starts the calibration of a joystick, or ends it."""
+
+    rule: ClassVar = HandlerRule(
+        meaning=(
+            "Asks for the ends and the rest of a joystick's axes, one after the other, and keeps "
+            "them for that device; again: ends it. Meanwhile the joystick drives nothing."
+        ),
+        options={
+            "joystick": TextOption(longest=64, meaning="which one; empty: the first"),
+            "control": TextOption(
+                longest=64,
+                meaning="which axis; empty: those with `calibrate`, or all if there are none",
+            ),
+        },
+        needs_robot=False,
+    )
+
+    def press(
+        self,
+        event: ControlEvent,  # noqa: ARG002 - a press is a press
+        event_spec: EventSpec,  # noqa: ARG002 - as above
+        state: ConsoleState,  # noqa: ARG002 - what there is to calibrate is known elsewhere
+    ) -> tuple[Effect, ...]:
+        """The calibration."""
+        word = self.spec.options.word
+        return (CalibrateEffect(joystick=word("joystick"), control=word("control")),)

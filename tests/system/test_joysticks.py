@@ -1,0 +1,211 @@
+"""A virtual gamepad drives the simulated robot through the real console: no hardware, no fakes."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import signal
+import struct
+import termios
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, closing
+
+import pytest
+
+from tests.fake_hid import VirtualBed, VirtualDevice, needs_virtual_devices
+from tests.system.harness import ConsoleProcess, HubProcess, Observer, expect_stop
+
+pytestmark = needs_virtual_devices
+
+PAD = "logitech_f310_dinput"
+NAME = "Logitech Gamepad F310"
+LAYOUT = """<rune run="1">
+  <robot name="magellan" hub="{hub}">
+    <capability name="NAV_STATE"/>
+    <capability name="NAV_MOVE"/>
+  </robot>
+  <joystick name="pad"/>
+  <view xsize="100" ysize="60">
+    <widget handler="widgetQuit"><event key="q"/></widget>
+    <widget handler="widgetHelp"><event key="?"/></widget>
+    <widget handler="widgetCalibrate"><event key="c"/></widget>
+    <viewport name="status" robot="magellan" xpos="0" ypos="58" xsize="100" ysize="2">
+      <visualizer function="visualizeStatus" message="GCM_RobotState"/>
+      <widget handler="widgetSetSpeed">
+        <event joystick="pad" axis="lefty" control="translate"/>
+        <event joystick="pad" axis="leftx" control="rotate" value="-1"/>
+      </widget>
+      <widget handler="widgetStop"><event joystick="pad" button="b"/></widget>
+    </viewport>
+    <viewport name="pad" xpos="0" ypos="8" xsize="60" ysize="20">
+      <visualizer function="visualizeJoystick"/>
+    </viewport>
+  </view>
+</rune>
+"""
+
+
+def report(x: int = 128, y: int = 128, *, b: bool = False) -> bytes:
+    """What the pad sends: both sticks, the hat at rest, its buttons."""
+    return bytes([x, y, 128, 128, 0x08 | 0x40 * b, 0, 0, 0])
+
+
+@pytest.fixture
+def hub(lasting_hub: HubProcess) -> HubProcess:
+    return lasting_hub
+
+
+@pytest.fixture(scope="module")
+def bed() -> Iterator[VirtualBed]:
+    with closing(VirtualBed()) as opened:
+        yield opened
+
+
+@pytest.fixture(scope="module")
+def console(
+    lasting_hub: HubProcess, bed: VirtualBed, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[ConsoleProcess]:
+    folder = tmp_path_factory.mktemp("console")
+    layout = folder / "layout.xml"
+    layout.write_text(LAYOUT.format(hub=lasting_hub.endpoint))
+    own = {"XDG_CONFIG_HOME": str(folder), "XDG_STATE_HOME": str(folder)}
+    started = ConsoleProcess(["run", str(layout)], environment=bed.environment | own)
+    with closing(started):
+        started.wait(lambda: "linked" in started.text, 20.0, "no link")
+        yield started
+
+
+Plug = Callable[[], VirtualDevice]
+
+
+@pytest.fixture
+def plug(bed: VirtualBed, console: ConsoleProcess) -> Iterator[Plug]:
+    """Plugs the pad in, and out at the end."""
+    with ExitStack() as stack:
+
+        def plugged() -> VirtualDevice:
+            pad = bed.plug(PAD)
+            stack.callback(pad.unplug)
+            console.wait(lambda: f"{NAME} (DirectInput mode): plugged in" in console.text, 10.0)
+            return pad
+
+        yield plugged
+    console.wait(lambda: "UNPLUGGED" in console.text or "not plugged" in console.text, 10.0)
+
+
+@pytest.fixture
+def pad(plug: Plug) -> VirtualDevice:
+    """Plugged in, nobody touches it."""
+    plugged = plug()
+    plugged.send(report())
+    return plugged
+
+
+def drive(pad: VirtualDevice, observer: Observer, console: ConsoleProcess) -> None:
+    """Push the stick from its neutral until the robot drives at full speed."""
+    pad.send(report())
+    console.wait(lambda: forward(console) == "+0.00", 10.0, "the stick is not seen at rest")
+    pad.send(report(y=0))
+    observer.wait(lambda: observer.truth.linear > 0.45, 20.0, "the stick does not drive")
+
+
+def forward(console: ConsoleProcess) -> str:
+    """How far the bar says that the stick is moved; empty if it is not there."""
+    found = [line.split() for line in console.screen.display if line.startswith("lefty")]
+    return found[0][2] if found else ""
+
+
+def expect_no_driving(observer: Observer) -> None:
+    """The robot is commanded to stand, and goes on being."""
+    observer.history.clear()
+    observer.wait(lambda: len(observer.history) > 10, 10.0)
+    assert {truth.commanded_linear for _, truth in observer.history} == {0.0}
+
+
+def test_the_stick_drives_as_far_as_it_is_moved_and_its_neutral_stops(
+    pad: VirtualDevice, observer: Observer, console: ConsoleProcess
+) -> None:
+    drive(pad, observer, console)
+    console.wait(lambda: forward(console) == "+1.00", 5.0, "the bar does not show it")
+    pad.send(report(y=70))
+    observer.wait(lambda: 0.05 < observer.truth.linear < 0.3, 10.0, "half is not slower")
+    pad.send(report(x=0))
+    observer.wait(lambda: observer.truth.angular > 0.5, 10.0, "left does not turn left")
+    pad.send(report())
+    expect_stop(observer)
+
+
+def test_unplugged_while_deflected_it_stops_and_plugged_in_again_it_drives_from_neutral_only(
+    plug: Plug, observer: Observer, console: ConsoleProcess, bed: VirtualBed
+) -> None:
+    first = bed.plug(PAD)
+    console.wait(lambda: ": plugged in" in console.text, 10.0)
+    drive(first, observer, console)
+    first.unplug()
+    expect_stop(observer)
+    console.wait(lambda: "pad UNPLUGGED" in console.text, 5.0, "the status does not say it")
+    again = plug()
+    again.send(report(y=0))
+    again.send(report(x=129, y=0))
+    console.wait(lambda: forward(console) == "+1.00", 10.0, "the bar does not show it")
+    expect_no_driving(observer)
+    drive(again, observer, console)
+
+
+def test_a_terminal_that_changes_its_size_is_no_unplug(
+    pad: VirtualDevice, observer: Observer, console: ConsoleProcess
+) -> None:
+    drive(pad, observer, console)
+    observer.history.clear()
+    for columns in (90, 110, 100):
+        fcntl.ioctl(console.terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 30, columns, 0, 0))
+        os.kill(console.process.pid, signal.SIGWINCH)
+        console.pump(0.1)
+    observer.wait(lambda: len(observer.history) > 20, 10.0)
+    assert all(truth.commanded_linear > 0.4 for _, truth in observer.history)
+
+
+@pytest.mark.parametrize(
+    ("taken", "given_back"),
+    [("\x1b[O", "\x1b[I"), ("?", "?"), ("\x1b[200~text\x1b[201~", "")],
+    ids=["another window", "help", "paste"],
+)
+def test_what_takes_the_keys_from_the_operator_lets_go_of_the_stick(
+    pad: VirtualDevice, observer: Observer, console: ConsoleProcess, taken: str, given_back: str
+) -> None:
+    drive(pad, observer, console)
+    console.type(taken)
+    expect_stop(observer)
+    pad.send(report(y=20))
+    expect_no_driving(observer)
+    console.type(given_back)
+    pad.send(report(y=10))
+    expect_no_driving(observer)
+    drive(pad, observer, console)
+
+
+def test_a_stop_of_the_pad_stops_until_the_stick_was_neutral(
+    pad: VirtualDevice, observer: Observer, console: ConsoleProcess
+) -> None:
+    drive(pad, observer, console)
+    pad.send(report(y=0, b=True))
+    expect_stop(observer)
+    pad.send(report(y=10))
+    expect_no_driving(observer)
+    drive(pad, observer, console)
+
+
+def test_the_operator_is_led_through_a_calibration_on_the_screen(
+    pad: VirtualDevice, console: ConsoleProcess, observer: Observer
+) -> None:
+    console.type("c")
+    for axis in ("lefty", "leftx"):
+        steps = (f"{axis} to its maximum", f"{axis} to its minimum", f"let go of {axis}")
+        for step, raw in zip(steps, (20, 230, 120), strict=True):
+            console.wait(lambda said=step: said in console.text, 10.0, step)
+            moved = {axis.removeprefix("left"): raw}
+            pad.send(report(**moved))
+            pad.send(report(**moved, b=True))
+            pad.send(report(**moved))
+    console.wait(lambda: "the calibration is in" in console.text, 10.0)
+    expect_no_driving(observer)
