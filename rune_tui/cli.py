@@ -65,7 +65,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from hub.errors import HubError
 
     options = _parser().parse_args(arguments)
-    commands = {"run": _run, "demo": _demo, "check": _check, "shot": _shot, "terminal": _terminal}
+    commands = {
+        "run": _run,
+        "demo": _demo,
+        "check": _check,
+        "shot": _shot,
+        "terminal": _terminal,
+        "joytest": _joytest,
+    }
     try:
         return commands[options.command](options)
     except KeyboardInterrupt:
@@ -164,6 +171,21 @@ def _shot(options: argparse.Namespace) -> int:
         return ExitCode.OK
     sys.stderr.write(f"rune: no hub answered, {path} shows that; is rune-hub running?\n")
     return ExitCode.NO_HUB
+
+
+def _joytest(options: argparse.Namespace) -> int:
+    from rune_tui import joytest
+
+    if options.list or options.json:
+        sys.stdout.write(joytest.listed(as_json=options.json))
+    elif options.udev:
+        sys.stdout.write(joytest.rules())
+    elif options.learn:
+        joytest.learn()
+    else:
+        _need_terminal()
+        joytest.watch()
+    return ExitCode.OK
 
 
 def _console(source: LayoutSource, links: RobotLinks, options: argparse.Namespace) -> int:
@@ -325,6 +347,12 @@ def _parser() -> argparse.ArgumentParser:
     for command in (run, demo, terminal):
         command.add_argument("--colors", choices=colors, help=colors_help)
         command.add_argument("--aspect", type=_aspect, metavar="RATIO", help=aspect_help)
+    joytest = commands.add_parser("joytest", help="show what joysticks report")
+    what = joytest.add_mutually_exclusive_group()
+    what.add_argument("--list", action="store_true", help="list what is plugged in, and end")
+    what.add_argument("--udev", action="store_true", help="print the rule that lets you read it")
+    what.add_argument("--learn", action="store_true", help="print how layouts name what you move")
+    joytest.add_argument("--json", action="store_true", help="the list, for programs")
     for command in (run, demo, check, shot):
         command.add_argument(
             "--set",

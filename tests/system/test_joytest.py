@@ -1,0 +1,96 @@
+"""`rune joytest` with virtual joysticks."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import closing
+
+import pytest
+
+from tests.fake_hid import VirtualBed, VirtualDevice, needs_virtual_devices
+from tests.system.harness import ConsoleProcess
+
+pytestmark = needs_virtual_devices
+
+REST = bytes([128, 128, 128, 128, 8, 0, 0, 0])
+
+
+@pytest.fixture(scope="module")
+def bed() -> Iterator[VirtualBed]:
+    with closing(VirtualBed()) as opened:
+        yield opened
+
+
+@pytest.fixture
+def pad(bed: VirtualBed) -> Iterator[VirtualDevice]:
+    plugged = bed.plug("logitech_f310_dinput", serial="7")
+    yield plugged
+    plugged.unplug()
+
+
+def joytest(bed: VirtualBed, *options: str) -> str:
+    command = [sys.executable, "-m", "rune_tui", "joytest", *options]
+    surroundings = {**os.environ, **bed.environment}
+    done = subprocess.run(
+        command, env=surroundings, capture_output=True, text=True, timeout=30.0, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout
+
+
+@pytest.mark.usefixtures("pad")
+def test_what_is_plugged_in_is_listed_with_its_controls(bed: VirtualBed) -> None:
+    (told,) = json.loads(joytest(bed, "--list", "--json"))
+    assert (told["vid"], told["pid"], told["serial"]) == ("046d", "c216", "7")
+    assert told["trouble"] == ""
+    stick = {"type": "axis", "index": 1, "usage": "y", "role": "lefty", "min": 0, "max": 255}
+    assert stick in told["controls"]
+    assert "12 of type button" in joytest(bed, "--list")
+    assert 'KERNELS=="*:046D:C216.*"' in joytest(bed, "--udev")
+
+
+def test_nothing_that_is_plugged_in_is_said_to_be_so(bed: VirtualBed) -> None:
+    assert joytest(bed, "--list") == "no joystick is plugged in\n"
+    assert json.loads(joytest(bed, "--json")) == []
+
+
+def test_what_is_moved_is_seen_at_once_and_so_is_an_unplug(bed: VirtualBed) -> None:
+    pad = bed.plug("logitech_f310_dinput")
+    with closing(ConsoleProcess(["joytest"], environment=bed.environment)) as shown:
+        shown.wait(lambda: "reports a second" in shown.text, 20.0, "the device is not there")
+        pad.send(REST)
+        pad.send(bytes([255, *REST[1:4], 2, *REST[5:]]))
+        shown.wait(lambda: "255  ··········┃██████████ +1.00" in shown.text, 10.0)
+        assert "leftx" in shown.text
+        assert "right" in next(line for line in shown.screen.display if "dpad" in line)
+        pad.unplug()
+        shown.wait(lambda: "no joystick is plugged in" in shown.text, 10.0)
+        shown.type("\x03")
+        assert shown.wait_ended() == 0
+
+
+def test_what_is_moved_is_written_as_a_layout_has_it(bed: VirtualBed, pad: VirtualDevice) -> None:
+    with subprocess.Popen(
+        [sys.executable, "-m", "rune_tui", "joytest", "--learn"],
+        env={**os.environ, **bed.environment},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    ) as learning:
+        assert learning.stdout is not None
+        pad.send(REST)
+        pad.send(bytes([*REST[:4], 0x28, *REST[5:]]))
+        lines = [learning.stdout.readline() for _ in range(2)]
+        learning.send_signal(signal.SIGINT)
+        lines += learning.stdout.readlines()
+        assert learning.wait(15.0) == 0
+    assert lines == [
+        '<joystick name="pad" vid="046d" pid="c216">\n',
+        '  <control name="a" type="button" role="a"/>\n',
+        "</joystick>\n",
+    ]
