@@ -1,22 +1,77 @@
-"""What hands on a joystick cost before anything moves: reports to values.
+"""What hands on a joystick cost, and how soon the robot feels them.
 
-The devices are the ones whose descriptors the tests have; where no reports were recorded, random
-ones of the described length are decoded.
+Decoded are the reports of the devices whose descriptors the tests have; where none were recorded,
+random ones of the described length. The rest is measured with a virtual gamepad at the real console
+that shows the picture of the robot's camera over its whole terminal.
 """
 
 from __future__ import annotations
 
+import itertools
 import json
+import os
 import random
 import statistics
+import subprocess
+import sys
+import tempfile
+import time
 import timeit
+from contextlib import ExitStack, closing
 from pathlib import Path
 
+import psutil
+
 from benchmarks.figures import report, say
+from hub.gcm.navigation import GROUND_TRUTH, VELOCITY_COMMAND
 from rune_tui.controls.hid.descriptor import parse
 from rune_tui.controls.hid.device_controls import DeviceDecoder
+from tests.fake_hid import MISSING, VirtualBed, library
+from tests.system.conftest import LAYOUT
+from tests.system.harness import ConsoleProcess, HubProcess, Observer
+from tests.waiting import until
 
 DEVICES = Path(__file__).parents[1] / "tests" / "data" / "hid"
+
+_PAD = "logitech_f310_dinput"
+_STICK = '<event joystick="pad" axis="lefty" control="translate"/>'
+_CENTRE = 128
+_STILL = 1e-4
+_MOVES = 200
+_DRIVES = 20
+_BUSY_S = 10.0
+_READ_ON = """
+import json, os, select, sys, threading, types
+from rune_tui.controls import hid_reader
+from rune_tui.controls.joystick.matching import DeviceInfo
+
+class Device:  # reads a pipe that keeps packets apart, as the kernel's queue of reports does
+    def open_path(self, path):
+        self.waiting = select.poll()
+        self.waiting.register(0, select.POLLIN)
+    def get_report_descriptor(self):
+        return bytes.fromhex(said["report_descriptor"])
+    def set_nonblocking(self, on):
+        pass
+    def read(self, most, timeout_ms=0):
+        return list(os.read(0, most)) if self.waiting.poll(timeout_ms) else []
+    def close(self):
+        pass
+
+said = json.load(open(sys.argv[1]))
+hid_reader.hidapi = lambda: types.SimpleNamespace(device=Device, enumerate=list)
+moved = threading.Event()
+reader = hid_reader.HidReader()
+reader.start(moved.set)
+vid, pid = int(said["vid"], 16), int(said["pid"], 16)
+reader.read(DeviceInfo(path="pad", vid=vid, pid=pid, bus=said["bus"]))
+print("ready", flush=True)
+while True:
+    moved.wait()
+    moved.clear()
+    if (inbox := reader.inbox("pad")) is not None:
+        inbox.take()
+"""
 
 
 def decode_us(decoder: DeviceDecoder, reports: list[bytes]) -> float:
@@ -44,7 +99,138 @@ def reports_of(descriptor: bytes, recorded: list[str]) -> list[bytes]:
     ]
 
 
+class Drive:
+    """A hub, a console with a gamepad, and an observer of commands and wheels."""
+
+    def __init__(self, stack: ExitStack) -> None:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        bed = stack.enter_context(closing(VirtualBed()))
+        self.pad = bed.plug(_PAD)
+        stack.callback(self.pad.unplug)
+        self.hub = stack.enter_context(closing(HubProcess(folder)))
+        layout = folder / "layout.xml"
+        layout.write_text(
+            LAYOUT.format(hub=self.hub.endpoint)
+            .replace("<view x", '<joystick name="pad"/><view x')
+            .replace('<event key="w"', f'{_STICK}<event key="w"')
+        )
+        self.console = stack.enter_context(
+            closing(ConsoleProcess(["run", str(layout)], environment=bed.environment))
+        )
+        self.console.wait_for_picture()
+        self.observer = stack.enter_context(
+            closing(Observer(self.hub.endpoint, GROUND_TRUTH, VELOCITY_COMMAND))
+        )
+        self.commands = self.observer.seen[VELOCITY_COMMAND.name]
+        self.pad.send(report_of(_CENTRE))
+
+    def serve(self, seconds: float) -> None:
+        """Let the console write and the observer listen for a while [s]."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.step()
+
+    def step(self) -> None:
+        self.console.pump(0.001)
+        self.observer.client.listen(0.001)
+
+    def push(self, y: int) -> tuple[float, float]:
+        """Move the stick; when that was, and when the command that follows was sent [s]."""
+        self.commands.clear()
+        wanted = y != _CENTRE
+        sent = time.monotonic()
+        self.pad.send(report_of(y))
+        hit = [0.0]
+
+        def seen() -> bool:
+            hit[:1] = [t for t, twist in self.commands if (twist.linear.x != 0.0) == wanted][:1]
+            return bool(hit)
+
+        until(seen, 5.0, "no command came", meanwhile=self.step)
+        return sent, hit[0]
+
+
+def report_of(y: int) -> bytes:
+    """What the gamepad sends with its left stick so far down, 0 to 255."""
+    return bytes([128, y, 128, 128, 0x08, 0, 0, 0])
+
+
+def report_to_command() -> None:
+    """From a report at the device's node to the command that the console sends."""
+    times = []
+    with ExitStack() as stack:
+        drive = Drive(stack)
+        drive.serve(0.5)
+        for move in range(_MOVES):
+            sent, came = drive.push(0 if move % 2 == 0 else _CENTRE)
+            times.append(came - sent)
+            drive.serve(0.05 + 0.0037 * (move % 11))  # another phase of every timer each time
+    times.sort()
+    p99 = times[int(0.99 * len(times))]
+    note = f"median {statistics.median(times) * 1e3:.1f} ms, largest {times[-1] * 1e3:.1f} ms"
+    report("hid.report_to_command_p99_ms", p99 * 1e3, "ms", bar=5, note=note)
+
+
+def report_to_wheel() -> None:
+    """From a report to the first change of the true velocity."""
+    times = []
+    with ExitStack() as stack:
+        drive = Drive(stack)
+        truth = drive.observer.history
+        for move in range(_DRIVES):
+            still = lambda: abs(truth[-1][1].linear) < _STILL  # noqa: E731 - it is short
+            until(still, 10.0, meanwhile=drive.step)
+            drive.serve(0.7 + 0.013 * move)
+            truth.clear()
+            sent, _ = drive.push(0 if move % 2 else 255)
+            moved = lambda: [t for t, each in truth if abs(each.linear) > _STILL]  # noqa: E731
+            until(moved, 5.0, meanwhile=drive.step)
+            times.append(moved()[0] - sent)
+            drive.push(_CENTRE)
+    note = f"ground truth is published every 20 ms; largest {max(times) * 1e3:.0f} ms"
+    report("hid.report_to_wheel_ms", statistics.median(times) * 1e3, "ms", bar=30, note=note)
+
+
+def busy_pad() -> None:
+    """What a gamepad that reports 1000 times a second costs the console, of one core."""
+    path = DEVICES / "sony_dualsense_bt.json"
+    reports = itertools.cycle(map(bytes.fromhex, json.loads(path.read_text())["reports"]))
+    inner, outer = os.pipe2(os.O_DIRECT)
+    command = [sys.executable, "-c", _READ_ON, str(path)]
+    with subprocess.Popen(command, stdin=inner, stdout=subprocess.PIPE) as reader:
+        os.close(inner)
+        if reader.stdout is not None:
+            reader.stdout.readline()
+        process, begun, sent = psutil.Process(reader.pid), time.monotonic(), 0
+        before = process.cpu_times()
+        while (now := time.monotonic()) - begun < _BUSY_S:
+            while (now - begun) * 1000.0 > sent:
+                os.write(outer, next(reports))
+                sent += 1
+            time.sleep(0.0005)
+        after = process.cpu_times()
+        reader.kill()
+    os.close(outer)
+    used = (after.user + after.system - before.user - before.system) / (now - begun)
+    note = "recorded reports of a DualSense, through a pipe"
+    report("hid.cpu_1000hz", used, "of a core", bar=0.05, note=note)
+
+
 def main() -> None:
+    decoding_and_parsing()
+    say("a busy gamepad")
+    busy_pad()
+    if library() is None:
+        for name, bar in (("hid.report_to_command_p99_ms", 5), ("hid.report_to_wheel_ms", 30)):
+            report(name, None, "ms", bar=bar, note=MISSING)
+        return
+    say("report to command")
+    report_to_command()
+    say("report to wheel")
+    report_to_wheel()
+
+
+def decoding_and_parsing() -> None:
     decoding, parsing = {}, {}
     for path in sorted(DEVICES.glob("*.json")):
         said = json.loads(path.read_text())
