@@ -9,9 +9,9 @@ import numpy as np
 
 from benchmarks.camera_scenes import COLUMNS, FRAMES, ROWS, panning
 from benchmarks.figures import median_ms, report, say
-from rune_tui.compositor.ansi import RowEncoder
 from rune_tui.compositor.colours import at_depth
 from rune_tui.compositor.depth import ColourDepth
+from rune_tui.compositor.screen_encoder import ScreenEncoder
 
 BAR_MS = 2.0
 RUNS = 300
@@ -19,7 +19,6 @@ RUNS = 300
 
 def main() -> None:
     frames = panning()
-    encoder = RowEncoder()
     say(f"{COLUMNS} x {ROWS} cells, {RUNS} frames of a panning camera")
     for depth in ColourDepth:
         if depth is ColourDepth.TRUECOLOUR:
@@ -28,10 +27,12 @@ def main() -> None:
         mapping = median_ms(
             lambda index, depth=depth: at_depth(frames[index % FRAMES], depth), RUNS
         )
+        encoder = ScreenEncoder()
         coding = median_ms(
-            lambda index, mapped=mapped: encoder.encode(mapped[index % FRAMES]), RUNS
+            lambda index, encoder=encoder, mapped=mapped: encoder.encode(mapped[index % FRAMES]),
+            RUNS,
         )
-        kilobytes = np.mean([sum(map(len, encoder.encode(cells))) for cells in mapped]) / 1e3
+        kilobytes = np.mean([len(ScreenEncoder().encode(cells)) for cells in mapped]) / 1e3
         note = f"and {coding:.2f} ms to {kilobytes:.0f} kB a frame"
         report(f"terminal.map_to_{depth.value}_ms", mapping, "ms", bar=BAR_MS, note=note)
 

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from rune_tui.compositor.cells import Cells
-from rune_tui.compositor.looks import Numbers, looks_of
+from rune_tui.compositor.looks import looks_of
 from rune_tui.compositor.planes import planes_of
 from rune_tui.compositor.sgr import FORMS, RESET, words
 from rune_tui.compositor.word_matrix import WordMatrix
@@ -15,51 +13,21 @@ from rune_tui.compositor.word_matrix import WordMatrix
 _RESET, _NEXT = words([RESET, b"\n"])
 
 
-class RowEncoder:
-    """Turns cells into rows of bytes; keeps its buffers between frames of the same size.
+def encoded_rows(cells: Cells) -> list[str]:
+    """The rows as what a terminal is sent.
 
     A row begins and ends with the terminal's attributes reset, does not move the cursor, and takes
     exactly as many cells as the frame has columns.
     """
-
-    def __init__(self) -> None:
-        self._matrix = WordMatrix()
-
-    def encode(self, cells: Cells, numbers: Numbers | Sequence[int] | None = None) -> list[bytes]:
-        """One piece of bytes a row, UTF-8.
-
-        Args:
-            cells: The frame.
-            numbers: Which rows, in this order; None for all.
-        """
-        return self._joined(cells, numbers).split(b"\n")[:-1]
-
-    def encode_text(
-        self, cells: Cells, numbers: Numbers | Sequence[int] | None = None
-    ) -> list[str]:
-        """The rows of `encode` as strings."""
-        return self._joined(cells, numbers).decode().split("\n")[:-1]
-
-    def _joined(self, cells: Cells, numbers: Numbers | Sequence[int] | None) -> bytes:
-        """All rows, each ended by a line feed, which no cell can hold."""
-        form = FORMS[cells.depth]
-        planes = planes_of(looks_of(cells, numbers), form)
-        rows, columns = (int(length) for length in planes.marks.shape)
-        if not rows or not columns:
-            return (RESET + b"\n") * rows
-        ends = np.zeros((rows + 1, 2), np.uint32)
-        ends[1:, 0] = np.where(planes.background[:, -1] != form.at_start, _RESET, 0)
-        ends[1:, 1] = _NEXT
-        last: bytes = ends[-1].tobytes().translate(None, b"\0")
-        return self._matrix.joined(planes, form, ends[:-1], anew=True) + last
-
-
-def changed_rows(previous: Cells | None, current: Cells) -> Numbers:
-    """Numbers of the rows that look different, all when there was no frame of the same kind."""
-    if (
-        previous is None
-        or previous.depth is not current.depth
-        or previous.glyphs.shape != current.glyphs.shape
-    ):
-        return np.arange(current.rows)
-    return np.flatnonzero(looks_of(previous).differs(looks_of(current)).any(axis=1))
+    form = FORMS[cells.depth]
+    planes = planes_of(looks_of(cells), form)
+    rows, columns = (int(length) for length in planes.marks.shape)
+    if not rows or not columns:
+        return [RESET.decode()] * rows
+    # Each row is led by what ends the one before it; no cell can hold a line feed.
+    leads = np.zeros((rows, 2), np.uint32)
+    ends = planes.background[:, -1] != form.at_start
+    leads[1:, 0] = np.where(ends[:-1], _RESET, 0)
+    leads[1:, 1] = _NEXT
+    joined = WordMatrix().joined(planes, form, leads, anew=True)
+    return (joined + RESET if ends[-1] else joined).decode().split("\n")

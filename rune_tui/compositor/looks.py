@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -82,19 +81,9 @@ class Looks:
         )
 
 
-def looks_of(cells: Cells, numbers: Numbers | Sequence[int] | None = None) -> Looks:
-    """What cells look like.
-
-    Args:
-        cells: The frame.
-        numbers: Which of its rows, in this order; None for all.
-    """
+def looks_of(cells: Cells) -> Looks:
+    """What cells look like."""
     pixels, glyphs, ink = packed(cells.pixels), cells.glyphs, packed(cells.ink)
-    if numbers is not None:
-        chosen = np.asarray(numbers, np.intp)
-        rows, columns = glyphs.shape
-        pixels = pixels.reshape(rows, 2 * columns)[chosen].reshape(2 * len(chosen), columns)
-        glyphs, ink = glyphs[chosen], ink[chosen]
     masked = cells.depth is ColourDepth.TRUECOLOUR
     # A copy in either case: it is about to be changed, and kept for longer than the cells.
     pixels = pixels & RGB_MASK if masked else pixels.copy()

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+import numpy as np
+import numpy.typing as npt
 from rich.color import Color as RichColor
 from rich.console import Console
 from rich.segment import Segment
@@ -17,10 +19,10 @@ from textual.color import Color
 from textual.filter import LineFilter
 from textual.strip import Strip
 
-from rune_tui.compositor.ansi import RowEncoder
+from rune_tui.compositor.ansi import encoded_rows
+from rune_tui.compositor.blend import mean
 from rune_tui.compositor.cells import Cells
-
-_UPPER_HALF = "▀"
+from rune_tui.compositor.planes import UPPER_HALF
 
 
 class PixelStrip(Strip):
@@ -28,14 +30,11 @@ class PixelStrip(Strip):
 
     __slots__ = ["_cells", "_end", "_made", "_row", "_start"]
 
-    def __init__(
-        self, cells: Cells, row: int, start: int, end: int, encoded: str | None = None
-    ) -> None:
+    def __init__(self, cells: Cells, row: int, start: int, end: int) -> None:
         self._made: list[Segment] | None = None
         super().__init__((), end - start)
         self._cells, self._row, self._start, self._end = cells, row, start, end
         self._cell_count = end - start
-        self._render_cache = encoded
 
     # Shadows the slot of Strip, to make segments on demand.
     @property
@@ -59,7 +58,7 @@ class PixelStrip(Strip):
         del console
         if self._render_cache is None:
             part = part_of(self._cells, self._row, self._start, self._end)
-            self._render_cache = RowEncoder().encode_text(part)[0]
+            self._render_cache = encoded_rows(part)[0]
         return self._render_cache
 
     def crop(self, start: int, end: int | None = None) -> Strip:
@@ -101,11 +100,16 @@ def segments(cells: Cells, row: int, start: int, end: int) -> list[Segment]:
     """The cells as Rich segments, one each; slow, for screenshots."""
     made = []
     for column in range(start, end):
-        upper, lower = cells.pixels[2 * row : 2 * row + 2, column, :3].astype(int)
+        upper, lower = cells.pixels[2 * row : 2 * row + 2, column, :3]
         glyph = int(cells.glyphs[row, column])
         ink, ground = upper, lower
         if glyph:
-            ink, ground = cells.ink[row, column, :3], (upper + lower + 1) // 2
-        style = Style(color=RichColor.from_rgb(*ink), bgcolor=RichColor.from_rgb(*ground))
-        made.append(Segment(chr(glyph) if glyph else _UPPER_HALF, style))
+            ink, ground = cells.ink[row, column, :3], mean(upper, lower)
+        style = Style(color=_colour(ink), bgcolor=_colour(ground))
+        made.append(Segment(chr(glyph) if glyph else UPPER_HALF, style))
     return made
+
+
+def _colour(channels: npt.NDArray[np.uint8]) -> RichColor:
+    red, green, blue = channels.tolist()
+    return RichColor.from_rgb(red, green, blue)

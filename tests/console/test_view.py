@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hub.gcm.navigation import MotionState
-from rune_tui.compositor.ansi import RowEncoder
+from rune_tui.compositor.ansi import encoded_rows
 from rune_tui.compositor.cells import Cells
 from rune_tui.layout.spec import ViewportSpec, ViewSpec
 from rune_tui.model.console_state import ConsoleState, Notice
@@ -313,7 +313,7 @@ def test_no_text_from_outside_puts_a_control_byte_on_the_terminal(
     robots = {"magellan": robot(name, link=link, picture=None, navigation=None)}
     cells = rendered(screen, robots, ConsoleState(now=100.0, held=tuple(held)))
     assert cells is not None
-    for row in RowEncoder().encode_text(cells):
+    for row in encoded_rows(cells):
         text = re.sub(r"\x1b\[[\d;]+m", "", row)
         assert not re.search(r"[\x00-\x1f\x7f-\x9f]", text)
         assert len(text) == columns

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import re
 
 import numpy as np
@@ -11,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rune_tui.compositor.ansi import RowEncoder, changed_rows
+from rune_tui.compositor.ansi import encoded_rows
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.colours import at_depth
 from rune_tui.compositor.depth import ColourDepth
@@ -41,7 +40,7 @@ def test_a_strict_terminal_that_eats_the_rows_shows_the_cells(
     depth: ColourDepth, cells: Cells
 ) -> None:
     cells = at_depth(cells, depth)
-    rows = RowEncoder().encode_text(cells)
+    rows = encoded_rows(cells)
     assert len(rows) == cells.rows
     terminal = Terminal(cells.columns, cells.rows, coloured=depth is not ColourDepth.MONO)
     for number, row in enumerate(rows):
@@ -56,7 +55,7 @@ def test_pyte_that_eats_the_rows_shows_the_cells(cells: Cells) -> None:
     screen = pyte.Screen(cells.columns, cells.rows)
     screen.reset_mode(pyte.modes.DECAWM)
     stream = pyte.Stream(screen)
-    for number, row in enumerate(RowEncoder().encode_text(cells)):
+    for number, row in enumerate(encoded_rows(cells)):
         stream.feed(f"\x1b[{number + 1};1H{row}")
     for row in range(cells.rows):
         for column in range(cells.columns):
@@ -100,7 +99,7 @@ def test_pyte_shows_the_cells_in_the_colours_that_there_are(
     screen = pyte.Screen(cells.columns, cells.rows)
     screen.reset_mode(pyte.modes.DECAWM)
     stream = pyte.Stream(screen)
-    for number, row in enumerate(RowEncoder().encode_text(cells)):
+    for number, row in enumerate(encoded_rows(cells)):
         stream.feed(f"\x1b[{number + 1};1H{row}")
     assert screen.cursor.attrs.bg == "default"
     assert not screen.cursor.attrs.reverse
@@ -124,7 +123,7 @@ def test_colours_are_told_in_the_fewest_bytes_of_their_depth() -> None:
     def row(depth: ColourDepth, *pairs: tuple[int, int]) -> str:
         cells = flat(len(pairs), 1, 0)
         cells.pixels[:, :, :3] = np.array(pairs).T[..., None]
-        (text,) = RowEncoder().encode_text(at_depth(cells, depth))
+        (text,) = encoded_rows(at_depth(cells, depth))
         return text
 
     black, white = (0, 0), (255, 255)
@@ -141,49 +140,28 @@ def test_without_colours_only_text_on_bright_ground_needs_an_escape() -> None:
     cells = flat(4, 1, 255)
     cells.glyphs[0, 1:3] = ord("A")
     mono = at_depth(cells, ColourDepth.MONO)
-    assert RowEncoder().encode_text(mono) == ["█\x1b[7mAA\x1b[27m█"]
+    assert encoded_rows(mono) == ["█\x1b[7mAA\x1b[27m█"]
     cells.glyphs[0, 3] = ord("A")
     mono = at_depth(cells, ColourDepth.MONO)
-    assert RowEncoder().encode_text(mono) == ["█\x1b[7mAAA\x1b[0m"]
-
-
-@given(frames)
-def test_bytes_and_text_say_the_same(cells: Cells) -> None:
-    encoder = RowEncoder()
-    assert [row.decode() for row in encoder.encode(cells)] == encoder.encode_text(cells)
-
-
-@given(st.lists(frames, min_size=2, max_size=5))
-def test_nothing_is_left_over_from_earlier_frames(sequence: list[Cells]) -> None:
-    encoder = RowEncoder()
-    depths = itertools.cycle(ColourDepth)
-    for cells in map(at_depth, sequence, depths):
-        assert encoder.encode(cells) == RowEncoder().encode(cells)
-
-
-@given(frames, st.data())
-def test_chosen_rows_are_the_rows_of_the_whole(cells: Cells, data: st.DataObject) -> None:
-    numbers = data.draw(st.lists(st.integers(0, cells.rows - 1)))
-    whole = RowEncoder().encode(cells)
-    assert RowEncoder().encode(cells, numbers) == [whole[number] for number in numbers]
+    assert encoded_rows(mono) == ["█\x1b[7mAAA\x1b[0m"]
 
 
 def test_a_flat_row_sets_its_colour_once() -> None:
-    assert RowEncoder().encode(flat(5, 1, 7)) == [b"\x1b[48;2;7;7;7m     \x1b[0m"]
+    assert encoded_rows(flat(5, 1, 7)) == ["\x1b[48;2;7;7;7m     \x1b[0m"]
 
 
 def test_colours_in_force_are_not_set_again_across_blanks() -> None:
     cells = flat(3, 1, 7)
     cells.glyphs[0] = [65, 0, 66]
     cells.ink[0] = 200
-    assert RowEncoder().encode(cells) == [b"\x1b[38;2;200;200;200;48;2;7;7;7mA B\x1b[0m"]
+    assert encoded_rows(cells) == ["\x1b[38;2;200;200;200;48;2;7;7;7mA B\x1b[0m"]
 
 
 @given(st.lists(st.integers(0, 0xFFFFFFFF), min_size=1, max_size=20))
 def test_no_code_point_whatever_puts_a_control_byte_on_the_terminal(points: list[int]) -> None:
     cells = flat(len(points), 1, 7)
     cells.glyphs[0] = points
-    (row,) = RowEncoder().encode_text(cells)
+    (row,) = encoded_rows(cells)
     assert not re.search(r"[\x00-\x1a\x1c-\x1f\x7f-\x9f]", row)
     assert row.count("\x1b") == len(re.findall(r"\x1b\[[\d;]+m", row))
 
@@ -192,7 +170,7 @@ def test_no_code_point_whatever_puts_a_control_byte_on_the_terminal(points: list
 def test_control_characters_and_non_characters_become_question_marks(point: int) -> None:
     cells = flat(1, 1, 7)
     cells.glyphs[0, 0] = point
-    (row,) = RowEncoder().encode_text(cells)
+    (row,) = encoded_rows(cells)
     assert row.endswith("m?\x1b[0m")
 
 
@@ -201,25 +179,4 @@ def test_the_unused_byte_of_a_pixel_makes_no_difference() -> None:
     other = Cells(pixels=cells.pixels.copy(), glyphs=cells.glyphs, ink=cells.ink.copy())
     other.pixels[..., 3] += 77
     other.ink[..., 3] += 77
-    assert RowEncoder().encode(other) == RowEncoder().encode(cells)
-    assert changed_rows(cells, other).size == 0
-
-
-def test_all_rows_are_changed_without_a_frame_of_the_same_size() -> None:
-    assert changed_rows(None, flat(4, 3, 0)).tolist() == [0, 1, 2]
-    assert changed_rows(flat(5, 3, 0), flat(4, 3, 0)).tolist() == [0, 1, 2]
-    mono = at_depth(flat(4, 3, 0), ColourDepth.MONO)
-    assert changed_rows(flat(4, 3, 0), mono).tolist() == [0, 1, 2]
-
-
-def test_only_rows_that_look_different_are_changed() -> None:
-    before = random_cells(8, 10, 6, 4, 0.5)
-    after = Cells(pixels=before.pixels.copy(), glyphs=before.glyphs.copy(), ink=before.ink.copy())
-    assert changed_rows(before, after).size == 0
-    after.pixels[3, 9, 0] += 1
-    after.glyphs[4, 0] = 0 if after.glyphs[4, 0] else 65
-    after.glyphs[5, 2] = before.glyphs[5, 2] = 65
-    after.ink[5, 2, 1] += 1
-    before.glyphs[0, 0] = after.glyphs[0, 0] = 0
-    after.ink[0, 0] += 1  # of no character: cannot be seen
-    assert changed_rows(before, after).tolist() == [1, 4, 5]
+    assert encoded_rows(other) == encoded_rows(cells)

@@ -322,3 +322,46 @@ def joined(upper: Cells, lower: Cells) -> Cells:
         glyphs=np.concatenate([upper.glyphs[:1], lower.glyphs[1:]]),
         ink=np.concatenate([upper.ink[:1], lower.ink[1:]]),
     )
+
+
+def test_the_last_columns_become_one_colour_in_frames_of_any_width() -> None:
+    for columns in (2, 3, 7, 8, 11, 13):
+        cells = flat(columns, 1, 100)
+        cells.pixels[:, 1::2, :3] = 108
+        expected = b"\x1b[1;1H\x1b[48;2;104;104;104m" + b" " * columns + b"\x1b[0m"
+        assert ScreenEncoder().encode(cells, Quality(tolerance=4)) == expected
+
+
+def test_what_became_what_is_shown_already_is_not_sent() -> None:
+    encoder, cells = ScreenEncoder(), flat(8, 1, 100)
+    encoder.encode(cells)
+    cells.pixels[0, 2:4, :3] = [[98], [102]]
+    assert encoder.encode(cells, Quality(tolerance=4)) == b""
+
+
+def test_one_covered_cell_of_many_is_left_alone() -> None:
+    encoder, terminal = ScreenEncoder(), Terminal(40, 5)
+    covered = np.zeros((5, 40), np.bool_)
+    covered[2, 20] = True
+    for number in range(2):
+        cells = random_cells(number, 40, 5, 300, 0.1)
+        terminal.feed(encoder.encode(cells, covered=covered).decode())
+        assert len(terminal.touched) == 199
+        assert (2, 20) not in terminal.touched
+
+
+def test_the_ink_of_a_space_makes_no_difference() -> None:
+    encoder, cells = ScreenEncoder(), flat(3, 1, 7)
+    cells.glyphs[...] = ord(" ")
+    encoder.encode(cells)
+    cells.ink[...] = 99
+    assert encoder.encode(cells) == b""
+
+
+@pytest.mark.parametrize(
+    "depth", [depth for depth in ColourDepth if depth is not ColourDepth.TRUECOLOUR]
+)
+def test_colours_that_have_numbers_are_exact_at_every_quality(depth: ColourDepth) -> None:
+    cells = at_depth(random_cells(3, 40, 5, 300, 0.1), depth)
+    rough = ScreenEncoder().encode(cells, Quality(tolerance=100, threshold=200))
+    assert rough == ScreenEncoder().encode(cells)
