@@ -82,6 +82,8 @@ class Painter:
             cells: The newest in truecolour; None if they are those of the last time.
             video: Which of them show a camera's picture, shape (rows, columns).
         """
+        if not self._pane.is_attached:
+            return  # the console is ending
         if output_was_lost(self._app):
             self._frames.forget()
             self._app.screen.refresh()
