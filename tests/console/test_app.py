@@ -138,6 +138,21 @@ class Desk:
     async def press(self, *keys: str) -> None:
         await self.pilot.press(*keys)
 
+    async def drive(self) -> None:
+        """Press the key for forward until the robot is told to drive.
+
+        Pressed too soon after all was let go it counts as still down, and a machine that is too
+        busy loses it.
+        """
+        end = time.monotonic() + TIMEOUT
+        while not self.robot.speeds or self.robot.speeds[-1] <= 0.0:
+            assert time.monotonic() < end, self.told
+            await self.press("w")
+            again = time.monotonic() + 1.0
+            while self.robot.speeds[-1:] <= [0.0] and time.monotonic() < again:
+                self.robot.client.listen(0.005)
+                await self.pilot.pause(0.005)
+
     async def commands(self, count: int) -> list[float]:
         """The next so many speeds that are commanded."""
         before = len(self.robot.speeds)
@@ -226,8 +241,7 @@ def test_under_the_palette_keys_do_not_drive_and_what_is_chosen_is_done(
     play: Callable[[Script], None],
 ):
     async def script(desk: Desk) -> None:
-        await desk.press("w")
-        await desk.until(lambda: desk.robot.speeds[-1] > 0.0)
+        await desk.drive()
         await desk.press("ctrl+p")
         assert desk.console.state.held == ()
         await desk.until(lambda: len(desk.console.screen_stack) == 2)
@@ -249,8 +263,7 @@ def test_under_the_palette_keys_do_not_drive_and_what_is_chosen_is_done(
 
 def test_the_help_lets_go_and_its_key_closes_it(play: Callable[[Script], None]):
     async def script(desk: Desk) -> None:
-        await desk.press("w")
-        await desk.until(lambda: desk.robot.speeds[-1] > 0.0)
+        await desk.drive()
         await desk.press("question_mark")
         assert desk.console.state.held == ()
         assert desk.console.state.help
@@ -259,8 +272,7 @@ def test_the_help_lets_go_and_its_key_closes_it(play: Callable[[Script], None]):
         assert set(await desk.commands(3)) == {0.0}
         await desk.press("escape")
         assert not desk.console.state.help
-        await desk.press("w")
-        await desk.until(lambda: desk.robot.speeds[-1] > 0.0)
+        await desk.drive()
 
     play(script)
 
@@ -281,8 +293,7 @@ def test_a_button_that_is_held_no_longer_drives_when_what_is_under_it_changes(
 
 def test_a_key_drives_on_while_viewports_come_and_go(play: Callable[[Script], None]):
     async def script(desk: Desk) -> None:
-        await desk.press("w")
-        await desk.until(lambda: desk.robot.speeds[-1] > 0.0)
+        await desk.drive()
         before = len(desk.robot.speeds)
         await desk.press("v")
         assert "w" in desk.console.state.held
@@ -316,7 +327,6 @@ def test_an_answer_that_its_widget_cannot_take_leaves_the_console_running(
         desk.console._execute((asked,))
         await desk.press("x", "enter")
         await desk.until(lambda: any("could not be done" in text for text in desk.told))
-        await desk.press("w")
-        await desk.until(lambda: desk.robot.speeds[-1] > 0.0)
+        await desk.drive()
 
     play(script)
