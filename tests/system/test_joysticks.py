@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import fcntl
 import os
 import signal
@@ -156,18 +157,21 @@ def test_a_terminal_that_changes_its_size_is_no_unplug(
     pad: VirtualDevice, observer: Observer, console: ConsoleProcess
 ) -> None:
     drive(pad, observer, console)
-    observer.history.clear()
     for columns in (90, 110, 100):
         fcntl.ioctl(console.terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 30, columns, 0, 0))
-        os.kill(console.process.pid, signal.SIGWINCH)
+        # The system gives the signal to any thread; here each has it, the device's own too.
+        pid = console.process.pid
+        for thread in os.listdir(f"/proc/{pid}/task"):  # noqa: PTH208 - names are all it wants
+            ctypes.CDLL(None).tgkill(pid, int(thread), signal.SIGWINCH)
         console.pump(0.1)
-    observer.wait(lambda: len(observer.history) > 20, 10.0)
-    assert all(truth.commanded_linear > 0.4 for _, truth in observer.history)
+    # A device that was lost and found again has said nothing yet, and its loss is told for a while.
+    console.wait(lambda: forward(console) == "+1.00", 10.0, "what the stick said is forgotten")
+    assert "is gone" not in console.text
 
 
 @pytest.mark.parametrize(
     ("taken", "given_back"),
-    [("\x1b[O", "\x1b[I"), ("?", "?"), ("\x1b[200~text\x1b[201~", "")],
+    [("\x1b[O", "\x1b[I"), ("?", "\x1b"), ("\x1b[200~text\x1b[201~", "")],
     ids=["another window", "help", "paste"],
 )
 def test_what_takes_the_keys_from_the_operator_lets_go_of_the_stick(
