@@ -76,6 +76,10 @@ def test_command_works(
         _starts_and_ends(words, tmp_path)
     elif words[:2] in (["rune", "demo"], ["rune", "run"]):
         _shows_a_picture(words, lasting_hub)
+    elif words[:2] == ["rune", "terminal"]:
+        with closing(ConsoleProcess(words[1:])) as asking:
+            assert asking.wait_ended() == 0
+            assert "acknowledges  yes" in asking.text
     else:
         _succeeds(words, lasting_hub, tmp_path, monkeypatch)
 
