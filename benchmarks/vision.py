@@ -12,7 +12,6 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.figures import median_ms, report, say
-from benchmarks.sim import free_poses
 from hub.errors import CameraError
 from hub.gcm.vision import ImageCoding, NightCommand
 from hub.ipc.memory import keep_heap
@@ -22,6 +21,7 @@ from hub.modules.vision.picture import brightened, brightness
 from hub.robots.magellan import SimulatedCamera
 from hub.robots.video_camera import VideoCamera
 from hub.sim.arena import load_arena
+from tests.hub.sim.arenas import free_poses
 
 POSES = 40
 QUALITY = 60
@@ -37,7 +37,7 @@ def pictures(width_px: int, height_px: int, noise: float) -> list[Pixels]:
     arena = load_arena("yellow")
     camera, random = SimulatedCamera(arena), np.random.default_rng(5)
     made = []
-    for pose in free_poses(arena, POSES):
+    for pose in free_poses(arena, POSES, 2003, 0.0, 10.0):
         camera.place(pose.x, pose.y, pose.theta)
         pixels = camera.capture(width_px, height_px)
         if noise:
@@ -67,7 +67,7 @@ def report_codings() -> None:
 def report_night() -> None:
     """A picture of the dark arena, from the rays to the brightened pixels."""
     arena = load_arena("yellow")
-    poses = free_poses(arena, POSES)
+    poses = free_poses(arena, POSES, 2003, 0.0, 10.0)
     camera, night = SimulatedCamera(arena, light=0.04), NightMode()
     night.command(NightCommand(on=1))
     camera.set_headlight(1.0)
