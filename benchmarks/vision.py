@@ -52,7 +52,7 @@ def report_codings() -> None:
         for noise in (0.0, NOISE):
             shown = pictures(width, height, noise)
             sort = "noisy" if noise else "clean"
-            for coding in (ImageCoding.RLE, ImageCoding.JPEG, ImageCoding.RAW):
+            for coding in ImageCoding:
                 name = f"vision.{coding.name.lower()}_{width}x{height}_{sort}"
                 lengths = [len(code(pixels, coding, QUALITY)) for pixels in shown]
                 note = f"colour, quality {QUALITY}, mean of {POSES} places, noise of {noise:g}"

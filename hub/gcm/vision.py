@@ -26,11 +26,13 @@ class ImageCoding(enum.IntEnum):
         RLE: Two-dimensional run-length coding, `hub.gcm.rle`.
         JPEG: A JPEG file.
         RAW: The values themselves, row by row.
+        WEBP: A WebP file; of all codings the fewest bytes for a picture that looks the same.
     """
 
     RLE = 0
     JPEG = 1
     RAW = 2
+    WEBP = 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,8 +43,8 @@ class ImageRequest:
         kind: Grey or colour.
         width_px: Width wanted; the answer is never larger than the camera's.
         height_px: Height wanted; the answer is never larger than the camera's.
-        quality: 1 to 100; for RLE 100 is exact and less keeps fewer shades a channel, for JPEG it
-            is the quality of the file.
+        quality: 1 to 100; for RLE 100 is exact and less keeps fewer shades a channel, for JPEG and
+            WebP it is the quality of the file.
         coding: How the picture shall be coded.
     """
 
@@ -54,7 +56,7 @@ class ImageRequest:
 
 
 IMAGE_REQUEST = MessageDefinition(
-    name="GCM_Image_Request", format="{{enum:1},int,int,int,{enum:2}}", type=ImageRequest
+    name="GCM_Image_Request", format="{{enum:1},int,int,int,{enum:3}}", type=ImageRequest
 )
 
 
@@ -134,7 +136,7 @@ class Image:
 
 IMAGE = MessageDefinition(
     name="GCM_Common_Image",
-    format="{" + _CAMERA_STATE + ",{enum:2},int,int,int,uint,<ubyte:6>}",
+    format="{" + _CAMERA_STATE + ",{enum:3},int,int,int,uint,<ubyte:6>}",
     type=Image,
 )
 

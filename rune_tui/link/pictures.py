@@ -24,6 +24,7 @@ MOST_CELLS = 1 << 13
 FINEST_M, COARSEST_M = 1e-3, 1e3
 """Edge of a map's cell [m]."""
 _CHANNELS = (1, 3)
+_FILES = frozenset({ImageCoding.JPEG, ImageCoding.WEBP})
 
 
 def picture_of(image: Image) -> Picture:
@@ -38,8 +39,8 @@ def picture_of(image: Image) -> Picture:
     if not sized or not small or image.channels not in _CHANNELS:
         text = f"a picture of {image.width_px}x{image.height_px} in {image.channels} channels"
         raise CodecError(text)
-    if image.coding is ImageCoding.JPEG:
-        pixels = _jpeg(image.data, shape)
+    if image.coding in _FILES:
+        pixels = _file(image, shape)
     elif image.coding is ImageCoding.RAW:
         if image.data.size != shape[0] * shape[1] * shape[2]:
             text = f"{image.data.size} bytes are no picture of {image.width_px}x{image.height_px}"
@@ -73,14 +74,15 @@ def map_of(coded: Map) -> OccupancyMap:
     )
 
 
-def _jpeg(data: npt.NDArray[np.uint8], shape: tuple[int, int, int]) -> npt.NDArray[np.uint8]:
+def _file(image: Image, shape: tuple[int, int, int]) -> npt.NDArray[np.uint8]:
+    kind = image.coding.name
     try:
-        with PillowImage.open(io.BytesIO(data.tobytes()), formats=("JPEG",)) as opened:
+        with PillowImage.open(io.BytesIO(image.data.tobytes()), formats=(kind,)) as opened:
             if opened.size != (shape[1], shape[0]):
-                text = f"a JPEG of {opened.size} in a picture of {shape[1]}x{shape[0]}"
+                text = f"a {kind} of {opened.size} in a picture of {shape[1]}x{shape[0]}"
                 raise CodecError(text)
             wanted = opened.convert("RGB" if shape[2] == _CHANNELS[1] else "L")
             return np.asarray(wanted, np.uint8).reshape(shape)
     except (OSError, ValueError, SyntaxError, PillowImage.DecompressionBombError) as error:
-        text = f"the picture is no JPEG: {error}"
+        text = f"the picture is no {kind}: {error}"
         raise CodecError(text) from error

@@ -17,6 +17,7 @@ from hub.modules.vision.coding import code
 COLOUR = np.zeros((30, 40, 3), np.uint8)
 COLOUR[:, :20] = (200, 40, 40)
 COLOUR[10:, 20:] = (40, 40, 200)
+FILES = [ImageCoding.JPEG, ImageCoding.WEBP]
 GREY = np.ascontiguousarray(COLOUR[..., 0])
 
 
@@ -34,27 +35,38 @@ def test_run_lengths_are_exact_at_full_quality(pixels: np.ndarray) -> None:
     assert np.array_equal(back.reshape(pixels.shape), pixels)
 
 
+@pytest.mark.parametrize("coding", FILES)
 @pytest.mark.parametrize("pixels", [COLOUR, GREY, COLOUR[:, ::2]], ids=["colour", "grey", "view"])
-def test_jpeg_is_a_file_that_others_read(pixels: np.ndarray) -> None:
-    data = code(pixels, ImageCoding.JPEG, 90)
+def test_a_file_is_one_that_others_read(pixels: np.ndarray, coding: ImageCoding) -> None:
+    data = code(pixels, coding, 90)
     assert (data.dtype, data.ndim) == (np.uint8, 1)
     with Image.open(io.BytesIO(data.tobytes())) as file:
-        assert file.format == "JPEG"
-        back = np.asarray(file)
+        assert file.format == coding.name
+        back = np.asarray(file.convert("L" if pixels.ndim == 2 else "RGB"))
     assert back.shape == pixels.shape
     assert np.abs(back.astype(int) - pixels).mean() < 8
 
 
-def test_less_quality_makes_shorter_jpegs() -> None:
+@pytest.mark.parametrize("coding", FILES)
+def test_less_quality_makes_shorter_files(coding: ImageCoding) -> None:
     noisy = np.random.default_rng(1).integers(0, 256, (60, 80, 3), dtype=np.uint8)
-    lengths = [len(code(noisy, ImageCoding.JPEG, quality)) for quality in (1, 30, 60, 90, 100)]
+    lengths = [len(code(noisy, coding, quality)) for quality in (1, 30, 60, 90, 100)]
     assert lengths == sorted(set(lengths))
 
 
-def test_without_pillow_jpeg_is_refused_with_what_to_install(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize("coding", FILES)
+def test_without_pillow_files_are_refused_with_what_to_install(
+    monkeypatch: pytest.MonkeyPatch, coding: ImageCoding
 ) -> None:
     monkeypatch.setitem(sys.modules, "PIL", None)
     with pytest.raises(HandlerFailedError, match=r"pip install 'robot-user-nexus\[camera\]'"):
-        code(COLOUR, ImageCoding.JPEG, 60)
+        code(COLOUR, coding, 60)
     assert len(code(COLOUR, ImageCoding.RLE, 60))
+
+
+def test_a_pillow_that_cannot_do_it_is_told_from_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    Image.init()
+    monkeypatch.delitem(Image.SAVE, "WEBP")
+    with pytest.raises(HandlerFailedError, match="as WEBP here: Pillow cannot do it"):
+        code(COLOUR, ImageCoding.WEBP, 60)
+    assert len(code(COLOUR, ImageCoding.JPEG, 60))
