@@ -121,6 +121,11 @@ class Client:
         return self._connection.publisher
 
     @property
+    def round_trip(self) -> float:
+        """Shortest time in the last seconds for central to answer [s]; NaN before it has."""
+        return self._connection.hub_time.round_trip
+
+    @property
     def refusal(self) -> HubError | None:
         """Why central refused to connect us, if it did."""
         return self._connection.refusal

@@ -156,8 +156,7 @@ class Connection:
     def _open(self) -> None:
         patience = _LONGEST_S
         if self._attempt % _LONG_EACH and self._joined != (0, 0):
-            round_trip = 2 * self.hub_time.uncertainty
-            patience = min(_LONGEST_S, max(_SHORTEST_S, 4 * round_trip))
+            patience = min(_LONGEST_S, max(_SHORTEST_S, 4 * self.hub_time.round_trip))
         self._attempt += 1
         made = sockets.make(self._context, zmq.DEALER, _QUEUE, self.keys)
         made.connect_timeout = int(patience * 1e3)

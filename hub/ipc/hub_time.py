@@ -2,15 +2,17 @@
 
 All stamps on the bus are on this clock, so that an age is a difference of two of its times, on
 whatever machine. Processes on central's own machine share its clock; another machine measures the
-offset as NTP does: a question and its answer carry the times at which they left, the offset is
-taken to lie in the middle of the round trip, and the fastest of the last round trips counts,
-because its error is the smallest: at most half of it (RFC 5905, section 8).
+offset as NTP does: a question and its answer carry the times at which they left, and the offset is
+taken to lie in the middle of the round trip, which is wrong by half of it at most. The best of all
+round trips counts, each the worse the longer ago it was, because clocks drift (RFC 5905, section
+10). So a link that is busy for minutes does not make what comes through it look younger.
 """
 
 from __future__ import annotations
 
 import functools
 import hashlib
+import math
 import os
 import sys
 import time
@@ -18,8 +20,10 @@ from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 
-_SAMPLES = 20
+_ROUND_TRIPS = 20
 """Round trips remembered: those of the last ten seconds."""
+_DRIFT = 1e-4
+"""How fast two clocks may come apart: bad quartzes, or one that is being set slowly."""
 
 
 @functools.cache
@@ -60,27 +64,39 @@ class HubTime:
 
     Attributes:
         offset: Hub's time minus own time [s].
-        uncertainty: How wrong the offset may be [s].
         machine: What this client says its machine is; 0 if its clock is not the machine's.
     """
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self.offset = 0.0
-        self.uncertainty = 0.0
         self.machine = this_machine() if clock is time.monotonic else 0
         self._shared = False
-        self._samples: deque[tuple[float, float]] = deque(maxlen=_SAMPLES)
+        self._error, self._noted = math.inf, 0.0
+        self._round_trips: deque[float] = deque(maxlen=_ROUND_TRIPS)
+
+    @property
+    def round_trip(self) -> float:
+        """The shortest of the last round trips [s]; NaN before the first."""
+        return min(self._round_trips, default=math.nan)
 
     def begin(self, hub_machine: int) -> None:
         """A central on the machine of this number has welcomed us."""
         self._shared = self.machine != 0 and hub_machine == self.machine
-        self._samples.clear()
-        self.offset = self.uncertainty = 0.0
+        self._round_trips.clear()
+        self._error = math.inf
+        self.offset = 0.0
 
     def note(self, sent: float, hub_time: float, received: float) -> None:
         """A question left at `sent`, was answered at `hub_time`; that came at `received` [s]."""
-        if self._shared or received < sent:
+        round_trip = received - sent
+        if round_trip < 0.0:
             return
-        self._samples.append((received - sent, hub_time - (sent + received) / 2))
-        round_trip, self.offset = min(self._samples)
-        self.uncertainty = round_trip / 2
+        self._round_trips.append(round_trip)
+        if self._shared:
+            return
+        offset, error = hub_time - (sent + received) / 2, round_trip / 2
+        known = self._error + _DRIFT * (received - self._noted)
+        # Both can only be right if they overlap; else a clock has stood still, as in a machine
+        # that slept.
+        if error <= known or abs(offset - self.offset) > error + known:
+            self.offset, self._error, self._noted = offset, error, received
