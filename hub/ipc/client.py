@@ -280,6 +280,19 @@ class Client:
             raise HandlerFailedError(str(error)) from error
         return value
 
+    def last_notify(
+        self,
+        definition: MessageDefinition[T],
+        *,
+        timeout: float,
+        answered: Callable[[T, Reception], None],
+        failed: Callable[[QueryError], None],
+    ) -> None:
+        """As `last_value`; exactly one of `answered` and `failed` is called later, by the loop."""
+        self.define(definition)
+        question = self._question(definition.name, definition, timeout, answered, failed)
+        self._questions.ask(question, None)
+
     def respond(
         self,
         request: MessageDefinition[T],
@@ -315,14 +328,7 @@ class Client:
     ) -> None:
         """Ask; exactly one of `answered` and `failed` is called later, by the loop."""
         self.define(request, response)
-        question = Question(
-            name=request.name,
-            read=lambda frame: decode(response, frame),
-            timeout=timeout,
-            deadline=self._clock() + timeout,
-            answered=answered,
-            failed=failed,
-        )
+        question = self._question(request.name, response, timeout, answered, failed)
         self._questions.ask(question, self._session.pack(request, value, self._clock()))
 
     def query_response(
@@ -376,6 +382,23 @@ class Client:
         self._context.term()
         if self._own_loop:
             self.loop.close()
+
+    def _question(
+        self,
+        name: str,
+        response: MessageDefinition[T],
+        timeout: float,
+        answered: Callable[[T, Reception], None],
+        failed: Callable[[QueryError], None],
+    ) -> Question:
+        return Question(
+            name=name,
+            read=lambda frame: decode(response, frame),
+            timeout=timeout,
+            deadline=self._clock() + timeout,
+            answered=answered,
+            failed=failed,
+        )
 
     def _prepare(self, definition: MessageDefinition[Any]) -> None:
         """Get ready to broadcast a message or to receive it."""

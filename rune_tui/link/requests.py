@@ -1,19 +1,24 @@
-"""Requests for large data: one in flight, the next only when the last answer has been shown."""
+"""Requests for large data: the next only when the last answer has been shown.
+
+Where the round trip is long, more are under way at once, as many as the wanted rate needs.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
-from hub.errors import CodecError, HubError, NoHandlerError, QueryError
+from hub.errors import CodecError, HubError, NoHandlerError, QueryTimeoutError
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.reception import Reception
+from rune_tui.link.pace import Pace
 
-TIMEOUT_S = 1.0
-"""An answer that takes longer does not come [s]."""
 RETRY_S = 0.25
 """Pause after a request that failed [s]."""
+_LATE_S = 0.02
+"""Who looks so late at what is due lowers the rate [s]; who looks sooner does not."""
 
 Q = TypeVar("Q")
 A = TypeVar("A")
@@ -23,8 +28,9 @@ class Requester(Generic[Q, A]):
     """Asks for one kind of data, again and again; used by the link's thread alone.
 
     Attributes:
-        interval: Shortest time between two requests [s].
+        pace: How often is asked.
         shown: Number of the newest answer that is on the screen; another thread may set it.
+        round_trip: How long the newest answer took to come [s]; NaN before the first.
     """
 
     def __init__(
@@ -37,6 +43,8 @@ class Requester(Generic[Q, A]):
         take: Callable[[A, Reception], int],
         fail: Callable[[str], None],
         clock: Callable[[], float],
+        busy: Callable[[Q, float], None] = lambda _, __: None,
+        refused: Callable[[Q, HubError], None] = lambda _, __: None,
     ) -> None:
         """Prepare; nothing is asked yet.
 
@@ -48,6 +56,8 @@ class Requester(Generic[Q, A]):
             take: Gets the answer, and returns its number for `shown`.
             fail: Gets in words why there is none; empty when there is one.
             clock: Monotonic time [s].
+            busy: Gets for each answer what was asked, and how long robot and link needed [s].
+            refused: Gets what was asked, and why there is no answer that can be taken.
         """
         self._client = client
         self._request = request
@@ -56,52 +66,73 @@ class Requester(Generic[Q, A]):
         self._take = take
         self._fail = fail
         self._clock = clock
-        self.interval = 0.0
+        self._busy = busy
+        self._refused = refused
+        self.pace = Pace()
         self.shown = 0
-        self._taken = 0
-        self._in_flight = False
+        self.round_trip = math.nan
+        self._asked = self._newest = 0
+        self._open: dict[int, float] = {}
+        """Requests that are not over, in order, and the numbers of their answers if they came."""
         self._due = 0.0
-        self._asked = 0.0
-        self.round_trip = float("nan")
 
     @property
     def handled(self) -> bool:
-        """Whether the last request is over: answered and shown, or failed."""
-        return not self._in_flight and self.shown >= self._taken
+        """Whether enough requests are over: answered and shown, or failed.
+
+        An answer that is shown ends all requests before it, because the newest counts.
+        """
+        seen = [request for request, number in self._open.items() if number <= self.shown]
+        for request in [each for each in self._open if seen and each <= seen[-1]]:
+            del self._open[request]
+        return len(self._open) < self.pace.window
 
     def look(self) -> None:
         """Ask if it is time to."""
         now = self._clock()
-        if not self.handled or now < self._due or not self._client.connected:
+        if now < self._due or not self.handled or not self._client.connected:
             return
         wanted = self._ask()
         if wanted is None:
             return
-        self._in_flight = True
-        self._asked = now
+        self._asked += 1
+        number = self._asked
+        self._open[number] = math.inf
         # Counted on from when it was due, so that looking now and then does not lower the rate.
-        self._due = max(now, self._due + self.interval)
+        self._due = max(self._due, now - _LATE_S) + self.pace.spacing
         self._client.query_notify(
             self._request,
             wanted,
             self._response,
-            timeout=TIMEOUT_S,
-            answered=self._answered,
-            failed=self._failed,
+            timeout=self.pace.timeout,
+            answered=lambda value, how: self._answered(number, wanted, now, value, how),
+            failed=lambda error: self._failed(number, wanted, error),
         )
 
-    def _answered(self, value: A, reception: Reception) -> None:
-        self._in_flight = False
-        self.round_trip = self._clock() - self._asked
+    def _answered(self, number: int, asked: Q, when: float, value: A, how: Reception) -> None:
+        now = self._clock()
+        self.round_trip = now - when
+        service, waited = self.pace.answered(when, now, self._client.round_trip)
+        self._due += waited  # whatever has queued up in the link shall run off
+        if number < self._newest:
+            self._open.pop(number, None)
+            return
+        self._newest = number
         try:
-            self._taken = self._take(value, reception)
+            taken = self._take(value, how)
         except CodecError as error:
-            self._failed(error)
-        else:
-            self._fail("")
+            self._failed(number, asked, error)
+            return
+        if number in self._open:
+            self._open[number] = taken
+        self._fail("")
+        self._busy(asked, service)
 
-    def _failed(self, error: QueryError | HubError) -> None:
-        self._in_flight = False
+    def _failed(self, number: int, asked: Q, error: HubError) -> None:
+        self._open.pop(number, None)
         self._due = max(self._due, self._clock() + RETRY_S)
+        if isinstance(error, QueryTimeoutError) and not self._open:
+            self.pace.timed_out()
+        self._refused(asked, error)
         nobody = isinstance(error, NoHandlerError)
         self._fail("nobody answers" if nobody else str(error))

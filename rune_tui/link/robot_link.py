@@ -38,8 +38,10 @@ from rune_tui.layout.names import CAPABILITY_INTERVALS_MS
 from rune_tui.layout.spec import RobotSpec
 from rune_tui.link.bounds import MOST_LETTERS, bounded
 from rune_tui.link.control_line import ControlLine
+from rune_tui.link.picture_stream import PictureStream
 from rune_tui.link.pictures import map_of, picture_of
 from rune_tui.link.requests import Requester
+from rune_tui.link.streams import Streams
 from rune_tui.model.console_state import PictureWish
 from rune_tui.model.robot_state import LinkPhase, LinkState, Received, RobotState
 
@@ -76,6 +78,7 @@ class RobotLink:
         *,
         keys: Path | None = None,
         operator: str = "",
+        near: bool = True,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Prepare the connection.
@@ -85,6 +88,7 @@ class RobotLink:
             hub: Endpoint instead of the one in the layout.
             keys: File of the operator's key, for a hub on another machine.
             operator: Who sits here.
+            near: Whether messages may pass the endpoint by, from modules of this machine.
             clock: Monotonic time [s].
 
         Raises:
@@ -93,21 +97,18 @@ class RobotLink:
         """
         self._clock = clock
         self._spec = spec
-        self._picture_size: tuple[int, int] | None = None
-        self._wish = PictureWish()
         self._numbers = 0
         self._owner = 0
         self._counted = (clock(), 0, 0)
         self._want_due = clock()
         self._messages = self._bytes = 0
-        self._handlers: dict[str, Callable[[Any, Reception], None]] = {}
         self._tap: Tap | None = None
         self._control: ControlLine | None = None
         self._stopping = threading.Event()
         own_keys = read_client_keys(keys) if keys else None
-        self._client = Client(
-            f"rune-{os.getpid()}-{spec.name}", hub or spec.hub, clock=clock, keys=own_keys
-        )
+        name = f"rune-{os.getpid()}-{spec.name}"
+        endpoint = hub or spec.hub
+        self._client = Client(name, endpoint, clock=clock, keys=own_keys, near=near)
         link = LinkState(
             phase=LinkPhase.CONNECTING,
             since=clock(),
@@ -115,14 +116,8 @@ class RobotLink:
             may_command=own_keys is None or may(own_keys.role, Action.PUBLISH_COMMAND),
         )
         self._state = RobotState(name=spec.name, link=link)
-        self._pictures = Requester(
-            self._client,
-            vision.IMAGE_REQUEST,
-            vision.IMAGE,
-            ask=self._picture_request,
-            take=self._take_picture,
-            fail=self._no_picture,
-            clock=clock,
+        self._pictures = PictureStream(
+            self._client, take=self._take_picture, fail=self._no_picture, clock=clock
         )
         self._maps = Requester(
             self._client,
@@ -133,6 +128,7 @@ class RobotLink:
             fail=lambda _: None,
             clock=clock,
         )
+        self._streams = Streams(self._client, self._store, clock)
         self._adopt(spec)
         if link.may_command:
             self._client.define(CAPABILITY_WANTS)
@@ -140,6 +136,7 @@ class RobotLink:
             self._control = ControlLine(self._client, operator, lambda: self._state, self._say)
         self._client.every(_REQUEST_CHECK_S, self._pictures.look)
         self._client.every(_REQUEST_CHECK_S, self._maps.look)
+        self._client.every(_REQUEST_CHECK_S, self._streams.look)
         self._client.every(_COUNT_S, self._count)
         self._thread = threading.Thread(target=self._run, name=f"link-{spec.name}", daemon=True)
 
@@ -201,12 +198,11 @@ class RobotLink:
 
     def want_pictures(self, size: tuple[int, int] | None, wish: PictureWish | None = None) -> None:
         """Ask for pictures of this width and height [pixels], None for none, and of this kind."""
-        self._picture_size = size
-        self._wish = wish or PictureWish()
+        self._pictures.want(size, wish)
 
     def shown(self, number: int) -> None:
-        """The picture of this number is on the screen; only now the next one is asked for."""
-        self._pictures.shown = number
+        """The picture of this number is on the screen; see `Requester.handled`."""
+        self._pictures.shown(number)
 
     def _adopt(self, spec: RobotSpec) -> None:
         """Take over what a layout wants of the robot."""
@@ -216,10 +212,10 @@ class RobotLink:
         self._want_due = self._clock()
         real_time = wanted.get(Capability.CON_REAL)
         self._keep_alive_s = real_time.interval_s if real_time else _USUAL_KEEP_ALIVE_S
-        if Capability.VIS_VID in wanted:
-            self._pictures.interval = wanted[Capability.VIS_VID].interval_s
+        video = wanted.get(Capability.VIS_VID)
+        self._pictures.follow(video.interval_s if video else None)
         if Capability.PRO_MAP in wanted:
-            self._maps.interval = wanted[Capability.PRO_MAP].interval_s
+            self._maps.pace.interval = wanted[Capability.PRO_MAP].interval_s
         self._least_s = {
             message: wanted[capability].interval_s
             for message, capabilities in PROVIDED_BY.items()
@@ -227,13 +223,9 @@ class RobotLink:
             if capability in wanted
         }
         messages = (spec.messages | {CAPABILITY_REPORTS.name, CONTROL_STATE.name}) - _ANSWERS
-        for name in self._handlers.keys() - messages:
-            self._client.unsubscribe(BY_NAME[name], self._handlers.pop(name))
         kept = {n: r for n, r in self._state.messages.items() if n in messages}
         self._state = self._state.with_(messages=kept)
-        for name in sorted(messages - self._handlers.keys()):
-            self._handlers[name] = self._store(name)
-            self._client.subscribe(BY_NAME[name], self._handlers[name], last=True)
+        self._streams.follow(messages)
         if self._state.link.may_command:
             # Defined before they are used, so that a stop is on its way as soon as it is wanted.
             self._client.define(*(BY_NAME[name] for name in sorted(spec.commands)))
@@ -255,24 +247,21 @@ class RobotLink:
             # Looked at now and then, so that it is rather early than late.
             self._want_due = self._clock() + interval - _KEEP_ALIVE_LOOK_S / 2
 
-    def _store(self, name: str) -> Callable[[Any, Reception], None]:
-        def store(value: object, reception: Reception) -> None:
-            self._messages += 1
-            if self._too_soon(name, reception.measured):
-                return
-            self._record(BY_NAME[name], value, reception.measured)
-            taken = bounded(value)
-            if taken is not value and name not in self._state.link.cut:
-                self._change_link(cut=self._state.link.cut | {name})
-            received = self._received(taken, reception)
-            self._note_number()
-            self._state = self._state.with_(messages={**self._state.messages, name: received})
-            if isinstance(taken, CapabilityReports):
-                self._note_lacking(taken)
-            elif isinstance(taken, ControlState):
-                self._note_owner(taken)
-
-        return store
+    def _store(self, name: str, value: object, reception: Reception) -> None:
+        self._messages += 1
+        if self._too_soon(name, reception.measured):
+            return
+        self._record(BY_NAME[name], value, reception.measured)
+        taken = bounded(value)
+        if taken is not value and name not in self._state.link.cut:
+            self._change_link(cut=self._state.link.cut | {name})
+        received = self._received(taken, reception)
+        self._note_number()
+        self._state = self._state.with_(messages={**self._state.messages, name: received})
+        if isinstance(taken, CapabilityReports):
+            self._note_lacking(taken)
+        elif isinstance(taken, ControlState):
+            self._note_owner(taken)
 
     def _too_soon(self, name: str, measured: float) -> bool:
         """Whether the layout wants no message of this kind yet, as one has just come."""
@@ -363,20 +352,9 @@ class RobotLink:
                 bytes_per_s=(self._bytes - size) / (now - then),
                 round_trip=self._pictures.round_trip,
                 missed=self._client.lost,
+                pictures=self._pictures.flow(now - then),
             )
         self._counted = (now, self._messages, self._bytes)
-
-    def _picture_request(self) -> vision.ImageRequest | None:
-        size, wish = self._picture_size, self._wish
-        if size is None or Capability.VIS_VID not in self._wanted:
-            return None
-        return vision.ImageRequest(
-            kind=wish.kind,
-            width_px=wish.width or size[0],
-            height_px=wish.height or size[1],
-            quality=wish.quality,
-            coding=wish.coding,
-        )
 
     def _take_picture(self, image: vision.Image, reception: Reception) -> int:
         self._messages += 1

@@ -47,15 +47,15 @@ class PictureWish:
         kind: Grey or colour.
         width: Width wanted [pixels]; 0: as wide as is shown.
         height: Height wanted [pixels]; 0: as high as is shown.
-        quality: 1 to 100.
-        coding: How they are coded.
+        quality: 1 to 100; where the coding is chosen by measurement, of run lengths.
+        coding: How they are coded; None: by measurement, whatever suits the link.
     """
 
     kind: ImageKind = ImageKind.COLOUR
     width: int = 0
     height: int = 0
     quality: int = 60
-    coding: ImageCoding = ImageCoding.RLE
+    coding: ImageCoding | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from hub.gcm.navigation import ROBOT_STATE
 from hub.gcm.navigation import RobotState as NavigationState
-from hub.gcm.vision import CAMERA_STATE, CameraState
+from hub.gcm.vision import CAMERA_STATE, CameraState, ImageCoding
 from hub.ipc.definition import MessageDefinition
 
 T = TypeVar("T")
@@ -84,6 +84,27 @@ class OccupancyMap:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class PictureFlow:
+    """How pictures have come lately.
+
+    Attributes:
+        coding: How the newest was coded.
+        quality: With what quality pictures are asked for.
+        width_px: Width of the newest.
+        height_px: Height of the newest.
+        shrunk: Whether they are smaller than what is shown, because the link carries no more.
+        per_s: How many came [1/s].
+    """
+
+    coding: ImageCoding
+    quality: int
+    width_px: int
+    height_px: int
+    shrunk: bool
+    per_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LinkState:
     """How the connection stands.
 
@@ -103,6 +124,7 @@ class LinkState:
         owned_since: The time of day since when its owner has control of it, such as "14:03".
         said: Why the robot or its hub refused something last; empty before.
         said_count: How often that was, to tell a new one from the one before.
+        pictures: How pictures have come lately; None while none do.
     """
 
     phase: LinkPhase
@@ -120,6 +142,7 @@ class LinkState:
     owned_since: str = ""
     said: str = ""
     said_count: int = 0
+    pictures: PictureFlow | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,14 +8,15 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from hub.gcm.navigation import ROBOT_STATE
+from hub.gcm.vision import ImageCoding
 from rune_tui.layout.rules import VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.robot_state import LinkPhase, LinkState, RobotState
+from rune_tui.model.robot_state import LinkPhase, LinkState, PictureFlow, RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.mood import Mood, ink_of
 from rune_tui.visualizers.rows import GAP, Row, cut, flowing, wrapped
-from rune_tui.visualizers.staleness import Staleness, age_text, staleness
+from rune_tui.visualizers.staleness import ALARM_AFTER_S, Staleness, age_text, staleness
 
 _KILO = 1000.0
 _LONG_S = 120.0
@@ -23,10 +24,10 @@ _LONG_S = 120.0
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """Words, as many on a row as fit: phase, age of the state and picture, rates, losses."""
+    """Words, as many on a row as fit: phase, ages of state and picture, losses, pictures, rates."""
 
     rule: ClassVar = VisualizerRule(
-        meaning="the connection in words: phase, age of what came, round trip, rates, losses",
+        meaning="the connection in words: phase, ages, losses, pictures, round trip, rates",
         others=(ROBOT_STATE.name,),
     )
     whole_cells: ClassVar[bool] = True
@@ -61,19 +62,33 @@ def _words(robot: RobotState, now: float) -> Iterator[Row]:
         yield Row("may only watch", Mood.WARNING)
     if link.missed:
         yield Row(f"{link.missed} message{'s' if link.missed > 1 else ''} lost", Mood.WARNING)
-    for name, received in (("state", robot.navigation), ("picture", robot.picture)):
-        if received is not None:
-            age = received.age(now)
-            fresh = staleness(age) is Staleness.FRESH
-            yield Row(f"{name} {age_text(age)} old", Mood.PLAIN if fresh else Mood.ALARM)
+    if robot.navigation is not None:
+        age = robot.navigation.age(now)
+        fresh = staleness(age) is Staleness.FRESH
+        yield Row(f"state {age_text(age)} old", Mood.PLAIN if fresh else Mood.ALARM)
+    if robot.picture is not None:
+        age = robot.picture.age(now)
+        late = age > ALARM_AFTER_S
+        text = f"PICTURE {age_text(age)} OLD" if late else f"picture {age_text(age)} old"
+        yield Row(text, Mood.ALARM if late else Mood.PLAIN)
     # What is counted is counted for as long as central answers.
     connected = link.phase is LinkPhase.CONNECTED
+    if connected and link.pictures is not None:
+        yield from _pictures(link.pictures)
     if connected and math.isfinite(link.round_trip):
         yield Row(f"round trip {_KILO * link.round_trip:.0f} ms")
     if connected and math.isfinite(link.messages_per_s):
         yield Row(f"{link.messages_per_s:.0f} messages/s")
     if connected and math.isfinite(link.bytes_per_s):
         yield Row(_amount(link.bytes_per_s))
+
+
+def _pictures(flow: PictureFlow) -> Iterator[Row]:
+    if flow.shrunk:
+        yield Row("pictures made smaller for the link", Mood.WARNING)
+    yield Row(f"{flow.per_s:.0f} pictures/s")
+    kind = f"{flow.width_px}x{flow.height_px} {flow.coding.name}"
+    yield Row(kind if flow.coding is ImageCoding.RAW else f"{kind} {flow.quality}")
 
 
 def _phase(link: LinkState, now: float) -> Row:

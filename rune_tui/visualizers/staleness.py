@@ -14,6 +14,10 @@ from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
 
 MENTION_AFTER_S = 0.25
+ALARM_AFTER_S = 0.5
+"""Who drives by pictures that are older than this drives blind [s]: people then begin to move and
+wait, and turn too late (Chen, Haas and Barnes 2007).
+"""
 DIM_AFTER_S = 1.0
 HATCH_AFTER_S = 3.0
 

@@ -15,7 +15,13 @@ from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.visualizers.control_words import control_parts
 from rune_tui.visualizers.mood import Mood, Part
 from rune_tui.visualizers.range_data import BODY_RADIUS_M, is_near
-from rune_tui.visualizers.staleness import MENTION_AFTER_S, Staleness, age_text, staleness
+from rune_tui.visualizers.staleness import (
+    ALARM_AFTER_S,
+    MENTION_AFTER_S,
+    Staleness,
+    age_text,
+    staleness,
+)
 
 LOW_BATTERY = 0.2
 CRITICAL_BATTERY = 0.1
@@ -121,9 +127,10 @@ def _picture_age(robot: RobotState, now: float) -> Iterator[Part]:
     if robot.picture is None:
         return
     age = robot.picture.age(now)
-    if age > MENTION_AFTER_S:
-        mood = Mood.PLAIN if staleness(age) is Staleness.FRESH else Mood.WARNING
-        yield Part(f"picture {age_text(age)} old", 5, mood)
+    if age > ALARM_AFTER_S:
+        yield Part(f"PICTURE {age_text(age)} OLD", 8, Mood.ALARM)
+    elif age > MENTION_AFTER_S:
+        yield Part(f"picture {age_text(age)} old", 5)
 
 
 def _joysticks(state: ConsoleState) -> Iterator[Part]:

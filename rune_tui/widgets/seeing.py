@@ -20,7 +20,8 @@ from rune_tui.widgets.widget import OrderWidget
 
 _MOST_PIXELS = 4096.0
 _KINDS = tuple(kind.name.lower() for kind in ImageKind)
-_CODINGS = tuple(coding.name.lower() for coding in ImageCoding)
+_AUTO = "auto"
+_CODINGS = (_AUTO, *(coding.name.lower() for coding in ImageCoding))
 
 
 class SetImageRequest(OrderWidget):
@@ -45,10 +46,16 @@ class SetImageRequest(OrderWidget):
                 meaning="height wanted; 0: as high as is shown",
             ),
             "quality": NumberOption(
-                default=60.0, least=1.0, most=100.0, meaning="1 is the least, 100 the best"
+                default=60.0,
+                least=1.0,
+                most=100.0,
+                meaning="1 is the least, 100 the best; with coding auto, of what is sent as rle",
             ),
             "coding": ChoiceOption(
-                default="rle", choices=_CODINGS, meaning="how pictures are coded on their way"
+                default=_AUTO,
+                choices=_CODINGS,
+                meaning="how pictures are coded on their way; auto: by measurement of the link, "
+                "which also chooses quality, and size last",
             ),
         },
     )
@@ -56,12 +63,13 @@ class SetImageRequest(OrderWidget):
     def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
         """The other kind, or the usual one if the other is asked for already."""
         options = self.spec.options
+        coding = options.word("coding")
         wish = PictureWish(
             kind=ImageKind[options.word("kind").upper()],
             width=round(options.number("width")),
             height=round(options.number("height")),
             quality=round(options.number("quality")),
-            coding=ImageCoding[options.word("coding").upper()],
+            coding=None if coding == _AUTO else ImageCoding[coding.upper()],
         )
         if state.wishes.get(robot.name) == wish:
             wish = PictureWish()

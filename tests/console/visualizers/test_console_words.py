@@ -7,8 +7,9 @@ import dataclasses
 import pytest
 
 from hub.gcm.navigation import Assistance, MotionState
+from hub.gcm.vision import ImageCoding
 from rune_tui.model.console_state import ConsoleState, Notice
-from rune_tui.model.robot_state import LinkPhase
+from rune_tui.model.robot_state import LinkPhase, PictureFlow
 from rune_tui.model.theme import DARK, LIGHT
 from tests.console.visualizers.conftest import NOW, made_by, words
 
@@ -203,3 +204,35 @@ def test_the_token_of_alarms_changes_with_their_words_only(made) -> None:
     assert token(linear=0.5) == token() != token(battery_fraction=0.05)
     light = dataclasses.replace(state, theme=LIGHT)
     assert shown.source(made.robot(), state) != shown.source(made.robot(), light)
+
+
+@pytest.mark.parametrize(
+    ("age", "text"), [(0.31, "picture 0.3 s old"), (0.49, "picture 0.4 s old")]
+)
+def test_a_picture_of_less_than_half_a_second_is_told_calmly(made, draw, age, text) -> None:
+    assert picture_row(made, draw, age) == (text, DARK.ink)
+
+
+def test_a_picture_of_more_than_half_a_second_is_told_in_red_and_louder_words(made, draw) -> None:
+    assert picture_row(made, draw, 0.61) == ("PICTURE 0.6 s OLD", DARK.alarm_ink)
+
+
+def picture_row(made, draw, age):
+    """What the link says of a picture of this age [s], and in what colour."""
+    robot = made.robot(
+        link=made.link(), navigation=None, picture=made.received(made.picture(), age)
+    )
+    canvas = draw("visualizeLink", robot, (20, 16))
+    (row,) = [at for at, text in enumerate(words(canvas)) if "picture" in text.lower()]
+    return words(canvas)[row], tuple(canvas.ink[row, 0].tolist())
+
+
+def test_the_link_tells_how_pictures_come_and_that_they_were_made_smaller(link) -> None:
+    flow = PictureFlow(
+        coding=ImageCoding.WEBP, quality=20, width_px=80, height_px=48, shrunk=False, per_s=6.2
+    )
+    assert link((20, 16), pictures=flow)[2:] == ["6 pictures/s", "80x48 WEBP 20"]
+    shrunk = dataclasses.replace(flow, shrunk=True)
+    assert "pictures made smaller for the link" in " ".join(link((60, 16), pictures=shrunk))
+    assert link((20, 16), LinkPhase.LOST, pictures=flow)[0].startswith("LINK LOST")
+    assert "6 pictures/s" not in link((20, 16), LinkPhase.LOST, pictures=flow)

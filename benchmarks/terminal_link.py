@@ -1,0 +1,138 @@
+"""Pictures over thin links, from the robot's camera to the console.
+
+The hub, its modules, the simulated camera and the console's link are the real ones; what lies
+between them is `tests.thin_link`, a TCP relay with one queue a direction. The console's clock is
+two hours ahead of the robot's, so that ages are measured as between two machines.
+"""
+
+from __future__ import annotations
+
+import math
+import statistics
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from benchmarks.figures import report, say
+from hub.gcm import navigation
+from rune_tui.layout.spec import RobotSpec
+from rune_tui.link.robot_link import RobotLink
+from rune_tui.model.robot_state import RobotState
+from rune_tui.opening import open_layout
+from tests.ports import free_port
+from tests.system.harness import HubProcess
+from tests.thin_link import ThinLink
+from tests.waiting import until
+
+AHEAD_S = 7200.0
+DRAW_S = 1.0 / 30.0
+SETTLE_S, SECONDS = 10.0, 30.0
+SIZE = (160, 96)
+LAYOUT = """<rune>
+  <robot name="magellan">
+    <capability name="VIS_VID" interval_ms="60"/>
+    <capability name="NAV_STATE"/>
+    <capability name="NAV_MOVE"/>
+  </robot>
+  <view xsize="160" ysize="96">
+    <viewport name="camera" robot="magellan" xpos="0" ypos="0" xsize="160" ysize="96">
+      <visualizer function="visualizeCameraImage" message="GCM_Common_Image"/>
+    </viewport>
+    <viewport name="status" robot="magellan" xpos="0" ypos="94" xsize="160" ysize="2">
+      <visualizer function="visualizeStatus" message="GCM_RobotState"/>
+    </viewport>
+  </view>
+</rune>
+"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Seen:
+    """One picture as it was shown.
+
+    Attributes:
+        age: By the clock that camera and console really have in common [s].
+        told: By the console [s].
+        state: Of the robot's state then, as the console tells [s].
+    """
+
+    age: float
+    told: float
+    state: float
+
+
+@contextmanager
+def hub() -> Iterator[HubProcess]:
+    with tempfile.TemporaryDirectory() as folder:
+        running = HubProcess(Path(folder), arena="yellow", port=free_port())
+        with closing(running):
+            yield running
+
+
+def robot() -> RobotSpec:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "layout.xml"
+        path.write_text(LAYOUT)
+        (spec,) = open_layout(path).robots
+    return spec
+
+
+def clock() -> float:
+    return time.monotonic() + AHEAD_S
+
+
+def drawn(link: RobotLink, seconds: float) -> tuple[list[Seen], RobotState]:
+    """The pictures that a console shows, which turns the robot on its place all the while."""
+    seen: list[Seen] = []
+    end, number = time.monotonic() + seconds, 0
+    while time.monotonic() < end:
+        time.sleep(DRAW_S)
+        link.send(navigation.VELOCITY_COMMAND, navigation.Twist.planar(0.0, 0.4))
+        picture = link.state.picture
+        if picture is not None and picture.number != number:
+            number = picture.number
+            link.shown(number)
+            age = time.time() - picture.value.camera.stamp
+            navigation_state, now = link.state.navigation, clock()
+            state = navigation_state.age(now) if navigation_state else math.inf
+            seen.append(Seen(age=age, told=picture.age(now), state=state))
+    return seen, link.state
+
+
+def report_hub_link(name: str, rate: float, bar_fps: float) -> None:
+    say(f"pictures of {SIZE[0]}x{SIZE[1]} over {name}")
+    with hub() as running, closing(ThinLink(running.endpoint, rate=rate)) as thin:
+        link = RobotLink(robot(), thin.endpoint, near=False, clock=clock)
+        link.start()
+        with closing(link):
+            link.want_pictures(SIZE)
+            until(lambda: link.state.picture is not None, 30.0, lambda: repr(link.state.link))
+            drawn(link, SETTLE_S)
+            seen, state = drawn(link, SECONDS)
+    flow = state.link.pictures
+    asked = f"{flow.width_px}x{flow.height_px} {flow.coding.name} {flow.quality}" if flow else ""
+    note = f"relay of {rate:g} bit/s, 20 ms each way, 64 kB; the robot turns; at the end {asked}"
+    ages = sorted(each.age for each in seen)
+    wrong = statistics.median(abs(each.told - each.age) for each in seen)
+    report(
+        f"link.hub_{name}_fps", len(seen) / SECONDS, "1/s", bar=bar_fps, better="higher", note=note
+    )
+    report(f"link.hub_{name}_age_median_ms", 1e3 * statistics.median(ages), "ms", bar=400.0)
+    report(f"link.hub_{name}_age_max_ms", 1e3 * ages[-1], "ms")
+    error_note = "what the console tells, with a clock of its own, less what is true; median"
+    report(f"link.hub_{name}_age_error_ms", 1e3 * wrong, "ms", note=error_note)
+    states = statistics.median(each.state for each in seen)
+    report(f"link.hub_{name}_state_age_median_ms", 1e3 * states, "ms", note="GCM_RobotState")
+    report(f"link.hub_{name}_kB_per_s", state.link.bytes_per_s / 1e3, "kB/s", note="pictures")
+
+
+def main() -> None:
+    report_hub_link("1Mbit", 1e6, 15.0)
+    report_hub_link("64kbit", 64e3, 3.0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,117 @@
+"""Pictures of a robot that cannot send all codings, and of a console that is slow to show them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, closing
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hub.errors import HandlerFailedError
+from hub.gcm.vision import IMAGE, IMAGE_REQUEST, Image, ImageCoding, ImageRequest
+from hub.ipc.central import Central
+from hub.ipc.client import Client
+from hub.modules.vision.coding import code
+from rune_tui.layout.spec import CapabilitySpec, RobotSpec
+from rune_tui.link.robot_link import RobotLink
+from rune_tui.model.console_state import PictureWish
+from tests.messages import camera_state
+from tests.waiting import until
+
+
+class Robot:
+    """Answers for pictures in the codings it has, and remembers what it was asked for."""
+
+    def __init__(self, endpoint: str) -> None:
+        self.client = Client("robot", endpoint)
+        self.codings = frozenset(ImageCoding)
+        self.asked: list[ImageRequest] = []
+        self.client.respond(IMAGE_REQUEST, IMAGE, self._answer)
+
+    def _answer(self, request: ImageRequest) -> Image:
+        self.asked.append(request)
+        if request.coding not in self.codings:
+            text = "not this one"
+            raise HandlerFailedError(text)
+        pixels = np.zeros((request.height_px, request.width_px, 3), np.uint8)
+        data = code(pixels, request.coding, request.quality)
+        return Image(
+            camera=camera_state(),
+            coding=request.coding,
+            width_px=request.width_px,
+            height_px=request.height_px,
+            channels=3,
+            length=len(data),
+            data=data,
+        )
+
+    def serve(self) -> None:
+        self.client.listen(0.01)
+
+    def close(self) -> None:
+        self.client.close()
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> Iterator[Robot]:
+    with ExitStack() as stack:
+        central = stack.enter_context(closing(Central([f"ipc://{tmp_path}/c"])))
+        yield stack.enter_context(closing(Robot(central.endpoints[0])))
+
+
+@pytest.fixture
+def link(robot: Robot) -> Iterator[RobotLink]:
+    video = CapabilitySpec(name="VIS_VID", interval_s=0.01)
+    made = RobotLink(RobotSpec(name="m", hub=robot.client.endpoint, capabilities=(video,)))
+    with closing(made):
+        made.start()
+        yield made
+
+
+@pytest.fixture
+def wait(robot: Robot) -> Callable[[Callable[[], object]], None]:
+    return lambda condition: until(condition, 15.0, meanwhile=robot.serve)
+
+
+@pytest.mark.parametrize("coding", [ImageCoding.WEBP, ImageCoding.JPEG, ImageCoding.RLE])
+def test_the_first_picture_comes_in_the_best_coding_that_the_robot_has(
+    robot: Robot, link: RobotLink, wait: Callable[..., None], coding: ImageCoding
+) -> None:
+    better = {ImageCoding.WEBP: 0, ImageCoding.JPEG: 1, ImageCoding.RLE: 2}
+    robot.codings = frozenset(each for each in better if better[each] >= better[coding])
+    link.want_pictures((32, 24))
+    wait(lambda: link.state.picture is not None)
+    assert [each.coding for each in robot.asked[: better[coding] + 1]] == [*better][
+        : better[coding] + 1
+    ]
+    wait(lambda: link.state.link.pictures is not None)
+    flow = link.state.link.pictures
+    assert flow is not None
+    assert (flow.coding, flow.width_px, flow.height_px, flow.shrunk) == (coding, 32, 24, False)
+    assert link.state.link.detail == ""
+
+
+def test_the_next_is_asked_for_only_when_the_last_is_shown(
+    robot: Robot, link: RobotLink, wait: Callable[..., None]
+) -> None:
+    link.want_pictures((32, 24))
+    wait(lambda: link.state.picture is not None)
+    for _ in range(50):
+        robot.serve()
+    assert len(robot.asked) == 1
+    picture = link.state.picture
+    assert picture is not None
+    link.shown(picture.number)
+    wait(lambda: len(robot.asked) == 2)
+
+
+def test_what_the_layout_asks_for_is_asked_for(
+    robot: Robot, link: RobotLink, wait: Callable[..., None]
+) -> None:
+    link.want_pictures((32, 24), PictureWish(coding=ImageCoding.RAW, quality=7))
+    wait(lambda: link.state.picture is not None)
+    assert robot.asked == [
+        ImageRequest(width_px=32, height_px=24, quality=7, coding=ImageCoding.RAW)
+    ]
