@@ -15,12 +15,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from rune_tui.compositor.depth import ColourDepth
-from rune_tui.errors import ConsoleError
+from rune_tui.errors import ConsoleError, TunnelError
 
 if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+
     from rune_tui.layout.spec import LayoutSpec
     from rune_tui.layout.watching import LayoutSource
     from rune_tui.link.robot_links import RobotLinks
+    from rune_tui.link.tunnel import Tunnel
     from rune_tui.terminal.questions import Answers
     from rune_tui.terminal.traits import Traits
 
@@ -83,6 +86,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         text = f"{error.name} is missing; install it with pip install 'robot-user-nexus[console]'"
         sys.stderr.write(f"rune: {text}\n")
         return ExitCode.USAGE
+    except TunnelError as error:
+        sys.stderr.write(f"rune: {error}\n")
+        return ExitCode.NO_HUB
     except (ConsoleError, HubError) as error:
         sys.stderr.write(f"rune: {error}\n")
         return ExitCode.USAGE
@@ -94,9 +100,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(options: argparse.Namespace) -> int:
     _need_terminal()
     source = _source(options.layouts, options.set, watched=options.watch)
-    links = _links(source.layout, _endpoints(options.hub), options.keys)
     _log_to_file()
-    return _console(source, links, options)
+    with _tunnels(options, source.layout) as tunnels:
+        links = _links(source.layout, _endpoints(options.hub), options.keys, tunnels)
+        return _console(source, links, options)
 
 
 def _demo(options: argparse.Namespace) -> int:
@@ -159,9 +166,10 @@ def _shot(options: argparse.Namespace) -> int:
             log = _log_to_file()
             demo = [stack.enter_context(DemoHub(_DEMO_ROBOT, log)) for _ in layout.robots]
             hubs = [hub.endpoint() for hub in demo]
+        tunnels = stack.enter_context(_tunnels(options, layout))
         answered = shot.take(
             layout,
-            _links(layout, hubs, options.keys),
+            _links(layout, hubs, options.keys, tunnels),
             size=options.size,
             seconds=options.seconds,
             depth=ColourDepth(options.colors),
@@ -225,11 +233,30 @@ def _load(name_or_path: str, variables: Sequence[tuple[str, str]]) -> LayoutSpec
     return open_layout(name_or_path, dict(variables))
 
 
-def _links(layout: LayoutSpec, hubs: Sequence[str], keys: Path | None = None) -> RobotLinks:
+def _links(
+    layout: LayoutSpec,
+    hubs: Sequence[str],
+    keys: Path | None = None,
+    tunnels: Sequence[Tunnel] = (),
+) -> RobotLinks:
     from rune_tui.desk import operator_name
     from rune_tui.link.robot_links import RobotLinks
 
-    return RobotLinks(layout, hubs, keys=keys, operator=operator_name())
+    return RobotLinks(layout, hubs, keys=keys, operator=operator_name(), tunnels=tunnels)
+
+
+def _tunnels(
+    options: argparse.Namespace, layout: LayoutSpec
+) -> AbstractContextManager[list[Tunnel]]:
+    from rune_tui.link.tunnel import open_tunnels
+
+    if options.ssh and options.keys:
+        text = "--keys is for a hub that is reached without ssh; leave out one of --ssh and --keys"
+        raise _UsageError(text)
+    if options.ssh and "demo" in options and options.demo:
+        text = "--demo brings its own robot; leave out one of --ssh and --demo"
+        raise _UsageError(text)
+    return open_tunnels(options.ssh, layout, _endpoints(options.hub))
 
 
 def _endpoints(hubs: Sequence[str]) -> list[str]:
@@ -314,6 +341,7 @@ def _parser() -> argparse.ArgumentParser:
     layout_help = "a layout file, or the name of a shipped layout"
     keys_help = "your key's file, for a hub on another machine"
     hub_help = "HOST, HOST:PORT or tcp://HOST:PORT instead of the layout's; once for each robot"
+    ssh_help = "[USER@]HOST[:PORT]: go to the robot's hub through ssh; once for each robot"
     colors = [depth.value for depth in ColourDepth]
     colors_help = "what the terminal can show, where it does not say so itself"
     aspect_help = "height of a cell over its width, where the terminal does not say (2)"
@@ -322,6 +350,7 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("layouts", nargs="+", metavar="LAYOUT", help=layout_help)
     run.add_argument("--watch", action="store_true", help="follow the files when they are saved")
     run.add_argument("--hub", action="append", default=[], metavar="HUB", help=hub_help)
+    run.add_argument("--ssh", action="append", default=[], metavar="HOST", help=ssh_help)
     run.add_argument("--keys", type=Path, help=keys_help)
 
     demo = commands.add_parser("demo", help="open the console on a simulated robot")
@@ -340,6 +369,7 @@ def _parser() -> argparse.ArgumentParser:
     shot.add_argument("--colors", choices=colors, default=colors[0], help="default: %(default)s")
     source = shot.add_mutually_exclusive_group()
     source.add_argument("--hub", action="append", default=[], metavar="HUB", help=hub_help)
+    shot.add_argument("--ssh", action="append", default=[], metavar="HOST", help=ssh_help)
     shot.add_argument("--keys", type=Path, help=keys_help)
     source.add_argument("--demo", action="store_true", help="on a simulated robot of its own")
     terminal = commands.add_parser("terminal", help="say what this terminal can do, and why")

@@ -4,6 +4,7 @@
     ├── LayoutError (ValueError)        a layout file with mistakes, all of them listed
     ├── DemoError (RuntimeError)        the demo's hub did not come up
     ├── HubChoiceError (ValueError)     one hub is named for several robots
+    ├── TunnelError (ConnectionError)   ssh does not make a way to a robot
     ├── PictureFileError (OSError)      `rune shot` cannot write its file
     ├── FontError (OSError)             a font that cannot be drawn with
     └── DescriptorError (ValueError)    a device describes its reports in a way that makes no sense
@@ -63,6 +64,10 @@ class DemoError(ConsoleError, RuntimeError):
 
 class HubChoiceError(ConsoleError, ValueError):
     """One hub is named for several robots."""
+
+
+class TunnelError(ConsoleError, ConnectionError):
+    """Ssh does not make a way to a robot."""
 
 
 class PictureFileError(ConsoleError, OSError):

@@ -135,7 +135,8 @@ class Connection:
     def addresses(self, message: control.Welcome) -> list[str]:
         """Where each plane goes in and comes out, as we reach it."""
         if self._endpoint.startswith("ipc://"):
-            return [f"ipc://{path}" for path in message.paths]
+            # Beside the file that we know, which a tunnel may have put elsewhere than central's.
+            return [f"{self._endpoint}.{number}" for number in range(1, 1 + len(message.paths))]
         host = self._endpoint.rpartition(":")[0]
         return [f"{host}:{port}" for port in message.ports]
 

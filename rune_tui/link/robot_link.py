@@ -42,6 +42,7 @@ from rune_tui.link.picture_stream import PictureStream
 from rune_tui.link.pictures import map_of, picture_of
 from rune_tui.link.requests import Requester
 from rune_tui.link.streams import Streams
+from rune_tui.link.tunnel import Tunnel
 from rune_tui.model.console_state import PictureWish
 from rune_tui.model.robot_state import LinkPhase, LinkState, Received, RobotState
 
@@ -79,6 +80,7 @@ class RobotLink:
         keys: Path | None = None,
         operator: str = "",
         near: bool = True,
+        tunnel: Tunnel | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Prepare the connection.
@@ -89,6 +91,7 @@ class RobotLink:
             keys: File of the operator's key, for a hub on another machine.
             operator: Who sits here.
             near: Whether messages may pass the endpoint by, from modules of this machine.
+            tunnel: The way to the hub, if there is one; `hub` is its end then.
             clock: Monotonic time [s].
 
         Raises:
@@ -104,6 +107,7 @@ class RobotLink:
         self._messages = self._bytes = 0
         self._tap: Tap | None = None
         self._control: ControlLine | None = None
+        self._tunnel = tunnel
         self._stopping = threading.Event()
         own_keys = read_client_keys(keys) if keys else None
         name = f"rune-{os.getpid()}-{spec.name}"
@@ -112,7 +116,7 @@ class RobotLink:
         link = LinkState(
             phase=LinkPhase.CONNECTING,
             since=clock(),
-            endpoint=self._client.endpoint,
+            endpoint=f"ssh {tunnel.destination}" if tunnel else self._client.endpoint,
             may_command=own_keys is None or may(own_keys.role, Action.PUBLISH_COMMAND),
         )
         self._state = RobotState(name=spec.name, link=link)
@@ -294,10 +298,10 @@ class RobotLink:
             if link.phase is not LinkPhase.CONNECTED and link.may_command:
                 self._want()
         elif link.phase is LinkPhase.CONNECTING:
-            phase, detail = LinkPhase.CONNECTING, str(self._client.refusal or "")
+            phase, detail = LinkPhase.CONNECTING, self._why_not()
         else:
             closed = f"closed by {self._client.closed_by}" if self._client.closed_by else ""
-            phase, detail = LinkPhase.LOST, closed or str(self._client.refusal or "")
+            phase, detail = LinkPhase.LOST, closed or self._why_not()
         if phase is not LinkPhase.CONNECTED and CONTROL_STATE.name in self._state.messages:
             # Nothing is known of control until the hub says it anew: it may be another hub by then.
             kept = {n: r for n, r in self._state.messages.items() if n != CONTROL_STATE.name}
@@ -320,6 +324,11 @@ class RobotLink:
         """Have the operator told that something was refused."""
         link = self._state.link
         self._change_link(said=text[:MOST_LETTERS], said_count=link.said_count + 1)
+
+    def _why_not(self) -> str:
+        """What is known of why there is no connection."""
+        tunnel = self._tunnel.trouble if self._tunnel else ""
+        return tunnel or str(self._client.refusal or "")
 
     def _set_link(self, phase: LinkPhase, detail: str) -> None:
         link, detail = self._state.link, detail[:MOST_LETTERS]

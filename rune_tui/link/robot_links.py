@@ -6,8 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from rune_tui.errors import HubChoiceError
-from rune_tui.layout.spec import LayoutSpec
+from rune_tui.layout.spec import LayoutSpec, RobotSpec
 from rune_tui.link.robot_link import RobotLink
+from rune_tui.link.tunnel import Tunnel
 
 
 class RobotLinks(Mapping[str, RobotLink]):
@@ -20,6 +21,7 @@ class RobotLinks(Mapping[str, RobotLink]):
         *,
         keys: Path | None = None,
         operator: str = "",
+        tunnels: Sequence[Tunnel] = (),
     ) -> None:
         """Prepare them.
 
@@ -29,13 +31,15 @@ class RobotLinks(Mapping[str, RobotLink]):
                 one for each.
             keys: File of the operator's key, for hubs on other machines.
             operator: Who sits here, as robots are told.
+            tunnels: Open ways to the hubs, instead of `hubs`.
 
         Raises:
             HubChoiceError: There are not as many endpoints as robots.
             EndpointError: An endpoint is not one, or on another machine and there are no keys.
             KeyFileError: The keys cannot be used.
         """
-        self._hubs = tuple(hubs)
+        self._tunnels = {tunnel.endpoint: tunnel for tunnel in tunnels}
+        self._hubs = tuple(self._tunnels or hubs)
         self._keys = keys
         self._operator = operator
         self._wanted: dict[str, str] = {}
@@ -78,16 +82,28 @@ class RobotLinks(Mapping[str, RobotLink]):
         return {
             robot.name: known[robot.name]
             if self._wanted.get(robot.name) == wanted[robot.name]
-            else RobotLink(robot, wanted[robot.name], keys=self._keys, operator=self._operator)
+            else self._link(robot, wanted[robot.name])
             for robot in layout.robots
         }
+
+    def _link(self, robot: RobotSpec, hub: str) -> RobotLink:
+        tunnel = self._tunnels.get(hub)
+        return RobotLink(
+            robot,
+            hub,
+            keys=self._keys,
+            operator=self._operator,
+            near=tunnel is None,
+            tunnel=tunnel,
+        )
 
     def _endpoints(self, layout: LayoutSpec) -> dict[str, str]:
         """Where the hub of each robot is, by the robot's name."""
         count = len(layout.robots)
         if len(self._hubs) not in {0, count}:
+            option = "--ssh" if self._tunnels else "--hub"
             there = (
-                f"{layout.path} names {count} robots, and --hub is given {len(self._hubs)} times"
+                f"{layout.path} names {count} robots, and {option} is given {len(self._hubs)} times"
             )
             text = f"{there}; give it once for each, in the order of the layout"
             raise HubChoiceError(text)

@@ -1,0 +1,265 @@
+"""The way to a robot's hub through ssh: opened, mended when ssh ends, and ended with the console.
+
+The hub's sockets appear as files in a folder that only this user may enter, so no port is taken and
+nobody else on this machine drives the robot.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import re
+import shutil
+import subprocess
+import tempfile
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Final
+
+from hub.errors import EndpointError
+from hub.ipc.security import DEFAULT_ENDPOINT, IpcEndpoint, parse_endpoint
+from rune_tui.errors import HubChoiceError, TunnelError
+from rune_tui.layout.spec import LayoutSpec
+
+SOCKETS: Final = 7
+"""The hub's: control, and in and out of three planes (docs/protocol.md)."""
+_ENDS: Final = ("", *(f".{number}" for number in range(1, SOCKETS)))
+OPEN_WITHIN_S: Final = 60.0
+"""Time for a connection, and for the operator to type a password [s]."""
+_END_WITHIN_S: Final = 3.0
+_LOOK_S: Final = 0.05
+_RETRY_S, _LONGEST_RETRY_S = 1.0, 15.0
+_OPTIONS: Final = {
+    # A connection of its own: one that is shared would end with, and outlive, somebody else's.
+    "ControlMaster": "no",
+    "ControlPath": "none",
+    "ExitOnForwardFailure": "yes",
+    "StreamLocalBindUnlink": "yes",
+    "StreamLocalBindMask": "0177",
+    "ConnectTimeout": "10",
+    # A link that is dead is noticed within 9 s; the console itself notices within 1.5 s.
+    "ServerAliveInterval": "3",
+    "ServerAliveCountMax": "3",
+    "TCPKeepAlive": "yes",
+    "ForwardAgent": "no",
+    "ForwardX11": "no",
+    "PermitLocalCommand": "no",
+    "LogLevel": "ERROR",
+}
+_GUARD: Final = """
+trap '' HUP INT
+exec 3<&0
+"$@" 3<&- </dev/null &
+child=$!
+trap 'kill $child 2>/dev/null' TERM
+{ read -r _ <&3 || rm -rf -- "$0"; kill $child; } 2>/dev/null &
+guard=$!
+exec 3<&-
+wait $child
+code=$?
+kill $guard 2>/dev/null
+exit $code
+"""
+"""Runs ssh, and ends it after a line on standard input, or when that ends, as it does when the
+console is killed; then the folder, which is the script's name, goes too.
+"""
+_DESTINATION: Final = re.compile(r"([^\s:@-][^\s:]*?)(?::([0-9]{1,5}))?")
+
+
+class Tunnel:
+    """A way to one robot, kept open by a thread.
+
+    Attributes:
+        destination: As the operator wrote it: USER@HOST, HOST, with :PORT behind it if needed.
+        endpoint: Where the hub is found on this machine.
+    """
+
+    def __init__(self, destination: str, hub: str = DEFAULT_ENDPOINT) -> None:
+        """Prepare.
+
+        Args:
+            destination: Where ssh goes, [USER@]HOST[:PORT].
+            hub: The hub's endpoint as the robot itself knows it.
+
+        Raises:
+            TunnelError: This is no destination, or there is no ssh.
+        """
+        matched = _DESTINATION.fullmatch(destination)
+        if matched is None:
+            text = f"{destination!r} is no USER@HOST or USER@HOST:PORT to go to by ssh"
+            raise TunnelError(text)
+        if not (shutil.which("ssh") and shutil.which("sh")):
+            text = "--ssh needs ssh, which is not installed here; install OpenSSH's client"
+            raise TunnelError(text)
+        far_ends = _far_ends(hub)
+        self.destination = destination
+        self._folder = Path(tempfile.mkdtemp(prefix="rune-"))  # mkdtemp lets nobody else in
+        self._socket = self._folder / "hub"
+        self.endpoint = f"ipc://{self._socket}"
+        host, port = matched.groups()
+        self._target = ("--", host)
+        self._command = [
+            *("ssh", "-N", "-T"),
+            *(f"-o{name}={value}" for name, value in _OPTIONS.items()),
+            *(f"-L{near}:{far}" for near, far in zip(self._sockets(), far_ends, strict=True)),
+            *(("-p", port) if port else ()),
+        ]
+        self._process: subprocess.Popen[bytes] | None = None
+        self._ending = threading.Event()
+        self._thread = threading.Thread(target=self._keep, name=f"ssh {host}", daemon=True)
+        self._trouble = ""
+
+    @property
+    def trouble(self) -> str:
+        """Why there is no way just now, in one sentence; empty while there is one."""
+        return self._trouble
+
+    def open(self) -> None:
+        """Open it and keep it open; ssh may ask for a password, on the terminal.
+
+        Raises:
+            TunnelError: It cannot be opened; the text has ssh's own last words.
+        """
+        try:
+            self._start()
+            self._wait(OPEN_WITHIN_S)
+        except BaseException:
+            self.close()
+            raise
+        self._thread.start()
+
+    def close(self) -> None:
+        """End it."""
+        self._ending.set()
+        self._stop()
+        if self._thread.is_alive():
+            self._thread.join()
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def _start(self, *options: str) -> None:
+        self._stop()
+        for path in self._sockets():
+            path.unlink(missing_ok=True)
+        with (self._folder / "ssh.log").open("wb") as log:
+            self._process = subprocess.Popen(
+                ["sh", "-c", _GUARD, str(self._folder), *self._command, *options, *self._target],
+                stdin=subprocess.PIPE,
+                bufsize=0,
+                stdout=subprocess.DEVNULL,
+                stderr=log,
+            )
+
+    def _stop(self) -> None:
+        process = self._process
+        if process is None or process.stdin is None:
+            return
+        with contextlib.suppress(OSError, ValueError):  # it has ended, or was stopped before
+            process.stdin.write(b"\n")
+        process.stdin.close()
+        try:
+            process.wait(_END_WITHIN_S)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+    def _wait(self, seconds: float) -> None:
+        """Wait until all sockets are there.
+
+        Raises:
+            TunnelError: Ssh ended, or it took too long.
+        """
+        end = time.monotonic() + seconds
+        while not all(path.exists() for path in self._sockets()):
+            if self._process is None or self._process.poll() is not None:
+                text = f"ssh to {self.destination} failed: {self._last_words()}"
+                raise TunnelError(text)
+            if time.monotonic() > end:
+                text = f"ssh to {self.destination} made no connection in {seconds:.0f} s"
+                raise TunnelError(text)
+            if self._ending.wait(_LOOK_S):
+                return
+
+    def _keep(self) -> None:
+        """Open it again and again when ssh ends, without asking anybody for anything."""
+        pause = _RETRY_S
+        while self._ended():
+            self._trouble = f"ssh to {self.destination} ended: {self._last_words()}; trying again"
+            while not self._ending.wait(pause):
+                try:
+                    self._start("-oBatchMode=yes")
+                    self._wait(OPEN_WITHIN_S)
+                except (TunnelError, OSError) as error:
+                    self._trouble = str(error)
+                    pause = min(_LONGEST_RETRY_S, 2.0 * pause)
+                    self._stop()
+                else:
+                    self._trouble, pause = "", _RETRY_S
+                    break
+        self._stop()
+
+    def _ended(self) -> bool:
+        """Wait for ssh to end; whether it was not us who ended it."""
+        if self._process is not None:
+            self._process.wait()
+        return not self._ending.is_set()
+
+    def _sockets(self) -> list[Path]:
+        return [Path(f"{self._socket}{end}") for end in _ENDS]
+
+    def _last_words(self) -> str:
+        try:
+            said = (self._folder / "ssh.log").read_text(errors="replace").split("\n")
+        except OSError:
+            said = []
+        words = [line.strip() for line in said if line.strip()]
+        return words[-1].rstrip(".") if words else "it says nothing of why"
+
+
+@contextlib.contextmanager
+def open_tunnels(
+    destinations: Sequence[str], layout: LayoutSpec, hubs: Sequence[str] = ()
+) -> Iterator[list[Tunnel]]:
+    """Ways to the robots of a layout, open inside the `with`.
+
+    Args:
+        destinations: Where ssh goes, in the order of the robots; none for no tunnels.
+        layout: Which robots.
+        hubs: Hubs as the robots know them, instead of those in the layout.
+
+    Raises:
+        HubChoiceError: There are not as many destinations, or hubs, as robots.
+        TunnelError: One cannot be opened.
+    """
+    count = len(layout.robots)
+    if destinations and {len(destinations), len(hubs) or count} != {count}:
+        given = f"--ssh is given {len(destinations)} times, --hub {len(hubs)} times"
+        text = f"{layout.path} names {count} robots, and {given}; give each once for each robot"
+        raise HubChoiceError(text)
+    known = hubs or [robot.hub for robot in layout.robots]
+    with contextlib.ExitStack() as stack:
+        tunnels = []
+        for destination, hub in zip(destinations, known, strict=False):
+            tunnels.append(stack.enter_context(contextlib.closing(Tunnel(destination, hub))))
+            tunnels[-1].open()
+        yield tunnels
+
+
+def _far_ends(hub: str) -> list[str]:
+    """Where a hub's sockets are on the robot: HOST:PORT, or files.
+
+    Raises:
+        TunnelError: The hub listens at no address of the robot's own.
+    """
+    try:
+        endpoint = parse_endpoint(hub)
+    except EndpointError as error:
+        text = (
+            f"{hub!r} is no address of the robot's own; say with --hub how the robot itself "
+            f"knows its hub, such as --hub {DEFAULT_ENDPOINT}"
+        )
+        raise TunnelError(text) from error
+    if isinstance(endpoint, IpcEndpoint):
+        return [f"{endpoint.path}{end}" for end in _ENDS]
+    host = f"[{endpoint.host}]" if ":" in endpoint.host else endpoint.host
+    return [f"{host}:{endpoint.port + at}" for at in range(SOCKETS)]
