@@ -8,29 +8,36 @@ two hours ahead of the robot's, so that ages are measured as between two machine
 from __future__ import annotations
 
 import math
+import os
 import statistics
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+import pytest
+
 from benchmarks.figures import report, say
 from hub.gcm import navigation
+from hub.ipc.client import Client
 from rune_tui.layout.spec import RobotSpec
 from rune_tui.link.robot_link import RobotLink
+from rune_tui.link.tunnel import Tunnel
 from rune_tui.model.robot_state import RobotState
 from rune_tui.opening import open_layout
 from tests.ports import free_port
-from tests.system.harness import HubProcess
-from tests.thin_link import ThinLink
+from tests.system.harness import ConsoleProcess, HubProcess
+from tests.system.ssh_server import SshServer
+from tests.thin_link import ADDRESS, ThinLink
 from tests.waiting import until
 
 AHEAD_S = 7200.0
 DRAW_S = 1.0 / 30.0
 SETTLE_S, SECONDS = 10.0, 30.0
 SIZE = (160, 96)
+TURN = navigation.Twist.planar(0.0, 0.4)
 LAYOUT = """<rune>
   <robot name="magellan">
     <capability name="VIS_VID" interval_ms="60"/>
@@ -90,7 +97,7 @@ def drawn(link: RobotLink, seconds: float) -> tuple[list[Seen], RobotState]:
     end, number = time.monotonic() + seconds, 0
     while time.monotonic() < end:
         time.sleep(DRAW_S)
-        link.send(navigation.VELOCITY_COMMAND, navigation.Twist.planar(0.0, 0.4))
+        link.send(navigation.VELOCITY_COMMAND, TURN)
         picture = link.state.picture
         if picture is not None and picture.number != number:
             number = picture.number
@@ -102,36 +109,88 @@ def drawn(link: RobotLink, seconds: float) -> tuple[list[Seen], RobotState]:
     return seen, link.state
 
 
+def watched(link: RobotLink) -> tuple[list[Seen], RobotState]:
+    """What a console shows once the link is known."""
+    link.start()
+    with closing(link):
+        link.want_pictures(SIZE)
+        until(lambda: link.state.picture is not None, 30.0, lambda: repr(link.state.link))
+        drawn(link, SETTLE_S)
+        return drawn(link, SECONDS)
+
+
 def report_hub_link(name: str, rate: float, bar_fps: float) -> None:
     say(f"pictures of {SIZE[0]}x{SIZE[1]} over {name}")
     with hub() as running, closing(ThinLink(running.endpoint, rate=rate)) as thin:
-        link = RobotLink(robot(), thin.endpoint, near=False, clock=clock)
-        link.start()
-        with closing(link):
-            link.want_pictures(SIZE)
-            until(lambda: link.state.picture is not None, 30.0, lambda: repr(link.state.link))
-            drawn(link, SETTLE_S)
-            seen, state = drawn(link, SECONDS)
+        seen, state = watched(RobotLink(robot(), thin.endpoint, near=False, clock=clock))
     flow = state.link.pictures
     asked = f"{flow.width_px}x{flow.height_px} {flow.coding.name} {flow.quality}" if flow else ""
     note = f"relay of {rate:g} bit/s, 20 ms each way, 64 kB; the robot turns; at the end {asked}"
     ages = sorted(each.age for each in seen)
     wrong = statistics.median(abs(each.told - each.age) for each in seen)
-    report(
-        f"link.hub_{name}_fps", len(seen) / SECONDS, "1/s", bar=bar_fps, better="higher", note=note
-    )
+    states = statistics.median(each.state for each in seen)
+    fps = len(seen) / SECONDS
+    report(f"link.hub_{name}_fps", fps, "1/s", bar=bar_fps, better="higher", note=note)
     report(f"link.hub_{name}_age_median_ms", 1e3 * statistics.median(ages), "ms", bar=400.0)
     report(f"link.hub_{name}_age_max_ms", 1e3 * ages[-1], "ms")
     error_note = "what the console tells, with a clock of its own, less what is true; median"
     report(f"link.hub_{name}_age_error_ms", 1e3 * wrong, "ms", note=error_note)
-    states = statistics.median(each.state for each in seen)
     report(f"link.hub_{name}_state_age_median_ms", 1e3 * states, "ms", note="GCM_RobotState")
     report(f"link.hub_{name}_kB_per_s", state.link.bytes_per_s / 1e3, "kB/s", note="pictures")
+
+
+def report_ssh() -> None:
+    """The same through a real ssh and sshd, whose connection the relay carries."""
+    say("pictures through ssh over 1 Mbit/s")
+    note = "relay of 1e+06 bit/s, 20 ms each way, around ssh -L to a real sshd"
+    with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
+        try:
+            server = stack.enter_context(closing(SshServer(Path(folder) / "ssh")))
+        except pytest.skip.Exception as missing:
+            for name in ("age_median_ms", "fps"):
+                report(f"link.ssh_{name}", None, name.rpartition("_")[2], note=str(missing))
+            return
+        os.environ["PATH"] = f"{server.path}:{os.environ['PATH']}"
+        stack.enter_context(closing(ThinLink(f":{server.port}", rate=1e6, ports=1)))
+        running = stack.enter_context(hub())
+        target = server.target.replace("127.0.0.1", ADDRESS)
+        tunnel = stack.enter_context(closing(Tunnel(target, running.endpoint)))
+        tunnel.open()
+        seen, _ = watched(
+            RobotLink(robot(), tunnel.endpoint, near=False, tunnel=tunnel, clock=clock)
+        )
+    report("link.ssh_fps", len(seen) / SECONDS, "1/s", better="higher", note=note)
+    age = 1e3 * statistics.median(each.age for each in seen)
+    report("link.ssh_age_median_ms", age, "ms", bar=400.0, note=note)
+
+
+def report_console_there() -> None:
+    """What the terminal gets of a console that runs on the robot, on a way without limits."""
+    say("bytes for the terminal of a console on the robot")
+    with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
+        running = stack.enter_context(hub())
+        layout = Path(folder) / "layout.xml"
+        layout.write_text(LAYOUT)
+        arguments = ["run", "--hub", running.endpoint, str(layout)]
+        console = stack.enter_context(closing(ConsoleProcess(arguments, columns=160, rows=48)))
+        console.wait_for_picture()
+        driver = stack.enter_context(closing(Client("benchmark", running.endpoint)))
+        driver.every(0.05, lambda: driver.publish(navigation.VELOCITY_COMMAND, TURN))
+        console.pump(2.0)
+        before, end = console.output_bytes, time.monotonic() + 10.0
+        while time.monotonic() < end:
+            driver.listen(0.0)
+            console.pump(0.01)
+        amount = (console.output_bytes - before) / 10.0 / 1e3
+    note = "160x48 cells, 16 pictures a second wanted; the robot turns"
+    report("link.console_on_robot_kB_per_s", amount, "kB/s", note=note)
 
 
 def main() -> None:
     report_hub_link("1Mbit", 1e6, 15.0)
     report_hub_link("64kbit", 64e3, 3.0)
+    report_ssh()
+    report_console_there()
 
 
 if __name__ == "__main__":

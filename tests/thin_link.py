@@ -131,20 +131,27 @@ class Relay:
 
 
 class ThinLink:
-    """The process; `endpoint` is the hub's at the far end."""
+    """The process.
 
-    def __init__(self, hub: str, *, rate: float, delay: float = 0.02, room: int = 64_000) -> None:
+    Attributes:
+        endpoint: The hub's at the near end.
+    """
+
+    def __init__(
+        self, hub: str, *, rate: float, delay: float = 0.02, room: int = 64_000, ports: int = PORTS
+    ) -> None:
         """Start it, and wait until it listens.
 
         Args:
-            hub: The hub's endpoint, tcp://127.0.0.1:PORT; the six ports behind it are its too.
+            hub: The hub's endpoint, tcp://127.0.0.1:PORT.
             rate: Each way [bit/s].
             delay: Each way [s].
             room: Bytes that may wait in it, each way.
+            ports: How many there are in a row.
         """
         port = int(hub.rpartition(":")[2])
         self.endpoint = f"tcp://{ADDRESS}:{port}"
-        arguments = [str(port), str(rate), str(delay), str(room)]
+        arguments = [str(port), str(ports), str(rate), str(delay), str(room)]
         self._process = subprocess.Popen(
             [sys.executable, "-m", "tests.thin_link", *arguments],
             stdout=subprocess.PIPE,
@@ -162,9 +169,9 @@ class ThinLink:
 
 def main() -> None:
     """Carry as `ThinLink` says."""
-    first = int(sys.argv[1])
-    ports = list(range(first, first + PORTS))
-    relay = Relay(ports, float(sys.argv[2]), float(sys.argv[3]), int(sys.argv[4]))
+    first, count = int(sys.argv[1]), int(sys.argv[2])
+    rate, delay, room = float(sys.argv[3]), float(sys.argv[4]), int(sys.argv[5])
+    relay = Relay(list(range(first, first + count)), rate, delay, room)
     sys.stdout.write("ready\n")
     sys.stdout.flush()
     relay.run()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shlex
 import signal
@@ -17,6 +18,7 @@ from hub.ipc.keyring import Keyring, default_folder
 from hub.ipc.security import Role
 from tests.command_line import rune_hub
 from tests.system.harness import ConsoleProcess, HubProcess
+from tests.system.ssh_server import SshServer
 from tests.waiting import until
 
 ROOT = Path(__file__).parents[2]
@@ -74,6 +76,8 @@ def test_command_works(
         pass  # getting Rune is the business of a fresh machine, not of this test
     elif words[:2] == ["rune-hub", "run"]:
         _starts_and_ends(words, tmp_path)
+    elif "--ssh" in words:
+        _goes_through_ssh(words, lasting_hub, tmp_path, monkeypatch)
     elif words[:2] in (["rune", "demo"], ["rune", "run"]):
         _shows_a_picture(words, lasting_hub)
     elif words[:2] == ["rune", "terminal"]:
@@ -107,6 +111,22 @@ def _shows_a_picture(words: list[str], hub: HubProcess) -> None:
         console.wait_for_picture()
         console.type("q")
         assert console.wait_ended() == 0
+
+
+def _goes_through_ssh(
+    words: list[str], hub: HubProcess, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with closing(SshServer(folder / "ssh")) as server:
+        monkeypatch.setenv("PATH", f"{server.path}:{os.environ['PATH']}")
+        place = words.index("--ssh") + 1
+        words[place] = server.target
+        # The robot's hub has another port here than the usual one.
+        words[place + 1 : place + 1] = ["--hub", hub.endpoint]
+        if words[1] == "run":
+            _shows_a_picture(words, hub)
+        else:
+            _succeeds(words, hub, folder, monkeypatch)
+        assert server.pids()
 
 
 def _succeeds(
