@@ -16,16 +16,20 @@ import subprocess
 import sys
 import tempfile
 import time
-from contextlib import closing
+from collections.abc import Sequence
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
+import pytest
 
 from benchmarks.figures import report, say
 from benchmarks.panning_robot import COLUMNS, LAYOUT, ROWS, age_of, robot
 from benchmarks.slow_terminal import Line, SlowTerminal
 from tests.system.harness import ConsoleProcess
+from tests.system.ssh_server import SshServer
+from tests.thin_link import ADDRESS, ThinLink
 
 Pixels = npt.NDArray[np.uint8]
 
@@ -44,14 +48,20 @@ class Seen:
     bytes_per_s: float
 
 
-def watch(line: Line) -> Seen:
-    """A console at the end of a line."""
+def watch(line: Line, within: Sequence[str] = ()) -> Seen:
+    """A console at the end of a line, started by a command such as `ssh`."""
     with robot() as (hub, pipe), tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "layout.xml"
         path.write_text(LAYOUT.format(hub=hub, interval=33))
         environment = {"COLORTERM": "truecolor"}
         with closing(
-            ConsoleProcess(["run", str(path)], columns=COLUMNS, rows=ROWS, environment=environment)
+            ConsoleProcess(
+                ["run", str(path)],
+                columns=COLUMNS,
+                rows=ROWS,
+                environment=environment,
+                within=within,
+            )
         ) as console:
             terminal = SlowTerminal(console, line, COLUMNS, ROWS)
             terminal.run(WARM_S)
@@ -128,9 +138,31 @@ def discarded() -> None:
     report(name, lost, "bytes", bar=0, note=f"{written} bytes written")
 
 
+def through_ssh(bars: dict[str, float]) -> None:
+    """The console on the robot in a real ssh session, which a relay makes slow."""
+    with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
+        try:
+            server = stack.enter_context(closing(SshServer(Path(folder) / "ssh")))
+        except pytest.skip.Exception as missing:
+            for what, bar in bars.items():
+                report(f"link.ssh_terminal_{what}", None, "ms", bar=bar, note=str(missing))
+            return
+        slow = ThinLink(f":{server.port}", rate=SSH_BIT_PER_S, room=2_000_000, ports=1)
+        stack.enter_context(closing(slow))
+        user = server.target.partition("@")[0]
+        ssh = [str(server.path / "ssh"), "-tt", "-p", str(server.port), f"{user}@{ADDRESS}"]
+        own = ["cd", str(Path.cwd()), "&&", "env", "COLORTERM=truecolor"]
+        # Everything slow is on the way of ssh; its own terminal takes all at once.
+        tell("ssh_terminal", watch(Line(width=1e9, round_trip=0.0), [*ssh, *own]), bars)
+
+
 def figures(name: str, line: Line, bars: dict[str, float]) -> None:
-    """All figures of a line, in milliseconds."""
-    seen = watch(line)
+    """All figures of a line."""
+    tell(name, watch(line), bars)
+
+
+def tell(name: str, seen: Seen, bars: dict[str, float]) -> None:
+    """Report what was seen, in milliseconds."""
     if not seen.ages:
         for what, bar in bars.items():
             report(f"link.{name}_{what}", None, "ms", bar=bar, note="no picture could be read")
@@ -149,19 +181,20 @@ def figures(name: str, line: Line, bars: dict[str, float]) -> None:
         report(f"link.{name}_{what}", values[what], unit, bar=bar, better=better)
 
 
+FIRST_BARS = {"age_median_ms": 250, "age_max_ms": 600, "key_ms": 250, "stall_ms": 50, "fps": 8}
+SSH_BIT_PER_S = 4e6
 LINES = {
-    "500kBps": (
-        Line(width=0.5e6, round_trip=0.04),
-        {"age_median_ms": 250, "age_max_ms": 600, "key_ms": 250, "stall_ms": 50, "fps": 8},
-    ),
+    "500kBps": (Line(width=0.5e6, round_trip=0.04), FIRST_BARS),
     "100KiBps": (Line(width=100 * 1024, round_trip=0.04), {"age_median_ms": 400, "fps": 3}),
 }
 
 
 def main() -> None:
-    for name in sys.argv[1:] or [*LINES, "tmux"]:
+    for name in sys.argv[1:] or [*LINES, "ssh", "tmux"]:
         if name == "tmux":
             discarded()
+        elif name == "ssh":
+            through_ssh(FIRST_BARS)
         else:
             figures(name, *LINES[name])
 
