@@ -19,6 +19,8 @@ from dataclasses import dataclass, field
 ADDRESS = "127.0.0.2"
 PORTS = 7
 _PIECE = 1448
+_LARGE = 1_000_000
+"""Where so much may wait, the sockets' own buffers add little [bytes]; small ones make TCP pause."""
 _HEADERS = 52
 """IP and TCP with time stamps [bytes]."""
 
@@ -96,7 +98,8 @@ class Relay:
         far = socket.create_connection(("127.0.0.1", port))
         for one in (near, far):
             one.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            one.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 8192)
+            if self._up.room < _LARGE:
+                one.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 8192)
             self._selector.register(one, selectors.EVENT_READ)
         self._other[near], self._other[far] = (far, self._up), (near, self._down)
 
