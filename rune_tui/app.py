@@ -14,7 +14,7 @@ import os
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from textual import events
 from textual.app import App, ComposeResult
@@ -58,6 +58,7 @@ from rune_tui.model.effects import (
     changed,
 )
 from rune_tui.model.happenings import Watch
+from rune_tui.recorder import Recorder
 from rune_tui.terminal.traits import Traits
 from rune_tui.ui.frame_answered import FrameAnswered
 from rune_tui.ui.painter import Painter
@@ -67,9 +68,6 @@ from rune_tui.ui.terminal import terminal_driver
 from rune_tui.ui.view_pane import ViewPane, ViewScreen
 from rune_tui.ui.waking import at_the_systems_end, waker
 from rune_tui.view import View
-
-if TYPE_CHECKING:
-    from rune_tui.export.recording import Recording
 
 _logger = logging.getLogger(__name__)
 
@@ -120,7 +118,7 @@ class Console(App[None], inherit_bindings=False):
         self._stalls = StallGuard()
         self._undone: set[type] = set()
         self._leaving = False
-        self._recording: Recording | None = None
+        self._recorder = Recorder(links)
         self._pane = ViewPane()
         self._painter = Painter(self, self._pane, traits, round_trip)
 
@@ -147,8 +145,8 @@ class Console(App[None], inherit_bindings=False):
             self._joysticks.close()
             for link in self._links.values():
                 link.close()
-            if self._recording is not None:
-                desk.end_recording(self._recording)
+            if self._recorder.path:
+                self._recorder.end()()
         return 0 if self._leaving and not self.return_code else 1
 
     def on_mount(self) -> None:
@@ -206,7 +204,7 @@ class Console(App[None], inherit_bindings=False):
         self._console = carried_over(self._console, self._shown_layout, layout)
         self._shown_layout = layout
         self._joysticks.follow(layout.joysticks, time.monotonic())
-        self._tap()
+        self._recorder.tap()
         self._tell(desk.Outcome(text=f"opened {layout.path}"))
         self._ask_for_pictures()
         for link in gone:
@@ -303,6 +301,8 @@ class Console(App[None], inherit_bindings=False):
         self._handle(self._keyboard.expire(now))
         self._mind_joysticks(now)
         state = self.state
+        if state.display is not None:
+            self._recorder.note(now, state.display)
         self._execute(Tell(notice=notice) for notice in self._watch.look(state))
         self._execute(self._dispatch.tick(state))
 
@@ -424,22 +424,10 @@ class Console(App[None], inherit_bindings=False):
 
     def _record_or_not(self) -> None:
         """Begin to record, or end it."""
-        recording, self._recording = self._recording, None
-        if recording is None:
-            now = datetime.datetime.now().astimezone()
-            begun, said = desk.begin_recording(self._shown_layout, self.state.operator, now)
-            self._recording = begun
-            self._tell(said)
+        if self._recorder.path:
+            self._write(self._recorder.end())
         else:
-            self._write(lambda: desk.end_recording(recording))
-        self._tap()
-
-    def _tap(self) -> None:
-        """Have all links hand what comes and goes to the recording, if there is one."""
-        for link in self._links.values():
-            link.tap(self._recording.add if self._recording else None)
-        path = str(self._recording.path) if self._recording else ""
-        self._console = dataclasses.replace(self._console, recording=path)
+            self._tell(self._recorder.begin(self._shown_layout, self.state.operator))
 
     def _ask(self, effect: AskEffect) -> None:
         self._let_go()
@@ -492,6 +480,7 @@ class Console(App[None], inherit_bindings=False):
             held=self._keyboard.held,
             robots={name: link.state for name, link in self._links.items()},
             display=self._painter.display(time.monotonic()),
+            recording=self._recorder.path,
             joysticks=self._joysticks.states,
         )
 

@@ -20,7 +20,7 @@ ADDRESS = "127.0.0.2"
 PORTS = 7
 _PIECE = 1448
 _LARGE = 1_000_000
-"""Where so much may wait, the sockets' own buffers add little [bytes]; small ones make TCP pause."""
+"""Where so much may wait, small buffers of sockets would only make TCP pause [bytes]."""
 _HEADERS = 52
 """IP and TCP with time stamps [bytes]."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Self
@@ -119,6 +120,12 @@ class ConsoleState:
             operator=operator,
             inputs=inputs_of(layout),
         )
+
+    @property
+    def latency(self) -> float:
+        """How long after it is drawn the operator sees a picture [s]; 0 where nobody knows."""
+        known = self.display is not None and math.isfinite(self.display.latency)
+        return self.display.latency if self.display is not None and known else 0.0
 
     def robot(self, name: str) -> RobotState | None:
         """The robot of this name, which may be `CHOSEN`; None if there is none."""

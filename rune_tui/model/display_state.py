@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from hub.ipc.definition import MessageDefinition
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DisplayState:
@@ -21,3 +23,12 @@ class DisplayState:
     frames_per_s: float
     bytes_per_s: float
     coarseness: int
+
+
+RUNE_DISPLAY = MessageDefinition(
+    name="RuneDisplay",
+    format="{double,double,double,int}",
+    type=DisplayState,
+    rate_hz=1.0,
+)
+"""A local message: it is recorded, and goes over no bus."""

@@ -12,6 +12,7 @@ from hub.gcm.vision import ImageCoding
 from rune_tui.layout.rules import VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.display_state import DisplayState
 from rune_tui.model.robot_state import LinkPhase, LinkState, PictureFlow, RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.mood import Mood, ink_of
@@ -20,6 +21,10 @@ from rune_tui.visualizers.staleness import ALARM_AFTER_S, Staleness, age_text, s
 
 _KILO = 1000.0
 _LONG_S = 120.0
+_TENS = 10
+"""Words change with so many milliseconds."""
+_COARSE = 5
+"""From this coarseness on it is seen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +45,7 @@ class Link:
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Write the words; what there is no room for is left out from the end."""
         canvas.fill(state.theme.panel)
-        lines = [*flowing(_words(robot, state.now), canvas.width)]
+        lines = [*flowing(_words(robot, state), canvas.width)]
         if robot.link.detail:
             lines += [(row,) for row in wrapped(Row(robot.link.detail), canvas.width)]
         for index, line in enumerate(lines[: canvas.rows]):
@@ -52,11 +57,11 @@ class Link:
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with any word of it."""
-        return tuple(_words(robot, state.now)), robot.link.detail, state.theme.name
+        return tuple(_words(robot, state)), robot.link.detail, state.theme.name
 
 
-def _words(robot: RobotState, now: float) -> Iterator[Row]:
-    link = robot.link
+def _words(robot: RobotState, state: ConsoleState) -> Iterator[Row]:
+    link, now = robot.link, state.now
     yield _phase(link, now)
     if not link.may_command:
         yield Row("may only watch", Mood.WARNING)
@@ -67,10 +72,12 @@ def _words(robot: RobotState, now: float) -> Iterator[Row]:
         fresh = staleness(age) is Staleness.FRESH
         yield Row(f"state {age_text(age)} old", Mood.PLAIN if fresh else Mood.ALARM)
     if robot.picture is not None:
-        age = robot.picture.age(now)
+        age = robot.picture.age(now) + state.latency
         late = age > ALARM_AFTER_S
         text = f"PICTURE {age_text(age)} OLD" if late else f"picture {age_text(age)} old"
         yield Row(text, Mood.ALARM if late else Mood.PLAIN)
+    if state.display is not None:
+        yield from _display(state.display)
     # What is counted is counted for as long as central answers.
     connected = link.phase is LinkPhase.CONNECTED
     if connected and link.pictures is not None:
@@ -81,6 +88,18 @@ def _words(robot: RobotState, now: float) -> Iterator[Row]:
         yield Row(f"{link.messages_per_s:.0f} messages/s")
     if connected and math.isfinite(link.bytes_per_s):
         yield Row(_amount(link.bytes_per_s))
+
+
+def _display(display: DisplayState) -> Iterator[Row]:
+    """How the way from the console to the eyes stands."""
+    latency = display.latency
+    if math.isfinite(latency):
+        late = latency > ALARM_AFTER_S
+        shown = f"{_TENS * round(_KILO * latency / _TENS):.0f} ms"
+        text = f"TERMINAL {shown} BEHIND" if late else f"terminal {shown} behind"
+        yield Row(text, Mood.ALARM if late else Mood.PLAIN)
+    if display.coarseness >= _COARSE:
+        yield Row("drawn coarser for the terminal", Mood.WARNING)
 
 
 def _pictures(flow: PictureFlow) -> Iterator[Row]:

@@ -49,7 +49,7 @@ def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
         *control_parts(robot, state),
         *_motion(robot, state.now),
         *_camera(robot),
-        *_picture_age(robot, state.now),
+        *_picture_age(robot, state),
         *_joysticks(state),
         *_recording(state),
         *_held(state),
@@ -123,10 +123,11 @@ def _camera(robot: RobotState) -> Iterator[Part]:
         yield Part(f"camera {abs(pan):.0f}° {'left' if pan > 0 else 'right'}", 4, Mood.WARNING)
 
 
-def _picture_age(robot: RobotState, now: float) -> Iterator[Part]:
+def _picture_age(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
+    """How old the picture is when the operator sees it, if that matters."""
     if robot.picture is None:
         return
-    age = robot.picture.age(now)
+    age = robot.picture.age(state.now) + state.latency
     if age > ALARM_AFTER_S:
         yield Part(f"PICTURE {age_text(age)} OLD", 8, Mood.ALARM)
     elif age > MENTION_AFTER_S:

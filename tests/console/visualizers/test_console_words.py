@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import pytest
 
 from hub.gcm.navigation import Assistance, MotionState
 from hub.gcm.vision import ImageCoding
 from rune_tui.model.console_state import ConsoleState, Notice
+from rune_tui.model.display_state import DisplayState
 from rune_tui.model.robot_state import LinkPhase, PictureFlow
 from rune_tui.model.theme import DARK, LIGHT
 from tests.console.visualizers.conftest import NOW, made_by, words
@@ -236,3 +238,34 @@ def test_the_link_tells_how_pictures_come_and_that_they_were_made_smaller(link) 
     assert "pictures made smaller for the link" in " ".join(link((60, 16), pictures=shrunk))
     assert link((20, 16), LinkPhase.LOST, pictures=flow)[0].startswith("LINK LOST")
     assert "6 pictures/s" not in link((20, 16), LinkPhase.LOST, pictures=flow)
+
+
+@pytest.mark.parametrize(
+    ("latency", "coarseness", "wanted"),
+    [
+        (0.043, 0, ["terminal 40 ms behind"]),
+        (0.62, 5, ["TERMINAL 620 ms BEHIND", "drawn coarser for the terminal"]),
+        (math.nan, 2, []),
+    ],
+)
+def test_the_link_tells_how_far_the_terminal_is_behind(
+    made, draw, latency, coarseness, wanted
+) -> None:
+    display = DisplayState(
+        latency=latency, frames_per_s=15.0, bytes_per_s=1e5, coarseness=coarseness
+    )
+    robot = made.robot(link=made.link(), navigation=None)
+    told = words(
+        draw("visualizeLink", robot, (34, 16), state=ConsoleState(now=NOW, display=display))
+    )
+    assert [text for text in told if "terminal" in text.lower()] == wanted
+
+
+def test_a_pictures_age_is_that_which_the_operator_sees(made, draw) -> None:
+    display = DisplayState(latency=0.5, frames_per_s=15.0, bytes_per_s=1e5, coarseness=0)
+    robot = made.robot(link=made.link(), picture=made.received(made.picture(), 0.31))
+    for name in ("visualizeLink", "visualizeStatus"):
+        told = " ".join(
+            words(draw(name, robot, (160, 16), state=ConsoleState(now=NOW, display=display)))
+        )
+        assert "PICTURE 0.8 s OLD" in told

@@ -1,0 +1,60 @@
+"""Records what comes from robots and goes to them, and how it reached the operator's eyes."""
+
+from __future__ import annotations
+
+import datetime
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from rune_tui import desk
+from rune_tui.layout.spec import LayoutSpec
+from rune_tui.link.robot_links import RobotLinks
+from rune_tui.model.display_state import RUNE_DISPLAY, DisplayState
+
+if TYPE_CHECKING:
+    from rune_tui.export.recording import Recording
+
+_DISPLAY_S = 1.0
+"""Between two notes of the way to the terminal [s]."""
+_OWN = "console"
+"""In place of a robot's name, for what the console says of itself."""
+
+
+class Recorder:
+    """Begins and ends recordings; used by the console's own thread."""
+
+    def __init__(self, links: RobotLinks) -> None:
+        self._links = links
+        self._recording: Recording | None = None
+        self._noted = 0.0
+
+    @property
+    def path(self) -> str:
+        """The file that everything is being recorded in; empty if nothing is."""
+        return str(self._recording.path) if self._recording is not None else ""
+
+    def begin(self, layout: LayoutSpec, operator: str) -> desk.Outcome:
+        """Begin to record; what became of it."""
+        now = datetime.datetime.now().astimezone()
+        self._recording, said = desk.begin_recording(layout, operator, now)
+        self.tap()
+        return said
+
+    def end(self) -> Callable[[], desk.Outcome]:
+        """No longer record; what is left to do for that, which takes a while."""
+        recording, self._recording = self._recording, None
+        self.tap()
+        if recording is None:
+            return lambda: desk.Outcome(text="nothing was being recorded")
+        return lambda: desk.end_recording(recording)
+
+    def tap(self) -> None:
+        """Have all links, also new ones, hand what comes and goes to the recording."""
+        for link in self._links.values():
+            link.tap(self._recording.add if self._recording is not None else None)
+
+    def note(self, now: float, display: DisplayState) -> None:
+        """Record once a second how pictures reach the operator's eyes."""
+        if self._recording is not None and now - self._noted >= _DISPLAY_S:
+            self._noted = now
+            self._recording.add(_OWN, RUNE_DISPLAY, display, now)
