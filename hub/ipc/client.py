@@ -121,6 +121,11 @@ class Client:
         return self._connection.publisher
 
     @property
+    def near(self) -> bool:
+        """Whether the hub is on this machine, and there is no link between."""
+        return self._connection.near
+
+    @property
     def round_trip(self) -> float:
         """Shortest time in the last seconds for central to answer [s]; NaN before it has."""
         return self._connection.hub_time.round_trip

@@ -69,6 +69,7 @@ class Connection:
         client: Our random number.
         publisher: Our number at central; 0 while it does not know us.
         hub_time: The hub's clock.
+        near: Whether central last took us for a neighbour, on its machine and of its user.
         keys: What we show central if it is on another machine.
         refusal: Why central refused our key, or twice to connect us; None if it did not.
         closed: Who had central disconnect us, if somebody did.
@@ -87,6 +88,7 @@ class Connection:
         near: bool,
     ) -> None:
         self.publisher = 0
+        self.near = False
         self._neighbourhood = this_neighbourhood() if near and keys is None else 0
         self.keys = keys
         self.hub_time = HubTime(loop.clock)
@@ -247,6 +249,7 @@ class Connection:
             return
         self.refusal, self._refused = None, math.inf
         self.publisher = message.publisher
+        self.near = message.near
         self._attempt = 1
         joined = (message.epoch, message.publisher)
         anew, same_run = joined != self._joined, joined[0] == self._joined[0]

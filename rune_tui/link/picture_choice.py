@@ -94,12 +94,15 @@ class PictureChoice:
         """Whether pictures are smaller than what is shown."""
         return STEPS[self._at].scale < 1.0
 
-    def request(self, size: tuple[int, int], wish: PictureWish) -> ImageRequest:
+    def request(
+        self, size: tuple[int, int], wish: PictureWish, *, near: bool = False
+    ) -> ImageRequest:
         """What to ask for now.
 
         Args:
             size: Width and height that are shown [pixels].
             wish: What the operator wants; a coding in it holds whatever the link carries.
+            near: Whether there is no link between, which could be too thin.
         """
         width, height = wish.width or size[0], wish.height or size[1]
         asked = ImageRequest(
@@ -110,7 +113,7 @@ class PictureChoice:
             coding=ImageCoding.RLE if wish.coding is None else wish.coding,
         )
         step = STEPS[self._at]
-        if wish.coding is None and not step.exact:
+        if wish.coding is None and not step.exact and not near:
             scale = max(step.scale, min(1.0, LEAST_WIDTH_PX / width))
             asked = dataclasses.replace(
                 asked,

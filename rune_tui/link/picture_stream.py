@@ -33,6 +33,7 @@ class PictureStream:
             fail: Gets in words why there is none; empty when there is one.
             clock: Monotonic time [s].
         """
+        self._client = client
         self._clock = clock
         self._take = take
         self._choice = PictureChoice()
@@ -88,15 +89,20 @@ class PictureStream:
             quality=self._quality,
             width_px=newest.width_px,
             height_px=newest.height_px,
-            shrunk=self._choice.shrunk and self._wish.coding is None,
+            shrunk=self._choice.shrunk and self._measured,
             per_s=count / seconds,
         )
+
+    @property
+    def _measured(self) -> bool:
+        """Whether what is asked for depends on what the link carries."""
+        return self._wish.coding is None and not self._client.near
 
     def _ask(self) -> vision.ImageRequest | None:
         size = self._size
         if size is None or not self._wanted:
             return None
-        return self._choice.request(size, self._wish)
+        return self._choice.request(size, self._wish, near=self._client.near)
 
     def _taken(self, image: vision.Image, reception: Reception) -> int:
         number = self._take(image, reception)
@@ -106,12 +112,11 @@ class PictureStream:
 
     def _answered(self, request: vision.ImageRequest, service: float) -> None:
         self._quality = request.quality
-        measured = self._wish.coding is None
-        if measured and self._choice.answered(request, service, self._clock()):
+        if self._measured and self._choice.answered(request, service, self._clock()):
             self._requests.pace.forget()
 
     def _refused(self, request: vision.ImageRequest, error: HubError) -> None:
-        if self._wish.coding is not None:
+        if not self._measured:
             return
         if isinstance(error, QueryTimeoutError):
             self._choice.timed_out(self._clock())

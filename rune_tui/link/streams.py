@@ -126,7 +126,7 @@ class Streams:
         if stream is None:
             return
         self._store(name, value, reception)
-        if self.asking or not stream.can_be_asked_for:
+        if self.asking or self._client.near or not stream.can_be_asked_for:
             return
         now, bare = self._clock(), self._client.round_trip
         if reception.age <= LATE_S + bare:

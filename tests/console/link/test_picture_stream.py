@@ -62,12 +62,22 @@ def robot(tmp_path: Path) -> Iterator[Robot]:
 
 
 @pytest.fixture
-def link(robot: Robot) -> Iterator[RobotLink]:
-    video = CapabilitySpec(name="VIS_VID", interval_s=0.01)
-    made = RobotLink(RobotSpec(name="m", hub=robot.client.endpoint, capabilities=(video,)))
-    with closing(made):
-        made.start()
-        yield made
+def make_link(robot: Robot) -> Iterator[Callable[..., RobotLink]]:
+    with ExitStack() as stack:
+
+        def make(*, near: bool) -> RobotLink:
+            video = CapabilitySpec(name="VIS_VID", interval_s=0.01)
+            spec = RobotSpec(name="m", hub=robot.client.endpoint, capabilities=(video,))
+            made = RobotLink(spec, near=near)
+            made.start()
+            return stack.enter_context(closing(made))
+
+        yield make
+
+
+@pytest.fixture
+def link(make_link: Callable[..., RobotLink]) -> RobotLink:
+    return make_link(near=False)
 
 
 @pytest.fixture
@@ -115,3 +125,12 @@ def test_what_the_layout_asks_for_is_asked_for(
     assert robot.asked == [
         ImageRequest(width_px=32, height_px=24, quality=7, coding=ImageCoding.RAW)
     ]
+
+
+def test_on_the_robots_own_machine_pictures_are_run_lengths_from_the_first(
+    robot: Robot, make_link: Callable[..., RobotLink], wait: Callable[..., None]
+) -> None:
+    link = make_link(near=True)
+    link.want_pictures((32, 24))
+    wait(lambda: link.state.picture is not None)
+    assert robot.asked == [ImageRequest(width_px=32, height_px=24)]

@@ -23,10 +23,9 @@ from tests.waiting import until
 class Rig:
     """A robot that tells its state, so many seconds late, and a console's streams."""
 
-    def __init__(self, endpoint: str, stack: ExitStack) -> None:
-        self.robot, self.console = (
-            stack.enter_context(closing(Client(name, endpoint))) for name in ("robot", "console")
-        )
+    def __init__(self, endpoint: str, stack: ExitStack, *, near: bool = False) -> None:
+        self.robot = stack.enter_context(closing(Client("robot", endpoint)))
+        self.console = stack.enter_context(closing(Client("console", endpoint, near=near)))
         self.came: list[tuple[str, Any]] = []
         self.streams = Streams(
             self.console, lambda name, value, _: self.came.append((name, value)), time.monotonic
@@ -62,11 +61,11 @@ class Rig:
         self.wait(lambda: self.streams.asking)
 
 
-@pytest.fixture
-def rig(tmp_path: Path) -> Iterator[Rig]:
+@pytest.fixture(params=[False])
+def rig(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Rig]:
     with ExitStack() as stack:
         central = stack.enter_context(closing(Central([f"ipc://{tmp_path}/c"])))
-        yield Rig(central.endpoints[0], stack)
+        yield Rig(central.endpoints[0], stack, near=request.param)
 
 
 def test_states_that_come_late_are_asked_for_and_broadcast_to_nobody(rig: Rig) -> None:
@@ -127,3 +126,13 @@ def test_another_layout_is_followed_while_streams_are_asked_for(rig: Rig) -> Non
     rig.wait_for_states()
     assert rig.streams.asking
     assert not rig.robot.has_subscribers(ROBOT_STATE)
+
+
+@pytest.mark.parametrize("rig", [True], indirect=True)
+def test_on_the_robots_own_machine_what_comes_late_waited_in_no_link(rig: Rig) -> None:
+    rig.streams.follow({ROBOT_STATE.name})
+    rig.late = 1.0
+    began = time.monotonic()
+    while time.monotonic() < began + 0.8:
+        rig.wait_for_states()
+    assert not rig.streams.asking
