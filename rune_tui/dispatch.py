@@ -101,6 +101,8 @@ class Dispatch:
     def _handled(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
         fresh = event.pressed and not event.repeat
         listeners = self._listeners(event)
+        if event.stayed:
+            listeners = [each for each in listeners if not each.widget.rule.held]
         self._note_button(event, listeners)
         if state.help and event.pressed:
             listeners = [each for each in listeners if each.widget.rule.under_help]

@@ -42,6 +42,8 @@ class ControlEvent:
         value: How far: 1 for keys, the clicks of a wheel, positive away from the operator, the
             counts of a ball; of an axis where it is, -1 to 1.
         hits: The viewports under the mouse, the nearest first.
+        stayed: Whether it may have been down since before all was let go, so that it must not
+            drive.
     """
 
     name: str
@@ -49,3 +51,4 @@ class ControlEvent:
     repeat: bool = False
     value: float = 1.0
     hits: tuple[Hit, ...] = ()
+    stayed: bool = False

@@ -42,6 +42,7 @@ class _Hold:
     last: float
     deadline: float
     repeats: int = 0
+    stayed: bool = False
 
 
 class KeyboardHold:
@@ -51,7 +52,7 @@ class KeyboardHold:
     longest of these intervals counts, because a slow line delivers repeats in bursts.
 
     A key that was held when all were let go may still be down, and repeat. Until it has been silent
-    for as long as a hold lasts, it only repeats: what it drove before, it drives no more.
+    for as long as a hold lasts its events say so: what it drove before, it drives no more.
     """
 
     def __init__(self) -> None:
@@ -62,26 +63,24 @@ class KeyboardHold:
     @property
     def held(self) -> tuple[str, ...]:
         """Keys that count as held, in the order they were pressed."""
-        return tuple(self._holds)
+        return tuple(key for key, hold in self._holds.items() if not hold.stayed)
 
     def press(self, key: str, now: float) -> tuple[ControlEvent, ...]:
         """The terminal reports a key: releases that were due by now, then its press or repeat."""
         key = canonical_key(key)
         due = self.expire(now)
-        if now < self._let_go.pop(key, now):
-            self._let_go[key] = now + self._repeat_hold()
-            return (*due, ControlEvent(name=key, pressed=True, repeat=True))
         hold = self._holds.get(key)
         if hold is None:
-            self._holds[key] = _Hold(last=now, deadline=now + _FIRST_HOLD_S)
-            return (*due, ControlEvent(name=key, pressed=True))
+            stayed = now < self._let_go.pop(key, now)
+            self._holds[key] = _Hold(last=now, deadline=now + _FIRST_HOLD_S, stayed=stayed)
+            return (*due, ControlEvent(name=key, pressed=True, stayed=stayed))
         # From press to first repeat is the keyboard's delay, which says nothing of its rate.
         if hold.repeats and now - hold.last >= _BURST_S:
             self._intervals.append(now - hold.last)
         hold.repeats += 1
         hold.last = now
         hold.deadline = now + self._repeat_hold()
-        return (*due, ControlEvent(name=key, pressed=True, repeat=True))
+        return (*due, ControlEvent(name=key, pressed=True, repeat=True, stayed=hold.stayed))
 
     def expire(self, now: float) -> tuple[ControlEvent, ...]:
         """Releases that are due, the earliest first."""
