@@ -109,7 +109,8 @@ class Console(App[None], inherit_bindings=False):
         self._links = links
         self._view = View(layout)
         self._dispatch = Dispatch(layout)
-        start = ConsoleState.at_start(layout, time.monotonic(), desk.operator_name())
+        operator = links.operator or desk.operator_name()
+        start = ConsoleState.at_start(layout, time.monotonic(), operator)
         self._console = dataclasses.replace(start, pixel_height=traits.aspect / 2.0)
         self._actions = actions_of(layout)
         self._watch = Watch()

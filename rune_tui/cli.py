@@ -31,6 +31,7 @@ _DEMO_LAYOUT = "demo"
 _DEMO_ROBOT = "magellan"
 _PICTURE_ENDINGS = (".txt", ".svg", ".png")
 _LOG_BYTES = 1_000_000
+_LONGEST_NAME = 64
 _CONSOLE_LIBRARIES = ("textual", "rich", "PIL", "lxml", "platformdirs")
 
 
@@ -102,7 +103,9 @@ def _run(options: argparse.Namespace) -> int:
     source = _source(options.layouts, options.set, watched=options.watch)
     _log_to_file()
     with _tunnels(options, source.layout) as tunnels:
-        links = _links(source.layout, _endpoints(options.hub), options.keys, tunnels)
+        links = _links(
+            source.layout, _endpoints(options.hub), options.keys, tunnels, options.operator
+        )
         return _console(source, links, options)
 
 
@@ -119,7 +122,7 @@ def _demo(options: argparse.Namespace) -> int:
 
         source = _source([options.layout], options.set, watched=True)
         hubs += [stack.enter_context(DemoHub(_DEMO_ROBOT, log)) for _ in source.layout.robots[1:]]
-        links = _links(source.layout, [hub.endpoint() for hub in hubs])
+        links = _links(source.layout, [hub.endpoint() for hub in hubs], operator=options.operator)
         return _console(source, links, options)
 
 
@@ -238,11 +241,14 @@ def _links(
     hubs: Sequence[str],
     keys: Path | None = None,
     tunnels: Sequence[Tunnel] = (),
+    operator: str | None = None,
 ) -> RobotLinks:
     from rune_tui.desk import operator_name
     from rune_tui.link.robot_links import RobotLinks
 
-    return RobotLinks(layout, hubs, keys=keys, operator=operator_name(), tunnels=tunnels)
+    return RobotLinks(
+        layout, hubs, keys=keys, operator=operator or operator_name(), tunnels=tunnels
+    )
 
 
 def _tunnels(
@@ -319,6 +325,14 @@ def _seconds(text: str) -> float:
     return seconds
 
 
+def _name(text: str) -> str:
+    name = text.strip()
+    if not name or not name.isprintable() or len(name) > _LONGEST_NAME:
+        reason = f"{text!r:.80} is no name of at most {_LONGEST_NAME} characters"
+        raise argparse.ArgumentTypeError(reason)
+    return name
+
+
 def _aspect(text: str) -> float:
     try:
         ratio = float(text)
@@ -374,6 +388,13 @@ def _parser() -> argparse.ArgumentParser:
     source.add_argument("--demo", action="store_true", help="on a simulated robot of its own")
     terminal = commands.add_parser("terminal", help="say what this terminal can do, and why")
     terminal.add_argument("--json", action="store_true", help="in one line, for machines")
+    for command in (run, demo):
+        command.add_argument(
+            "--operator",
+            type=_name,
+            metavar="NAME",
+            help="who sits here, if not the login",
+        )
     for command in (run, demo, terminal):
         command.add_argument("--colors", choices=colors, help=colors_help)
         command.add_argument("--aspect", type=_aspect, metavar="RATIO", help=aspect_help)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from pathlib import Path
 from xml.sax.saxutils import escape
 
@@ -58,22 +59,25 @@ def image(cells: Cells, *, scale: int = 8) -> Image.Image:
     size = (cells.columns * scale, 2 * cells.rows * scale)
     picture = picture.resize(size, Image.Resampling.NEAREST)
     _shade(picture, cells, scale)
-    draw = ImageDraw.Draw(picture)
     for row, column in _characters(cells):
         red, green, blue = cells.ink[row, column, :3].tolist()
-        place = ((column + 0.5) * scale, (2 * row + 1.55) * scale)
-        glyph = _visible(int(cells.glyphs[row, column]))
-        # The font is proportional: each character stands in the middle of its cell.
-        draw.text(place, glyph, (red, green, blue), _font(glyph, scale), anchor="ms")
+        mask = _glyph(_visible(int(cells.glyphs[row, column])), scale)
+        picture.paste((red, green, blue), (column * scale, 2 * row * scale), mask)
     return picture
 
 
 @functools.lru_cache(maxsize=1024)
-def _font(glyph: str, scale: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    """The font in a size in which a character is no wider than its cell."""
+def _glyph(glyph: str, scale: int) -> Image.Image:
+    """Where a character's ink is in its cell.
+
+    The font is proportional: a character stands in the middle of its cell, and one that is wider is
+    drawn narrower, not smaller.
+    """
     font = ImageFont.load_default(1.6 * scale)
-    wide = font.getlength(glyph)
-    return font if wide <= scale else ImageFont.load_default(1.6 * scale * scale / wide)
+    width = max(scale, math.ceil(font.getlength(glyph)))
+    mask = Image.new("L", (width, 2 * scale))
+    ImageDraw.Draw(mask).text((width / 2, 1.55 * scale), glyph, 255, font, anchor="ms")
+    return mask.resize((scale, 2 * scale), Image.Resampling.LANCZOS) if width > scale else mask
 
 
 def plain_text(cells: Cells) -> str:

@@ -1,4 +1,4 @@
-"""Options that name a robot, a viewport or a message's field: it has to be there."""
+"""Options that name a robot, a viewport, a joystick or a message's field: it has to be there."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ def reference_mistakes(root: Node, rules: Rules, vocabulary: Vocabulary) -> Iter
     known = {
         "robot": _names(root.of("robot"), rules),
         "viewport": _names(viewports, rules),
+        "joystick": _names(root.of("joystick"), rules),
     }
     for owner in (*views, *viewports):
         for tag, attribute in (("visualizer", "function"), ("widget", "handler")):

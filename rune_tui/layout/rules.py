@@ -97,7 +97,7 @@ class TextOption:
 
     default: str = ""
     longest: int = 200
-    names: Literal["", "robot", "viewport", "field"] = ""
+    names: Literal["", "robot", "viewport", "joystick", "field"] = ""
     meaning: str
 
     @property

@@ -47,6 +47,11 @@ class RobotLinks(Mapping[str, RobotLink]):
         self._links = self._made(layout, wanted, {})
         self._wanted = wanted
 
+    @property
+    def operator(self) -> str:
+        """Who sits here, as robots are told."""
+        return self._operator
+
     def __getitem__(self, name: str) -> RobotLink:
         return self._links[name]
 

@@ -119,6 +119,9 @@ class ConsoleState:
             shown={viewport.name: viewport.visible for viewport in layout.view.viewports},
             operator=operator,
             inputs=inputs_of(layout),
+            joysticks={
+                joystick.name: JoystickState(name=joystick.name) for joystick in layout.joysticks
+            },
         )
 
     @property

@@ -74,7 +74,7 @@ def owner_words(robot: RobotState) -> str:
 
 def to_take(robot: RobotState, state: ConsoleState) -> str:
     """Which key takes control or asks for it, for people; empty if none does."""
-    key = state.input_of("widgetTakeControl", robot.name)
+    key = state.input_of("widgetTakeControl", robot.name) if robot.link.may_command else ""
     does = "take it" if standing(robot) is Standing.FREE else "ask"
     return f"press {key} to {does}" if key else ""
 

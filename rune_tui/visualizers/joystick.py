@@ -33,7 +33,7 @@ class Joystick:
 
     rule: ClassVar = VisualizerRule(
         meaning="a joystick: its device, or that it is unplugged, and how each control is moved",
-        options={"joystick": TextOption(longest=64, meaning="which one; empty: the first")},
+        options={"joystick": TextOption(names="joystick", meaning="which one; empty: the first")},
     )
     whole_cells: ClassVar[bool] = True
 

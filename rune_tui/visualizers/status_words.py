@@ -37,7 +37,9 @@ _MOTION = {
     MotionState.WAITING: "WAITING for a neutral command",
     MotionState.GOING: "GOING by itself",
 }
-_UNHINDERED = frozenset({MotionState.STANDING, MotionState.MOVING, MotionState.GOING})
+_UNHINDERED = frozenset(
+    {MotionState.STANDING, MotionState.MOVING, MotionState.GOING, MotionState.WAITING}
+)
 
 
 def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:

@@ -21,7 +21,7 @@ class Calibrate(PressWidget):
             "them for that device; again: ends it. Meanwhile the joystick drives nothing."
         ),
         options={
-            "joystick": TextOption(longest=64, meaning="which one; empty: the first"),
+            "joystick": TextOption(names="joystick", meaning="which one; empty: the first"),
             "control": TextOption(
                 longest=64,
                 meaning="which axis; empty: those with `calibrate`, or all if there are none",
