@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 from textual.app import App
+from textual.widget import Widget
 
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.colours import at_depth
@@ -150,7 +151,8 @@ class Painter:
         if screen is self._pane.screen:
             return None
         covered = np.zeros((cells.rows, cells.columns), np.bool_)
-        for widget in screen.children:
+        # Not the children alone: what is seen of the palette lies in boxes that are not seen.
+        for widget in screen.walk_children(Widget):
             region = widget.region
             top, left = max(0, region.y), max(0, region.x)
             covered[top : max(0, region.bottom), left : max(0, region.right)] = True
