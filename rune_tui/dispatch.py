@@ -104,8 +104,13 @@ class Dispatch:
         if event.stayed:
             listeners = [each for each in listeners if not each.widget.rule.held]
         self._note_button(event, listeners)
-        if state.help and event.pressed:
-            listeners = [each for each in listeners if each.widget.rule.under_help]
+        if state.help:
+            # What goes up is still told, but for what is done only then.
+            listeners = [
+                each
+                for each in listeners
+                if each.widget.rule.under_help or not (event.pressed or each.spec.released)
+            ]
             if event.name == _CLOSE_HELP and fresh:
                 stops = [each for each in listeners if isinstance(each.widget, StopRobot)]
                 return (ToggleHelp(), *self._woken(event, stops, state))

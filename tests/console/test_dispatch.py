@@ -216,6 +216,14 @@ def test_a_key_that_goes_up_under_the_help_is_let_go(two_robots: LayoutSpec):
     assert velocities(dispatch.handle(up("i"), HELPED), "blimp") == [(0.0, 0.0)]
 
 
+def test_under_the_help_nothing_is_done_when_a_key_goes_up(tmp_path: Path):
+    path = tmp_path / "up.xml"
+    path.write_text(TWO_ROBOTS.replace('key="h"', 'key="h" when="released"'))
+    dispatch = Dispatch(open_layout(path))
+    assert dispatch.handle(up("h"), at(0.0)) != ()
+    assert dispatch.handle(up("h"), HELPED) == ()
+
+
 def test_the_question_mark_opens_and_closes_the_help_and_escape_closes_it():
     dispatch = Dispatch(DEMO)
     assert dispatch.handle(down("?"), at(0.0)) == (ToggleHelp(),)
