@@ -212,6 +212,8 @@ class Joysticks:
             self._waiting += seat.joystick.release_all()
             seat.guide = Guide(axes, now)
             self._shown = None
+            if self._notify is not None:
+                self._notify()  # a stick that is held still reports nothing by itself
 
     @property
     def states(self) -> Mapping[str, JoystickState]:

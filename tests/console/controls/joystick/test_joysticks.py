@@ -66,8 +66,12 @@ class Table:
     def __init__(self, *specs: JoystickSpec) -> None:
         self.reader = FakeReader()
         self.joysticks = Joysticks(specs or (ALL,), self.reader, CalibrationStore())
-        self.joysticks.start(lambda: None)
+        self.woken = 0
+        self.joysticks.start(self.wake)
         self.now = 0.0
+
+    def wake(self) -> None:
+        self.woken += 1
 
     def plug(self, *devices: DeviceInfo) -> list[object]:
         """These are plugged in, and no others; those that are opened can be read."""
@@ -292,6 +296,15 @@ def test_the_operator_is_led_through_a_calibration_that_drives_nothing() -> None
     assert table.joysticks.tick(table.now) == ["pad is calibrated"]
     table.report((LEFT_X, 130))
     assert table.report((LEFT_X, 240))[0] == ("leftx", True, False, 1.0)
+
+
+def test_a_calibration_lets_go_of_a_stick_that_reports_nothing_more() -> None:
+    table = resting()
+    table.report((LEFT_Y, 0))
+    assert table.woken == 0
+    table.joysticks.calibrate("", "", table.now)
+    assert table.woken == 1
+    assert ("lefty", False, False, 0.0) in table.take()
 
 
 def test_a_calibration_ends_when_it_is_asked_for_again_or_nothing_is_done() -> None:
