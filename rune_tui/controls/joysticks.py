@@ -163,6 +163,7 @@ class Joysticks:
             let go of without a word, as what they do when they go up is not meant.
         """
         self._gather(now)
+        self._shown = None
         released = [event for event in self._waiting if not event.pressed]
         self._waiting.clear()
         for seat in self._seats:
@@ -227,6 +228,7 @@ class Joysticks:
                         phase=seat.phase,
                         why=seat.why,
                         values=dict(seat.joystick.values),
+                        waiting=frozenset() if seat.guide else seat.joystick.waiting,
                         heard=seat.heard,
                         prompt=seat.guide.prompt if seat.guide else "",
                     )

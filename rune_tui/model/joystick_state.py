@@ -27,6 +27,7 @@ class JoystickState:
         why: What is wrong, and what to do about it; empty if nothing is.
         values: How far each control is moved, -1 to 1, by the control's name; a hat's directions
             are "pov up" and so on. What the device has not told of yet is missing.
+        waiting: Names of axes that are moved, and have to be let go of before they count.
         heard: When one of its controls moved last [s]; None if none has.
         prompt: What the operator is asked to do with it now; empty if nothing.
     """
@@ -36,6 +37,7 @@ class JoystickState:
     phase: JoystickPhase = JoystickPhase.MISSING
     why: str = ""
     values: Mapping[str, float] = field(default_factory=dict)
+    waiting: frozenset[str] = frozenset()
     heard: float | None = None
     prompt: str = ""
 

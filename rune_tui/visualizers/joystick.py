@@ -53,7 +53,8 @@ class Joystick:
         if joystick is None:
             return None, state.theme.name
         values = tuple((name, round(value, 2)) for name, value in joystick.values.items())
-        return joystick.phase, joystick.why, joystick.device, values, state.theme.name
+        about = joystick.phase, joystick.why, joystick.device
+        return about, values, joystick.waiting, state.theme.name
 
     def _joystick(self, state: ConsoleState) -> JoystickState | None:
         if self.name:

@@ -148,6 +148,8 @@ def joystick_words(joystick: JoystickState) -> tuple[str, Mood]:
     match joystick.phase:
         case JoystickPhase.CONNECTED if joystick.why:
             return joystick.why, Mood.WARNING
+        case JoystickPhase.CONNECTED if joystick.waiting:
+            return f"LET GO OF {', '.join(sorted(joystick.waiting))} FIRST", Mood.WARNING
         case JoystickPhase.CONNECTED:
             return "plugged in", Mood.GOOD
         case JoystickPhase.FORBIDDEN:

@@ -130,6 +130,15 @@ class LogicalJoystick:
         """Names of the inputs that are axes."""
         return frozenset(self._input(name) for name in self._axes)
 
+    @property
+    def waiting(self) -> frozenset[str]:
+        """Names of the axes that are moved and count only after they have been neutral."""
+        return frozenset(
+            name
+            for name in self._axes
+            if self.values.get(name) and self._input(name) in self._blocked
+        )
+
     def raws(self) -> Mapping[str, int | None]:
         """What the axes give now [device units], by usage."""
         return {axis.physical.usage: axis.raw for axis in self._axes.values()}

@@ -50,6 +50,7 @@ def test_a_bar_is_as_long_as_it_may_be_and_shows_the_side(value: float, length: 
         ({"phase": JoystickPhase.FORBIDDEN, "why": "put it there"}, "pad F310: NO PERMISSION"),
         ({"phase": JoystickPhase.UNSUITABLE, "why": "no joystick"}, "pad F310: UNUSABLE"),
         ({"phase": CONNECTED, "why": "it has no a"}, "pad F310: it has no a"),
+        ({"phase": CONNECTED, "waiting": frozenset("yx")}, "pad F310: LET GO OF x, y FIRST"),
     ],
 )
 def test_what_is_wrong_is_said_in_words_there_and_in_the_status_line(

@@ -298,6 +298,20 @@ def test_the_operator_is_led_through_a_calibration_that_drives_nothing() -> None
     assert table.report((LEFT_X, 240))[0] == ("leftx", True, False, 1.0)
 
 
+def test_a_stick_that_does_not_count_before_it_is_let_go_of_is_told() -> None:
+    table = Table()
+    table.plug(device())
+    table.report((LEFT_X, 128), (LEFT_Y, 0))
+    assert table.state.waiting == {"lefty"}
+    table.report((LEFT_Y, 128))
+    table.report((LEFT_Y, 0))
+    assert table.state.waiting == set()
+    table.joysticks.release_all(table.now)
+    assert table.state.waiting == {"lefty"}
+    table.joysticks.calibrate("", "", table.now)
+    assert table.state.waiting == set()
+
+
 def test_a_calibration_lets_go_of_a_stick_that_reports_nothing_more() -> None:
     table = resting()
     table.report((LEFT_Y, 0))
