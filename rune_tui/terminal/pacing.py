@@ -19,7 +19,8 @@ TIMEOUT_S: Final = 1.0
 """An answer that takes longer may be lost [s]; the next time, it may take twice as long."""
 _LONGEST_S: Final = 8.0
 _MISSES: Final = 4
-"""A terminal that leaves so many frames unanswered in a row no longer answers."""
+"""A terminal that leaves so many frames unanswered in a row no longer answers, nor does one that
+says so often what it was not asked."""
 _NARROWEST: Final = 8_000.0
 """What the narrowest way takes that can be worked with [bytes/s]."""
 _ROW: Final = 2
@@ -80,6 +81,8 @@ class FramePacer:
         self._answered = float("-inf")
         self._timeout = TIMEOUT_S
         self._missed = 0
+        self._wrong = 0
+        self._proven = False
         self._heard = heard
 
     @property
@@ -98,7 +101,7 @@ class FramePacer:
             self._under_way.clear()
             self._timeout = min(_LONGEST_S, 2.0 * self._timeout)
             self._missed += 1
-            self._heard = self._missed < _MISSES
+            self._heard = self._proven and self._missed < _MISSES
         return not self.answers or len(self._under_way) < window
 
     def sent(self, now: float, size: int) -> str:
@@ -114,6 +117,8 @@ class FramePacer:
         """The terminal answers; None if that is no answer to a frame under way."""
         number = report.column - 1
         if report.row != _ROW or all(frame.number != number for frame in self._under_way):
+            self._wrong += 1
+            self._heard = self._heard and self._wrong < _MISSES
             return None
         size = 0
         while True:
@@ -123,7 +128,8 @@ class FramePacer:
                 break
         gap = now - self._answered if frame.behind else float("nan")
         self._answered, self._timeout = now, TIMEOUT_S
-        self._heard, self._missed = True, 0
+        self._heard = self._proven = True
+        self._missed = self._wrong = 0
         return Acknowledgement(frame=frame, age=now - frame.sent, gap=gap, size=size)
 
     def _patience(self) -> float:

@@ -35,6 +35,7 @@ _BEYOND: Final = re.compile(r";(-\d+|0)(?=[;Mm])")
 """Columns and rows of the mouse that are left of or above the terminal."""
 _PASSED: Final = re.compile(r"\x1b\[<(3[2-9]|[45]\d|6[0-3]);-?\d+;-?\d+M(?=\x1b\[<\1;-?\d+;-?\d+M)")
 """Reports of a moving mouse that another one follows at once; reading each takes Textual long."""
+_LONG_NUMBER: Final = re.compile(r"\d{7}")
 _READ_S: Final = 0.1
 """Between two looks at the clock while nothing comes [s]."""
 _UNDERSTOOD: Final = (
@@ -46,7 +47,9 @@ _UNDERSTOOD: Final = (
 
 
 def understood(sequence: str) -> bool:
-    """Whether Textual knows what an escape sequence means."""
+    """Whether Textual knows what an escape sequence means, and can use its numbers."""
+    if _LONG_NUMBER.search(sequence):
+        return False
     known = sequence in ANSI_SEQUENCES_KEYS or sequence in _xterm_parser.SPECIAL_SEQUENCES
     return known or any(pattern.fullmatch(sequence) for pattern in _UNDERSTOOD)
 

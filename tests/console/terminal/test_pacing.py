@@ -75,6 +75,7 @@ def test_a_terminal_that_never_answers_is_not_waited_for_until_it_does() -> None
 
 def test_a_terminal_that_falls_silent_gets_few_frames_until_it_is_not_waited_for() -> None:
     pacer = FramePacer(heard=True)
+    pacer.answered(0.0, place(pacer.sent(0.0, 10)))
     sent, now = 0, 0.0
     while pacer.answers:
         if pacer.may_send(now):
@@ -83,6 +84,24 @@ def test_a_terminal_that_falls_silent_gets_few_frames_until_it_is_not_waited_for
         now += 0.1
     assert sent <= 10
     assert 10.0 < now < 30.0
+
+
+def test_a_terminal_that_answers_no_frame_at_all_is_waited_for_once() -> None:
+    pacer = FramePacer(heard=True)
+    pacer.sent(0.0, 10)
+    pacer.sent(0.0, 10)
+    assert not pacer.may_send(TIMEOUT_S - 0.01)
+    assert pacer.may_send(TIMEOUT_S + 0.01)
+    assert not pacer.answers
+
+
+def test_a_terminal_that_answers_wrongly_is_not_waited_for() -> None:
+    pacer = FramePacer(heard=True)
+    pacer.answered(0.0, place(pacer.sent(0.0, 10)))
+    for number in range(4):
+        pacer.sent(float(number) / 10, 10)
+        assert pacer.answered(number / 10, CursorReport(row=9, column=40)) is None
+    assert not pacer.answers
 
 
 def test_a_long_frame_is_waited_for_longer_and_a_restart_forgets_it() -> None:

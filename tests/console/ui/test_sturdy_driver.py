@@ -59,6 +59,10 @@ def test_answers_to_frames_are_told_and_other_answers_press_no_keys() -> None:
     assert heard(("\x1b[1;2R", 0)) == ["Key"]
 
 
+def test_numbers_that_no_terminal_means_take_no_key_with_them() -> None:
+    assert heard((" \x1b[999999999999;99999999Rw", 0), ("\x1b[1114112099u ", 0)) == ["Key"] * 3
+
+
 @pytest.mark.parametrize("place", ["-3;-2", "-1;7", "0;0"])
 def test_a_button_that_goes_up_beyond_the_upper_left_corner_is_heard(place: str) -> None:
     down, up = heard(("\x1b[<0;5;5M", 0), (f"\x1b[<0;{place}m", 0))
