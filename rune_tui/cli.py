@@ -267,10 +267,9 @@ def _tunnels(
 
 def _endpoints(hubs: Sequence[str]) -> list[str]:
     """HOST, HOST:PORT or whole endpoints as endpoints."""
-    return [
-        hub if "://" in hub else f"tcp://{hub}" if ":" in hub else f"tcp://{hub}:1381"
-        for hub in hubs
-    ]
+    from rune_tui.layout.names import endpoint_of
+
+    return [endpoint_of(hub) for hub in hubs]
 
 
 def _need_terminal() -> None:

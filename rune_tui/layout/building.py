@@ -72,6 +72,10 @@ class SpecBuilder:
     def _text(self, node: Node, attribute: str) -> str:
         return self._rules.value(node, attribute) or ""
 
+    def _file(self, name: str) -> str:
+        """The path of a file that the layout names: in its folder, the user's, or a whole path."""
+        return str(Path(self._path).parent / Path(name).expanduser()) if name else ""
+
     def _whole(self, node: Node, attribute: str) -> int:
         return int(self._text(node, attribute))
 
@@ -86,7 +90,8 @@ class SpecBuilder:
         drawn = {message for viewport in viewports for message in self._drawn(viewport)}
         return RobotSpec(
             name=name,
-            hub=self._text(node, "hub"),
+            hub=names.endpoint_of(self._text(node, "hub")),
+            keys=self._file(self._text(node, "keys")),
             capabilities=tuple(map(self._capability, node.of("capability"))),
             messages=frozenset(drawn.union(*(rule.uses for rule in rules))),
             commands=frozenset().union(*(rule.sends for rule in rules)),

@@ -92,8 +92,10 @@ def _duplicates(nodes: Iterable[Node], what: str, rules: Rules) -> Iterator[Mist
 
 def _robot_mistakes(robot: Node, rules: Rules) -> Iterator[Mistake]:
     hub = rules.value(robot, "hub")
-    if hub is not None and not _is_endpoint(hub):
-        message = f"the hub {quoted(hub)} is no endpoint; write tcp://host:port or ipc://path"
+    if hub is not None and not _is_endpoint(names.endpoint_of(hub)):
+        message = (
+            f"the hub {quoted(hub)} is no endpoint; write a host, tcp://host:port or ipc://path"
+        )
         yield Mistake(robot.at("hub"), message)
     first: dict[str, Place] = {}
     for capability in robot.of("capability"):

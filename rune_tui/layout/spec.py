@@ -35,6 +35,7 @@ class RobotSpec:
         capabilities: What the console wants of it, by capability name.
         messages: Names of the messages that its viewports and widgets make use of.
         commands: Names of the messages that its widgets send.
+        keys: File of the operator's key for it; empty: the one of the command line, if any.
     """
 
     name: str
@@ -42,6 +43,7 @@ class RobotSpec:
     capabilities: tuple[CapabilitySpec, ...]
     messages: frozenset[str] = frozenset()
     commands: frozenset[str] = frozenset()
+    keys: str = ""
 
 
 class ControlKind(enum.Enum):

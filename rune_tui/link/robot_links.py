@@ -87,6 +87,7 @@ class RobotLinks(Mapping[str, RobotLink]):
         return {
             robot.name: known[robot.name]
             if self._wanted.get(robot.name) == wanted[robot.name]
+            and known[robot.name].spec.keys == robot.keys
             else self._link(robot, wanted[robot.name])
             for robot in layout.robots
         }
@@ -96,7 +97,7 @@ class RobotLinks(Mapping[str, RobotLink]):
         return RobotLink(
             robot,
             hub,
-            keys=self._keys,
+            keys=self._keys or (Path(robot.keys) if robot.keys else None),
             operator=self._operator,
             near=tunnel is None,
             tunnel=tunnel,

@@ -10,6 +10,8 @@ import pytest
 
 from hub.errors import HubError
 from hub.ipc.central import Central
+from hub.ipc.keyring import Keyring
+from hub.ipc.security import Role
 from rune_tui.errors import HubChoiceError
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.robot_links import RobotLinks
@@ -94,3 +96,27 @@ def test_what_cannot_be_followed_changes_nothing(
 def test_one_hub_cannot_be_for_two_robots(tmp_path: Path) -> None:
     with pytest.raises(HubChoiceError, match="names 2 robots, and --hub is given 1 times"):
         RobotLinks(layout_of(tmp_path, a="ipc:///a", b="ipc:///b"), ["ipc:///c"])
+
+
+def test_a_layout_may_name_the_key_for_a_robot_and_another_key_is_another_link(
+    tmp_path: Path,
+) -> None:
+    keyring, path = Keyring(tmp_path / "keys"), tmp_path / "layout.xml"
+    watches = keyring.make("anna", Role.OBSERVE).relative_to(tmp_path)
+    drives = keyring.make("bert", Role.OPERATE)
+
+    def layout(key: Path) -> LayoutSpec:
+        robot = f'<robot name="a" hub="localhost" keys="{key}"/>'
+        path.write_text(f'<rune>{robot}<view xsize="9" ysize="9"/></rune>')
+        return open_layout(path)
+
+    spec = layout(watches)
+    assert spec.robots[0].hub == "tcp://localhost:1381"
+    links = RobotLinks(spec)
+    first = links["a"]
+    assert not first.state.link.may_command
+    with ExitStack() as stack:
+        begin(links, stack)
+        assert links.follow(layout(drives)) == [first]
+        first.close()
+        assert links["a"].state.link.may_command
