@@ -120,7 +120,7 @@ class Console(App[None], inherit_bindings=False):
         self._undone: set[type] = set()
         self._leaving = False
         self._recorder = Recorder(links)
-        self._pane = ViewPane()
+        self._pane = ViewPane(traits.glyphs.half)
         self._painter = Painter(self, self._pane, traits, round_trip)
 
     def get_default_screen(self) -> ViewScreen:

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from rune_tui.compositor.depth import ColourDepth
+from rune_tui.compositor.glyph_set import GlyphSet
 from rune_tui.errors import ConsoleError, TunnelError
 
 if TYPE_CHECKING:
@@ -226,7 +227,10 @@ def _asked_terminal(options: argparse.Namespace) -> tuple[Traits, Answers, float
         answers, took = ask_own()
     columns, rows = shutil.get_terminal_size()
     depth = ColourDepth(options.colors) if options.colors else None
-    traits = traits_of(answers, os.environ, (columns, rows), depth=depth, aspect=options.aspect)
+    glyphs = GlyphSet(options.glyphs) if options.glyphs else None
+    traits = traits_of(
+        answers, os.environ, (columns, rows), depth=depth, glyphs=glyphs, aspect=options.aspect
+    )
     return traits, answers, took, (columns, rows)
 
 
@@ -357,6 +361,8 @@ def _parser() -> argparse.ArgumentParser:
     ssh_help = "[USER@]HOST[:PORT]: go to the robot's hub through ssh; once for each robot"
     colors = [depth.value for depth in ColourDepth]
     colors_help = "what the terminal can show, where it does not say so itself"
+    glyphs = [glyph_set.value for glyph_set in GlyphSet]
+    glyphs_help = "what pictures are made of in truecolour (half); `rune terminal` shows each"
     aspect_help = "height of a cell over its width, where the terminal does not say (2)"
 
     run = commands.add_parser("run", help="open the console with a layout")
@@ -396,6 +402,7 @@ def _parser() -> argparse.ArgumentParser:
         )
     for command in (run, demo, terminal):
         command.add_argument("--colors", choices=colors, help=colors_help)
+        command.add_argument("--glyphs", choices=glyphs, help=glyphs_help)
         command.add_argument("--aspect", type=_aspect, metavar="RATIO", help=aspect_help)
     joytest = commands.add_parser("joytest", help="show what joysticks report")
     what = joytest.add_mutually_exclusive_group()

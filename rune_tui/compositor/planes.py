@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 
+from rune_tui.compositor.glyph_set import LOWER_HALF, UPPER_HALF
 from rune_tui.compositor.looks import SPACE, Flags, Looks
 from rune_tui.compositor.sgr import NO_COLOUR, Form, Words, words
 
-UPPER_HALF: Final = "▀"
-LOWER_HALF: Final = "▄"
 _UPPER, _LOWER, _FULL, _BLANK = words(["▀".encode(), "▄".encode(), "█".encode(), b" "])
 
 

@@ -10,9 +10,10 @@ import numpy as np
 from rune_tui.compositor.block_merge import merged
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.depth import ColourDepth
+from rune_tui.compositor.glyph_set import UPPER_HALF
 from rune_tui.compositor.looks import Flags, Looks, any_channel, looks_of, unpacked
 from rune_tui.compositor.moves import Moves
-from rune_tui.compositor.planes import UPPER_HALF, planes_of
+from rune_tui.compositor.planes import planes_of
 from rune_tui.compositor.quality import EXACT, Quality
 from rune_tui.compositor.sgr import FORMS, RESET
 from rune_tui.compositor.word_matrix import WordMatrix

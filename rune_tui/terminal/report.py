@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 
+from rune_tui.compositor.depth import ColourDepth
 from rune_tui.terminal.questions import Answers
+from rune_tui.terminal.specimen import specimens
 from rune_tui.terminal.traits import Traits
 
 
 def report(traits: Traits, answers: Answers, took: float, size: tuple[int, int]) -> str:
-    """A table: what is so, and why.
+    """A table: what is so, and why; and a picture in each set of glyphs, if there is a choice.
 
     Args:
         traits: What the terminal is taken to be able to do.
@@ -22,15 +24,18 @@ def report(traits: Traits, answers: Answers, took: float, size: tuple[int, int])
         ("answers", _answered(answers, took), ""),
         ("size", f"{size[0]}x{size[1]} cells", ""),
         ("colours", traits.depth.value, why["depth"]),
+        ("glyphs", traits.glyphs.value, why["glyphs"]),
         ("cell shape", f"1:{traits.aspect:.2f}", why["aspect"]),
         ("whole frames", _yes(yes=traits.synchronized), why["synchronized"]),
         ("acknowledges", _yes(yes=traits.acknowledges), why["acknowledges"]),
         ("key releases", _yes(yes=traits.releases), why["releases"]),
         ("long frames", "thrown away" if traits.discards else "kept", why["discards"]),
     ]
-    return "".join(
+    table = "".join(
         f"{name:<13} {value:<26} {reason}".rstrip() + "\n" for name, value, reason in lines
     )
+    # With fewer colours there is no choice, and thus nothing to compare.
+    return f"{table}\n{specimens()}" if traits.depth is ColourDepth.TRUECOLOUR else table
 
 
 def as_json(traits: Traits, answers: Answers, took: float, size: tuple[int, int]) -> str:
@@ -41,6 +46,7 @@ def as_json(traits: Traits, answers: Answers, took: float, size: tuple[int, int]
         "columns": size[0],
         "rows": size[1],
         "colors": traits.depth.value,
+        "glyphs": traits.glyphs.value,
         "aspect": round(traits.aspect, 3),
         "synchronized": traits.synchronized,
         "acknowledges": traits.acknowledges,

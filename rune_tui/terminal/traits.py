@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from rune_tui.compositor.depth import ColourDepth
+from rune_tui.compositor.glyph_set import GlyphSet
 from rune_tui.terminal.questions import Answers
 
 USUAL_ASPECT: Final = 2.0
@@ -25,6 +26,7 @@ class Traits:
 
     Attributes:
         depth: Its colours.
+        glyphs: What pictures are made of; `GlyphSet.HALF` where the colours leave no choice.
         aspect: Height of a cell over its width.
         synchronized: Whether it shows a frame all at once.
         acknowledges: Whether it tells when it shows a frame.
@@ -34,6 +36,7 @@ class Traits:
     """
 
     depth: ColourDepth
+    glyphs: GlyphSet
     aspect: float
     synchronized: bool
     acknowledges: bool
@@ -48,6 +51,7 @@ def traits_of(
     size: tuple[int, int],
     *,
     depth: ColourDepth | None = None,
+    glyphs: GlyphSet | None = None,
     aspect: float | None = None,
 ) -> Traits:
     """What follows from all that is known.
@@ -57,12 +61,15 @@ def traits_of(
         environment: The environment's variables.
         size: Columns and rows.
         depth: What the command line says of colours.
+        glyphs: What the command line says of the characters for pixels.
         aspect: What the command line says of the shape of cells.
     """
     colours, why_colours = _colours(answers, environment, depth)
+    blocks, why_blocks = _blocks(colours, glyphs)
     shape, why_shape = _shape(answers, size, aspect)
     reasons = {
         "depth": why_colours,
+        "glyphs": why_blocks,
         "aspect": why_shape,
         "synchronized": _SILENT if answers.synchronized is None else _TOLD,
         "acknowledges": "it answered where its cursor is"
@@ -75,6 +82,7 @@ def traits_of(
     }
     return Traits(
         depth=colours,
+        glyphs=blocks,
         aspect=shape,
         synchronized=bool(answers.synchronized),
         acknowledges=answers.reports_cursor,
@@ -94,6 +102,14 @@ def _colours(
     if answers.truecolour:
         return ColourDepth.TRUECOLOUR, _TOLD
     return colours_by_environment(environment)
+
+
+def _blocks(depth: ColourDepth, given: GlyphSet | None) -> tuple[GlyphSet, str]:
+    if depth is not ColourDepth.TRUECOLOUR:
+        return GlyphSet.HALF, "with these colours, both half blocks are needed"
+    if given is not None:
+        return given, _GIVEN
+    return GlyphSet.HALF, "all fonts have it, and no terminal tells more"
 
 
 def _shape(answers: Answers, size: tuple[int, int], given: float | None) -> tuple[float, str]:

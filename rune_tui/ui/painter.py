@@ -62,7 +62,7 @@ class Painter:
         self._traits = traits
         self._pacer = FramePacer(heard=traits.acknowledges)
         self._control = RateController(round_trip)
-        self._frames = FrameWriter(ScreenEncoder(), self._control)
+        self._frames = FrameWriter(ScreenEncoder(half=traits.glyphs.half), self._control)
         self._video: Flags = np.zeros((0, 0), np.bool_)
         self._latency = math.nan
         self._sent: deque[tuple[float, int]] = deque()

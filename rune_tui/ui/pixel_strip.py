@@ -22,25 +22,28 @@ from textual.strip import Strip
 from rune_tui.compositor.ansi import encoded_rows
 from rune_tui.compositor.blend import mean
 from rune_tui.compositor.cells import Cells
-from rune_tui.compositor.planes import UPPER_HALF
+from rune_tui.compositor.glyph_set import LOWER_HALF, UPPER_HALF
 
 
 class PixelStrip(Strip):
     """Columns `start` to `end` of one row of cells."""
 
-    __slots__ = ["_cells", "_end", "_made", "_row", "_start"]
+    __slots__ = ["_cells", "_end", "_half", "_made", "_row", "_start"]
 
-    def __init__(self, cells: Cells, row: int, start: int, end: int) -> None:
+    def __init__(
+        self, cells: Cells, row: int, start: int, end: int, half: str = UPPER_HALF
+    ) -> None:
         self._made: list[Segment] | None = None
         super().__init__((), end - start)
         self._cells, self._row, self._start, self._end = cells, row, start, end
+        self._half = half
         self._cell_count = end - start
 
     # Shadows the slot of Strip, to make segments on demand.
     @property
     def _segments(self) -> list[Segment]:
         if self._made is None:
-            self._made = segments(self._cells, self._row, self._start, self._end)
+            self._made = segments(self._cells, self._row, self._start, self._end, self._half)
         return self._made
 
     @_segments.setter
@@ -58,7 +61,7 @@ class PixelStrip(Strip):
         del console
         if self._render_cache is None:
             part = part_of(self._cells, self._row, self._start, self._end)
-            self._render_cache = encoded_rows(part)[0]
+            self._render_cache = encoded_rows(part, self._half)[0]
         return self._render_cache
 
     def crop(self, start: int, end: int | None = None) -> Strip:
@@ -70,7 +73,8 @@ class PixelStrip(Strip):
             return self
         if last <= first:
             return Strip([], 0)
-        return PixelStrip(self._cells, self._row, self._start + first, self._start + last)
+        start, end = self._start + first, self._start + last
+        return PixelStrip(self._cells, self._row, start, end, self._half)
 
     def divide(self, cuts: Iterable[int]) -> Sequence[Strip]:
         """The row in pieces that end at the cuts."""
@@ -96,17 +100,17 @@ def part_of(cells: Cells, row: int, start: int, end: int) -> Cells:
     )
 
 
-def segments(cells: Cells, row: int, start: int, end: int) -> list[Segment]:
+def segments(cells: Cells, row: int, start: int, end: int, half: str = UPPER_HALF) -> list[Segment]:
     """The cells as Rich segments, one each; slow, for screenshots."""
     made = []
     for column in range(start, end):
         upper, lower = cells.pixels[2 * row : 2 * row + 2, column, :3]
         glyph = int(cells.glyphs[row, column])
-        ink, ground = upper, lower
+        ink, ground = (lower, upper) if half == LOWER_HALF else (upper, lower)
         if glyph:
             ink, ground = cells.ink[row, column, :3], mean(upper, lower)
         style = Style(color=_colour(ink), bgcolor=_colour(ground))
-        made.append(Segment(chr(glyph) if glyph else UPPER_HALF, style))
+        made.append(Segment(chr(glyph) if glyph else half, style))
     return made
 
 

@@ -11,6 +11,7 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.glyph_set import UPPER_HALF
 from rune_tui.ui.pixel_strip import PixelStrip
 
 
@@ -35,9 +36,14 @@ class ViewPane(Widget, can_focus=False):
 
     DEFAULT_CSS = "ViewPane { width: 100%; height: 100%; background: black; }"
 
-    def __init__(self) -> None:
-        """Prepare; there is nothing to see yet."""
+    def __init__(self, half: str = UPPER_HALF) -> None:
+        """Prepare; there is nothing to see yet.
+
+        Args:
+            half: The half block to draw with.
+        """
         super().__init__()
+        self._half = half
         self.cells: Cells | None = None
         self._drawn: set[int] = set()
 
@@ -56,4 +62,4 @@ class ViewPane(Widget, can_focus=False):
         if cells is None or number >= cells.rows or cells.columns < self.size.width:
             # The terminal has grown and the frame that fits it is still to come.
             return Strip.blank(self.size.width)
-        return PixelStrip(cells, number, 0, cells.columns)
+        return PixelStrip(cells, number, 0, cells.columns, self._half)

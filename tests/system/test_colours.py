@@ -1,4 +1,4 @@
-"""Consoles on terminals with fewer colours."""
+"""Consoles on terminals with fewer colours, and with the characters that somebody chose."""
 
 from __future__ import annotations
 
@@ -66,3 +66,9 @@ def test_with_no_color_set_the_picture_is_made_of_characters(start: Start) -> No
     console.wait(lambda: Counter(console.text)["▒"] > 100, 20.0, "no picture came")
     assert used(console) == {"default"}
     assert "m/s" in console.text
+
+
+def test_pictures_are_made_of_the_characters_that_were_chosen(start: Start) -> None:
+    console = start("--glyphs", "lower")
+    console.wait(lambda: Counter(console.text)["▄"] > 100, 20.0, "no picture came")
+    assert "▀" not in console.text

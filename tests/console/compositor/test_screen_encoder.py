@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.colours import at_depth
 from rune_tui.compositor.depth import ColourDepth
-from rune_tui.compositor.planes import LOWER_HALF, UPPER_HALF
+from rune_tui.compositor.glyph_set import LOWER_HALF, UPPER_HALF
 from rune_tui.compositor.quality import EXACT, Quality
 from rune_tui.compositor.screen_encoder import ScreenEncoder
 from tests.console.compositor.frames import flat, random_cells

@@ -6,6 +6,7 @@ import json
 
 from rune_tui.terminal.questions import Answers
 from rune_tui.terminal.report import as_json, report
+from rune_tui.terminal.specimen import specimens
 from rune_tui.terminal.traits import traits_of
 
 ANSWERS = Answers(complete=True, synchronized=True, truecolour=True, cell=(9, 20), keyboard=1)
@@ -17,10 +18,17 @@ def test_people_read_what_is_so_and_why() -> None:
     assert "answers       after 12 ms" in text
     assert "colours       truecolor                  the terminal says so" in text
     assert "acknowledges  no                         it did not answer where its cursor is" in text
+    assert "glyphs        half" in text
     assert "not within 2.0 s" in report(TRAITS, Answers(), 2.0, (120, 40))
+
+
+def test_people_see_the_sets_of_glyphs_where_they_can_choose() -> None:
+    assert specimens() in report(TRAITS, ANSWERS, 0.012, (120, 40))
+    plain = traits_of(Answers(), {"NO_COLOR": "1"}, (120, 40))
+    assert "\x1b" not in report(plain, Answers(), 2.0, (120, 40))
 
 
 def test_machines_read_the_same() -> None:
     found = json.loads(as_json(TRAITS, ANSWERS, 0.012, (120, 40)))
-    assert found["colors"] == "truecolor"
+    assert (found["colors"], found["glyphs"]) == ("truecolor", "half")
     assert (found["aspect"], found["columns"], found["synchronized"]) == (2.222, 120, True)

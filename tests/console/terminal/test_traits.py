@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import pytest
 
 from rune_tui.compositor.depth import ColourDepth
+from rune_tui.compositor.glyph_set import GlyphSet
 from rune_tui.terminal.questions import Answers
 from rune_tui.terminal.traits import USUAL_ASPECT, colours_by_environment, traits_of
 
@@ -78,10 +79,25 @@ def test_the_shape_of_cells_is_given_told_or_usual() -> None:
     assert traits_of(Answers(cell=(1, 400)), {}, (80, 24)).aspect == USUAL_ASPECT
 
 
+def test_glyphs_are_chosen_where_the_colours_leave_a_choice() -> None:
+    many, few = Answers(truecolour=True), Answers()
+    assert traits_of(many, XTERM, (80, 24)).glyphs is GlyphSet.HALF
+    chosen = traits_of(many, XTERM, (80, 24), glyphs=GlyphSet.LOWER)
+    assert (chosen.glyphs, chosen.reasons["glyphs"]) == (
+        GlyphSet.LOWER,
+        "the command line says so",
+    )
+    useless = traits_of(few, XTERM, (80, 24), glyphs=GlyphSet.LOWER)
+    assert useless.depth is not ColourDepth.TRUECOLOUR
+    assert useless.glyphs is GlyphSet.HALF
+    assert "both" in useless.reasons["glyphs"]
+
+
 def test_there_is_a_reason_for_everything() -> None:
     traits = traits_of(Answers(), XTERM, (80, 24))
     assert set(traits.reasons) == {
         "depth",
+        "glyphs",
         "aspect",
         "synchronized",
         "acknowledges",

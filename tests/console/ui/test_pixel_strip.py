@@ -8,6 +8,7 @@ from rich.console import Console
 
 from rune_tui.compositor.colours import at_depth
 from rune_tui.compositor.depth import ColourDepth
+from rune_tui.compositor.glyph_set import LOWER_HALF
 from rune_tui.ui.pixel_strip import PixelStrip
 from tests.console.compositor.frames import flat
 
@@ -16,3 +17,15 @@ def test_part_of_a_row_has_the_colours_of_the_row() -> None:
     row = PixelStrip(at_depth(flat(4, 1, 255), ColourDepth.INDEXED_16), 0, 0, 4)
     part = row.crop(1, 3)
     assert part.render(Console(file=io.StringIO())) == "\x1b[97m██\x1b[0m"
+
+
+def test_rows_that_textual_draws_and_their_segments_have_the_half_block_that_was_chosen() -> None:
+    cells = flat(3, 1, 5)
+    cells.pixels[1, :, :3] = 6
+    part = PixelStrip(cells, 0, 0, 3, LOWER_HALF).crop(1, 2)
+    drawn = part.render(Console(file=io.StringIO()))
+    assert drawn == "\x1b[38;2;6;6;6;48;2;5;5;5m▄\x1b[0m"
+    (segment,) = part
+    assert segment.text == LOWER_HALF
+    assert segment.style is not None
+    assert str(segment.style) == "#060606 on #050505"

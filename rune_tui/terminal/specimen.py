@@ -1,0 +1,45 @@
+"""A small picture in each set of characters, in which people see how their font draws it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rune_tui.compositor.ansi import encoded_rows
+from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.glyph_set import GlyphSet
+
+_COLUMNS, _ROWS = 28, 4
+_BARS = 12
+"""So many columns have bars, the others a disc."""
+_BRIGHT, _DARK = (236, 178, 60), (24, 62, 120)
+
+ADVICE = """\
+Bars and discs are of two plain colours. Where thin lines run through them, the font draws that set
+with seams: choose another one with --glyphs, or another font.
+"""
+
+
+def specimens() -> str:
+    """Bars and a disc in truecolour, each row behind the name of the set that draws it."""
+    text = []
+    for glyphs in GlyphSet:
+        names = [glyphs.value] + [""] * (_ROWS - 1)
+        rows = encoded_rows(_picture(), glyphs.half)
+        text += [f"{name:<13} {row}\n" for name, row in zip(names, rows, strict=True)]
+        text.append("\n")
+    return "".join(text) + ADVICE
+
+
+def _picture() -> Cells:
+    """Every bar crosses from one row of cells into the next, where seams are."""
+    down, across = np.mgrid[0 : 2 * _ROWS, 0:_COLUMNS]
+    middle = (_COLUMNS + _BARS - 1) / 2
+    disc = (across - middle) ** 2 + (down - _ROWS + 0.5) ** 2 < (_ROWS - 0.3) ** 2
+    bright = np.where(across < _BARS, (down + 1) // 2 % 2 == 1, disc)
+    pixels = np.zeros((2 * _ROWS, _COLUMNS, 4), np.uint8)
+    pixels[..., :3] = np.where(bright[..., None], _BRIGHT, _DARK)
+    return Cells(
+        pixels=pixels,
+        glyphs=np.zeros((_ROWS, _COLUMNS), np.uint32),
+        ink=np.zeros((_ROWS, _COLUMNS, 4), np.uint8),
+    )
