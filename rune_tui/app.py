@@ -107,7 +107,7 @@ class Console(App[None], inherit_bindings=False):
         self._next_layout = asyncio.Event()
         self._shown_layout = layout
         self._links = links
-        self._view = View(layout)
+        self._view = View(layout, fine=traits.glyphs.fine)
         self._dispatch = Dispatch(layout)
         operator = links.operator or desk.operator_name()
         start = ConsoleState.at_start(layout, time.monotonic(), operator)
@@ -189,7 +189,7 @@ class Console(App[None], inherit_bindings=False):
         """Go on with another layout; links of robots that are in both stay as they are."""
         self._let_go()
         try:
-            view, dispatch = View(layout), Dispatch(layout)
+            view, dispatch = View(layout, fine=self._view.fine), Dispatch(layout)
             view.resize(self.size.width, self.size.height)
             gone = self._links.follow(layout)
         except (ConsoleError, HubError) as error:

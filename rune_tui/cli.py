@@ -177,6 +177,7 @@ def _shot(options: argparse.Namespace) -> int:
             size=options.size,
             seconds=options.seconds,
             depth=ColourDepth(options.colors),
+            glyphs=GlyphSet(options.glyphs or GlyphSet.HALF),
             path=path,
         )
     if answered:
@@ -400,9 +401,10 @@ def _parser() -> argparse.ArgumentParser:
             metavar="NAME",
             help="who sits here, if not the login",
         )
+    for command in (run, demo, shot, terminal):
+        command.add_argument("--glyphs", choices=glyphs, help=glyphs_help)
     for command in (run, demo, terminal):
         command.add_argument("--colors", choices=colors, help=colors_help)
-        command.add_argument("--glyphs", choices=glyphs, help=glyphs_help)
         command.add_argument("--aspect", type=_aspect, metavar="RATIO", help=aspect_help)
     joytest = commands.add_parser("joytest", help="show what joysticks report")
     what = joytest.add_mutually_exclusive_group()

@@ -11,6 +11,7 @@ from hub.gcm.mapping import MAP
 from rune_tui.compositor import picture
 from rune_tui.compositor.colours import at_depth
 from rune_tui.compositor.depth import ColourDepth
+from rune_tui.compositor.glyph_set import GlyphSet
 from rune_tui.errors import PictureFileError
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.robot_link import RobotLink
@@ -30,6 +31,7 @@ def take(
     size: tuple[int, int],
     seconds: float,
     depth: ColourDepth,
+    glyphs: GlyphSet,
     path: Path,
 ) -> bool:
     """Watch the robots for a while, then write what the console would show.
@@ -40,6 +42,7 @@ def take(
         size: Columns and rows of the terminal [cells].
         seconds: How long to watch [s].
         depth: What colours the terminal would have.
+        glyphs: What it would make pictures of.
         path: File to write; its ending says what: .txt, .svg or .png.
 
     Returns:
@@ -48,7 +51,7 @@ def take(
     Raises:
         PictureFileError: The file cannot be written.
     """
-    view = View(layout)
+    view = View(layout, fine=glyphs.fine and depth is ColourDepth.TRUECOLOUR)
     view.resize(*size)
     state = dataclasses.replace(
         ConsoleState.at_start(layout, time.monotonic()),

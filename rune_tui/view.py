@@ -61,6 +61,7 @@ class _Pane:
     visualizer: Visualizer
     place: Place
     clock: Callable[[], float]
+    fine: bool = False
     rests_until: float = -math.inf
     layer: Layer | None = None
     source: Hashable = None
@@ -149,7 +150,7 @@ class _Pane:
         )
 
     def _drawn(self, robot: RobotState, state: ConsoleState) -> Canvas:
-        canvas = Canvas.blank(self.place.width, self.place.height)
+        canvas = Canvas.blank(self.place.width, self.place.height, fine=self.fine)
         self.visualizer.draw(canvas, robot, state)
         return canvas
 
@@ -157,13 +158,21 @@ class _Pane:
 class View:
     """Turns the states of robots into cells; nothing is drawn until `resize` was called."""
 
-    def __init__(self, layout: LayoutSpec, clock: Callable[[], float] = time.perf_counter) -> None:
+    def __init__(
+        self,
+        layout: LayoutSpec,
+        clock: Callable[[], float] = time.perf_counter,
+        *,
+        fine: bool = False,
+    ) -> None:
         """Prepare.
 
         Args:
             layout: What there is to see.
             clock: Tells how long drawings take [s].
+            fine: Whether the terminal shows cameras' pictures with two pixels across a cell.
         """
+        self.fine = fine
         self._clock = clock
         self._spec = layout.view
         self._vocabulary = layout.vocabulary
@@ -199,8 +208,12 @@ class View:
                 place = placed(viewport, self._spec, columns, rows, whole_cells=shown.whole_cells)
                 if self._full:
                     place = Place(x=0, y=0, width=columns, height=2 * rows)
-                pane = _Pane(spec=viewport, visualizer=shown, place=place, clock=self._clock)
-                self._panes.append(pane)
+                fine = self.fine and isinstance(shown, CameraImage)
+                self._panes.append(
+                    _Pane(
+                        spec=viewport, visualizer=shown, place=place, clock=self._clock, fine=fine
+                    )
+                )
 
     def render(self, state: ConsoleState) -> Cells | None:
         """The picture as it is now, or None when it is the one returned last."""
@@ -249,7 +262,8 @@ class View:
         for pane in self._panes:
             robot, shown = pane.robot(state), pane.visualizer
             if isinstance(shown, CameraImage) and robot is not None and pane.visible(state):
-                size = shown.picture_size(pane.place.width, pane.place.height)
+                across = 2 if pane.fine else 1
+                size = shown.picture_size(across * pane.place.width, across * pane.place.height)
                 sizes[robot.name] = max(size, sizes.get(robot.name, MIN_PICTURE))
         return sizes
 

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rune_tui.compositor.cells import Cells
-from rune_tui.raster.canvas import Canvas
+from rune_tui.raster.canvas import Canvas, halved
 
 _HALF = 128
 _OPAQUE = 255
@@ -76,10 +76,11 @@ def compose(
         glyphs=np.zeros((rows, columns), np.uint32),
         ink=np.zeros((rows, columns, 4), np.uint8),
     )
-    for layer in sorted(layers, key=attrgetter("zpos")):
+    layers = sorted(layers, key=attrgetter("zpos"))
+    for layer in layers:
         if layer.transparency < 255:
             _lay(cells, layer)
-    return cells
+    return _refined(cells, layers)
 
 
 def video_cells(columns: int, rows: int, layers: Iterable[Layer]) -> npt.NDArray[np.bool_]:
@@ -119,16 +120,6 @@ def mean(first: npt.NDArray[np.uint8], second: npt.NDArray[np.uint8]) -> npt.NDA
     return (first & second) + ((first ^ second) >> 1)
 
 
-def glyph_grounds(cells: Cells) -> npt.NDArray[np.uint8]:
-    """The pixels as shown: both of a cell with a character have their mean, shape as `pixels`."""
-    ground = mean(cells.pixels[0::2], cells.pixels[1::2])
-    shown = cells.pixels.copy()
-    written = cells.glyphs > 0
-    for half in (shown[0::2], shown[1::2]):
-        half[written] = ground[written]
-    return shown
-
-
 def _share_of_255(total: npt.NDArray[np.uint16]) -> npt.NDArray[np.uint8]:
     """round(total / 255) for totals up to 255 * 255, after J. Blinn, "Three wrongs" (1995)."""
     total = total + _HALF
@@ -137,15 +128,48 @@ def _share_of_255(total: npt.NDArray[np.uint16]) -> npt.NDArray[np.uint8]:
     return total.astype(np.uint8)
 
 
-def _lay(cells: Cells, layer: Layer) -> None:
-    canvas = layer.canvas
+def _refined(cells: Cells, layers: Iterable[Layer]) -> Cells:
+    """The cells with the finer pixels of those layers that have them, where these are seen.
+
+    That is where both pixels of a cell still are the mean of their finer ones: nothing has been
+    drawn over them, neither on their canvas nor by another layer.
+    """
+    fine = None
+    for layer in layers:
+        window = _window(cells, layer)
+        if layer.canvas.fine is None or layer.transparency or window is None:
+            continue
+        if fine is None:
+            fine = cells.pixels.view(_WORDS)[..., 0].repeat(2, axis=1)
+        finer = np.zeros((*fine.shape, 4), np.uint8)
+        finer[window.top : window.bottom, 2 * window.left : 2 * window.right] = layer.canvas.fine[
+            window.top - layer.y : window.bottom - layer.y,
+            2 * (window.left - layer.x) : 2 * (window.right - layer.x),
+        ]
+        seen = (halved(finer).view(_WORDS) == cells.pixels.view(_WORDS))[..., 0]
+        whole = seen[0::2] & seen[1::2] & (cells.glyphs == 0)
+        where = whole.repeat(2, axis=0).repeat(2, axis=1)
+        np.copyto(fine, finer.view(_WORDS)[..., 0], where=where)
+    if fine is None:
+        return cells
+    return dataclasses.replace(cells, fine=fine[..., None].view(np.uint8))
+
+
+def _window(cells: Cells, layer: Layer) -> _Window | None:
+    """What of the view a layer covers; None if it lies outside."""
     window = _Window(
         max(0, layer.x),
         max(0, layer.y),
-        min(cells.columns, layer.x + canvas.width),
-        min(2 * cells.rows, layer.y + canvas.height),
+        min(cells.columns, layer.x + layer.canvas.width),
+        min(2 * cells.rows, layer.y + layer.canvas.height),
     )
-    if window.left >= window.right or window.top >= window.bottom:
+    empty = window.left >= window.right or window.top >= window.bottom
+    return None if empty else window
+
+
+def _lay(cells: Cells, layer: Layer) -> None:
+    canvas, window = layer.canvas, _window(cells, layer)
+    if window is None:
         return
     source = canvas.pixels[
         window.top - layer.y : window.bottom - layer.y,
@@ -219,8 +243,13 @@ def tinted(cells: Cells, tint: tuple[int, int, int]) -> Cells:
     if min(tint) == _OPAQUE:
         return cells
     scale = np.array((*tint, _OPAQUE), np.uint16)
+
+    def scaled(colours: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+        return ((colours * scale + _HALF) // _OPAQUE).astype(np.uint8)
+
     return dataclasses.replace(
         cells,
-        pixels=((cells.pixels * scale + _HALF) // _OPAQUE).astype(np.uint8),
-        ink=((cells.ink * scale + _HALF) // _OPAQUE).astype(np.uint8),
+        pixels=scaled(cells.pixels),
+        ink=scaled(cells.ink),
+        fine=None if cells.fine is None else scaled(cells.fine),
     )

@@ -19,8 +19,15 @@ class GlyphSet(enum.Enum):
     """The upper half block: two pixels a cell, in the colours that they have."""
     LOWER = "lower"
     """The lower half block; some fonts draw the upper one with seams."""
+    QUADRANTS = "quadrants"
+    """Also the quadrant blocks: a camera's picture has two by two pixels a cell, in two colours."""
 
     @property
     def half(self) -> str:
         """The block that shows a cell's two pixels."""
         return LOWER_HALF if self is GlyphSet.LOWER else UPPER_HALF
+
+    @property
+    def fine(self) -> bool:
+        """Whether a camera's picture has two pixels across a cell."""
+        return self is GlyphSet.QUADRANTS

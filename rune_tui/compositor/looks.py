@@ -11,6 +11,7 @@ import numpy.typing as npt
 from rune_tui.compositor.blend import RGB_MASK
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.depth import ColourDepth
+from rune_tui.compositor.quadrants import quarters_of, split
 from rune_tui.compositor.sgr import Words
 
 Flags = npt.NDArray[np.bool_]
@@ -23,35 +24,44 @@ _LOW_BITS_OFF = np.uint32(0xFEFEFEFE)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Looks:
-    """What cells look like; two of the same look have the same words in all four planes.
+    """What cells look like; two of the same look have the same words in all planes.
 
     Attributes:
-        pixels: Colours, shape (2 * rows, columns); both of a cell with a character have the one
-            that is behind it. In truecolour the unused byte is zero.
+        pixels: Upper and lower colours, shape (2 * rows, columns); both of a cell with a character
+            are the one that is behind it. In truecolour the unused byte is zero.
+        shapes: Which quarters have the upper one, as `quadrants` counts them; 0 for two halves;
+            shape (rows, columns).
         glyphs: Characters that a terminal may get, shape (rows, columns); 0 where the pixels show.
         ink: Colours of the characters, shape (rows, columns); 0 where none is seen.
         written: Whether there are characters at all.
     """
 
     pixels: Words
+    shapes: npt.NDArray[np.uint8]
     glyphs: Words
     ink: Words
     written: bool
 
     @property
     def upper(self) -> Words:
-        """Colours of the cells' upper halves, shape (rows, columns)."""
+        """The cells' upper colours, shape (rows, columns)."""
         return self.pixels[0::2]
 
     @property
     def lower(self) -> Words:
-        """Colours of the cells' lower halves, shape (rows, columns)."""
+        """The cells' lower colours, shape (rows, columns)."""
         return self.pixels[1::2]
+
+    @property
+    def quarters(self) -> Words:
+        """The colour of each quarter of a cell, shape (2 * rows, 2 * columns)."""
+        return quarters_of(self.pixels, self.shapes)
 
     def differs(self, other: Looks) -> Flags:
         """Which cells look different, shape (rows, columns)."""
         pixels = self.pixels != other.pixels
         differs: Flags = pixels[0::2] | pixels[1::2]
+        differs |= self.shapes != other.shapes
         if self.written or other.written:
             differs |= self.glyphs != other.glyphs
             differs |= self.ink != other.ink
@@ -60,11 +70,13 @@ class Looks:
     def replaced(self, newer: Looks, where: Flags) -> Looks:
         """These, with some cells of other ones; flags of shape (rows, columns)."""
         pixels = np.where(where.repeat(2, axis=0), newer.pixels, self.pixels)
+        shapes = np.where(where, newer.shapes, self.shapes)
         if not (self.written or newer.written):
-            return dataclasses.replace(self, pixels=pixels)
+            return dataclasses.replace(self, pixels=pixels, shapes=shapes)
         glyphs = np.where(where, newer.glyphs, self.glyphs)
         ink = np.where(where, newer.ink, self.ink)
-        return Looks(pixels=pixels, glyphs=glyphs, ink=ink, written=bool(glyphs.any()))
+        written = bool(glyphs.any())
+        return Looks(pixels=pixels, shapes=shapes, glyphs=glyphs, ink=ink, written=written)
 
     def taken(self, numbers: Numbers) -> Looks:
         """Some of the cells, by their numbers in reading order, each a row of one column."""
@@ -75,6 +87,7 @@ class Looks:
         glyphs = self.glyphs.take(numbers)[:, None]
         return Looks(
             pixels=pixels.reshape(-1, 1),
+            shapes=self.shapes.take(numbers)[:, None],
             glyphs=glyphs,
             ink=self.ink.take(numbers)[:, None],
             written=self.written and bool(glyphs.any()),
@@ -86,18 +99,22 @@ def looks_of(cells: Cells) -> Looks:
     pixels, glyphs, ink = packed(cells.pixels), cells.glyphs, packed(cells.ink)
     masked = cells.depth is ColourDepth.TRUECOLOUR
     # A copy in either case: it is about to be changed, and kept for longer than the cells.
-    pixels = pixels & RGB_MASK if masked else pixels.copy()
+    halves = pixels = pixels & RGB_MASK if masked else pixels.copy()
+    shapes = np.zeros(glyphs.shape, np.uint8)
+    if cells.fine is not None and masked:
+        pixels, shapes = split(halves, packed(cells.fine) & RGB_MASK)
     written = bool(glyphs.any())
     shown, inked = np.zeros_like(glyphs, np.uint32), np.zeros_like(ink)
     if written:
         place = np.nonzero(glyphs)
         upper, lower = pixels[0::2], pixels[1::2]
-        first, second = upper[place], lower[place]
+        first, second = halves[0::2][place], halves[1::2][place]
         upper[place] = lower[place] = (first & second) + (((first ^ second) & _LOW_BITS_OFF) >> 1)
+        shapes[place] = 0
         shown[place] = _allowed(glyphs[place])
         colours = ink[place] & RGB_MASK if masked else ink[place]
         inked[place] = np.where(shown[place] == SPACE, np.uint32(0), colours)
-    return Looks(pixels=pixels, glyphs=shown, ink=inked, written=written)
+    return Looks(pixels=pixels, shapes=shapes, glyphs=shown, ink=inked, written=written)
 
 
 def packed(pixels: npt.NDArray[np.uint8]) -> Words:

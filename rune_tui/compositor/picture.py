@@ -11,9 +11,10 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
-from rune_tui.compositor.blend import glyph_grounds, mean
+from rune_tui.compositor.blend import mean
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.depth import ColourDepth
+from rune_tui.compositor.looks import looks_of, unpacked
 from rune_tui.errors import PictureFileError
 
 SUFFIXES = (".txt", ".svg", ".png")
@@ -54,7 +55,7 @@ def image(cells: Cells, *, scale: int = 8) -> Image.Image:
         cells: The frame.
         scale: Width and height of a cell's half [pixels of the result].
     """
-    shown = glyph_grounds(cells)
+    shown = unpacked(looks_of(cells).quarters)
     picture = Image.fromarray(np.ascontiguousarray(shown[..., :3]))
     size = (cells.columns * scale, 2 * cells.rows * scale)
     picture = picture.resize(size, Image.Resampling.NEAREST)
@@ -107,9 +108,10 @@ def svg(cells: Cells, *, scale: int = 8) -> str:
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" '
         f'width="{width}" height="{height}" shape-rendering="crispEdges">',
     ]
-    for row, line in enumerate(glyph_grounds(cells)):
+    wide = scale / 2
+    for row, line in enumerate(unpacked(looks_of(cells).quarters)):
         parts += [
-            f'<rect x="{first * scale}" y="{row * scale}" width="{(end - first) * scale}" '
+            f'<rect x="{first * wide:g}" y="{row * scale}" width="{(end - first) * wide:g}" '
             f'height="{scale}" fill="{_hexadecimal(line[first])}"/>'
             for first, end in _runs(line[:, :3])
         ]

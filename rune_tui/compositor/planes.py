@@ -8,9 +8,11 @@ import numpy as np
 
 from rune_tui.compositor.glyph_set import LOWER_HALF, UPPER_HALF
 from rune_tui.compositor.looks import SPACE, Flags, Looks
+from rune_tui.compositor.quadrants import BLOCKS
 from rune_tui.compositor.sgr import NO_COLOUR, Form, Words, words
 
 _UPPER, _LOWER, _FULL, _BLANK = words(["▀".encode(), "▄".encode(), "█".encode(), b" "])
+_SHAPES = words([BLOCKS.get(shape, "").encode() for shape in range(max(BLOCKS) + 1)])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,6 +58,10 @@ def planes_of(looks: Looks, form: Form, half: str = UPPER_HALF) -> Planes:
         ink_shows[full] = True
         background[full] = 0
         ground_shows[full] = form.at_start != NO_COLOUR
+    if looks.shapes.any():
+        place = np.nonzero(looks.shapes)
+        foreground[place], background[place] = first[place], second[place]
+        marks[place] = _SHAPES[looks.shapes[place]]
     if looks.written:
         place = np.nonzero(looks.glyphs)
         glyphs = looks.glyphs[place]

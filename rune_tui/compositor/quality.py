@@ -10,9 +10,10 @@ from typing import Final
 class Quality:
     """How far a colour on the terminal may be from the one that was drawn.
 
-    No channel of a pixel is ever further off than the larger of the two. Characters, their ink and
-    what is behind them are exact at every quality, and so is everything where a terminal numbers
-    its colours: what is saved there would be seen.
+    No channel of a pixel is ever further off than the larger of the two. In a cell of quadrants,
+    that counts for each quarter, from the one of the cell's two colours that it has at the best
+    quality. Characters, their ink and what is behind them are exact at every quality, and so is
+    everything where a terminal numbers its colours: what is saved there would be seen.
 
     Attributes:
         tolerance: Neighbouring pixels become one colour if that changes no channel by more, 0 to

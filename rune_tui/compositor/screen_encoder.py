@@ -17,6 +17,7 @@ from rune_tui.compositor.planes import planes_of
 from rune_tui.compositor.quality import EXACT, Quality
 from rune_tui.compositor.sgr import FORMS, RESET
 from rune_tui.compositor.word_matrix import WordMatrix
+from rune_tui.raster.canvas import halved
 
 _WHOLE = 0.98
 """From this share of cells on, sending all is as good: each one left out costs a move."""
@@ -69,8 +70,13 @@ class ScreenEncoder:
         """
         if self._shown is None:
             return None
+        pixels, fine = unpacked(self._shown.pixels), None
+        if self._shown.shapes.any():
+            fine = unpacked(self._shown.quarters)
+            pixels = halved(fine)
         return Cells(
-            pixels=unpacked(self._shown.pixels),
+            pixels=pixels,
+            fine=fine,
             glyphs=self._shown.glyphs,
             ink=unpacked(self._shown.ink),
             depth=self._depth,
@@ -190,11 +196,15 @@ def _wrong(looks: Looks, shown: Looks, threshold: int) -> Flags:
     """Which cells look too different from what is shown."""
     if not threshold:
         return looks.differs(shown)
-    wanted, there = unpacked(looks.pixels), unpacked(shown.pixels)
+    cut = bool(looks.shapes.any() or shown.shapes.any())
+    # Shapes alone say nothing: of two like colours, it is all one where they lie.
+    wanted = unpacked(looks.quarters if cut else looks.pixels)
+    there = unpacked(shown.quarters if cut else shown.pixels)
     off = np.maximum(wanted, there)
     off -= np.minimum(wanted, there)
     far = any_channel(off > threshold)
     wrong: Flags = far[0::2] | far[1::2]
+    wrong = wrong[:, 0::2] | wrong[:, 1::2] if cut else wrong
     if looks.written or shown.written:
         wrong |= ((looks.glyphs != 0) | (shown.glyphs != 0)) & looks.differs(shown)
     return wrong
@@ -206,4 +216,5 @@ def _simplified(looks: Looks, tolerance: int) -> Looks:
     if looks.written:
         text = np.repeat(looks.glyphs != 0, 2, axis=0)
         np.copyto(pixels, looks.pixels, where=text)
-    return dataclasses.replace(looks, pixels=pixels)
+    shapes = np.where(pixels[0::2] == pixels[1::2], np.uint8(0), looks.shapes)
+    return dataclasses.replace(looks, pixels=pixels, shapes=shapes)

@@ -17,6 +17,7 @@ Colour = theme.Colour
 REPLACEMENT = "?"
 """Stands for every character that a terminal would not show in exactly one cell."""
 
+_LOW_BITS_OFF = np.uint32(0xFEFEFEFE)
 _DROPPED = frozenset({"Mn", "Me"})
 # Not told by Python's tables: Hangul vowels and final consonants join the syllable before them;
 # symbols that Unicode 16 made wide, and regional indicators, which terminals pair into flags.
@@ -57,6 +58,22 @@ def printable_text(string: str) -> str:
     return "".join(map(printable, unicodedata.normalize("NFC", string)))
 
 
+def halved(fine: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """Each two pixels side by side as their mean, rounded down.
+
+    Args:
+        fine: Shape (height, 2 * width, 4).
+
+    Returns:
+        Shape (height, width, 4).
+    """
+    words = fine.view(np.uint32)[..., 0]
+    left, right = words[:, 0::2], words[:, 1::2]
+    # All four bytes at once, none of which runs over into another.
+    means = (left & right) + (((left ^ right) & _LOW_BITS_OFF) >> 1)
+    return means[..., None].view(np.uint8)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Canvas:
     """Pixels and characters; a character covers a cell of 1 x 2 pixels.
@@ -65,20 +82,30 @@ class Canvas:
         pixels: Red, green, blue, alpha, shape (height, width, 4).
         glyphs: Code points, shape (ceil(height / 2), width); 0 where there is no character.
         ink: Red, green, blue, alpha of the characters, shape (ceil(height / 2), width, 4).
+        fine: A finer picture for where `pixels` stay as it was pasted, shape (height, 2 * width,
+            4), its last byte unused; None where nobody could see it.
     """
 
     pixels: npt.NDArray[np.uint8]
     glyphs: npt.NDArray[np.uint32]
     ink: npt.NDArray[np.uint8]
+    fine: npt.NDArray[np.uint8] | None = None
 
     @classmethod
-    def blank(cls, width: int, height: int) -> Canvas:
-        """A canvas through which everything behind it is seen, of this size in pixels."""
+    def blank(cls, width: int, height: int, *, fine: bool = False) -> Canvas:
+        """A canvas through which everything behind it is seen, of this size in pixels.
+
+        Args:
+            width: Its width.
+            height: Its height.
+            fine: Whether a finer picture can be seen.
+        """
         rows = (height + 1) // 2
         return cls(
             pixels=np.zeros((height, width, 4), np.uint8),
             glyphs=np.zeros((rows, width), np.uint32),
             ink=np.zeros((rows, width, 4), np.uint8),
+            fine=np.zeros((height, 2 * width, 4), np.uint8) if fine else None,
         )
 
     @property
@@ -116,6 +143,22 @@ class Canvas:
         target = self.pixels[top:bottom, left:right]
         target[..., :3] = pixels[top - y : bottom - y, left - x : right - x]
         target[..., 3] = 255
+
+    def paste_fine(self, pixels: npt.NDArray[np.uint8], x: int, y: int) -> None:
+        """Lay an opaque picture on a canvas that shows finer ones.
+
+        Args:
+            pixels: Twice as wide as they are to be seen, shape (height, 2 * width, 3).
+            x: Column of its left edge [pixels of the canvas]; inside, as is all of the picture.
+            y: Row of its upper edge [pixels]; likewise.
+        """
+        if self.fine is None:
+            text = "this canvas shows no finer pictures; make it with fine=True"
+            raise ValueError(text)
+        place = slice(y, y + len(pixels))
+        fine = self.fine[place, 2 * x : 2 * x + pixels.shape[1]]
+        fine[..., :3] = pixels
+        self.paste(halved(fine)[..., :3], x, y)
 
     def text(self, column: int, row: int, string: str, colour: Colour) -> None:
         """Write characters, clipped at the edges; the pixels under them stay.

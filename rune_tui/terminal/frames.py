@@ -68,7 +68,8 @@ class FrameWriter:
         """
         self._newest = cells, video
         before = self._encoder.remembered
-        first = self._encoder.encode(cells, EXACT, covered, only=~video)
+        around = dataclasses.replace(cells, fine=None)  # there is nothing finer there
+        first = self._encoder.encode(around, EXACT, covered, only=~video)
         self._behind = len(first) > self._control.most_bytes
         if self._behind:
             self._encoder.return_to(before)
@@ -137,4 +138,4 @@ def coarsened(cells: Cells, grain: int) -> Cells:
     counts = (heights[:, None] * widths[None, :])[..., None]
     means = ((sums + counts // 2) // counts).astype(np.uint8)
     spread = np.repeat(np.repeat(means, heights, axis=0), widths, axis=1)
-    return dataclasses.replace(cells, pixels=spread)
+    return dataclasses.replace(cells, pixels=spread, fine=None)

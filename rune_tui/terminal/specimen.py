@@ -7,6 +7,7 @@ import numpy as np
 from rune_tui.compositor.ansi import encoded_rows
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.glyph_set import GlyphSet
+from rune_tui.raster.canvas import halved
 
 _COLUMNS, _ROWS = 28, 4
 _BARS = 12
@@ -14,8 +15,9 @@ _BARS = 12
 _BRIGHT, _DARK = (236, 178, 60), (24, 62, 120)
 
 ADVICE = """\
-Bars and discs are of two plain colours. Where thin lines run through them, the font draws that set
-with seams: choose another one with --glyphs, or another font.
+Bars and discs are of two plain colours. Where thin lines run through them,
+the font draws that set with seams: choose another one with --glyphs, or
+another font.
 """
 
 
@@ -24,22 +26,28 @@ def specimens() -> str:
     text = []
     for glyphs in GlyphSet:
         names = [glyphs.value] + [""] * (_ROWS - 1)
-        rows = encoded_rows(_picture(), glyphs.half)
+        rows = encoded_rows(_picture(fine=glyphs.fine), glyphs.half)
         text += [f"{name:<13} {row}\n" for name, row in zip(names, rows, strict=True)]
         text.append("\n")
     return "".join(text) + ADVICE
 
 
-def _picture() -> Cells:
-    """Every bar crosses from one row of cells into the next, where seams are."""
-    down, across = np.mgrid[0 : 2 * _ROWS, 0:_COLUMNS]
-    middle = (_COLUMNS + _BARS - 1) / 2
-    disc = (across - middle) ** 2 + (down - _ROWS + 0.5) ** 2 < (_ROWS - 0.3) ** 2
-    bright = np.where(across < _BARS, (down + 1) // 2 % 2 == 1, disc)
-    pixels = np.zeros((2 * _ROWS, _COLUMNS, 4), np.uint8)
+def _picture(*, fine: bool) -> Cells:
+    """Every bar crosses from one row of cells into the next, where seams are.
+
+    Args:
+        fine: Whether there are two pixels across a cell.
+    """
+    wide = 2 if fine else 1
+    down, across = np.mgrid[0 : 2 * _ROWS, 0 : wide * _COLUMNS] + 0.5
+    middle = (_COLUMNS + _BARS) / 2
+    disc = (across / wide - middle) ** 2 + (down - _ROWS) ** 2 < (_ROWS - 0.3) ** 2
+    bright = np.where(across < wide * _BARS, (down + 1) // 2 % 2 == 1, disc)
+    pixels = np.zeros((*bright.shape, 4), np.uint8)
     pixels[..., :3] = np.where(bright[..., None], _BRIGHT, _DARK)
     return Cells(
-        pixels=pixels,
+        pixels=halved(pixels) if fine else pixels,
+        fine=pixels if fine else None,
         glyphs=np.zeros((_ROWS, _COLUMNS), np.uint32),
         ink=np.zeros((_ROWS, _COLUMNS, 4), np.uint8),
     )

@@ -92,8 +92,10 @@ class PixelStrip(Strip):
 
 def part_of(cells: Cells, row: int, start: int, end: int) -> Cells:
     """One row's columns `start` to `end`, as a frame of its own."""
+    fine = cells.fine
     return Cells(
         pixels=cells.pixels[2 * row : 2 * row + 2, start:end],
+        fine=None if fine is None else fine[2 * row : 2 * row + 2, 2 * start : 2 * end],
         glyphs=cells.glyphs[row : row + 1, start:end],
         ink=cells.ink[row : row + 1, start:end],
         depth=cells.depth,

@@ -187,7 +187,11 @@ def _paste(canvas: Canvas, picture: Picture, frame: PictureFrame) -> None:
             (right - frame.left) * columns / frame.width,
             (bottom - frame.top) * rows / frame.height,
         )
-    canvas.paste(resized(picture.pixels, right - left, bottom - top, part), left, top)
+    if canvas.fine is None:
+        canvas.paste(resized(picture.pixels, right - left, bottom - top, part), left, top)
+    else:
+        fine = resized(picture.pixels, 2 * (right - left), bottom - top, part)
+        canvas.paste_fine(fine, left, top)
 
 
 def _mark_middle(canvas: Canvas, frame: PictureFrame, theme: Theme) -> None:

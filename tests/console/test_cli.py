@@ -13,6 +13,7 @@ from hub.ipc.central import Central
 from hub.ipc.keyring import Keyring
 from hub.ipc.security import Role
 from rune_tui.cli import ExitCode, main
+from rune_tui.compositor.glyph_set import GlyphSet
 
 
 def test_it_tells_its_version(capsys: pytest.CaptureFixture[str]) -> None:
@@ -56,6 +57,14 @@ def test_a_picture_is_drawn_of_a_robot_behind_a_gateway(tmp_path: Path) -> None:
         where = ["--hub", central.endpoints[1], "--keys", str(keyring.make("one", Role.OBSERVE))]
         assert main(["shot", "demo", *where, "--seconds", "1.5", "-o", str(picture)]) == ExitCode.OK
         assert "OBSERVER: this key may watch" in picture.read_text("utf-8")
+
+
+@pytest.mark.parametrize("glyphs", [glyphs.value for glyphs in GlyphSet])
+def test_a_picture_is_drawn_of_the_glyphs_asked_for(tmp_path: Path, glyphs: str) -> None:
+    path = tmp_path / "shot.png"
+    where = ["--hub", f"ipc://{tmp_path}/nobody", "--seconds", "0", "-o", str(path)]
+    assert main(["shot", "demo", *where, "--glyphs", glyphs]) == ExitCode.NO_HUB
+    assert path.stat().st_size
 
 
 @pytest.mark.parametrize("colors", ["truecolor", "256", "16", "mono"])

@@ -18,7 +18,7 @@ from rune_tui.layout.spec import ViewportSpec, ViewSpec
 from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.joystick_state import JoystickState
 from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
-from rune_tui.raster.canvas import Canvas
+from rune_tui.raster.canvas import Canvas, halved
 from rune_tui.view import MIN_COLUMNS, MIN_ROWS, View, placed
 from tests.console.states import layout_of, rendered, robot_of, visualizer_spec
 from tests.messages import camera_state, robot_state
@@ -195,6 +195,35 @@ def test_ageing_alone_gives_a_new_frame_at_each_step() -> None:
     # Fresh, then dimmed after one second, then (3.0 s old, measured 0.1 s before) hatched.
     assert [i for i, frame in enumerate(frames) if frame is not None] == [0, 4]
     assert rendered(screen, robots, ConsoleState(now=103.0)) is not None
+
+
+def test_for_quadrants_the_camera_shows_more_and_all_else_stays() -> None:
+    spec = view(
+        viewport("visualizeCameraImage", (0, 0, 160, 96)),
+        viewport("visualizePanData", (40, 10, 80, 8), zpos=1),
+        viewport("visualizeStatus", (0, 88, 160, 8), zpos=1),
+    )
+    stripes = np.zeros((192, 256, 3), np.uint8)
+    stripes[:, 1::4] = stripes[:, 2::4] = 250  # halves of cells, beside each other
+    robots = {"magellan": robot(picture=known(Picture(pixels=stripes, camera=CAMERA)))}
+    fine, plain = View(layout_of(spec), fine=True), View(layout_of(spec))
+    for screen in (fine, plain):
+        screen.resize(160, 48)
+    finer, usual = rendered(fine, robots, STATE), rendered(plain, robots, STATE)
+    assert finer is not None
+    assert usual is not None
+    assert usual.fine is None
+    assert finer.fine is not None
+    assert (finer.glyphs == usual.glyphs).all()
+    assert (halved(finer.fine) == finer.pixels).all()
+    video = fine.video & (finer.glyphs == 0)
+    apart = (finer.fine[:, 0::2] != finer.fine[:, 1::2]).any(axis=2)
+    assert apart.mean() > 0.5
+    assert not apart[~video.repeat(2, axis=0)].any()
+    assert (finer.pixels == usual.pixels)[~video.repeat(2, axis=0)].all()
+    state = dataclasses.replace(STATE, robots=robots)
+    assert plain.picture_sizes(state) == {"magellan": (128, 96)}
+    assert fine.picture_sizes(state) == {"magellan": (256, 192)}
 
 
 def test_a_plot_keeps_its_history_when_the_terminal_changes_its_size() -> None:

@@ -72,3 +72,9 @@ def test_pictures_are_made_of_the_characters_that_were_chosen(start: Start) -> N
     console = start("--glyphs", "lower")
     console.wait(lambda: Counter(console.text)["▄"] > 100, 20.0, "no picture came")
     assert "▀" not in console.text
+
+
+def test_pictures_of_quadrants_reach_the_terminal(start: Start) -> None:
+    console = start("--glyphs", "quadrants")
+    console.wait(lambda: sum(map(Counter(console.text).get, "▘▚▌▙▜▛", [0] * 6)) > 30, 20.0)
+    assert "m/s" in console.text

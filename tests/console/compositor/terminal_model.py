@@ -31,6 +31,23 @@ class Mark(NamedTuple):
             " ": (self.ground, self.ground),
         }[self.character]
 
+    @property
+    def quarters(self) -> tuple[Colour, ...]:
+        """The colours of its upper left, upper right, lower left and lower right quarter."""
+        inked = {
+            "▀": (1, 1, 0, 0),
+            "▄": (0, 0, 1, 1),
+            "█": (1, 1, 1, 1),
+            " ": (0, 0, 0, 0),
+            "▘": (1, 0, 0, 0),
+            "▚": (1, 0, 0, 1),
+            "▌": (1, 0, 1, 0),
+            "▙": (1, 0, 1, 1),
+            "▜": (1, 1, 0, 1),
+            "▛": (1, 1, 1, 0),
+        }[self.character]
+        return tuple(self.ink if has else self.ground for has in inked)
+
 
 class Terminal:
     """Cells by row and column; `touched` are those of the last bytes."""
@@ -120,7 +137,10 @@ def colour(pixel: np.ndarray, depth: ColourDepth) -> Colour:
 
 
 def assert_shows(terminal: Terminal, cells: Cells, *, off: int = 0) -> None:
-    """Every cell is as it should be, or at most so far off where it has no character."""
+    """Every cell is as it should be, or at most so far off where it has no character.
+
+    Where there are finer pixels, these are what should be seen.
+    """
     for row, column in np.ndindex(cells.glyphs.shape):
         assert_cell(terminal.marks[row, column], cells, row, column, off=off)
 
@@ -133,8 +153,12 @@ def assert_cell(mark: Mark, cells: Cells, row: int, column: int, *, off: int = 0
         assert mark.character == chr(glyph)
         assert mark.ground == colour((upper + lower) // 2, cells.depth)
         assert mark.character == " " or mark.ink == colour(cells.ink[row, column], cells.depth)
-    elif off:
-        seen = np.array(mark.halves)
-        assert np.abs(seen - np.array([upper, lower])[:, :3]).max() <= off
     else:
-        assert mark.halves == (colour(upper, cells.depth), colour(lower, cells.depth))
+        wanted = np.array([upper, upper, lower, lower])
+        if cells.fine is not None:
+            place = slice(2 * row, 2 * row + 2), slice(2 * column, 2 * column + 2)
+            wanted = cells.fine[place].reshape(4, 4).astype(int)
+        if off:
+            assert np.abs(np.array(mark.quarters) - wanted[:, :3]).max() <= off
+        else:
+            assert mark.quarters == tuple(colour(pixel, cells.depth) for pixel in wanted)

@@ -17,6 +17,7 @@ from rune_tui.compositor.colours import at_depth
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.picture import image, plain_text, save, svg
 from rune_tui.errors import PictureFileError
+from rune_tui.raster.canvas import halved
 
 
 @pytest.fixture
@@ -127,3 +128,20 @@ def test_the_suffix_says_how_a_file_is_written(cells: Cells, tmp_path: Path) -> 
 def test_a_file_that_cannot_be_written_is_named(cells: Cells, tmp_path: Path, name: str) -> None:
     with pytest.raises(PictureFileError, match=re.escape(name)):
         save(cells, tmp_path / name)
+
+
+def test_pictures_show_quadrants() -> None:
+    fine = np.zeros((2, 4, 4), np.uint8)
+    fine[0, 1, :3] = 200
+    fine[:, 2, 0] = 100
+    cells = Cells(
+        pixels=halved(fine),
+        fine=fine,
+        glyphs=np.zeros((1, 2), np.uint32),
+        ink=np.zeros((1, 2, 4), np.uint8),
+    )
+    picture = image(cells, scale=8)
+    assert picture.size == (16, 16)
+    seen = [[picture.getpixel((4 * x + 2, 8 * y + 4)) for x in range(4)] for y in range(2)]
+    assert seen == [[tuple(pixel[:3]) for pixel in row] for row in fine.tolist()]
+    assert '<rect x="4" y="0" width="4" height="8" fill="#c8c8c8"/>' in svg(cells)

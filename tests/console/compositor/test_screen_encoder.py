@@ -17,8 +17,9 @@ from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import LOWER_HALF, UPPER_HALF
 from rune_tui.compositor.quality import EXACT, Quality
 from rune_tui.compositor.screen_encoder import ScreenEncoder
-from tests.console.compositor.frames import flat, random_cells
-from tests.console.compositor.terminal_model import Terminal, assert_cell, assert_shows
+from rune_tui.raster.canvas import halved
+from tests.console.compositor.frames import as_drawn, flat, random_cells, refined
+from tests.console.compositor.terminal_model import Mark, Terminal, assert_cell, assert_shows
 
 ROUGH = Quality(tolerance=8, threshold=10)
 
@@ -71,18 +72,28 @@ def scene(step: Step, before: Cells, random: np.random.Generator) -> Cells:
     rows=st.integers(1, 4),
     depth=st.sampled_from([ColourDepth.TRUECOLOUR, ColourDepth.TRUECOLOUR, *ColourDepth]),
     half=st.sampled_from([UPPER_HALF, LOWER_HALF]),
+    fine=st.booleans(),
     sequence=st.lists(steps, min_size=1, max_size=6),
 )
 def test_no_cell_is_ever_further_off_than_the_quality_allows_or_wrong_for_ever(
-    seed: int, columns: int, rows: int, depth: ColourDepth, half: str, sequence: list[Step]
+    seed: int,
+    columns: int,
+    rows: int,
+    depth: ColourDepth,
+    half: str,
+    fine: bool,  # noqa: FBT001 - given by name
+    sequence: list[Step],
 ) -> None:
     random = np.random.default_rng(seed)
     terminal = Terminal(columns, rows, coloured=depth is not ColourDepth.MONO)
     encoder = ScreenEncoder(half=half)
     frame = random_cells(seed, columns, rows, 5, 0.1)
+    cells = frame
     for step in sequence:
         frame = scene(step, frame, random)
-        cells = at_depth(frame, depth)
+        # Finer pixels that change while the others stay, too.
+        drawn = refined(frame, int(random.integers(1 << 30))) if fine else frame
+        cells = at_depth(drawn, depth)
         forgotten = random.random((rows, columns)) < step.forgotten
         covered = random.random((rows, columns)) < step.covered
         if step.forgotten == 1.0:
@@ -94,6 +105,7 @@ def test_no_cell_is_ever_further_off_than_the_quality_allows_or_wrong_for_ever(
         terminal.feed(encoder.encode(cells, step.quality, covered).decode())
         assert not any(covered[place] for place in terminal.touched)
         assert (encoder.known == ~covered).all()
+        cells = as_drawn(cells)
         assert_near(terminal, encoder, cells, step.quality)
     terminal.feed(encoder.encode(cells, EXACT).decode())
     assert_shows(terminal, cells)
@@ -126,6 +138,69 @@ def test_terminals_of_all_sizes_get_every_cell(size: tuple[int, int], quality: Q
     after = dataclasses.replace(before, pixels=pixels)
     terminal.feed(encoder.encode(after, quality).decode())
     assert_shows(terminal, after, off=quality.threshold)
+
+
+def test_quadrants_whose_colours_come_near_enough_are_not_sent_again() -> None:
+    encoder = ScreenEncoder()
+    cells = refined(flat(9, 4, 100), 1)
+    assert encoder.encode(cells, ROUGH)
+    darker = refined(flat(9, 4, 93), 1)
+    assert encoder.encode(darker, ROUGH) == b""
+    assert encoder.encode(darker, EXACT)
+
+
+def one_cell(*greys: int, glyph: str = "") -> Cells:
+    """A cell of four fine pixels, in reading order."""
+    fine = np.zeros((2, 2, 4), np.uint8)
+    fine[..., :3] = np.reshape(greys, (2, 2, 1))
+    cells = dataclasses.replace(flat(1, 1, 0), pixels=halved(fine), fine=fine)
+    cells.glyphs[...] = ord(glyph) if glyph else 0
+    return cells
+
+
+@pytest.mark.parametrize("quality", [EXACT, ROUGH])
+def test_quarters_that_change_places_are_sent(quality: Quality) -> None:
+    encoder = ScreenEncoder()
+    assert "▘".encode() in encoder.encode(one_cell(200, 40, 40, 40), quality)
+    assert "▚".encode() in encoder.encode(one_cell(200, 40, 40, 200), quality)
+
+
+def test_quarters_of_like_colours_may_change_places() -> None:
+    encoder, quality = ScreenEncoder(), Quality(threshold=20)
+    encoder.encode(one_cell(118, 100, 100, 100), quality)
+    assert encoder.encode(one_cell(100, 100, 118, 100), quality) == b""
+
+
+def test_quarters_that_become_one_colour_take_no_quadrant() -> None:
+    coarse = ScreenEncoder().encode(one_cell(118, 100, 100, 100), Quality(tolerance=10))
+    assert coarse == b"\x1b[1;1H\x1b[48;2;109;109;109m \x1b[0m"
+
+
+def test_finer_pixels_under_a_character_are_nothing_to_send() -> None:
+    encoder = ScreenEncoder()
+    assert encoder.encode(one_cell(200, 40, 40, 40, glyph="A"))
+    assert encoder.encode(one_cell(40, 200, 40, 40, glyph="A")) == b""
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 1 << 30), columns=st.integers(1, 9), rows=st.integers(1, 4))
+def test_pyte_shows_quadrants_too(seed: int, columns: int, rows: int) -> None:
+    screen = pyte.Screen(columns, rows)
+    stream = pyte.ByteStream(screen)
+    encoder = ScreenEncoder()
+    for number in range(3):
+        # Most cells stay as they are, so that the cursor has to move.
+        cells = refined(random_cells(seed, columns, rows, 2, 0.2), seed + number // 2)
+        stream.feed(encoder.encode(cells))
+    drawn = as_drawn(cells)
+    for row, column in np.ndindex(rows, columns):
+        cell = screen.buffer[row][column]
+        assert_cell(Mark(cell.data, rgb(cell.fg), rgb(cell.bg)), drawn, row, column)
+
+
+def rgb(told: str) -> tuple[int, ...] | None:
+    """A colour as pyte tells it; None for the terminal's own."""
+    return None if told == "default" else tuple(bytes.fromhex(told))
 
 
 @settings(max_examples=20, deadline=None)

@@ -97,3 +97,18 @@ def test_a_picture_wholly_outside_changes_nothing() -> None:
     for x, y in ((3, 0), (-2, 0), (0, 3), (0, -2)):
         canvas.paste(picture, x, y)
     assert not canvas.pixels.any()
+
+
+def test_a_finer_picture_is_seen_as_its_mean_by_all_that_know_no_finer_ones() -> None:
+    canvas = Canvas.blank(4, 3, fine=True)
+    picture = np.array([[10, 21, 255, 255], [0, 1, 255, 0]], np.uint8)
+    canvas.paste_fine(picture[..., None].repeat(3, axis=2), 1, 1)
+    assert canvas.fine is not None
+    assert (canvas.fine[1:, 2:6, 1] == picture).all()
+    assert canvas.pixels[1:, 1:3, 1].tolist() == [[15, 255], [0, 127]]
+    assert canvas.pixels[..., 3].tolist() == [[0, 0, 0, 0], [0, 255, 255, 0], [0, 255, 255, 0]]
+
+
+def test_a_canvas_that_shows_no_finer_pictures_takes_none() -> None:
+    with pytest.raises(ValueError, match="fine=True"):
+        Canvas.blank(4, 3).paste_fine(np.zeros((1, 2, 3), np.uint8), 0, 0)

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.screen_encoder import ScreenEncoder
-from rune_tui.terminal.frames import FrameWriter, coarsened
+from rune_tui.terminal.frames import Frame, FrameWriter, coarsened
 from rune_tui.terminal.pacing import Acknowledgement, SentFrame
 from rune_tui.terminal.rate import LADDER, RateController
-from tests.console.compositor.frames import flat, random_cells
+from tests.console.compositor.frames import as_drawn, flat, random_cells, refined
 from tests.console.compositor.terminal_model import Terminal, assert_shows
 
 COLUMNS, ROWS = 24, 10
@@ -154,3 +154,29 @@ def test_what_does_not_fit_into_a_frame_follows_in_the_next() -> None:
     assert max(sizes) <= 2000
     assert len(sizes) > 3
     assert_shows(terminal, cells)
+
+
+@pytest.mark.parametrize("width", [500.0, 5e6])
+def test_a_still_picture_of_quadrants_becomes_exact_at_every_width(width: float) -> None:
+    terminal, frames = Terminal(COLUMNS, ROWS), writer(width)
+    cells = refined(scene(1), 1)
+    plain = cells.pixels[16:].repeat(2, axis=1)
+    cells.fine[16:] = plain  # finer pixels are in the picture only
+    terminal.feed(b"".join(parts(frames.draw(cells, VIDEO))).decode())
+    for _ in range(200):
+        if not frames.inexact and not frames.behind:
+            break
+        terminal.feed(
+            b"".join(
+                parts(frames.refine() if frames.inexact else frames.draw(cells, VIDEO))
+            ).decode()
+        )
+    assert_shows(terminal, as_drawn(cells))
+
+
+def parts(frame: Frame) -> tuple[bytes, bytes]:
+    return frame.first, frame.picture
+
+
+def test_coarser_pixels_have_no_finer_ones() -> None:
+    assert coarsened(refined(scene(1), 1), 2).fine is None

@@ -6,11 +6,13 @@ import io
 
 from rich.console import Console
 
+from rune_tui.compositor.ansi import encoded_rows
 from rune_tui.compositor.colours import at_depth
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import LOWER_HALF
-from rune_tui.ui.pixel_strip import PixelStrip
-from tests.console.compositor.frames import flat
+from rune_tui.ui.pixel_strip import PixelStrip, part_of
+from tests.console.compositor.frames import as_drawn, flat, refined
+from tests.console.compositor.terminal_model import Terminal, assert_shows
 
 
 def test_part_of_a_row_has_the_colours_of_the_row() -> None:
@@ -29,3 +31,15 @@ def test_rows_that_textual_draws_and_their_segments_have_the_half_block_that_was
     assert segment.text == LOWER_HALF
     assert segment.style is not None
     assert str(segment.style) == "#060606 on #050505"
+
+
+def test_part_of_a_row_shows_its_quadrants() -> None:
+    cells = refined(flat(4, 1, 100), 1, steps=(60,))
+    row = PixelStrip(cells, 0, 0, 4)
+    whole = encoded_rows(as_drawn(cells))[0]
+    assert row.render(Console(file=io.StringIO())) == whole
+    terminal = Terminal(2, 1)
+    terminal.feed(row.crop(1, 3).render(Console(file=io.StringIO())))
+    drawn = as_drawn(part_of(cells, 0, 1, 3))
+    assert_shows(terminal, drawn)
+    assert {mark.character for mark in terminal.marks.values()} & set("▘▚▌▙▜▛")
