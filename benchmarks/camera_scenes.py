@@ -11,7 +11,9 @@ from collections.abc import Iterator
 import numpy as np
 from PIL import Image
 
+from rune_tui.compositor.blend import Layer, compose
 from rune_tui.compositor.cells import Cells
+from rune_tui.raster.canvas import Canvas
 
 COLUMNS, ROWS, FRAMES = 160, 48, 30
 _WIDTH, _HEIGHT = 320, 240
@@ -20,12 +22,22 @@ _STEP = 7
 
 def panning() -> list[Cells]:
     """The camera pans by 7 of 320 pixels a frame and has noise: nearly all cells change."""
+    return [seen(frame) for frame in panning_frames()]
+
+
+def panning_frames() -> list[np.ndarray]:
+    """The same as the camera takes them, shape (240, 320, 3)."""
     random = np.random.default_rng(2005)
     return list(_panned(_rubble(random), random, noise=2.0))
 
 
 def photo() -> list[Cells]:
     """The same over objects of all sizes that cover one another, as a close photograph has."""
+    return [seen(frame) for frame in photo_frames()]
+
+
+def photo_frames() -> list[np.ndarray]:
+    """The same as the camera takes them, shape (240, 320, 3)."""
     random = np.random.default_rng(2006)
     return list(_panned(_leaves(random), random, noise=1.0))
 
@@ -37,7 +49,12 @@ def static() -> list[Cells]:
 
 def fixed() -> list[Cells]:
     """The same as cameras send it: with noise, and as JPEG."""
-    return [seen(_jpeg(frame)) for frame in _walk(np.random.default_rng(2005), noise=2.0)]
+    return [seen(frame) for frame in fixed_frames()]
+
+
+def fixed_frames() -> list[np.ndarray]:
+    """The same as the camera sends them, shape (240, 320, 3)."""
+    return [_jpeg(frame) for frame in _walk(np.random.default_rng(2005), noise=2.0)]
 
 
 def seen(frame: np.ndarray) -> Cells:
@@ -52,10 +69,18 @@ def seen(frame: np.ndarray) -> Cells:
     )
 
 
-def _panned(world: np.ndarray, random: np.random.Generator, noise: float) -> Iterator[Cells]:
+def seen_finely(frame: np.ndarray) -> Cells:
+    """The same for a terminal that shows quadrants."""
+    canvas = Canvas.blank(COLUMNS, 2 * ROWS, fine=True)
+    small = Image.fromarray(frame).resize((2 * COLUMNS, 2 * ROWS), Image.Resampling.BOX)
+    canvas.paste_fine(np.asarray(small), 0, 0)
+    return compose(COLUMNS, ROWS, (0, 0, 0), [Layer(canvas=canvas, x=0, y=0)])
+
+
+def _panned(world: np.ndarray, random: np.random.Generator, noise: float) -> Iterator[np.ndarray]:
     for index in range(FRAMES):
         frame = world[:, _STEP * index : _STEP * index + _WIDTH]
-        yield seen(_bytes(frame + random.normal(0.0, noise, frame.shape)))
+        yield _bytes(frame + random.normal(0.0, noise, frame.shape))
 
 
 def _walk(random: np.random.Generator, noise: float) -> Iterator[np.ndarray]:

@@ -20,8 +20,22 @@ from pathlib import Path
 from statistics import mean, median
 
 import numpy as np
+from PIL import Image
 
-from benchmarks.camera_scenes import COLUMNS, FRAMES, ROWS, fixed, panning, photo, static
+from benchmarks.camera_scenes import (
+    COLUMNS,
+    FRAMES,
+    ROWS,
+    fixed,
+    fixed_frames,
+    panning,
+    panning_frames,
+    photo,
+    photo_frames,
+    seen,
+    seen_finely,
+    static,
+)
 from benchmarks.figures import report, say
 from benchmarks.peers.contest import PEERS_PYTHON, ROOT
 from benchmarks.peers.terminal_programs import Played, played_by_mpv, played_by_timg
@@ -129,19 +143,30 @@ def contest(contenders: Mapping[str, Draw], scene: str, rounds: int = ROUNDS) ->
     return costs
 
 
-def quality_of(frames: list[Cells], quality: Quality) -> tuple[float, float]:
-    """Kilobytes a frame after the first, and what the terminal then shows of it [dB]."""
+def quality_of(
+    frames: list[Cells], quality: Quality, pictures: list[np.ndarray] | None = None
+) -> tuple[float, float]:
+    """Kilobytes a frame after the first, and what the terminal then shows of it [dB].
+
+    Args:
+        frames: What is drawn.
+        quality: How exactly.
+        pictures: What it should look like, shape (4 * rows, 2 * columns, 3) each; as it is drawn
+            with two pixels a cell, if None.
+    """
     encoder, terminal = ScreenEncoder(), Terminal(COLUMNS, ROWS)
     sizes, errors = [], []
-    for cells in frames:
+    for number, cells in enumerate(frames):
         encoded = encoder.encode(cells, quality)
         terminal.feed(encoded.decode())
-        seen = np.array([terminal.marks[place].halves for place in np.ndindex(ROWS, COLUMNS)])
-        shown = (
-            seen.reshape(ROWS, COLUMNS, 2, 3).transpose(0, 2, 1, 3).reshape(2 * ROWS, COLUMNS, 3)
-        )
+        marks = np.array([terminal.marks[place].quarters for place in np.ndindex(ROWS, COLUMNS)])
+        shown = marks.reshape(ROWS, COLUMNS, 2, 2, 3).transpose(0, 2, 1, 3, 4)
+        shown = shown.reshape(2 * ROWS, 2 * COLUMNS, 3).repeat(2, axis=0)
+        wanted = cells.pixels[..., :3].repeat(2, axis=0).repeat(2, axis=1)
+        if pictures is not None:
+            wanted = pictures[number]
         sizes.append(len(encoded))
-        errors.append(np.square(shown - cells.pixels[..., :3].astype(float)).mean())
+        errors.append(np.square(shown - wanted.astype(float)).mean())
     error = mean(errors[1:])
     return mean(sizes[1:]) / 1e3, 10.0 * math.log10(255.0**2 / error) if error else math.inf
 
@@ -163,6 +188,7 @@ def main() -> None:
         with libraries(folder) as others:
             report_times(scenes, others, folder)
             report_bytes(scenes, others, folder)
+    report_quadrants()
 
 
 def report_times(
@@ -225,6 +251,46 @@ def report_bytes(
         if quality is not EXACT:
             note = f"tolerance {quality.tolerance}, threshold {quality.threshold}"
             report(f"terminal.{scene}_dB", decibels, "dB", bar=bar_db, better="higher", note=note)
+
+
+def report_quadrants() -> None:
+    """Half blocks and quadrants beside each other, against the picture of 320 x 192 pixels."""
+    gains: dict[str, float] = {}
+    for scene, frames in (
+        ("pan", panning_frames()),
+        ("photo", photo_frames()),
+        ("fixed", fixed_frames()),
+    ):
+        say(f"quadrants of scene {scene}")
+        size = 2 * COLUMNS, 4 * ROWS
+        pictures = [
+            np.asarray(Image.fromarray(frame).resize(size, Image.Resampling.BOX))
+            for frame in frames
+        ]
+        drawn = {"half": list(map(seen, frames)), "quadrants": list(map(seen_finely, frames))}
+        for label, quality in (("exact", EXACT), ("good", GOOD)):
+            found = {name: quality_of(cells, quality, pictures) for name, cells in drawn.items()}
+            sizes = {name: round(kilobytes, 1) for name, (kilobytes, _) in found.items()}
+            likeness = {name: round(decibels, 2) for name, (_, decibels) in found.items()}
+            gains[f"{scene} {label}"] = likeness["quadrants"] - likeness["half"]
+            report(
+                f"terminal.quadrants_{scene}_{label}_kB",
+                sizes["quadrants"],
+                "kB",
+                peers={"half": sizes["half"]},
+                note=f"dB against the picture of 320x192: {likeness}",
+            )
+        costs = contest(
+            {name: Ours({scene: cells}, GOOD).draw for name, cells in drawn.items()}, scene
+        )
+        report(
+            f"terminal.quadrants_{scene}_ms",
+            costs["quadrants"].typical_ms,
+            "ms",
+            peers={"half": round(costs["half"].typical_ms, 2)},
+        )
+    note = ", ".join(f"{name} {gain:.2f}" for name, gain in gains.items())
+    report("terminal.quadrants_gain_dB", gains["pan exact"], "dB", better="higher", note=note)
 
 
 if __name__ == "__main__":
