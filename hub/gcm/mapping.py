@@ -82,9 +82,14 @@ class InterestPoint:
         kind: What it is.
         x: Where, in `map` [m].
         y: Where, in `map` [m].
+        uncertainty: How far off the place may be [m]; NaN if that is not known. In a picture, the
+            diagonal of the ground that the clicked pixel covers; on the map, half that of the pixel
+            or the cell. Rather a bound than one standard deviation, and without the robot's error.
+        distance: How far from the robot it was seen [m]; NaN if that is not known. When a point is
+            marked, 0 says so as well, of both.
         stamp: When it was marked [s since the epoch].
         by: Who marked it.
-        note: In words.
+        note: The operator's words.
         length: Bytes of `thumbnail`.
         thumbnail: A small picture of it as JPEG; none if empty. Shape (length,).
     """
@@ -93,6 +98,8 @@ class InterestPoint:
     kind: PointKind
     x: float
     y: float
+    uncertainty: float = float("nan")
+    distance: float = float("nan")
     stamp: float = 0.0
     by: str = ""
     note: str = ""
@@ -100,7 +107,7 @@ class InterestPoint:
     thumbnail: npt.NDArray[np.uint8]
 
 
-_POINT = "{uint,{enum:1},double,double,double,string,string,uint,<ubyte:8>}"
+_POINT = "{uint,{enum:1},double,double,double,double,double,string,string,uint,<ubyte:10>}"
 
 
 class PointAction(enum.IntEnum):

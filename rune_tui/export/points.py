@@ -12,9 +12,12 @@ from collections.abc import Sequence
 from typing import Any
 
 from hub.gcm.mapping import InterestPoint
+from rune_tui.model.world import metres_text
 
-COLUMNS = ("number", "kind", "x_m", "y_m", "time", "by", "note")
-"""Of the table; x and y in `map`, the time in UTC after ISO 8601."""
+COLUMNS = (
+    "number", "kind", "x_m", "y_m", "uncertainty_m", "distance_m", "time", "by", "note",
+)  # fmt: skip
+"""Of the table; x and y in `map`, the time in UTC after ISO 8601; what is not known is empty."""
 _FORMULA_SIGNS = ("=", "+", "-", "@", "\t", "\r")
 """What spreadsheets take for the beginning of a formula."""
 _JPEG = b"\xff\xd8"
@@ -30,9 +33,10 @@ def csv_table(points: Sequence[InterestPoint]) -> str:
     writer.writerow(COLUMNS)
     for point in points:
         place = (f"{point.x:.3f}", f"{point.y:.3f}")
+        sure = (metres_text(point.uncertainty, 3), metres_text(point.distance, 3))
         words = (_harmless(point.by), _harmless(point.note))
         writer.writerow(
-            (point.number, point.kind.name.lower(), *place, moment(point.stamp), *words)
+            (point.number, point.kind.name.lower(), *place, *sure, moment(point.stamp), *words)
         )
     return text.getvalue()
 
@@ -41,7 +45,7 @@ def geojson(points: Sequence[InterestPoint], robot: str) -> str:
     """A FeatureCollection; a hub's mapping module reads it as well.
 
     The coordinates are metres in the robot's `map`, not degrees on the earth, as the member
-    "frame" says.
+    "frame" says; what is not known is null.
     """
     features: list[dict[str, Any]] = [
         {
@@ -50,6 +54,8 @@ def geojson(points: Sequence[InterestPoint], robot: str) -> str:
             "properties": {
                 "number": point.number,
                 "kind": point.kind.name.lower(),
+                "uncertainty": _known(point.uncertainty),
+                "distance": _known(point.distance),
                 "stamp": point.stamp,
                 "time": moment(point.stamp),
                 "by": point.by,
@@ -82,6 +88,10 @@ def thumbnail_text(point: InterestPoint) -> str:
     """The JPEG file of a point as base64; empty if there is none."""
     raw = point.thumbnail.tobytes()
     return base64.b64encode(raw).decode() if raw.startswith(_JPEG) else ""
+
+
+def _known(metres: float) -> float | None:
+    return metres if math.isfinite(metres) else None
 
 
 def _harmless(text: str) -> str:

@@ -17,6 +17,7 @@ from PIL import Image
 from hub.gcm.mapping import InterestPoint, PointKind
 from rune_tui.export.points import moment, thumbnail_text
 from rune_tui.model.robot_state import OccupancyMap
+from rune_tui.model.world import metres_text
 
 _STYLE = """
 body { font: 16px/1.4 system-ui, sans-serif; margin: 2em auto; max-width: 60em; color: #181c22 }
@@ -58,10 +59,10 @@ def html_page(
 <p>{counted}. Made {escape(made)}.</p>
 {_drawing(shown, grid)}
 <p>Circles with a number are victims, squares are landmarks. Coordinates are metres in the
-robot's map, x to the right and y up.</p>
+robot's map, x to the right and y up; ± is how far off they may be, where that is known.</p>
 <table>
-<tr><th>No.</th><th>what</th><th>x [m]</th><th>y [m]</th><th>when</th><th>by</th><th>note</th>
-<th>picture</th></tr>
+<tr><th>No.</th><th>what</th><th>x [m]</th><th>y [m]</th><th>± [m]</th><th>seen from [m]</th>
+<th>when</th><th>by</th><th>note</th><th>picture</th></tr>
 {rows}
 </table>
 </body>
@@ -72,12 +73,14 @@ robot's map, x to the right and y up.</p>
 def _row(point: InterestPoint) -> str:
     picture = thumbnail_text(point)
     image = f'<img alt="" src="data:image/jpeg;base64,{picture}">' if picture else ""
+    place = (f"{point.x:.2f}", f"{point.y:.2f}")
+    sure = (metres_text(point.uncertainty, 2), metres_text(point.distance, 1))
+    numbers = "".join(f'<td class="number">{text}</td>' for text in (*place, *sure))
     words = (moment(point.stamp), point.by, point.note)
     cells = "".join(f"<td>{escape(text)}</td>" for text in words)
     return (
         f'<tr><td class="number">{point.number}</td><td>{point.kind.name.lower()}</td>'
-        f'<td class="number">{point.x:.2f}</td><td class="number">{point.y:.2f}</td>'
-        f"{cells}<td>{image}</td></tr>"
+        f"{numbers}{cells}<td>{image}</td></tr>"
     )
 
 

@@ -12,12 +12,17 @@ from typing import Any, Final, TypeVar
 
 import numpy as np
 
+from hub.gcm.mapping import InterestPoint
+
 LARGEST: Final = 1e10
 """No finite number of a message is larger: seconds since the epoch until the year 2286, metres."""
 MOST_ENTRIES: Final = 1000
 """Entries of a list."""
 MOST_LETTERS: Final = 1000
 """Letters of a text."""
+
+_LENGTHS: Final = {InterestPoint: ("uncertainty", "distance")}
+"""Fields that no robot can mean to be negative or without end [m]."""
 
 T = TypeVar("T")
 
@@ -26,7 +31,8 @@ def bounded(value: T) -> T:
     """A message's value within the bounds.
 
     Lists and texts are cut at their ends. A finite number beyond `LARGEST` becomes NaN, which all
-    messages have for what is not known. What is within the bounds comes back as it is.
+    messages have for what is not known, and so does a length that cannot be. What is within the
+    bounds comes back as it is.
     """
     kept: Any = value
     if isinstance(value, float):
@@ -57,9 +63,12 @@ def _numbers(value: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
 
 def _fields(value: Any) -> Any:  # noqa: ANN401 - messages have many types
     changes = {}
+    lengths = _LENGTHS.get(type(value), ())
     for field in dataclasses.fields(value):
         before = getattr(value, field.name)
         after = bounded(before)
+        if field.name in lengths and (after < 0.0 or after == math.inf):
+            after = math.nan
         if after is not before:
             changes[field.name] = after
     return dataclasses.replace(value, **changes) if changes else value

@@ -11,19 +11,21 @@ from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints
 from rune_tui.layout.rules import VisualizerRule
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
+from rune_tui.model.world import metres_text
 from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.mood import Mood
 from rune_tui.visualizers.reading import Reading
 from rune_tui.visualizers.rows import NARROW, Row, fitting_form, tabled, write_rows
 
 _Cells = tuple[str, ...]
-_WEIGHTS = (9, 8, 7, 4, 3, 5)
+_WEIGHTS = (9, 8, 7, 5, 2, 4, 3, 6)
 
 
 class Marks(Reading[InterestPoints, tuple[str, tuple[_Cells, ...]]]):
-    """How many there are of each kind, then each: number, kind, place, when, who, note.
+    """How many there are of each kind, then all that is known of each.
 
-    The newest is at the top, so that it is seen where there is no room for all. Where room is
+    That is: number, kind, place, how far off it may be, from how far away it was seen, when, who,
+    note. The newest is at the top, so that it is seen where there is no room for all. Where room is
     short a kind is a letter.
     """
 
@@ -70,10 +72,13 @@ def _short(head: str) -> str:
 
 
 def _cells(point: InterestPoint) -> _Cells:
+    off, away = metres_text(point.uncertainty, 2), metres_text(point.distance, 1)
     return (
         f"{point.number:>2}",
         point.kind.name.lower(),
         f"{point.x:.2f}, {point.y:.2f}",
+        f"±{off} m" if off else "",
+        f"from {away} m" if away else "",
         _clock(point.stamp),
         point.by,
         point.note,

@@ -21,9 +21,9 @@ from rune_tui.layout.spec import WidgetSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, SendEffect, Tell
 from rune_tui.model.robot_state import RobotState
-from rune_tui.model.world import WorldPoint
+from rune_tui.model.world import WorldPoint, metres_text
 from rune_tui.raster.thumbnail import thumbnail
-from rune_tui.widgets.pointing import PointedWidget, uncertainty_words
+from rune_tui.widgets.pointing import PointedWidget
 
 OPERATOR: Final = TextOption(longest=64, meaning="who marks; empty: the user's name")
 ANSWER_S = 3.0
@@ -63,13 +63,14 @@ class _SetMark(PointedWidget):
     ) -> tuple[Effect, ...]:
         """The mark; when it was made, the robot's map notes by its own clock."""
         picture = picture_at(event, robot)
-        note = ", ".join(filter(None, (self.spec.options.word("note"), uncertainty_words(place))))
         mark = InterestPoint(
             kind=self.kind,
             x=place.x,
             y=place.y,
+            uncertainty=place.uncertainty,
+            distance=place.distance,
             by=self.spec.options.word("operator") or state.operator,
-            note=note,
+            note=self.spec.options.word("note"),
             length=len(picture),
             thumbnail=picture,
         )
@@ -84,25 +85,26 @@ class _SetMark(PointedWidget):
         """What became of the marks that were sent."""
         told: list[Effect] = []
         for pending in tuple(self._pending):
-            number = self._number(pending, state)
-            if number is None and state.now - pending.since < ANSWER_S:
+            taken = self._taken(pending, state)
+            if taken is None and state.now - pending.since < ANSWER_S:
                 continue
             self._pending.remove(pending)
             where = f"at {pending.place[0]:.1f}, {pending.place[1]:.1f} m"
-            if number is None:
+            if taken is None:
                 text = f"the {self.kind.name.lower()} {where} was not taken; its log says why"
             else:
-                text = f"{self.kind.name.lower()} {number} is marked {where}"
-            told.append(Tell.now(state, text, robot=pending.robot, alarm=number is None))
+                sure = _sure_words(taken)
+                text = f"{self.kind.name.lower()} {taken.number} is marked {where}{sure}"
+            told.append(Tell.now(state, text, robot=pending.robot, alarm=taken is None))
         return tuple(told)
 
-    def _number(self, pending: _Pending, state: ConsoleState) -> int | None:
-        """The number that a mark has now; None if the robot does not have it."""
+    def _taken(self, pending: _Pending, state: ConsoleState) -> InterestPoint | None:
+        """The mark as the robot keeps it; None if the robot does not have it."""
         robot = state.robot(pending.robot)
         for point in points_of(robot) if robot is not None else ():
             there = (point.x, point.y) == pending.place and point.kind is self.kind
             if there and point.number > pending.after:
-                return point.number
+                return point
         return None
 
 
@@ -142,6 +144,13 @@ def points_of(robot: RobotState) -> tuple[InterestPoint, ...]:
     """What is marked on a robot's map, as far as the console knows."""
     newest = robot.newest(INTEREST_POINTS)
     return newest.value.points if newest is not None else ()
+
+
+def _sure_words(mark: InterestPoint) -> str:
+    """How far off a mark may be and from how far away it was seen, as far as that is known."""
+    off, away = metres_text(mark.uncertainty, 2), metres_text(mark.distance, 1)
+    words = f", give or take {off} m" if off else ""
+    return f"{words}, seen from {away} m away" if away else words
 
 
 def picture_at(event: ControlEvent, robot: RobotState) -> npt.NDArray[np.uint8]:

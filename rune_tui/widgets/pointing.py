@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from abc import abstractmethod
 from typing import ClassVar
 
@@ -53,13 +52,3 @@ def place_of(event: ControlEvent, viewport: str, robot: str) -> WorldPoint | Non
     hits = [hit for hit in event.hits if hit.place is not None and hit.robot == robot]
     own = [hit for hit in hits if hit.viewport == viewport]
     return next((hit.place for hit in (*own, *hits)), None)
-
-
-def uncertainty_words(place: WorldPoint) -> str:
-    """How far away a place was and how far off it may be, in words; empty if neither is known."""
-    words = []
-    if math.isfinite(place.distance):
-        words.append(f"seen from {place.distance:.1f} m away")
-    if math.isfinite(place.uncertainty):
-        words.append(f"give or take {place.uncertainty:.2f} m")
-    return ", ".join(words)

@@ -203,7 +203,7 @@ def test_a_click_on_the_floor_is_a_mark_on_the_robots_map_and_undo_takes_it_back
         (point,) = desk.robot.book.message.points
         assert (point.x, point.y) == pytest.approx((10 * 29.5 / 60, -10 * 29.5 / 40))
         assert point.by == "jane"
-        assert point.note == "give or take 0.10 m"
+        assert (point.uncertainty, point.note) == (pytest.approx(0.1), "")
         await desk.until(lambda: any("victim 1 is marked" in text for text in desk.told))
         await desk.press("u")
         await desk.until(lambda: desk.robot.book.message.count == 0)

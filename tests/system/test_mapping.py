@@ -114,10 +114,10 @@ def test_the_map_grows_where_the_robot_drives_and_comes_in_windows(watch: Observ
 
 
 def test_points_are_told_to_all_when_they_change_and_on_request(watch: Observer) -> None:
-    watch.client.publish(mapping.POINT_COMMAND, mark(2.5, note="waves"))
+    watch.client.publish(mapping.POINT_COMMAND, mark(2.5, note="waves", uncertainty=0.2))
     watch.wait(lambda: points(watch), 5.0, "the point is not told")
     (point,) = points(watch)
-    assert (point.x, point.note) == (2.5, "waves")
+    assert (point.x, point.note, point.uncertainty) == (2.5, "waves", 0.2)
     assert point.by
     assert point.stamp > 1e9
     watch.client.publish(mapping.POINT_COMMAND, mark(math.nan))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import base64
 import json
+import math
 from typing import Any, NoReturn
 
 import numpy as np
@@ -40,6 +41,8 @@ def encode_points(points: tuple[InterestPoint, ...]) -> bytes:
             "properties": {
                 "number": point.number,
                 "kind": point.kind.name.lower(),
+                "uncertainty": _known(point.uncertainty),
+                "distance": _known(point.distance),
                 "stamp": point.stamp,
                 "by": point.by,
                 "note": point.note,
@@ -74,6 +77,11 @@ def decode_points(raw: bytes) -> tuple[InterestPoint, ...]:
     return points
 
 
+def _known(metres: float) -> float | None:
+    """What JSON has for a length [m]: it knows no NaN."""
+    return None if math.isnan(metres) else metres
+
+
 def _point(feature: Any) -> InterestPoint:  # noqa: ANN401 - whatever JSON holds
     geometry = _member(feature, "geometry", dict)
     place = _member(geometry, "coordinates", list)
@@ -92,6 +100,8 @@ def _point(feature: Any) -> InterestPoint:  # noqa: ANN401 - whatever JSON holds
         kind=kind,
         x=_number(place[0], -FARTHEST, FARTHEST),
         y=_number(place[1], -FARTHEST, FARTHEST),
+        uncertainty=_length(properties.get("uncertainty")),
+        distance=_length(properties.get("distance")),
         stamp=_number(properties.get("stamp", 0), 0.0, _LATEST),
         by=_text(properties, "by", MAX_BY),
         note=_text(properties, "note", MAX_NOTE),
@@ -112,6 +122,11 @@ def _number(value: object, low: float, high: float) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not low <= value <= high:
         _refuse(f"have a number that is not between {low:g} and {high:g}")
     return float(value)
+
+
+def _length(value: object) -> float:
+    """A length [m]; NaN where none is told, as in files of other programs."""
+    return math.nan if value is None else _number(value, 0.0, FARTHEST)
 
 
 def _text(properties: dict[str, Any], name: str, longest: int) -> str:

@@ -40,7 +40,8 @@ class PointBook:
         """Add a point, or replace the one with its number.
 
         Args:
-            point: The point; a note that is too long is cut, a picture that is too large left out.
+            point: The point; a note that is too long is cut, a picture that is too large left out,
+                and an uncertainty or a distance that cannot be is NaN.
             by: Who marked it, where the point does not say.
             now: When it was marked [s since the epoch], where the point does not say.
 
@@ -59,6 +60,8 @@ class PointBook:
         self._points[number] = dataclasses.replace(
             point,
             number=number,
+            uncertainty=_possible(point.uncertainty),
+            distance=_possible(point.distance),
             stamp=point.stamp if math.isfinite(point.stamp) and point.stamp > 0.0 else now,
             by=(point.by or by)[:MAX_BY],
             note=point.note[:MAX_NOTE],
@@ -76,3 +79,8 @@ class PointBook:
         """Give up all points for others, which are within all bounds."""
         self._points = {point.number: point for point in points}
         self._next = max([self._next, *(number + 1 for number in self._points)])
+
+
+def _possible(metres: float) -> float:
+    """The length [m]; NaN if none here is so long, or it is the 0 of a field that was left out."""
+    return metres if 0.0 < metres <= FARTHEST else math.nan

@@ -25,6 +25,7 @@ from rune_tui.model.robot_state import OccupancyMap
 from rune_tui.raster.thumbnail import thumbnail
 
 JPEG = thumbnail(np.full((40, 40, 3), 200, np.uint8), (0.5, 0.5))
+UNSURE = {"kind": PointKind.LANDMARK, "uncertainty": math.nan, "distance": math.nan}
 NASTY = '<script>alert(1)</script> & "quotes", =cmd()\nline'
 
 
@@ -33,6 +34,8 @@ def point(number: int = 1, **changes: object) -> InterestPoint:
         "kind": PointKind.VICTIM,
         "x": 1.5,
         "y": -2.25,
+        "uncertainty": 0.125,
+        "distance": 2.5,
         "stamp": 1_111_111_111.0,
         "by": "jane",
         "note": "warm",
@@ -54,26 +57,31 @@ def rows(text: str) -> list[list[str]]:
 
 
 def test_the_table_has_a_line_for_each_mark():
-    head, first, second = rows(csv_table([point(), point(2, kind=PointKind.LANDMARK)]))
+    head, first, second = rows(csv_table([point(), point(2, **UNSURE)]))
     assert tuple(head) == COLUMNS
-    assert first == ["1", "victim", "1.500", "-2.250", "2005-03-18T01:58:31Z", "jane", "warm"]
+    assert first[:6] == ["1", "victim", "1.500", "-2.250", "0.125", "2.500"]
+    assert first[6:] == ["2005-03-18T01:58:31Z", "jane", "warm"]
     assert second[:2] == ["2", "landmark"]
+    assert dict(zip(head, second, strict=True))["uncertainty_m"] == ""
+    assert dict(zip(head, second, strict=True))["distance_m"] == ""
 
 
 @given(note=st.text(max_size=40), by=st.text(max_size=20))
 def test_the_table_keeps_all_words_and_no_spreadsheet_computes_them(note: str, by: str):
     line = rows(csv_table([point(note=note, by=by)]))[1]
-    for written, said in zip(line[5:], (by, note), strict=True):
+    for written, said in zip(line[7:], (by, note), strict=True):
         assert written.removeprefix("'") == said.removeprefix("'")
         assert not written.startswith(("=", "+", "-", "@", "\t", "\r"))
 
 
 def test_a_hub_reads_the_geojson_back():
-    points = (point(3, note=NASTY), point(7, kind=PointKind.LANDMARK, thumbnail=JPEG[:0], length=0))
+    points = (point(3, note=NASTY), point(7, **UNSURE, thumbnail=JPEG[:0], length=0))
     found = decode_points(geojson(points, "magellan").encode())
     for mark, read in zip(points, found, strict=True):
         assert (mark.number, mark.kind, mark.x, mark.y) == (read.number, read.kind, read.x, read.y)
         assert (mark.stamp, mark.by, mark.note) == (read.stamp, read.by, read.note)
+        for said, kept in ((mark.uncertainty, read.uncertainty), (mark.distance, read.distance)):
+            assert said == kept or (math.isnan(said) and math.isnan(kept))
         assert mark.thumbnail.tobytes() == read.thumbnail.tobytes()
 
 
@@ -111,6 +119,14 @@ def test_words_of_a_mark_stay_words_on_the_page():
     page = Page(html_page(NASTY, [point(note=NASTY, by=NASTY)], grid(), "today"))
     assert "script" not in page.tags
     assert page.words.count(NASTY) == 4  # title, heading, by, note
+
+
+def test_the_page_says_how_sure_a_mark_is_and_nothing_where_that_is_not_known():
+    page = html_page("magellan", [point(), point(2, **UNSURE)], None, "today")
+    first, second = re.findall(r"<tr><td.*?</tr>", page, re.DOTALL)
+    assert '<td class="number">0.12</td><td class="number">2.5</td>' in first
+    assert '<td class="number"></td><td class="number"></td>' in second
+    assert "nan" not in second
 
 
 def test_the_page_shows_the_map_the_marks_where_they_are_and_their_pictures():

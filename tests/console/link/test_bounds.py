@@ -17,6 +17,8 @@ from rune_tui.link.pictures import COARSEST_M, FINEST_M, map_of, picture_of
 from tests.console.visualizers.known import module, modules, point, points
 from tests.messages import camera_state, robot_state
 
+MARKED = points(point(1), point(2, uncertainty=0.0, distance=2.5))
+
 
 def image(width: int, height: int, **changes: Any) -> Image:
     values: dict[str, Any] = {"coding": ImageCoding.RAW, "channels": 1, "camera": camera_state()}
@@ -38,7 +40,7 @@ def coded_map(width: int, height: int, **changes: Any) -> Map:
 
 
 def test_what_an_ordinary_robot_says_comes_back_as_it_is() -> None:
-    ordinary = (robot_state(x=3.0, battery_voltage=math.nan), camera_state(), points(point(1)))
+    ordinary = (robot_state(x=3.0, battery_voltage=math.nan), camera_state(), MARKED)
     assert all(bounded(message) is message for message in ordinary)
 
 
@@ -53,6 +55,14 @@ def test_numbers_that_no_robot_can_mean_are_not_known() -> None:
     assert np.isnan(kept.sonar[:3]).all()
     assert np.isinf(kept.sonar[3])
     assert kept.sonar.dtype == np.float32
+
+
+@pytest.mark.parametrize("metres", [math.inf, -math.inf, -0.1, 1e300])
+def test_a_mark_that_cannot_be_so_far_or_so_unsure_says_nothing_of_it(metres: float) -> None:
+    kept = bounded(points(point(1, uncertainty=metres, distance=metres, x=-0.1))).points[0]
+    assert math.isnan(kept.uncertainty)
+    assert math.isnan(kept.distance)
+    assert kept.x == -0.1
 
 
 def test_lists_and_texts_are_cut_at_any_depth() -> None:

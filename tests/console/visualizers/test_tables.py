@@ -85,11 +85,23 @@ def test_a_lists_token_changes_with_its_rows_and_their_age_only(made, name) -> N
 def test_marks_are_listed_newest_first_with_all_that_is_known_of_them(listed) -> None:
     stamp = 1_700_000_000.0
     clock = time.strftime("%H:%M:%S", time.localtime(stamp))
-    value = points(point(1, stamp=stamp, note="under the table"), point(12, PointKind.LANDMARK))
-    assert listed("visualizeMarks", value) == [
+    sure = {"uncertainty": 0.125, "distance": 2.5}
+    first = point(1, stamp=stamp, note="under the table", **sure)
+    assert listed("visualizeMarks", points(first, point(12, PointKind.LANDMARK)), (100, 8)) == [
         "1 victim, 1 landmark",
-        "12  landmark  2.30, -1.10            anna",
-        f" 1  victim    2.30, -1.10  {clock}  anna  under the table",
+        "12  landmark  2.30, -1.10                                 anna",
+        f" 1  victim    2.30, -1.10  ±0.12 m  from 2.5 m  {clock}  anna  under the table",
+    ]
+
+
+def test_marks_keep_how_far_off_they_may_be_where_room_is_short_and_words_longer(listed) -> None:
+    sure = {"uncertainty": 0.125, "distance": 2.5}
+    bare, worded = point(1, **sure), point(1, note="under the table", **sure)
+    assert listed("visualizeMarks", points(bare), (36, 8))[1:] == [
+        " 1  V  2.30, -1.10  ±0.12 m  anna"
+    ]
+    assert listed("visualizeMarks", points(worded), (36, 8))[1:] == [
+        " 1  V  2.30, -1.10  under the table"
     ]
 
 

@@ -66,7 +66,7 @@ def test_a_click_on_the_ground_marks_it_with_who_and_how_sure(handler: str, kind
     point = sent(widget_of(handler).handle(click(), LEFT, seeing())).point
     assert (point.kind, point.x, point.y, point.number) == (kind, 3.0, -1.0, 0)
     assert point.by == "jane"
-    assert point.note == "seen from 2.5 m away, give or take 0.12 m"
+    assert (point.uncertainty, point.distance, point.note) == (0.125, 2.5, "")
     assert point.stamp == 0.0  # the robot's map notes the time by its own clock
 
 
@@ -75,6 +75,8 @@ def test_the_layout_may_say_who_marks_and_what_to_note():
     place = WorldPoint(x=1.0, y=2.0, uncertainty=math.nan)
     point = sent(widget.handle(click(place), LEFT, seeing())).point
     assert (point.by, point.note) == ("team 1", "warm")
+    assert math.isnan(point.uncertainty)
+    assert math.isnan(point.distance)
 
 
 @pytest.mark.parametrize("handler", ["widgetSetVictim", "widgetRemoveMark", "widgetGoTo"])
@@ -133,8 +135,18 @@ def test_a_mark_that_the_robot_takes_is_told_with_its_number():
     widget = widget_of("widgetSetVictim")
     widget.handle(click(), LEFT, seeing(marked(4, x=0.0)))
     assert widget.tick(seeing(marked(4, x=0.0), now=NOW + 0.1)) == ()
-    assert "victim 5 is marked" in told(widget.tick(seeing(marked(5), now=NOW + 0.2)))
+    sure = dataclasses.replace(marked(5), uncertainty=0.125, distance=2.5)
+    assert told(widget.tick(seeing(sure, now=NOW + 0.2))) == (
+        "victim 5 is marked at 3.0, -1.0 m, give or take 0.12 m, seen from 2.5 m away"
+    )
     assert widget.tick(seeing(marked(5), now=NOW + 60.0)) == ()
+
+
+def test_a_mark_of_which_is_not_known_how_sure_it_is_is_told_without_that():
+    widget = widget_of("widgetSetVictim")
+    widget.handle(click(), LEFT, seeing())
+    text = told(widget.tick(seeing(marked(5), now=NOW + 0.2)))
+    assert text == "victim 5 is marked at 3.0, -1.0 m"
 
 
 def test_a_mark_that_the_robot_refuses_is_an_alarm():
@@ -166,13 +178,15 @@ def test_remove_takes_the_nearest_mark_within_the_radius():
 
 
 def test_edit_asks_for_the_words_of_the_nearest_mark_and_keeps_the_rest():
-    marks = (marked(1, x=3.3), marked(2, x=2.9), marked(3, x=8.0))
+    sure = dataclasses.replace(marked(2, x=2.9), uncertainty=0.125, distance=2.5, note="wet")
+    marks = (marked(1, x=3.3), sure, marked(3, x=8.0))
     (effect,) = widget_of("widgetEditMark").handle(click(), LEFT, seeing(*marks))
     assert isinstance(effect, AskEffect)
     assert "victim 2" in effect.asked
+    assert effect.text == "wet"
     command = sent(effect.answer("behind the door"))
-    assert (command.action, command.point.number) == (PointAction.MARK, 2)
-    assert (command.point.note, command.point.x) == ("behind the door", 2.9)
+    assert command.action is PointAction.MARK
+    assert command.point == dataclasses.replace(sure, note="behind the door")
     narrow = widget_of("widgetEditMark", radius=0.05)
     assert "no mark" in told(narrow.handle(click(), LEFT, seeing(*marks)))
 

@@ -6,6 +6,7 @@ import contextlib
 import dataclasses
 import io
 import json
+import math
 import os
 from pathlib import Path
 from typing import Any
@@ -34,7 +35,8 @@ HEADER = ros_map.decode_yaml(ros_map.encode_yaml(PICTURE, "office.pgm"))
 THUMBNAIL = np.arange(256, dtype=np.uint8)
 POINTS = (
     InterestPoint(
-        number=3, kind=PointKind.VICTIM, x=1.25, y=-0.5, stamp=1e9, by="Ada",
+        number=3, kind=PointKind.VICTIM, x=1.25, y=-0.5, uncertainty=0.125, distance=2.5,
+        stamp=1e9, by="Ada",
         note="sitzt; „Hilfe“\n", length=256, thumbnail=THUMBNAIL,
     ),
     InterestPoint(
@@ -195,6 +197,19 @@ def test_points_are_geojson() -> None:
     assert feature["geometry"] == {"type": "Point", "coordinates": [1.25, -0.5]}
     assert feature["properties"]["kind"] == "victim"
     assert feature["properties"]["note"] == POINTS[0].note
+    assert feature["properties"]["uncertainty"] == 0.125
+    assert feature["properties"]["distance"] == 2.5
+    unsure = collection["features"][1]["properties"]
+    assert unsure["uncertainty"] is unsure["distance"] is None
+
+
+def test_points_of_a_file_that_says_nothing_of_how_sure_they_are_are_read() -> None:
+    collection = json.loads(point_file.encode_points(POINTS))
+    for feature in collection["features"]:
+        del feature["properties"]["uncertainty"], feature["properties"]["distance"]
+    read = point_file.decode_points(json.dumps(collection).encode())
+    assert [point.number for point in read] == [3, 8]
+    assert all(math.isnan(point.uncertainty) and math.isnan(point.distance) for point in read)
 
 
 def changed(place: str, value: object) -> bytes:
@@ -227,6 +242,10 @@ def changed(place: str, value: object) -> bytes:
         changed("properties.number", "1"),
         changed("properties.number", POINTS[1].number),
         changed("properties.stamp", -1),
+        changed("properties.uncertainty", -0.1),
+        changed("properties.uncertainty", float("inf")),
+        changed("properties.distance", 1e6),
+        changed("properties.distance", "2.5"),
         changed("properties.note", "n" * 501),
         changed("properties.note", "a\0b"),
         changed("properties.note", "\ud800"),
@@ -236,7 +255,7 @@ def changed(place: str, value: object) -> bytes:
             tuple(dataclasses.replace(POINTS[1], number=n + 1) for n in range(MAX_POINTS + 1))
         ),
     ],
-    ids=range(22),
+    ids=range(26),
 )  # fmt: skip
 def test_wrong_points_are_refused(raw: bytes) -> None:
     with pytest.raises(MapFileError):

@@ -40,8 +40,11 @@ def test_a_point_gets_a_number_a_time_and_who_marked_it() -> None:
 def test_what_the_point_says_itself_is_kept() -> None:
     book = PointBook()
     picture = np.arange(50, dtype=np.uint8)
-    book.mark(point(7, stamp=5.0, by="Ada", note="waves", thumbnail=picture), "console", NOW)
+    said = point(7, uncertainty=0.2, distance=2.5, stamp=5.0, by="Ada", note="waves",
+                 thumbnail=picture)  # fmt: skip
+    book.mark(said, "console", NOW)
     (kept,) = book.message.points
+    assert (kept.uncertainty, kept.distance) == (0.2, 2.5)
     assert (kept.number, kept.stamp, kept.by, kept.note) == (7, 5.0, "Ada", "waves")
     assert np.array_equal(kept.thumbnail, picture)
 
@@ -77,6 +80,18 @@ def test_a_mark_is_never_lost_for_being_too_wordy() -> None:
     assert book.mark(said, "", NOW) == ""
     (kept,) = book.message.points
     assert (len(kept.note), len(kept.by), kept.length, kept.stamp) == (MAX_NOTE, MAX_BY, 0, NOW)
+
+
+@pytest.mark.parametrize("metres", [math.inf, -math.inf, -0.1, 0.0, 1e6])
+def test_an_uncertainty_or_distance_that_cannot_be_is_not_known(metres: float) -> None:
+    book = PointBook()
+    assert book.mark(point(uncertainty=metres, distance=2.5), "", NOW) == ""
+    assert book.mark(point(uncertainty=0.2, distance=metres), "", NOW) == ""
+    first, second = book.message.points
+    assert math.isnan(first.uncertainty)
+    assert first.distance == 2.5
+    assert second.uncertainty == 0.2
+    assert math.isnan(second.distance)
 
 
 def test_there_is_room_for_so_many_points_and_all_of_them_can_be_sent() -> None:
