@@ -136,7 +136,9 @@ class Desk:
         return [notice.text for notice in self.console.state.notices]
 
     async def press(self, *keys: str) -> None:
-        await self.pilot.press(*keys)
+        for key in keys:
+            await self.pilot.press(key)
+            self.robot.client.listen(0.0)  # a robot never sleeps for as long as a hand types
 
     async def drive(self) -> None:
         """Press the key for forward until the robot is told to drive.
@@ -220,6 +222,7 @@ def test_the_words_of_a_mark_are_changed_and_keys_do_not_drive_meanwhile(
         await desk.until(lambda: any("victim 1 is marked" in text for text in desk.told))
         await desk.pilot.click(offset=(29, 14), button=3)
         await desk.until(lambda: isinstance(desk.console.screen, Question))
+        await desk.until(lambda: desk.console.screen.focused is not None)
         await desk.press("ctrl+u", "w", "e", "t", "enter")
         await desk.until(lambda: desk.robot.book.message.points[0].note == "wet")
         assert not any(desk.robot.speeds)
