@@ -58,6 +58,8 @@ _COUNT_S = 1.0
 _USUAL_KEEP_ALIVE_S = CAPABILITY_INTERVALS_MS[Capability.CON_REAL] / 1000
 _KEEP_ALIVE_LOOK_S = 1.0
 """How often is looked whether it is time to say again what is wanted [s]."""
+_REPEATED = 2
+"""What is newly wanted is said so many times more, a second apart: the robot may be starting too."""
 _LEASE_INTERVALS = 2.5
 """What is wanted holds for so many intervals between two keep-alives; one of them may be lost."""
 _ANSWERS = frozenset({vision.IMAGE.name, mapping.MAP.name})
@@ -103,7 +105,7 @@ class RobotLink:
         self._numbers = 0
         self._owner = 0
         self._counted = (clock(), 0, 0)
-        self._want_due = clock()
+        self._want_due, self._unheard = clock(), _REPEATED
         self._messages = self._bytes = 0
         self._tap: Tap | None = None
         self._control: ControlLine | None = None
@@ -213,7 +215,7 @@ class RobotLink:
         self._spec = spec
         wanted = {capability.name: capability for capability in spec.capabilities}
         self._wanted = frozenset(wanted)
-        self._want_due = self._clock()
+        self._want_due, self._unheard = self._clock(), _REPEATED
         real_time = wanted.get(Capability.CON_REAL)
         self._keep_alive_s = real_time.interval_s if real_time else _USUAL_KEEP_ALIVE_S
         video = wanted.get(Capability.VIS_VID)
@@ -249,7 +251,9 @@ class RobotLink:
             )
             self._client.publish(CAPABILITY_WANTS, wants)
             # Looked at now and then, so that it is rather early than late.
-            self._want_due = self._clock() + interval - _KEEP_ALIVE_LOOK_S / 2
+            self._want_due = self._clock() - _KEEP_ALIVE_LOOK_S / 2
+            self._want_due += min(interval, _KEEP_ALIVE_LOOK_S) if self._unheard else interval
+            self._unheard = max(0, self._unheard - 1)
 
     def _store(self, name: str, value: object, reception: Reception) -> None:
         self._messages += 1
@@ -296,6 +300,7 @@ class RobotLink:
             known = link.detail if link.phase is LinkPhase.CONNECTED else ""
             phase, detail = LinkPhase.CONNECTED, known
             if link.phase is not LinkPhase.CONNECTED and link.may_command:
+                self._unheard = _REPEATED
                 self._want()
         elif link.phase is LinkPhase.CONNECTING:
             phase, detail = LinkPhase.CONNECTING, self._why_not()

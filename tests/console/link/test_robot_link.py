@@ -144,11 +144,14 @@ def test_keep_alives_come_as_often_as_the_layout_says_and_hold_for_longer(desk: 
         )
         daemon.wait_connected(5.0)
         _connected(link)
-        until(lambda: wants, 5.0, meanwhile=lambda: daemon.listen(0.01))
+        until(lambda: wants, 20.0, meanwhile=lambda: daemon.listen(0.01))
         assert wants[0][1].lease_s == 15.0
         link.follow(dataclasses.replace(spec, capabilities=(*spec.capabilities, often)))
-        until(lambda: len(wants) >= 3, 20.0, meanwhile=lambda: daemon.listen(0.01))
-    assert {want.lease_s for _, want in wants[1:]} == {3.0}
+        until(
+            lambda: sum(want.lease_s == 3.0 for _, want in wants) >= 3,
+            20.0,
+            meanwhile=lambda: daemon.listen(0.01),
+        )
     assert "CON_REAL" in wants[-1][1].capabilities
 
 
