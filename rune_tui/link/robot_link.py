@@ -59,7 +59,7 @@ _USUAL_KEEP_ALIVE_S = CAPABILITY_INTERVALS_MS[Capability.CON_REAL] / 1000
 _KEEP_ALIVE_LOOK_S = 1.0
 """How often is looked whether it is time to say again what is wanted [s]."""
 _REPEATED = 2
-"""What is newly wanted is said so many times more, a second apart: the robot may be starting too."""
+"""What is newly wanted is said so often again, each second: the robot may be starting too."""
 _LEASE_INTERVALS = 2.5
 """What is wanted holds for so many intervals between two keep-alives; one of them may be lost."""
 _ANSWERS = frozenset({vision.IMAGE.name, mapping.MAP.name})
