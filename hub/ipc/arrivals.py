@@ -16,6 +16,8 @@ from hub.ipc.inlet import Arrival, Inlet, Source
 from hub.ipc.reception import Reception
 
 _BATCH = 256
+_MOST_EVENTS = 2 * max(sockets.QUEUE.values())
+"""What can wait on the way from one neighbour, at his end and at ours [frames]."""
 _SLICE_S = 0.005
 """After so long of handling, what has come meanwhile is looked at: it may be more urgent [s]."""
 
@@ -150,14 +152,33 @@ class Arrivals:
                 return True
         return True
 
+    def take_events(self, socket: sockets.Socket) -> None:
+        """Let what a socket holds of messages that are kept in full wait, and drop all else."""
+        self._finish()
+        for _ in range(_MOST_EVENTS):
+            try:
+                raw = socket.recv(zmq.NOBLOCK)
+            except zmq.Again:
+                return
+            for each in self._taken_apart(raw) if frames.is_train(raw) else [raw]:
+                inlet = self._topics.get(each[: each.find(b"\0")])
+                if (
+                    inlet is not None
+                    and inlet.limit is None
+                    and (arrival := self._read(inlet, each))
+                ):
+                    self._put(inlet, arrival)
+
     def _take_train(self, raw: bytes) -> None:
+        self._carriages += self._taken_apart(raw)
+        self._finish()
+
+    def _taken_apart(self, train: bytes) -> list[bytes]:
         try:
-            carriages = frames.carriages(raw)
+            return frames.carriages(train)
         except FrameError as error:
             self._complaints.count("malformed frame", str(error))
-            return
-        self._carriages += carriages
-        self._finish()
+            return []
 
     def _take_frame(self, raw: bytes) -> None:
         inlet = self._topics.get(raw[: raw.find(b"\0")])
@@ -173,18 +194,24 @@ class Arrivals:
                     inlet, source, frames.INLINE, publisher, sequence, stamp_ns, found[6:]
                 )
             return
+        arrival = self._read(inlet, raw)
+        if arrival is None:
+            return
+        if at_once:
+            self._opened.append(_Opened(inlet, arrival))
+            self._hand_out(self._opened[-1])
+        else:
+            self._put(inlet, arrival)
+
+    def _read(self, inlet: Inlet, raw: bytes) -> Arrival | None:
+        """What a frame brings; None, and counted, if it is malformed."""
         try:
-            arrival = inlet.read(raw)
+            return inlet.read(raw)
         except FrameError as error:
             self._complaints.count("malformed frame", str(error))
         except CodecError as error:
             self._complaints.count("wrong format", str(error))
-        else:
-            if at_once:
-                self._opened.append(_Opened(inlet, arrival))
-                self._hand_out(self._opened[-1])
-            else:
-                self._put(inlet, arrival)
+        return None
 
     def _put(self, inlet: Inlet, arrival: Arrival) -> None:
         """Let messages wait; a limit lets the oldest of their publisher go."""

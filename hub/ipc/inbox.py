@@ -18,6 +18,7 @@ class Inbox:
 
     Attributes:
         address: Where publishers connect.
+        socket: What comes.
         take: Reads what has come; whether there may be more.
     """
 
@@ -38,12 +39,12 @@ class Inbox:
         """
         self.address = f"{neighbours.PLACE}{plane.value}-{secrets.token_hex(8)}"
         self._loop = loop
-        self._socket = sockets.make_inbox(context, zmq.PULL, plane)
-        self._socket.bind(self.address)
-        self.take = functools.partial(take, self._socket)
-        self._file = loop.register(self._socket, self.take)
+        self.socket = sockets.make_inbox(context, zmq.PULL, plane)
+        self.socket.bind(self.address)
+        self.take = functools.partial(take, self.socket)
+        self._file = loop.register(self.socket, self.take)
 
     def close(self) -> None:
         """Close; what lies in it is forgotten."""
         self._loop.unregister(self._file)
-        self._socket.close(0)
+        self.socket.close(0)

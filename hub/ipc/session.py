@@ -125,8 +125,9 @@ class Session:
             self._check(now)
 
     def neglected(self, time: float) -> None:
-        """We did not listen for long: what lies in the sockets is old."""
+        """We did not listen for long: what lies in the sockets is old, but events are events."""
         if time > LOST_S and self.connection.publisher:
+            self.inlets.take_events()
             self.connection.start_over(f"{self._name} did not listen for {time:.1f} s")
         else:
             self.inlets.drop_pictures()

@@ -90,6 +90,14 @@ class Inlets:
                 if inlet.definition.plane is Plane.PICTURE:
                     self._ask_for(inlet)
 
+    def take_events(self) -> None:
+        """Take what came of messages that are kept in full, and forget all else that came."""
+        for plane in tuple(self._sockets):
+            if plane is not Plane.PICTURE:
+                self.arrivals.take_events(self._sockets[plane])
+                if plane in self._inboxes:
+                    self.arrivals.take_events(self._inboxes[plane].socket)
+
     def _connect(self, plane: Plane) -> None:
         socket = sockets.make_plane(self._context, zmq.SUB, plane, self._connection.keys)
         self._handshakes.begin(socket)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 from collections.abc import Callable
 
 import numpy as np
@@ -123,6 +124,32 @@ def test_events_are_all_handed_on_after_a_burst(connect: Connect, definition) ->
     _, received = _burst(connect, definition, 24)
     assert _values(received) == list(range(24))
     assert all(how.missed == 0 for value, how in received if value.value >= 0)
+
+
+@pytest.mark.parametrize("definition", [v.LOG, v.EVENT], ids=lambda d: d.name)
+def test_events_that_came_before_a_module_was_taken_for_dead_are_handed_on(
+    connect: Connect, central: Central, definition
+) -> None:
+    one, late = connect("one"), [0.0]
+    deaf = Client("deaf", central.endpoints[0], clock=lambda: time.monotonic() + late[0])
+    received: list[int] = []
+    deaf.subscribe(definition, lambda value, _: received.append(value.value))
+    streamed: list[int] = []
+    deaf.subscribe(v.COMMAND, lambda value, _: streamed.append(value.value))
+    deaf.wait_subscribed(5.0)
+    seen = connect("witness").collect(definition)
+    one.publish_until(definition, seen)
+    until(lambda: received, 5.0, meanwhile=lambda: deaf.listen(0.01))
+    one.publish(v.COMMAND, Number(value=1))
+    for number in range(24):
+        one.publish(definition, Number(value=number))
+    until(lambda: 23 in _values(seen), 5.0)
+    late[0] = 10.0  # all that came lies in the sockets, and nobody looks for 10 s
+    until(lambda: 23 in received, 5.0, meanwhile=lambda: deaf.listen(0.01))
+    assert [value for value in received if value >= 0] == list(range(24))
+    assert deaf.complaints.counts["too old"] == 0
+    assert not streamed, "commands are not kept"
+    deaf.close()
 
 
 def test_gap_in_the_sequence_is_told(connect: Connect) -> None:
