@@ -25,8 +25,6 @@ from benchmarks.figures import report, say
 from benchmarks.peers.contest import Contender, Outcome, Stage, median, stages
 
 SMALL, MIDDLE, LARGE = 48, 1024, 57_600
-PICTURE_WINDOW = 40
-"""Pictures under way: fewer than a ring has slots."""
 
 CONTENDERS = (
     Contender(name="rune", module="rune_bus", transport="ipc"),
@@ -39,7 +37,6 @@ CONTENDERS = (
         name="rune-picture",
         module="rune_bus",
         transport="ipc",
-        window=PICTURE_WINDOW,
         options={"plane": "PICTURE"},
     ),
     Contender(

@@ -27,7 +27,7 @@ from benchmarks.peers.page import DONE, MEASURING, Page
 ROOT = Path(__file__).resolve().parents[2]
 PEERS_PYTHON = ROOT / ".venv-bench/bin/python"
 _START_S = 20.0
-_WINDOW, _LARGE_WINDOW = 200, 48
+_WINDOW, _LARGE_WINDOW = 200, 60
 _LARGE = 5000
 
 
@@ -41,7 +41,6 @@ class Contender:
         transport: "tcp", "ipc", or "" where there is no broker.
         needs: Packages of the peers' own environment; empty for what runs in ours.
         program: A program that must be installed, if any.
-        window: Messages under way, where the usual number would be too many.
         options: What its module wants to know.
     """
 
@@ -50,7 +49,6 @@ class Contender:
     transport: str = "tcp"
     needs: str = ""
     program: str = ""
-    window: int = 0
     options: dict[str, Any] = field(default_factory=dict)
 
     @property
@@ -138,7 +136,7 @@ class Stage:
 
     def flow(self, size: int, subscribers: int, seconds: float, **options: Any) -> Outcome:
         """As many messages as go through without a loss."""
-        window = self.contender.window or (_WINDOW if size < _LARGE else _LARGE_WINDOW)
+        window = _WINDOW if size < _LARGE else _LARGE_WINDOW
         job = self._next(size=size, subscribers=subscribers, seconds=seconds, window=window)
         return self._run(replace(job, options=job.options | options), "send", "receive")
 

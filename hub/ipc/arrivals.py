@@ -334,9 +334,8 @@ class Arrivals:
         if kind == frames.NO_RING:
             self._no_ring(inlet, "its publisher has none")
             return None
-        place = ring.Place.unpack(payload)
         try:
-            found = self._rings.read(place)
+            found = self._rings.read(payload)
         except OSError as error:
             self._no_ring(inlet, str(error))
             return None

@@ -21,7 +21,7 @@ _HOLD_S = 2.0
 _BURST_S = 200e-6
 """What is published so soon after the last one belongs to a burst [s]."""
 _BATCH_ITEMS = 48
-_BATCH_DESCRIPTORS = 8
+_BATCH_DESCRIPTORS = 16
 BATCH_S = 0.5e-3
 """How long a message of a burst may wait for more while its module is busy elsewhere [s]."""
 _MAX_ITEM = 2048

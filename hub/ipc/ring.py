@@ -74,10 +74,7 @@ class Place(NamedTuple):
         Raises:
             FrameError: It is no descriptor.
         """
-        if len(raw) != _DESCRIPTOR.size:
-            text = f"a ring's descriptor has {len(raw)} bytes instead of {_DESCRIPTOR.size}"
-            raise FrameError(text)
-        return cls._make(_DESCRIPTOR.unpack(raw))
+        return cls._make(_unpacked(raw))
 
 
 class RingWriter:
@@ -130,7 +127,7 @@ class RingWriter:
 
     def read(self, place: Place) -> memoryview | None:
         """What `write` put there; None if it was overwritten since."""
-        return _copy(self._memory, place)
+        return _copy(self._memory, place.generation, place.start, place.length)
 
     def close(self) -> None:
         """Free the memory; receivers that have it open keep it until they close it too."""
@@ -140,7 +137,12 @@ class RingWriter:
 
 
 class RingReader:
-    """A ring of another process."""
+    """A ring of another process.
+
+    Attributes:
+        ring: The file's inode.
+        memory: The file, which can be read only.
+    """
 
     def __init__(self, place: Place) -> None:
         """Open the ring in which `place` lies.
@@ -165,15 +167,15 @@ class RingReader:
             self._map = mmap.mmap(file, 0, prot=mmap.PROT_READ)
         finally:
             os.close(file)
-        self._memory = memoryview(self._map)
+        self.memory = memoryview(self._map)
 
     def read(self, place: Place) -> memoryview | None:
         """The payload; None if it was overwritten, or lies outside the ring."""
-        return _copy(self._memory, place)
+        return _copy(self.memory, place.generation, place.start, place.length)
 
     def close(self) -> None:
         """Let go of the memory."""
-        self._memory.release()
+        self.memory.release()
         self._map.close()
 
 
@@ -181,33 +183,51 @@ class Readers:
     """The rings of others that were read last."""
 
     def __init__(self) -> None:
-        self._open: OrderedDict[tuple[int, int, int], RingReader] = OrderedDict()
+        self._open: OrderedDict[tuple[int, ...], RingReader] = OrderedDict()
+        self._latest: tuple[int, ...] | None = None
+        self._memory = memoryview(b"")
 
-    def read(self, place: Place) -> memoryview | None:
-        """The payload; None if it was overwritten, or lies outside the ring.
+    def read(self, descriptor: Buffer) -> memoryview | None:
+        """The payload that a descriptor tells; None if it was overwritten, or lies outside.
 
         Raises:
+            FrameError: It is no descriptor.
             OSError: The ring is gone, belongs to another user or machine, or is no ring.
         """
+        place = _unpacked(descriptor)
+        if place[:3] != self._latest:
+            self._open_ring(Place._make(place))
+        return _copy(self._memory, *place[3:])
+
+    def _open_ring(self, place: Place) -> None:
         key = place[:3]
         reader = self._open.get(key)
         if reader is None:
             reader = self._open[key] = RingReader(place)
             if len(self._open) > _MAX_OPEN:
                 self._open.popitem(last=False)[1].close()
-        return reader.read(place)
+        self._latest, self._memory = key, reader.memory
 
     def close(self) -> None:
         """Let go of all of them."""
+        self._latest, self._memory = None, memoryview(b"")
         while self._open:
             self._open.popitem()[1].close()
 
 
-def _copy(memory: memoryview, place: Place) -> memoryview | None:
-    at = place.start + _PAYLOAD_AT
-    if at + place.length > len(memory) or place.generation == 0:
+def _unpacked(raw: Buffer) -> tuple[int, ...]:
+    if len(raw) != _DESCRIPTOR.size:
+        text = f"a ring's descriptor has {len(raw)} bytes instead of {_DESCRIPTOR.size}"
+        raise FrameError(text)
+    return _DESCRIPTOR.unpack(raw)
+
+
+def _copy(memory: memoryview, generation: int, start: int, length: int) -> memoryview | None:
+    at = start + _PAYLOAD_AT
+    if at + length > len(memory) or generation == 0:
         return None
     # With the 4 bytes before it, so that the members of the copy are aligned as well.
-    copied = memory[at - 4 : at + place.length].tobytes()
-    (generation,) = _GENERATION.unpack_from(memory, place.start)
-    return memoryview(copied)[4:] if generation == place.generation else None
+    copied = memory[at - 4 : at + length].tobytes()
+    if _GENERATION.unpack_from(memory, start) != (generation,):
+        return None
+    return memoryview(copied)[4:]
