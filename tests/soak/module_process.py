@@ -109,8 +109,9 @@ class Module:
                 self._client.listen(0.1)
             except Exception as error:  # noqa: BLE001 - whatever it is, it is to be reported
                 self._faults.append(repr(error))
+        self._flush()  # before it has taken its leave, which is no loss
         self._client.close()
-        self._flush()
+        self._record.flush()
         return {name: dict(count) for name, count in self._counts.items()} | {
             "asked": self._asked,
             "complaints": dict(self._client.complaints.counts),
