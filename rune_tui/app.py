@@ -332,7 +332,7 @@ class Console(App[None], inherit_bindings=False):
         state = self.state
         if not self._painter.ready(state.now):
             return
-        self._painter.paint(state.now, self._view.render(state), self._view.video)
+        self._painter.paint(state.now, self._view.render(state), self._view.urgencies)
         for name, robot in state.robots.items():
             if robot.picture is not None:
                 self._links[name].shown(robot.picture.number)

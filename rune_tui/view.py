@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
-import numpy.typing as npt
 
-from rune_tui.compositor.blend import Layer, compose, tinted, video_cells
+from rune_tui.compositor.blend import Layer, compose, tinted, urgencies_of
 from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.urgency import Urgencies, Urgency
 from rune_tui.controls.events import Hit
 from rune_tui.help_layer import HelpLayer
 from rune_tui.layout.rules import Vocabulary
@@ -106,7 +106,7 @@ class _Pane:
             y=self.place.y,
             zpos=self.spec.zpos,
             transparency=self.spec.transparency,
-            video=isinstance(self.visualizer, CameraImage),
+            urgency=getattr(self.visualizer, "urgency", Urgency.OTHER),
         )
         return True
 
@@ -185,12 +185,12 @@ class View:
         self._complete = False
         self._full = ""
         self._help = HelpLayer(layout)
-        self._video: npt.NDArray[np.bool_] = np.zeros((0, 0), np.bool_)
+        self._urgencies: Urgencies = np.zeros((0, 0), np.uint8)
 
     @property
-    def video(self) -> npt.NDArray[np.bool_]:
-        """Which cells of the newest picture show a camera's, shape (rows, columns)."""
-        return self._video
+    def urgencies(self) -> Urgencies:
+        """What each cell of the newest picture shows."""
+        return self._urgencies
 
     def resize(self, columns: int, rows: int) -> None:
         """Place everything on a terminal of this size [cells]; the next frame is drawn anew."""
@@ -239,7 +239,7 @@ class View:
         elif passing:
             layers.append(self._told(passing, state))
         layers += self._help.layers
-        self._video = video_cells(self._columns, self._rows, layers)
+        self._urgencies = urgencies_of(self._columns, self._rows, layers)
         cells = compose(self._columns, self._rows, self._spec.background, layers)
         return tinted(cells, state.theme.tint)
 
@@ -283,7 +283,7 @@ class View:
         """What stays until something is done about it, over the upper edge of everything."""
         canvas = Canvas.blank(self._columns, 2 * min(_COMPLAINT_ROWS, self._rows))
         write_notice(canvas, text, state.theme)
-        return Layer(canvas=canvas, x=0, y=0, zpos=self._nearest + 1)
+        return Layer(canvas=canvas, x=0, y=0, zpos=self._nearest + 1, urgency=Urgency.ALARM)
 
     def _passing(self, state: ConsoleState) -> Notice | None:
         """What happened just now, where no event log tells of it."""
@@ -301,7 +301,7 @@ class View:
         sign = "! " if notice.alarm else ""
         whose = f"{notice.robot}: " if notice.robot else ""
         write_notice(canvas, f"{sign}{whose}{notice.text}", state.theme)
-        return Layer(canvas=canvas, x=0, y=0, zpos=self._nearest + 1)
+        return Layer(canvas=canvas, x=0, y=0, zpos=self._nearest + 1, urgency=Urgency.ALARM)
 
     @property
     def _nearest(self) -> int:

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.urgency import Urgencies, Urgency
 from rune_tui.raster.canvas import Canvas, halved
 
 _HALF = 128
@@ -33,7 +34,7 @@ class Layer:
         y: Row of its upper edge in the view [pixels]; may be outside.
         zpos: Larger is nearer to the eye.
         transparency: 0 shows it as it is, 255 not at all.
-        video: Whether it is a camera's picture, which a slow terminal may get late and coarser.
+        urgency: When a slow terminal gets what it shows.
     """
 
     canvas: Canvas
@@ -41,7 +42,7 @@ class Layer:
     y: int
     zpos: int = 0
     transparency: int = 0
-    video: bool = False
+    urgency: Urgency = Urgency.OTHER
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,20 +84,29 @@ def compose(
     return _refined(cells, layers)
 
 
-def video_cells(columns: int, rows: int, layers: Iterable[Layer]) -> npt.NDArray[np.bool_]:
-    """Where a camera's picture is seen, if only through others, shape (rows, columns).
+def urgencies_of(columns: int, rows: int, layers: Iterable[Layer]) -> Urgencies:
+    """How urgent what is seen in each cell is.
 
-    What lies before it and lets nothing through, such as a row of text, is none of it.
+    A camera's picture counts where it is seen if only through others. What lies before it and lets
+    nothing through is none of it, and neither are characters.
     """
-    seen = np.zeros((rows, columns), np.bool_)
+    urgencies = np.full((rows, columns), Urgency.OTHER, np.uint8)
     for layer in sorted(layers, key=attrgetter("zpos")):
+        if layer.transparency == _OPAQUE:
+            continue
         canvas = layer.canvas
+        first = layer.y // 2
+        upper, lower = max(0, layer.y), max(0, layer.y + canvas.height)
+        left, right = max(0, layer.x), max(0, layer.x + canvas.width)
+        covered = urgencies[upper // 2 : -(-lower // 2), left:right]
         opaque = layer.transparency == 0 and bool((canvas.pixels[..., 3] == _OPAQUE).all())
-        if layer.transparency < _OPAQUE and (layer.video or opaque):
-            upper, lower = max(0, layer.y), max(0, layer.y + canvas.height)
-            left, right = max(0, layer.x), max(0, layer.x + canvas.width)
-            seen[upper // 2 : -(-lower // 2), left:right] = layer.video
-    return seen
+        if opaque or layer.urgency is Urgency.VIDEO:
+            covered[...] = layer.urgency
+        elif canvas.glyphs.any():
+            down, across = max(0, -first), max(0, -layer.x)
+            glyphs = canvas.glyphs[down:, across:][: covered.shape[0], : covered.shape[1]]
+            covered[: glyphs.shape[0], : glyphs.shape[1]][glyphs != 0] = layer.urgency
+    return urgencies
 
 
 def mix(

@@ -34,6 +34,7 @@ class Looks:
         glyphs: Characters that a terminal may get, shape (rows, columns); 0 where the pixels show.
         ink: Colours of the characters, shape (rows, columns); 0 where none is seen.
         written: Whether there are characters at all.
+        depth: In which colours.
     """
 
     pixels: Words
@@ -41,6 +42,7 @@ class Looks:
     glyphs: Words
     ink: Words
     written: bool
+    depth: ColourDepth
 
     @property
     def upper(self) -> Words:
@@ -76,7 +78,9 @@ class Looks:
         glyphs = np.where(where, newer.glyphs, self.glyphs)
         ink = np.where(where, newer.ink, self.ink)
         written = bool(glyphs.any())
-        return Looks(pixels=pixels, shapes=shapes, glyphs=glyphs, ink=ink, written=written)
+        return dataclasses.replace(
+            newer, pixels=pixels, shapes=shapes, glyphs=glyphs, ink=ink, written=written
+        )
 
     def taken(self, numbers: Numbers) -> Looks:
         """Some of the cells, by their numbers in reading order, each a row of one column."""
@@ -85,7 +89,8 @@ class Looks:
         colours = self.pixels.ravel()
         pixels = np.stack([colours.take(upper), colours.take(upper + columns)], axis=1)
         glyphs = self.glyphs.take(numbers)[:, None]
-        return Looks(
+        return dataclasses.replace(
+            self,
             pixels=pixels.reshape(-1, 1),
             shapes=self.shapes.take(numbers)[:, None],
             glyphs=glyphs,
@@ -114,7 +119,9 @@ def looks_of(cells: Cells) -> Looks:
         shown[place] = _allowed(glyphs[place])
         colours = ink[place] & RGB_MASK if masked else ink[place]
         inked[place] = np.where(shown[place] == SPACE, np.uint32(0), colours)
-    return Looks(pixels=pixels, shapes=shapes, glyphs=shown, ink=inked, written=written)
+    return Looks(
+        pixels=pixels, shapes=shapes, glyphs=shown, ink=inked, written=written, depth=cells.depth
+    )
 
 
 def packed(pixels: npt.NDArray[np.uint8]) -> Words:

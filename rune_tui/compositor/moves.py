@@ -39,7 +39,7 @@ class Moves:
         """What leads to each cell from the one before it, and to the first from anywhere.
 
         Args:
-            numbers: Of the cells, in reading order, shape (n,).
+            numbers: Of the cells, in the order of writing, shape (n,).
 
         Returns:
             Shape (n, 5).
@@ -49,7 +49,7 @@ class Moves:
         steps = np.zeros(len(numbers), np.intp)
         np.subtract(columns[1:], columns[:-1], out=steps[1:])
         steps[1:] -= 1
-        jumps = steps > _FARTHEST
+        jumps = (steps > _FARTHEST) | (steps < 0)
         jumps[:1] = True
         jumps[1:] |= rows[1:] != rows[:-1]
         steps[jumps] = 0

@@ -11,11 +11,12 @@ from rune_tui.compositor.block_merge import merged
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import UPPER_HALF
-from rune_tui.compositor.looks import Flags, Looks, any_channel, looks_of, unpacked
+from rune_tui.compositor.looks import Flags, Looks, Numbers, any_channel, looks_of, unpacked
 from rune_tui.compositor.moves import Moves
 from rune_tui.compositor.planes import planes_of
 from rune_tui.compositor.quality import EXACT, Quality
 from rune_tui.compositor.sgr import FORMS, RESET
+from rune_tui.compositor.urgency import Urgencies
 from rune_tui.compositor.word_matrix import WordMatrix
 from rune_tui.raster.canvas import halved
 
@@ -100,15 +101,15 @@ class ScreenEncoder:
         else:
             self._known &= ~where
 
-    def wrong(self, cells: Cells, threshold: int) -> Flags:
+    def wrong(self, frame: Cells | Looks, threshold: int) -> Flags:
         """Where the terminal shows a frame too badly, shape (rows, columns).
 
         Args:
-            cells: The frame.
+            frame: Cells, or their looks if they were taken already.
             threshold: As in a `Quality`.
         """
-        looks = looks_of(cells)
-        return _wrong(looks, self._fitted(looks, cells.depth), threshold) | ~self._known
+        looks = frame if isinstance(frame, Looks) else looks_of(frame)
+        return _wrong(looks, self._fitted(looks), threshold) | ~self._known
 
     @property
     def remembered(self) -> Remembered:
@@ -124,11 +125,13 @@ class ScreenEncoder:
 
     def encode(
         self,
-        cells: Cells,
+        frame: Cells | Looks,
         quality: Quality = EXACT,
         covered: Flags | None = None,
         *,
         only: Flags | None = None,
+        urgencies: Urgencies | None = None,
+        most: int | None = None,
     ) -> bytes:
         """What brings the terminal to a frame, in UTF-8; empty if it shows it well enough.
 
@@ -136,15 +139,17 @@ class ScreenEncoder:
         size or depth than the one before is sent whole.
 
         Args:
-            cells: The frame.
+            frame: Cells, or their looks if they were taken already.
             quality: How exact it has to be.
             covered: Cells that something else covers, shape (rows, columns): they are left out,
                 and not known from then on.
             only: Cells that are looked at, shape (rows, columns); the others stay as they are.
+            urgencies: Cells of smaller ones are written first; None writes in reading order.
+            most: So many cells are written at most, if there are `urgencies`.
         """
-        looks = looks_of(cells)
-        shown = self._fitted(looks, cells.depth)
-        if cells.depth is not ColourDepth.TRUECOLOUR:
+        looks = frame if isinstance(frame, Looks) else looks_of(frame)
+        shown = self._fitted(looks)
+        if looks.depth is not ColourDepth.TRUECOLOUR:
             quality = EXACT
         send = _wrong(looks, shown, quality.threshold) | ~self._known
         open_to_all = covered is None or not covered.any()
@@ -162,29 +167,33 @@ class ScreenEncoder:
             send[...] = True
         if not send.any():
             return b""
+        numbers = None if send.all() and urgencies is None else np.flatnonzero(send)
+        if numbers is not None and urgencies is not None:
+            numbers = numbers[np.argsort(urgencies.ravel().take(numbers), kind="stable")][:most]
+            send = np.zeros_like(send)
+            send.ravel()[numbers] = True
         self._shown = looks if send.all() else shown.replaced(looks, send)
         self._known |= send
-        return self._written(looks, send)
+        return self._written(looks, numbers)
 
-    def _fitted(self, looks: Looks, depth: ColourDepth) -> Looks:
+    def _fitted(self, looks: Looks) -> Looks:
         """What is shown, as a frame of the size and depth of this one."""
-        fits = self._depth is depth and self._known.shape == looks.glyphs.shape
+        fits = self._depth is looks.depth and self._known.shape == looks.glyphs.shape
         if self._shown is not None and fits:
             return self._shown
         if self._known.shape != looks.glyphs.shape:
             self._moves = Moves(looks.glyphs.shape, top=self._top, left=self._left)
-        self._depth = depth
+        self._depth = looks.depth
         self._known = np.zeros(looks.glyphs.shape, np.bool_)
         self._shown = looks  # of which nothing is known yet
         return looks
 
-    def _written(self, looks: Looks, send: Flags) -> bytes:
-        """The bytes of some of the cells."""
+    def _written(self, looks: Looks, numbers: Numbers | None) -> bytes:
+        """The bytes of the cells of these numbers, in this order; of all if there are none."""
         form = FORMS[self._depth]
-        if send.all():
+        if numbers is None:
             moves = self._moves.to_rows
         else:
-            numbers = np.flatnonzero(send)
             moves = self._moves.to(numbers)
             looks = looks.taken(numbers)
         planes = planes_of(looks, form, self._half)

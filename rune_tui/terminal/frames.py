@@ -6,17 +6,16 @@ import dataclasses
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
 from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.looks import Flags, Looks, looks_of
 from rune_tui.compositor.quality import EXACT, Quality
 from rune_tui.compositor.screen_encoder import ScreenEncoder
+from rune_tui.compositor.urgency import Urgencies, Urgency
 from rune_tui.terminal.rate import RateController
 
-Flags = npt.NDArray[np.bool_]
-
-_CELL_BYTES: Final = 40
-"""What the dearest cell takes [bytes]."""
+_CELL_BYTES: Final = 52
+"""What the dearest cell takes, with the move to it [bytes]."""
 
 
 @dataclasses.dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,7 +23,7 @@ class Frame:
     """What is to be written, in this order; either may be empty.
 
     Attributes:
-        first: What is around the picture: stops and alarms, drive state, ranges.
+        first: What is around the picture: stops and alarms, drive state, ranges, all else.
         picture: The camera's picture.
     """
 
@@ -43,7 +42,7 @@ class FrameWriter:
     def __init__(self, encoder: ScreenEncoder, control: RateController) -> None:
         self._encoder = encoder
         self._control = control
-        self._newest: tuple[Cells, Flags] | None = None
+        self._newest: tuple[Looks, Flags] | None = None
         self._inexact = False
         self._behind = False
         self._row = 0
@@ -58,23 +57,26 @@ class FrameWriter:
         """Whether the last frame had no room for all that is around the picture."""
         return self._behind
 
-    def draw(self, cells: Cells, video: Flags, covered: Flags | None = None) -> Frame:
+    def draw(self, cells: Cells, urgencies: Urgencies, covered: Flags | None = None) -> Frame:
         """The next frame.
 
         Args:
             cells: What is to be seen.
-            video: Which cells show a camera's picture, shape (rows, columns).
+            urgencies: What each cell shows, shape (rows, columns).
             covered: Cells that something else covers.
         """
-        self._newest = cells, video
+        looks, video = looks_of(cells), urgencies == Urgency.VIDEO
+        self._newest = looks, video
         before = self._encoder.remembered
-        around = dataclasses.replace(cells, fine=None)  # there is nothing finer there
-        first = self._encoder.encode(around, EXACT, covered, only=~video)
+        around = {"only": ~video, "urgencies": urgencies}
+        first = self._encoder.encode(looks, EXACT, covered, **around)
         self._behind = len(first) > self._control.most_bytes
         if self._behind:
             self._encoder.return_to(before)
-            return Frame(first=self._some_rows(cells, ~video, covered), picture=b"")
-        return Frame(first=first, picture=self._picture(cells, video, covered))
+            most = max(1, int(self._control.room() / _CELL_BYTES))
+            first = self._encoder.encode(looks, EXACT, covered, **around, most=most)
+            return Frame(first=first, picture=b"")
+        return Frame(first=first, picture=self._picture(cells, looks, video, covered))
 
     def refine(self, covered: Flags | None = None) -> Frame:
         """What makes the picture more exact, no longer than there is room for; some rows of it."""
@@ -92,29 +94,30 @@ class FrameWriter:
         """
         self._encoder.forget(where)
 
-    def _some_rows(self, cells: Cells, wanted: Flags, covered: Flags | None) -> bytes:
-        """What is wrong in as many rows of the wanted cells as there is room for, made exact."""
-        rows = max(1, int(min(cells.rows, self._control.room() / (_CELL_BYTES * cells.columns))))
-        for _ in range(-(-cells.rows // rows)):
-            only = wanted.copy()
+    def _some_rows(self, looks: Looks, video: Flags, covered: Flags | None) -> bytes:
+        """What is wrong in as many rows of the picture as there is room for, made exact."""
+        height, columns = video.shape
+        rows = max(1, int(min(height, self._control.room() / (_CELL_BYTES * columns))))
+        for _ in range(-(-height // rows)):
+            only = video.copy()
             only[: self._row] = False
             only[self._row + rows :] = False
-            written = self._encoder.encode(cells, EXACT, covered, only=only)
-            self._row = self._row + rows if self._row + rows < cells.rows else 0
+            written = self._encoder.encode(looks, EXACT, covered, only=only)
+            self._row = self._row + rows if self._row + rows < height else 0
             if written:
                 return written
         return b""
 
-    def _picture(self, cells: Cells, video: Flags, covered: Flags | None) -> bytes:
+    def _picture(self, cells: Cells, looks: Looks, video: Flags, covered: Flags | None) -> bytes:
         before = self._encoder.remembered
         while True:
             way = self._control.way
             quality = Quality(tolerance=way.tolerance, threshold=way.threshold)
-            drawn, only = cells, video
+            drawn, only = looks, video
             if way.grain > 1:
                 # What is shown well enough must not become coarser again.
-                only = video & self._encoder.wrong(cells, way.threshold)
-                drawn = coarsened(cells, way.grain)
+                only = video & self._encoder.wrong(looks, way.threshold)
+                drawn = looks_of(coarsened(cells, way.grain))
             picture = self._encoder.encode(drawn, quality, covered, only=only)
             if not self._control.too_long(len(picture)):
                 break

@@ -18,6 +18,7 @@ from textual.widget import Widget
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.colours import at_depth
 from rune_tui.compositor.screen_encoder import ScreenEncoder
+from rune_tui.compositor.urgency import Urgencies
 from rune_tui.model.display_state import DisplayState
 from rune_tui.terminal.frames import Frame, FrameWriter
 from rune_tui.terminal.input_stream import CursorReport
@@ -63,7 +64,7 @@ class Painter:
         self._pacer = FramePacer(heard=traits.acknowledges)
         self._control = RateController(round_trip)
         self._frames = FrameWriter(ScreenEncoder(half=traits.glyphs.half), self._control)
-        self._video: Flags = np.zeros((0, 0), np.bool_)
+        self._urgencies: Urgencies = np.zeros((0, 0), np.uint8)
         self._latency = math.nan
         self._sent: deque[tuple[float, int]] = deque()
 
@@ -75,13 +76,13 @@ class Painter:
             return False
         return not self._pacer.answers or self._control.may_follow(now, self._pacer.under_way)
 
-    def paint(self, now: float, cells: Cells | None, video: Flags) -> None:
+    def paint(self, now: float, cells: Cells | None, urgencies: Urgencies) -> None:
         """Bring the terminal to the newest cells, or nearer to them.
 
         Args:
             now: The time [s].
             cells: The newest in truecolour; None if they are those of the last time.
-            video: Which of them show a camera's picture, shape (rows, columns).
+            urgencies: What each of them shows, shape (rows, columns).
         """
         if not self._pane.is_attached:
             return  # the console is ending
@@ -89,7 +90,8 @@ class Painter:
             self._frames.forget()
             self._app.screen.refresh()
         if cells is not None:
-            self._pane.cells, self._video = at_depth(cells, self._traits.depth), video
+            self._pane.cells = at_depth(cells, self._traits.depth)
+            self._urgencies = urgencies
         newest = self._pane.cells
         if newest is None:
             return
@@ -103,7 +105,7 @@ class Painter:
         covered = self._covered(newest)
         frame = Frame(first=b"", picture=b"")
         if cells is not None or rows.size or self._frames.behind:
-            frame = self._frames.draw(newest, self._video, covered)
+            frame = self._frames.draw(newest, self._urgencies, covered)
         if not frame.picture and self._frames.inexact:
             finer = self._frames.refine(covered)
             frame = Frame(first=frame.first, picture=finer.picture)

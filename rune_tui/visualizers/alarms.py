@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from hub.gcm.navigation import ROBOT_STATE, Assistance
+from rune_tui.compositor.urgency import Urgency
 from rune_tui.layout.rules import VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
@@ -32,6 +33,7 @@ class Alarms:
         others=("GCM_CameraState", "GCM_Control_State"),
     )
     whole_cells: ClassVar[bool] = True
+    urgency: ClassVar[Urgency] = Urgency.ALARM
 
     @classmethod
     def from_spec(cls, spec: VisualizerSpec) -> Self:  # noqa: ARG003 it has no options

@@ -9,6 +9,7 @@ from collections.abc import Hashable
 from typing import ClassVar, Self
 
 from hub.gcm.vision import CameraState
+from rune_tui.compositor.urgency import Urgency
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
@@ -29,6 +30,7 @@ class AngleBar(ABC):
     """Draws one angle of the camera; empty until there is one."""
 
     whole_cells: ClassVar[bool] = False
+    urgency: ClassVar[Urgency] = Urgency.DRIVE
     direction: ClassVar[Direction]
 
     @classmethod

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from hub.gcm import flight
+from rune_tui.compositor.urgency import Urgency
 from rune_tui.layout.rules import NumberOption, VisualizerRule
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
@@ -46,6 +47,7 @@ class Attitude(Reading[flight.Attitude, _Tilt]):
             meaning="pitch from the lower edge to the upper; 0 means 60 deg",
         ),
     )
+    urgency: ClassVar[Urgency] = Urgency.DRIVE
     definition = flight.ATTITUDE
     subject = "attitude"
 

@@ -7,6 +7,7 @@ from typing import ClassVar
 
 from hub.gcm.navigation import ROBOT_STATE
 from hub.gcm.navigation import RobotState as NavigationState
+from rune_tui.compositor.urgency import Urgency
 from rune_tui.layout.rules import NumberOption
 from rune_tui.model.robot_state import RobotState
 from rune_tui.visualizers.reading import Reading
@@ -25,6 +26,7 @@ NORTH_OPTION = NumberOption(
 class Bearing(Reading[NavigationState, float]):
     """What visualizers share that show the heading; infinite where it is not known."""
 
+    urgency: ClassVar[Urgency] = Urgency.DRIVE
     definition = ROBOT_STATE
     subject: ClassVar[str] = "heading"
 

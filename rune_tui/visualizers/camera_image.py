@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Final, Self
 
 from hub.gcm.vision import CameraState
+from rune_tui.compositor.urgency import Urgency
 from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
@@ -63,6 +64,7 @@ class CameraImage:
         },
     )
     whole_cells: ClassVar[bool] = True
+    urgency: ClassVar[Urgency] = Urgency.VIDEO
 
     @classmethod
     def from_spec(cls, spec: VisualizerSpec) -> Self:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from hub.gcm.flight import ALTITUDE, Altitude
+from rune_tui.compositor.urgency import Urgency
 from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
@@ -56,6 +57,7 @@ class Depth(Reading[Altitude, _Level]):
             )
         },
     )
+    urgency: ClassVar[Urgency] = Urgency.DRIVE
     definition = ALTITUDE
     subject = "depth or height"
 

@@ -6,6 +6,7 @@ from collections.abc import Hashable, Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
+from rune_tui.compositor.urgency import Urgency
 from rune_tui.layout.rules import TextOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
@@ -36,6 +37,7 @@ class Joystick:
         options={"joystick": TextOption(names="joystick", meaning="which one; empty: the first")},
     )
     whole_cells: ClassVar[bool] = True
+    urgency: ClassVar[Urgency] = Urgency.DRIVE
 
     @classmethod
     def from_spec(cls, spec: VisualizerSpec) -> Self:

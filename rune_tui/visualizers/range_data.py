@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from hub.gcm.navigation import SENSOR_COUNT
 from hub.gcm.navigation import RobotState as NavigationState
+from rune_tui.compositor.urgency import Urgency
 from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
@@ -121,6 +122,7 @@ class RangeData:
         },
     )
     whole_cells: ClassVar[bool] = True
+    urgency: ClassVar[Urgency] = Urgency.RANGES
 
     @classmethod
     def from_spec(cls, spec: VisualizerSpec) -> Self:

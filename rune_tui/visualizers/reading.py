@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Generic, Self, TypeVar
 
 from hub.ipc.definition import MessageDefinition
+from rune_tui.compositor.urgency import Urgency
 from rune_tui.layout.rules import Options
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
@@ -40,6 +41,7 @@ class Reading(ABC, Generic[T, R]):
     subject: ClassVar[str]
     """What is missing while no message has come."""
     whole_cells: ClassVar[bool] = True
+    urgency: ClassVar[Urgency] = Urgency.OTHER
 
     @classmethod
     def from_spec(cls, spec: VisualizerSpec) -> Self:

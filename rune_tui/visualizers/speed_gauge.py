@@ -8,6 +8,7 @@ from typing import ClassVar
 
 from hub.gcm.navigation import ROBOT_STATE
 from hub.gcm.navigation import RobotState as NavigationState
+from rune_tui.compositor.urgency import Urgency
 from rune_tui.layout.rules import NumberOption, VisualizerRule
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
@@ -47,6 +48,7 @@ class Speed(Reading[NavigationState, tuple[_Pair, _Pair]]):
             ),
         },
     )
+    urgency: ClassVar[Urgency] = Urgency.DRIVE
     definition = ROBOT_STATE
     subject = "speed"
 

@@ -19,6 +19,9 @@ class Visualizer(Protocol):
     Attributes:
         rule: What layouts may say of it.
         whole_cells: Whether it writes characters and so wants a viewport made of whole cells.
+
+    One that shows stops and alarms, the drive state or ranges says so by an `urgency`, which then
+    is that of its cells on a slow terminal.
     """
 
     rule: ClassVar[VisualizerRule]

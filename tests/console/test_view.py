@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from hub.gcm.navigation import MotionState
 from rune_tui.compositor.ansi import encoded_rows
 from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.urgency import Urgency
 from rune_tui.layout.spec import ViewportSpec, ViewSpec
 from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.joystick_state import JoystickState
@@ -216,7 +217,7 @@ def test_for_quadrants_the_camera_shows_more_and_all_else_stays() -> None:
     assert finer.fine is not None
     assert (finer.glyphs == usual.glyphs).all()
     assert (halved(finer.fine) == finer.pixels).all()
-    video = fine.video & (finer.glyphs == 0)
+    video = (fine.urgencies == Urgency.VIDEO) & (finer.glyphs == 0)
     apart = (finer.fine[:, 0::2] != finer.fine[:, 1::2]).any(axis=2)
     assert apart.mean() > 0.5
     assert not apart[~video.repeat(2, axis=0)].any()
@@ -484,16 +485,19 @@ def test_the_view_knows_where_a_camera_is_seen() -> None:
         )
     )
     seen.resize(160, 48)
-    assert rendered(seen, {"magellan": robot()}, STATE) is not None
-    assert seen.video[:38].all()
-    assert not seen.video[38:].any()
+    cells = rendered(seen, {"magellan": robot()}, STATE)
+    assert cells is not None
+    written = cells.glyphs[:38] != 0
+    assert (seen.urgencies[:38][~written] == Urgency.VIDEO).all()
+    assert (seen.urgencies[38:] == Urgency.ALARM).all()
+    assert not (seen.urgencies[:38][written] == Urgency.ALARM).any()
 
 
 def test_a_camera_behind_the_help_is_not_seen() -> None:
     seen = two_panes()
     seen.resize(160, 48)
     assert rendered(seen, {"magellan": robot()}, STATE) is not None
-    assert seen.video.any()
+    assert (seen.urgencies == Urgency.VIDEO).any()
     helped = dataclasses.replace(STATE, help=True)
     assert rendered(seen, {"magellan": robot()}, helped) is not None
-    assert not seen.video.any()
+    assert not (seen.urgencies == Urgency.VIDEO).any()

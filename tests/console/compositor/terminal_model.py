@@ -50,17 +50,21 @@ class Mark(NamedTuple):
 
 
 class Terminal:
-    """Cells by row and column; `touched` are those of the last bytes."""
+    """Cells by row and column; `touched` are those of the last bytes, `order` as they came."""
 
     def __init__(self, columns: int, rows: int, *, coloured: bool = True) -> None:
         self.columns, self.rows = columns, rows
         self.marks: dict[tuple[int, int], Mark] = {}
-        self.touched: set[tuple[int, int]] = set()
+        self.order: list[tuple[int, int]] = []
         self._coloured = coloured
+
+    @property
+    def touched(self) -> set[tuple[int, int]]:
+        return set(self.order)
 
     def feed(self, text: str) -> None:
         """Take what was sent, which must leave the attributes reset."""
-        self.touched = set()
+        self.order = []
         self._reset()
         row = column = 0
         end = 0
@@ -94,7 +98,7 @@ class Terminal:
         if not self._coloured:
             ink, ground = int(not self._turned), int(self._turned)
         self.marks[row, column] = Mark(character, ink, ground)
-        self.touched.add((row, column))
+        self.order.append((row, column))
 
     def _reset(self) -> None:
         self._ink: Colour = None

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.screen_encoder import ScreenEncoder
+from rune_tui.compositor.urgency import Urgency
 from rune_tui.terminal.frames import Frame, FrameWriter, coarsened
 from rune_tui.terminal.pacing import Acknowledgement, SentFrame
 from rune_tui.terminal.rate import LADDER, RateController
@@ -16,8 +17,8 @@ from tests.console.compositor.frames import as_drawn, flat, random_cells, refine
 from tests.console.compositor.terminal_model import Terminal, assert_shows
 
 COLUMNS, ROWS = 24, 10
-VIDEO = np.zeros((ROWS, COLUMNS), np.bool_)
-VIDEO[:8] = True
+SHOWN = np.full((ROWS, COLUMNS), Urgency.OTHER, np.uint8)
+SHOWN[:8] = Urgency.VIDEO
 
 
 def narrow(bytes_per_s: float) -> RateController:
@@ -47,7 +48,7 @@ def writer(bytes_per_s: float) -> FrameWriter:
 def test_what_is_around_the_picture_comes_first_and_exactly() -> None:
     terminal, frames = Terminal(COLUMNS, ROWS), writer(2000.0)
     for seed in range(5):
-        frame = frames.draw(scene(seed), VIDEO)
+        frame = frames.draw(scene(seed), SHOWN)
         terminal.feed(frame.first.decode())
         assert all(row >= 8 for row, _ in terminal.touched)
         assert all(
@@ -68,7 +69,7 @@ def test_a_still_scene_becomes_exact_whatever_was_before(width: float, seeds: li
     terminal, frames = Terminal(COLUMNS, ROWS), writer(width)
     for seed in seeds:
         cells = scene(seed)
-        frame = frames.draw(cells, VIDEO)
+        frame = frames.draw(cells, SHOWN)
         terminal.feed((frame.first + frame.picture).decode())
     refined = 0
     while frames.inexact:
@@ -77,7 +78,7 @@ def test_a_still_scene_becomes_exact_whatever_was_before(width: float, seeds: li
         refined += 1
         assert refined <= 3 * ROWS
     assert_shows(terminal, cells)
-    assert frames.draw(cells, VIDEO).size == 0
+    assert frames.draw(cells, SHOWN).size == 0
     assert not frames.refine().size
 
 
@@ -85,7 +86,7 @@ def test_a_still_scene_becomes_exact_whatever_was_before(width: float, seeds: li
 def test_a_refinement_is_no_longer_than_there_is_room_for(width: float) -> None:
     control = narrow(width)
     frames = FrameWriter(ScreenEncoder(), control)
-    frames.draw(scene(1), VIDEO)
+    frames.draw(scene(1), SHOWN)
     row = 40 * COLUMNS
     while frames.inexact:
         assert frames.refine().size <= max(control.room(), row)
@@ -94,18 +95,18 @@ def test_a_refinement_is_no_longer_than_there_is_room_for(width: float) -> None:
 def test_a_picture_that_would_be_under_way_for_too_long_is_drawn_coarser_at_once() -> None:
     control = narrow(3000.0)
     frames = FrameWriter(ScreenEncoder(), control)
-    frame = frames.draw(scene(1), VIDEO)
+    frame = frames.draw(scene(1), SHOWN)
     assert LADDER[control.level].grain > 1
-    exact = FrameWriter(ScreenEncoder(), narrow(50e6)).draw(scene(1), VIDEO)
+    exact = FrameWriter(ScreenEncoder(), narrow(50e6)).draw(scene(1), SHOWN)
     assert len(frame.picture) < len(exact.picture) / 2
 
 
 def test_a_terminal_that_may_show_anything_gets_everything_anew() -> None:
     frames = writer(50e6)
-    whole = frames.draw(scene(1), VIDEO)
-    assert frames.draw(scene(1), VIDEO).size == 0
+    whole = frames.draw(scene(1), SHOWN)
+    assert frames.draw(scene(1), SHOWN).size == 0
     frames.forget()
-    assert frames.draw(scene(1), VIDEO) == whole
+    assert frames.draw(scene(1), SHOWN) == whole
 
 
 def test_what_is_covered_is_left_alone_until_it_is_free() -> None:
@@ -113,10 +114,10 @@ def test_what_is_covered_is_left_alone_until_it_is_free() -> None:
     covered = np.zeros((ROWS, COLUMNS), np.bool_)
     covered[2:5, 4:9] = True
     cells = scene(1)
-    frame = frames.draw(cells, VIDEO, covered)
+    frame = frames.draw(cells, SHOWN, covered)
     terminal.feed((frame.first + frame.picture).decode())
     assert not terminal.touched & {tuple(place) for place in np.argwhere(covered).tolist()}
-    frame = frames.draw(cells, VIDEO)
+    frame = frames.draw(cells, SHOWN)
     terminal.feed((frame.first + frame.picture).decode())
     while frames.inexact:
         terminal.feed(frames.refine().picture.decode())
@@ -143,14 +144,14 @@ def test_what_does_not_fit_into_a_frame_follows_in_the_next() -> None:
     control, terminal = RateController(0.0, most_bytes=2000), Terminal(COLUMNS, ROWS)
     frames = FrameWriter(ScreenEncoder(), control)
     cells = random_cells(1, COLUMNS, ROWS, 99, 0.5)
-    frame = frames.draw(cells, VIDEO & False)
+    frame = frames.draw(cells, np.full_like(SHOWN, Urgency.OTHER))
     sizes = []
     while True:
         sizes.append(frame.size)
         terminal.feed((frame.first + frame.picture).decode())
         if not frames.behind:
             break
-        frame = frames.draw(cells, VIDEO & False)
+        frame = frames.draw(cells, np.full_like(SHOWN, Urgency.OTHER))
     assert max(sizes) <= 2000
     assert len(sizes) > 3
     assert_shows(terminal, cells)
@@ -162,16 +163,56 @@ def test_a_still_picture_of_quadrants_becomes_exact_at_every_width(width: float)
     cells = refined(scene(1), 1)
     plain = cells.pixels[16:].repeat(2, axis=1)
     cells.fine[16:] = plain  # finer pixels are in the picture only
-    terminal.feed(b"".join(parts(frames.draw(cells, VIDEO))).decode())
+    terminal.feed(b"".join(parts(frames.draw(cells, SHOWN))).decode())
     for _ in range(200):
         if not frames.inexact and not frames.behind:
             break
         terminal.feed(
             b"".join(
-                parts(frames.refine() if frames.inexact else frames.draw(cells, VIDEO))
+                parts(frames.refine() if frames.inexact else frames.draw(cells, SHOWN))
             ).decode()
         )
     assert_shows(terminal, as_drawn(cells))
+
+
+def urgent_scene() -> np.ndarray:
+    """Of each kind some cells, the most urgent ones at the bottom and in the middle."""
+    urgencies = np.full((ROWS, COLUMNS), Urgency.VIDEO, np.uint8)
+    urgencies[0] = Urgency.OTHER
+    urgencies[3, 4:9] = urgencies[8] = Urgency.RANGES
+    urgencies[9, :12] = Urgency.DRIVE
+    urgencies[9, 12:] = urgencies[5, 7:11] = Urgency.ALARM
+    return urgencies
+
+
+def test_alarms_come_before_the_drive_state_before_ranges_before_the_rest_before_video() -> None:
+    terminal, frames, urgencies = Terminal(COLUMNS, ROWS), writer(50e6), urgent_scene()
+    for seed in (1, 2):  # all is new on the screen, then all but the characters changes
+        cells = random_cells(seed, COLUMNS, ROWS, 99, 0.0)
+        frame = frames.draw(cells, urgencies)
+        terminal.feed((frame.first + frame.picture).decode())
+        order = [int(urgencies[place]) for place in terminal.order]
+        assert order == sorted(order)
+        assert set(order) == set(Urgency)
+        while frames.inexact:
+            terminal.feed(frames.refine().picture.decode())
+        assert_shows(terminal, cells)
+
+
+@pytest.mark.parametrize("most_bytes", [300, 900, 2500])
+def test_in_frames_that_hold_little_the_most_urgent_comes_first(most_bytes: int) -> None:
+    control, terminal = RateController(0.0, most_bytes=most_bytes), Terminal(COLUMNS, ROWS)
+    frames, urgencies = FrameWriter(ScreenEncoder(), control), urgent_scene()
+    cells, order = random_cells(3, COLUMNS, ROWS, 99, 0.0), []
+    for _ in range(200):
+        frame = frames.draw(cells, urgencies)
+        assert len(frame.first) <= most_bytes
+        terminal.feed((frame.first + frame.picture).decode())
+        order += [int(urgencies[place]) for place in terminal.order]
+        if not frames.behind:
+            break
+    assert order == sorted(order)
+    assert Urgency.OTHER in order
 
 
 def parts(frame: Frame) -> tuple[bytes, bytes]:
