@@ -24,6 +24,8 @@ _ROUND_TRIPS = 20
 """Round trips remembered: those of the last ten seconds."""
 _DRIFT = 1e-4
 """How fast two clocks may come apart: bad quartzes, or one that is being set slowly."""
+_FARTHEST = 1e9
+"""No machine has run for longer than 31 years: what is farther apart is a damaged message [s]."""
 
 
 @functools.cache
@@ -89,12 +91,12 @@ class HubTime:
     def note(self, sent: float, hub_time: float, received: float) -> None:
         """A question left at `sent`, was answered at `hub_time`; that came at `received` [s]."""
         round_trip = received - sent
-        if round_trip < 0.0:
+        offset, error = hub_time - (sent + received) / 2, round_trip / 2
+        if not (0.0 <= round_trip <= _FARTHEST and abs(offset) <= _FARTHEST):  # also of NaN
             return
         self._round_trips.append(round_trip)
         if self._shared:
             return
-        offset, error = hub_time - (sent + received) / 2, round_trip / 2
         known = self._error + _DRIFT * (received - self._noted)
         # Both can only be right if they overlap; else a clock has stood still, as in a machine
         # that slept.

@@ -44,6 +44,20 @@ def test_the_offset_is_off_by_half_of_the_fastest_round_trip_at_most(
     assert hub_time.round_trip == pytest.approx(min(map(sum, ways[-20:])), abs=1e-6)
 
 
+@given(
+    st.lists(st.tuples(st.floats(), st.floats()), max_size=9),
+    st.floats(0.0, 1e8),
+)
+def test_no_damaged_answer_makes_a_stamp_that_no_frame_holds(
+    damaged: list[tuple[float, float]], now: float
+) -> None:
+    hub_time = HubTime(lambda: now)
+    for sent, time_there in damaged:
+        hub_time.note(sent, time_there, now)
+    assert -(2**63) <= int((now + hub_time.offset) * 1e9) < 2**63
+    assert not hub_time.round_trip < 0.0
+
+
 def test_a_link_that_is_busy_for_minutes_does_not_make_anything_look_younger() -> None:
     hub_time = HubTime(lambda: 0.0)
     hub_time.begin(1)
