@@ -29,11 +29,12 @@ from rune_tui.controls.joysticks import Joysticks
 from rune_tui.controls.keyboard import KeyboardHold, name_of_key
 from rune_tui.controls.stall_guard import StallGuard
 from rune_tui.dispatch import Dispatch
-from rune_tui.errors import ConsoleError, LayoutError
+from rune_tui.errors import ConsoleError
+from rune_tui.following import LayoutFollower, kept
 from rune_tui.layout.actions import Action, actions_of
 from rune_tui.layout.names import MOUSE
 from rune_tui.layout.spec import LayoutSpec
-from rune_tui.layout.watching import LOOK_S, LayoutSource, first_problem
+from rune_tui.layout.watching import LayoutSource
 from rune_tui.link.robot_links import RobotLinks
 from rune_tui.model.console_state import ConsoleState, carried_over
 from rune_tui.model.effects import (
@@ -59,8 +60,9 @@ from rune_tui.model.effects import (
 )
 from rune_tui.model.happenings import Watch
 from rune_tui.recorder import Recorder
+from rune_tui.terminal.input_stream import KeyMove
 from rune_tui.terminal.traits import Traits
-from rune_tui.ui.frame_answered import FrameAnswered
+from rune_tui.ui.driver_reports import FrameAnswered, KeyMoved, ReleasesTold
 from rune_tui.ui.painter import Painter
 from rune_tui.ui.palette import palette_of
 from rune_tui.ui.question import Question
@@ -76,7 +78,7 @@ _TICK_S = 0.05
 _BUTTONS = {1: "left", 2: "middle", 3: "right"}
 _LEAVE_S = 3.0
 """How long the end may take before the process is ended as it is [s]."""
-_LONGEST_COMPLAINT = 500
+_WAY_OUT = "ctrl+c"
 _NOT_DONE = "what a widget asked for could not be done; the log says why"
 
 
@@ -85,7 +87,7 @@ class Console(App[None], inherit_bindings=False):
 
     ALLOW_SELECT = False  # the mouse drives and marks
     ENABLE_COMMAND_PALETTE = False  # ours opens where the layout does not want its key
-    BINDINGS: ClassVar = [Binding("ctrl+c", "quit", priority=True, show=False)]
+    BINDINGS: ClassVar = [Binding(_WAY_OUT, "quit", priority=True, show=False)]
     """Whatever the layout says and whatever is open, there is a way out."""
     CSS = "Screen { layers: view; overflow: hidden; }"
 
@@ -103,8 +105,7 @@ class Console(App[None], inherit_bindings=False):
         super().__init__(driver_class=terminal_driver())
         layout = source.layout
         self.title = f"Rune {layout.path}"
-        self._source = source
-        self._next_layout = asyncio.Event()
+        self._layouts = LayoutFollower(source, self._open, self._complain)
         self._shown_layout = layout
         self._links = links
         self._view = View(layout, fine=traits.glyphs.fine)
@@ -158,32 +159,13 @@ class Console(App[None], inherit_bindings=False):
         self._joysticks.start(waker(loop, self._joysticks_moved))
         self.set_interval(_FRAME_S, self._draw)
         self.set_interval(_TICK_S, self._tick)
-        if self._source.changes:
-            self.run_worker(self._follow_layouts())
+        self.run_worker(self._layouts.run())
 
     def _come_back(self, _: App[None]) -> None:
         """The terminal was somebody else's for a while."""
         self._let_go()
         self._painter.restart()
         self.screen.refresh()
-
-    async def _follow_layouts(self) -> None:
-        """Open what is asked for or was saved, read in a thread so that driving goes on."""
-        while True:
-            with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(self._next_layout.wait(), LOOK_S)
-            wanted = self._source.next if self._next_layout.is_set() else self._source.look
-            self._next_layout.clear()
-            try:
-                found = await asyncio.to_thread(wanted)
-            except Exception as error:  # an extension's code may fail in any way
-                _logger.exception("a layout cannot be read")
-                self._complain(_kept(error))
-                continue
-            if isinstance(found, LayoutError):
-                self._complain(first_problem(found))
-            elif found is not None:
-                await self._open(found)
 
     async def _open(self, layout: LayoutSpec) -> None:
         """Go on with another layout; links of robots that are in both stay as they are."""
@@ -197,7 +179,7 @@ class Console(App[None], inherit_bindings=False):
             return
         except Exception as error:  # as above
             _logger.exception("the layout %s cannot be opened", layout.path)
-            self._complain(_kept(error))
+            self._complain(kept(error))
             return
         self.title = f"Rune {layout.path}"
         self._view, self._dispatch = view, dispatch
@@ -231,6 +213,24 @@ class Console(App[None], inherit_bindings=False):
         key = name_of_key(event.key, event.character)
         if not self._stalls.deaf(now):
             self._handle(self._keyboard.press(key, now))
+
+    def on_key_moved(self, event: KeyMoved) -> None:
+        """A key moved, on a terminal that tells when it goes up."""
+        now = self._look_up()
+        key = event.keypad
+        if not (key and self._dispatch.waits_for(key)):
+            key = name_of_key(event.key, event.character)
+        if event.move is KeyMove.RELEASE:
+            self._handle(self._keyboard.up(key))
+        elif self._covered or key == _WAY_OUT:
+            self.post_message(events.Key(event.key, event.character))
+        elif not self._stalls.deaf(now):
+            repeat = event.move is KeyMove.REPEAT
+            self._handle(self._keyboard.down(key, now, repeat=repeat))
+
+    def on_releases_told(self, event: ReleasesTold) -> None:
+        """The terminal says whether it tells when keys go up."""
+        self._console = dataclasses.replace(self._console, releases_told=event.told)
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
         """A button of the mouse went down."""
@@ -325,6 +325,7 @@ class Console(App[None], inherit_bindings=False):
         """The terminal shows a frame; the next need not wait for the clock."""
         waited = not self._painter.ready(event.when)
         self._painter.answered(event.when, event.report)
+        self._keyboard.heard(event.when)
         if waited:
             self._draw()
 
@@ -332,6 +333,8 @@ class Console(App[None], inherit_bindings=False):
         state = self.state
         if not self._painter.ready(state.now):
             return
+        if self._keyboard.waits_for_releases:
+            self._painter.ask(state.now)
         self._painter.paint(state.now, self._view.render(state), self._view.urgencies)
         for name, robot in state.robots.items():
             if robot.picture is not None:
@@ -388,7 +391,8 @@ class Console(App[None], inherit_bindings=False):
             case CalibrateEffect(joystick=name, control=control):
                 self._joysticks.calibrate(name, control, time.monotonic())
             case NextLayoutEffect():
-                self._open_next()
+                if not self._layouts.next():
+                    self._tell(desk.Outcome(text="the console was started with no other layout"))
             case PaletteEffect():
                 self._let_go()
                 self.push_screen(palette_of(self._actions, self._act))
@@ -396,12 +400,6 @@ class Console(App[None], inherit_bindings=False):
                 self._ask(effect)
             case QuitEffect():
                 self._leave()
-
-    def _open_next(self) -> None:
-        if self._source.several:
-            self._next_layout.set()
-        else:
-            self._tell(desk.Outcome(text="the console was started with no other layout"))
 
     def _send(self, effect: SendEffect | ControlEffect) -> None:
         link = self._links[effect.robot]
@@ -479,12 +477,9 @@ class Console(App[None], inherit_bindings=False):
             now=time.monotonic(),
             clock=time.strftime("%H:%M:%S"),
             held=self._keyboard.held,
+            hold_s=self._keyboard.hold_s,
             robots={name: link.state for name, link in self._links.items()},
             display=self._painter.display(time.monotonic()),
             recording=self._recorder.path,
             joysticks=self._joysticks.states,
         )
-
-
-def _kept(error: Exception) -> str:
-    return f"The layout stays as it was: {type(error).__name__}: {error}"[:_LONGEST_COMPLAINT]

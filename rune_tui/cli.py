@@ -140,16 +140,18 @@ def _source(
 
 def _check(options: argparse.Namespace) -> int:
     from rune_tui.errors import LayoutError
+    from rune_tui.layout.key_notes import key_notes
 
     code = ExitCode.OK
     for path in options.layouts:
         try:
-            _load(path, options.set)
+            layout = _load(path, options.set)
         except LayoutError as error:
             sys.stderr.write(f"{error}\n")
             code = ExitCode.USAGE
         else:
             sys.stdout.write(f"{path}: ok\n")
+            sys.stdout.writelines(f"  note: {note}\n" for note in key_notes(layout))
     return code
 
 

@@ -1,8 +1,11 @@
-"""Keys that count as held down, on terminals that report no release.
+"""Keys that count as held down, on terminals that tell when they go up and on those that do not.
 
-A terminal repeats a held key and says nothing when it goes up. So a key counts as held until its
+Most terminals repeat a held key and say nothing when it goes up. So a key counts as held until its
 repeats stay away: after the first press for as long as keyboards wait before they repeat, then
 for a few repeat intervals.
+
+Where the terminal tells of releases a key is held until its own, but only as long as anything is
+heard of the terminal: over a line that is cut, no release comes.
 """
 
 from __future__ import annotations
@@ -43,6 +46,7 @@ class _Hold:
     deadline: float
     repeats: int = 0
     stayed: bool = False
+    told: bool = False
 
 
 class KeyboardHold:
@@ -81,6 +85,51 @@ class KeyboardHold:
         hold.last = now
         hold.deadline = now + self._repeat_hold()
         return (*due, ControlEvent(name=key, pressed=True, repeat=True, stayed=hold.stayed))
+
+    def down(self, key: str, now: float, *, repeat: bool) -> tuple[ControlEvent, ...]:
+        """A terminal that will tell of the release reports a key: its press, or a repeat.
+
+        A repeat of a key that does not count as held was pressed before all were let go, or before
+        the terminal fell silent.
+        """
+        key = canonical_key(key)
+        due = list(self.expire(now))
+        hold = self._holds.get(key)
+        if hold is not None and not repeat:
+            due += self.up(key)  # which did not come
+            hold = None
+        if hold is None:
+            self._let_go.pop(key, None)
+            hold = self._holds[key] = _Hold(last=now, deadline=now, stayed=repeat, told=True)
+            repeat = False
+        self.heard(now)
+        return (
+            *due,
+            ControlEvent(name=key, pressed=True, repeat=repeat, stayed=hold.stayed),
+        )
+
+    def up(self, key: str) -> tuple[ControlEvent, ...]:
+        """A key went up."""
+        key = canonical_key(key)
+        self._let_go.pop(key, None)
+        held = self._holds.pop(key, None)
+        return () if held is None else (ControlEvent(name=key, pressed=False),)
+
+    def heard(self, now: float) -> None:
+        """The terminal is there: keys whose release it will tell stay held."""
+        for hold in self._holds.values():
+            if hold.told:
+                hold.deadline = max(hold.deadline, now + _FIRST_HOLD_S)
+
+    @property
+    def waits_for_releases(self) -> bool:
+        """Whether keys are held until the terminal tells, so that it must be heard."""
+        return any(hold.told for hold in self._holds.values())
+
+    @property
+    def hold_s(self) -> float:
+        """How long a repeat holds where no release is told [s]."""
+        return self._repeat_hold()
 
     def expire(self, now: float) -> tuple[ControlEvent, ...]:
         """Releases that are due, the earliest first."""

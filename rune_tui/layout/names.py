@@ -90,7 +90,25 @@ KEYS_REPORTED_AS: Mapping[str, str] = {
 CONTROL_KEYS = tuple(
     key for letter in string.ascii_lowercase if (key := f"ctrl+{letter}") not in KEYS_REPORTED_AS
 )
-KEYS = (*NAMED_KEYS, *FUNCTION_KEYS, *CONTROL_KEYS)
+_PAD_MARKS = ("decimal", "divide", "multiply", "subtract", "add", "enter", "equal")
+_PAD_MOVES = ("left", "right", "up", "down", "pageup", "pagedown", "home", "end", "insert")
+KEYPAD_KEYS: Mapping[str, str] = {
+    **{f"kp_{digit}": digit for digit in string.digits},
+    **dict(zip((f"kp_{mark}" for mark in _PAD_MARKS), (*"./*-+", "enter", "="), strict=True)),
+    **{f"kp_{move}": move for move in (*_PAD_MOVES, "delete")},
+}
+"""Keys of the keypad, and what terminals report that do not tell them from others."""
+MODIFIER_KEYS = tuple(
+    f"{side}_{name}" for side in ("left", "right") for name in ("shift", "control", "alt", "super")
+)
+RARE_KEYS: Mapping[str, str] = {
+    **KEYPAD_KEYS,
+    **dict.fromkeys(MODIFIER_KEYS, ""),
+    **{f"f{number}": "" for number in range(13, 25)},
+}
+"""Keys that only terminals with the kitty keyboard protocol tell, and what the others say."""
+
+KEYS = (*NAMED_KEYS, *FUNCTION_KEYS, *CONTROL_KEYS, *RARE_KEYS)
 """Keys with a name; every single printable character in lower case is a key as well."""
 
 _SHORT_NAMES = {
@@ -113,7 +131,8 @@ KEY_ALIASES: Mapping[str, str] = {_long_name(mark): mark for mark in string.punc
 """Long names of punctuation keys, such as "plus" for "+"."""
 
 KEY_RULE = (
-    "a key is one printable character in lower case, ctrl+ and a letter, f1 to f12, or one of "
+    "a key is one printable character in lower case, ctrl+ and a letter, f1 to f24, kp_ and a key "
+    "of the keypad, left_ or right_ and shift, control, alt or super, or one of "
     + ", ".join(NAMED_KEYS)
 )
 

@@ -66,6 +66,8 @@ class ConsoleState:
     Attributes:
         now: The console's monotonic clock [s].
         held: Keys that count as held down, in the order they were pressed.
+        hold_s: How long a key that repeats counts as held where no release is told [s].
+        releases_told: Whether the terminal tells when keys go up.
         run_number: The layout's run number.
         robots: All that is known of each robot, by name.
         chosen: The robot that viewports of `CHOSEN` show and command.
@@ -89,6 +91,8 @@ class ConsoleState:
 
     now: float
     held: tuple[str, ...] = ()
+    hold_s: float = 0.6
+    releases_told: bool = False
     run_number: int = 0
     robots: Mapping[str, RobotState] = field(default_factory=dict)
     chosen: str = ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import enum
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -21,6 +22,24 @@ _BEGUN: Final = re.compile(
 )
 """The beginning of a sequence whose end has not come yet."""
 _CURSOR: Final = re.compile(r"\x1b\[(\d{1,5});(\d{1,5})R")
+_KEYBOARD: Final = re.compile(r"\x1b\[\?(\d{1,5})u")
+_KEY: Final = re.compile(
+    r"""\x1b\[ (?P<code>\d{0,7}) (?::[\d:]*)?             # the key, others on its cap
+    (?: ; (?P<modifiers>\d{0,3}) (?: : (?P<move>[123]) )? )?
+    (?: ; (?P<text>[\d:]*) )? (?P<final>[u~ABCDEFHPQS])
+    """,
+    re.VERBOSE,
+)
+"""A key by the kitty keyboard protocol; F3 there is no longer what looks like a cursor report."""
+_PASTES: Final = ("\x1b[200~", "\x1b[201~")
+_TELLS_RELEASES: Final = 2
+_KEYPAD: Final = (
+    *("0", "1", "2", "3", "4", "5", "6", "7", "8", "9"),
+    *("decimal", "divide", "multiply", "subtract", "add", "enter", "equal", "separator"),
+    *("left", "right", "up", "down", "pageup", "pagedown", "home", "end", "insert", "delete"),
+)
+"""What is on the keys of the keypad, in the order of their codes."""
+_FIRST_OF_KEYPAD: Final = 57399
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,9 +50,49 @@ class CursorReport:
     column: int
 
 
+class KeyMove(enum.Enum):
+    """What a key did, as the kitty keyboard protocol counts it."""
+
+    PRESS = 1
+    REPEAT = 2
+    RELEASE = 3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KeyReport:
+    """A key moved.
+
+    Attributes:
+        code: What the terminal calls the key, whatever it types.
+        move: What it did.
+        press: What a terminal that tells presses alone would have sent for the press.
+        keypad: Its name if it is one of the keypad, such as "kp_8", else empty.
+    """
+
+    code: str
+    move: KeyMove
+    press: str
+    keypad: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KeyboardReport:
+    """What the terminal tells of keys.
+
+    Attributes:
+        tells_releases: Whether it tells when keys repeat and go up.
+    """
+
+    tells_releases: bool
+
+
+InputPart = str | CursorReport | KeyReport | KeyboardReport
+
+
 class InputStream:
     """Takes what was read, in pieces of any size.
 
+    Once the terminal has said that it tells when keys go up, keys come as `KeyReport`s.
     Reports of the cursor below the first row are answers; in the first row they are what xterm
     sends for F3 with a modifier. Sequences that nobody understands, such as late answers to other
     questions, are left out: as keys, they would drive.
@@ -48,13 +107,14 @@ class InputStream:
         self._understood = understood
         self._held = ""
         self._held_since = 0.0
+        self._tells_releases = False
 
     @property
     def holding(self) -> bool:
         """Whether the beginning of a sequence waits for its end."""
         return bool(self._held)
 
-    def feed(self, text: str, now: float) -> Iterator[str | CursorReport]:
+    def feed(self, text: str, now: float) -> Iterator[InputPart]:
         """Answers, and what is no answer, in the order in which it came.
 
         To be called with nothing now and then while it is `holding`.
@@ -73,11 +133,11 @@ class InputStream:
         for found in _SEQUENCE.finditer(text):
             rest.append(text[at : found.start()])
             at = found.end()
-            cursor = _CURSOR.fullmatch(found[0])
-            if cursor and int(cursor[1]) > 1:
+            report = self._report(found[0])
+            if report is not None:
                 yield from filter(None, ("".join(rest),))
                 rest.clear()
-                yield CursorReport(row=int(cursor[1]), column=int(cursor[2]))
+                yield report
             elif self._understood(found[0]):
                 rest.append(found[0])
         begun = _BEGUN.search(text, at)
@@ -85,3 +145,29 @@ class InputStream:
             self._held, self._held_since = begun[0], since
         rest.append(text[at : begun.start() if begun else None])
         yield from filter(None, ("".join(rest),))
+
+    def _report(self, sequence: str) -> InputPart | None:
+        """What a sequence says, if it is more than a key or the mouse."""
+        if (cursor := _CURSOR.fullmatch(sequence)) and int(cursor[1]) > 1:
+            return CursorReport(row=int(cursor[1]), column=int(cursor[2]))
+        if keyboard := _KEYBOARD.fullmatch(sequence):
+            self._tells_releases = bool(int(keyboard[1]) & _TELLS_RELEASES)
+            return KeyboardReport(tells_releases=self._tells_releases)
+        key = _KEY.fullmatch(sequence)
+        if key is None or not (self._tells_releases or key["move"]):
+            return None
+        return None if sequence in _PASTES else self._key(key)
+
+    def _key(self, found: re.Match[str]) -> KeyReport | None:
+        move = KeyMove(int(found["move"] or 1))
+        code, final = found["code"] or "1", found["final"]
+        modifiers, text = found["modifiers"] or "1", found["text"]
+        parts = [code, modifiers, *filter(None, [text])]
+        if modifiers == "1" and not text:
+            parts = [found["code"]]
+        press = f"\x1b[{';'.join(parts)}{final}"
+        if not self._understood(press):
+            return None
+        number = int(code) - _FIRST_OF_KEYPAD if final == "u" else -1
+        keypad = f"kp_{_KEYPAD[number]}" if 0 <= number < len(_KEYPAD) else ""
+        return KeyReport(code=f"{code}{final}", move=move, press=press, keypad=keypad)

@@ -26,6 +26,7 @@ from rune_tui.terminal.pacing import FramePacer
 from rune_tui.terminal.rate import RateController
 from rune_tui.terminal.traits import Traits
 from rune_tui.ui.terminal import output_is_pending, output_was_lost
+from rune_tui.ui.textual_inside import driver_of
 from rune_tui.ui.view_pane import ViewPane
 
 Flags = npt.NDArray[np.bool_]
@@ -36,6 +37,8 @@ _KEPT_BYTES: Final = 6
 """tmux throws away what waits for its terminal beyond 8 bytes a cell [bytes]."""
 _SELDOM_S: Final = 1 / 15 - 0.005
 """Least time between two frames for tmux, which takes all and says nothing of its terminal [s]."""
+_SILENT_S: Final = 0.2
+"""After so long without a frame the terminal is asked for a sign of life, if one is needed [s]."""
 _COUNTED_S: Final = 1.0
 """Frames of so long are counted [s]."""
 
@@ -66,6 +69,7 @@ class Painter:
         self._frames = FrameWriter(ScreenEncoder(half=traits.glyphs.half), self._control)
         self._urgencies: Urgencies = np.zeros((0, 0), np.uint8)
         self._latency = math.nan
+        self._asked = -math.inf
         self._sent: deque[tuple[float, int]] = deque()
 
     def ready(self, now: float) -> bool:
@@ -112,6 +116,14 @@ class Painter:
         if frame.size:
             self._write(now, frame)
 
+    def ask(self, now: float) -> None:
+        """Have the terminal say that it is there, unless a frame has asked it just now."""
+        asked = max((frame.sent for frame in self._pacer.under_way), default=self._asked)
+        driver = driver_of(self._app)
+        if driver is not None and now - max(asked, self._asked) > _SILENT_S:
+            driver.write(f"{self._pacer.sent(now, 0)}{self._home}")
+            self._asked = now
+
     def answered(self, now: float, report: CursorReport) -> None:
         """The terminal says where its cursor is."""
         answer = self._pacer.answered(now, report)
@@ -136,16 +148,20 @@ class Painter:
         )
 
     def _write(self, now: float, frame: Frame) -> None:
-        driver = self._app._driver  # noqa: SLF001 - no public way past the compositor
+        driver = driver_of(self._app)
         if driver is None or self._app.is_headless:
             return
         begin, end = (_BEGIN, _END) if self._traits.synchronized else ("", "")
         parts = [part.decode() for part in (frame.first, frame.picture) if part]
         text = "".join(f"{begin}{part}{end}" for part in parts)
-        # The cursor is not seen, but input methods write where it is.
-        home = f"\x1b[{self._app.cursor_position.y + 1};{self._app.cursor_position.x + 1}H"
-        driver.write(f"{text}{self._pacer.sent(now, frame.size)}{home}")
+        driver.write(f"{text}{self._pacer.sent(now, frame.size)}{self._home}")
         self._sent.append((now, frame.size))
+        self._asked = now
+
+    @property
+    def _home(self) -> str:
+        """What brings the cursor back: it is not seen, but input methods write where it is."""
+        return f"\x1b[{self._app.cursor_position.y + 1};{self._app.cursor_position.x + 1}H"
 
     def _covered(self, cells: Cells) -> Flags | None:
         """Cells that something lies over; None if nothing does."""

@@ -23,32 +23,24 @@ from rune_tui.compositor.ansi import encoded_rows
 from rune_tui.compositor.blend import mean
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.glyph_set import LOWER_HALF, UPPER_HALF
+from rune_tui.ui.textual_inside import LazyStrip
 
 
-class PixelStrip(Strip):
+class PixelStrip(LazyStrip):
     """Columns `start` to `end` of one row of cells."""
 
-    __slots__ = ["_cells", "_end", "_half", "_made", "_row", "_start"]
+    __slots__ = ["_cells", "_end", "_half", "_row", "_start"]
 
     def __init__(
         self, cells: Cells, row: int, start: int, end: int, half: str = UPPER_HALF
     ) -> None:
-        self._made: list[Segment] | None = None
-        super().__init__((), end - start)
+        super().__init__(end - start)
         self._cells, self._row, self._start, self._end = cells, row, start, end
         self._half = half
-        self._cell_count = end - start
 
-    # Shadows the slot of Strip, to make segments on demand.
-    @property
-    def _segments(self) -> list[Segment]:
-        if self._made is None:
-            self._made = segments(self._cells, self._row, self._start, self._end, self._half)
-        return self._made
-
-    @_segments.setter
-    def _segments(self, value: list[Segment]) -> None:
-        del value  # Strip's constructor sets none
+    def segments(self) -> list[Segment]:
+        """One for each cell."""
+        return segments(self._cells, self._row, self._start, self._end, self._half)
 
     def __bool__(self) -> bool:
         return True
@@ -59,10 +51,11 @@ class PixelStrip(Strip):
     def render(self, console: Console) -> str:
         """The row's bytes for the terminal."""
         del console
-        if self._render_cache is None:
+        rendered = self.kept
+        if rendered is None:
             part = part_of(self._cells, self._row, self._start, self._end)
-            self._render_cache = encoded_rows(part, self._half)[0]
-        return self._render_cache
+            self.kept = rendered = encoded_rows(part, self._half)[0]
+        return rendered
 
     def crop(self, start: int, end: int | None = None) -> Strip:
         """Part of the row."""

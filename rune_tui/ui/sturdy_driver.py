@@ -17,14 +17,24 @@ import time
 from collections.abc import Iterable
 from typing import Final
 
-from textual import _xterm_parser, events
-from textual._ansi_sequences import ANSI_SEQUENCES_KEYS
-from textual._xterm_parser import XTermParser
-from textual.drivers.linux_driver import LinuxDriver
+from textual import events
 from textual.message import Message
 
-from rune_tui.terminal.input_stream import HOLD_S, CursorReport, InputStream
-from rune_tui.ui.frame_answered import FrameAnswered
+from rune_tui.terminal.input_stream import (
+    HOLD_S,
+    CursorReport,
+    InputStream,
+    KeyboardReport,
+    KeyMove,
+    KeyReport,
+)
+from rune_tui.ui.driver_reports import FrameAnswered, KeyMoved, ReleasesTold
+from rune_tui.ui.textual_inside import (
+    KeyParser,
+    SuspendableDriver,
+    is_understood,
+    writes_block,
+)
 
 _logger = logging.getLogger(__name__)
 
@@ -35,26 +45,22 @@ _BEYOND: Final = re.compile(r";(-\d+|0)(?=[;Mm])")
 """Columns and rows of the mouse that are left of or above the terminal."""
 _PASSED: Final = re.compile(r"\x1b\[<(3[2-9]|[45]\d|6[0-3]);-?\d+;-?\d+M(?=\x1b\[<\1;-?\d+;-?\d+M)")
 """Reports of a moving mouse that another one follows at once; reading each takes Textual long."""
-_LONG_NUMBER: Final = re.compile(r"\d{7}")
+_UNUSABLE: Final = re.compile(r"\d{7}|\x1b\[(?!.*t\Z)[\d:]*:|\x1b\[(?!.*t\Z)[\d:]*;\d*:")
+"""Numbers that Textual takes for others, and parts of numbers that end its parser."""
 _READ_S: Final = 0.1
 """Between two looks at the clock while nothing comes [s]."""
-_UNDERSTOOD: Final = (
-    _xterm_parser._re_mouse_event,  # noqa: SLF001 - no public way to know what the parser knows
-    _xterm_parser._re_terminal_mode_response,  # noqa: SLF001
-    _xterm_parser._re_in_band_window_resize,  # noqa: SLF001
-    _xterm_parser._re_extended_key,  # noqa: SLF001
-)
+_TELL_RELEASES: Final = "\x1b[=2;2u\x1b[?u"
+"""Kitty keyboard protocol: also tell when keys repeat and go up, and say whether you do."""
+_MOST_DOWN: Final = 64
+"""Keys that can be down at once."""
 
 
 def understood(sequence: str) -> bool:
     """Whether Textual knows what an escape sequence means, and can use its numbers."""
-    if _LONG_NUMBER.search(sequence):
-        return False
-    known = sequence in ANSI_SEQUENCES_KEYS or sequence in _xterm_parser.SPECIAL_SEQUENCES
-    return known or any(pattern.fullmatch(sequence) for pattern in _UNDERSTOOD)
+    return not _UNUSABLE.search(sequence) and is_understood(sequence)
 
 
-class SturdyParser(XTermParser):
+class SturdyParser(KeyParser):
     """Takes a mouse beyond the upper left corner for one that is at the edge, and F3 for F3."""
 
     def parse_mouse_code(self, code: str) -> Message | None:
@@ -65,10 +71,10 @@ class SturdyParser(XTermParser):
         """The event itself; a key for what Textual takes for a cursor in the first row."""
         if not isinstance(event, events.CursorPosition):
             return (event,)
-        return self._sequence_to_key_events(f"\x1b[{event.y + 1};{event.x + 1}R")
+        return self.keys_of(f"\x1b[{event.y + 1};{event.x + 1}R")
 
 
-class SturdyDriver(LinuxDriver):
+class SturdyDriver(SuspendableDriver):
     """Takes any bytes; a terminal that has gone ends the console in order.
 
     Attributes:
@@ -76,29 +82,21 @@ class SturdyDriver(LinuxDriver):
     """
 
     lost: bool = False
+    _down: dict[str, tuple[tuple[str, str | None], ...]]
+    """Names and characters of the keys that are down, by what the terminal calls them."""
     _ending: bool = False
-    _suspended: bool = False
     _left_out: events.MouseMove | None = None
     """Where the mouse has gone, if the console was not told."""
 
-    def _sigtstp_application(self, *given: object) -> None:
-        """Somebody suspends the console from the terminal."""
-        self._suspended = True
-        super()._sigtstp_application(*given)
-
-    def _sigcont_application(self, *given: object) -> None:
-        """The process goes on; only one that had left the terminal has to enter it again.
-
-        Textual's own would read and write in two threads from then on.
-        """
-        if self._suspended:
-            self._suspended = False
-            super()._sigcont_application(*given)
+    def start_application_mode(self) -> None:
+        """Enter the terminal, and ask it to tell when keys go up."""
+        self._down = {}
+        super().start_application_mode()  # type: ignore[no-untyped-call]
+        self.write(_TELL_RELEASES)
 
     def write(self, data: str) -> None:
         """Hand over what is to be written, or lose it if that would hold up the console."""
-        writer = self._writer_thread
-        if writer is not None and not self._ending and writer._queue.full():  # noqa: SLF001
+        if not self._ending and writes_block(self):
             self.lost = True
         else:
             super().write(data)
@@ -134,10 +132,15 @@ class SturdyDriver(LinuxDriver):
         """Hand on the events in `text`; the parser for what comes next."""
         try:
             for part in stream.feed(text, time.monotonic()):
-                if isinstance(part, CursorReport):
-                    self.process_message(FrameAnswered(part, time.monotonic()))
-                else:
-                    self._read_events(parser, _PASSED.sub("", part))
+                match part:
+                    case CursorReport():
+                        self.process_message(FrameAnswered(part, time.monotonic()))
+                    case KeyReport():
+                        self._tell_key(parser, part)
+                    case KeyboardReport():
+                        self.process_message(ReleasesTold(told=part.tells_releases))
+                    case str():
+                        self._read_events(parser, _PASSED.sub("", part))
             for event in parser.tick():
                 self._hand_on(event)
             if self._left_out is not None:
@@ -151,6 +154,23 @@ class SturdyDriver(LinuxDriver):
         for event in parser.feed(text) if text else ():
             for meant in parser.meant(event):
                 self._hand_on(meant)
+
+    def _tell_key(self, parser: SturdyParser, report: KeyReport) -> None:
+        """Tell the console of a key, by the name that it had when it went down.
+
+        With Shift it is another one, and that may come or go while a key is down.
+        """
+        down = self._down
+        if report.move is KeyMove.RELEASE:
+            keys = down.pop(report.code, ())
+        elif report.move is KeyMove.REPEAT and report.code in down:
+            keys = down[report.code]
+        else:
+            keys = tuple((key.key, key.character) for key in parser.keys_of(report.press))
+            if len(down) < _MOST_DOWN:
+                down[report.code] = keys
+        for key, character in keys:
+            self.process_message(KeyMoved(key, character, report.move, report.keypad))
 
     def _hand_on(self, event: Message) -> None:
         """Tell the console, unless it is behind and this is but the mouse on its way."""

@@ -55,6 +55,7 @@ def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
         *_joysticks(state),
         *_recording(state),
         *_held(state),
+        _release(state),
     )
 
 
@@ -170,6 +171,12 @@ def _recording(state: ConsoleState) -> Iterator[Part]:
 def _held(state: ConsoleState) -> Iterator[Part]:
     if state.held:
         yield Part(f"keys {' '.join(state.held)}", 1)
+
+
+def _release(state: ConsoleState) -> Part:
+    """How long a key counts as held."""
+    timed = f"timed {state.hold_s:.2f} s"
+    return Part(f"release: {'exact' if state.releases_told else timed}", 0, Mood.FAINT)
 
 
 def side_of(sensor: int) -> str:

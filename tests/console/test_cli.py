@@ -41,6 +41,23 @@ def test_a_layout_that_is_not_there_is_no_reason_to_look_for_a_folder(
     assert "such as demo" in said
 
 
+def test_keys_that_not_every_terminal_tells_are_noted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    minimal = (Path(__file__).parents[2] / "layouts" / "minimal.xml").read_text()
+    layout = tmp_path / "rare.xml"
+    layout.write_text(
+        minimal.replace('key="w"', 'key="kp_8"').replace('key="s"', 'key="left_shift"')
+    )
+    assert main(["check", str(layout)]) is ExitCode.OK
+    only = "only terminals with the kitty keyboard protocol tell it"
+    assert capsys.readouterr().out == (
+        f"{layout}: ok\n"
+        f"  note: key kp_8: {only}, others report it as 8\n"
+        f"  note: key left_shift: {only}, others report nothing\n"
+    )
+
+
 @pytest.mark.parametrize("path", ["a" * 300, "a" * 5000, "nowhere/demo", "a\0b", "demo.xm"])
 def test_what_is_no_path_of_a_file_is_said_to_be_none(
     path: str, capsys: pytest.CaptureFixture[str]

@@ -219,3 +219,67 @@ def test_presses_and_releases_of_a_key_alternate_and_everything_ends_released(
     for event in keyboard.expire(now + 0.6):
         down.remove(event.name)
     assert down == set()
+
+
+def repeating(key: str) -> tuple[ControlEvent, ...]:
+    return (repeat(key),)
+
+
+def test_a_key_whose_release_is_told_is_held_until_then():
+    keyboard = KeyboardHold()
+    assert keyboard.down("w", 0.0, repeat=False) == (press("w"),)
+    for moment in range(1, 100):
+        keyboard.heard(moment / 10)
+        assert keyboard.expire(moment / 10) == ()
+    assert keyboard.waits_for_releases
+    assert keyboard.up("w") == (release("w"),)
+    assert keyboard.up("w") == ()
+    assert not keyboard.waits_for_releases
+    assert keyboard.held == ()
+
+
+def test_a_repeat_of_another_key_keeps_the_first_one_held():
+    keyboard = KeyboardHold()
+    keyboard.down("w", 0.0, repeat=False)
+    keyboard.down("a", 0.1, repeat=False)
+    for number in range(60):
+        assert keyboard.down("a", 0.6 + number * RATE, repeat=True) == repeating("a")
+    assert keyboard.held == ("w", "a")
+
+
+def test_a_terminal_that_falls_silent_holds_nothing_and_drives_only_when_pressed_anew():
+    keyboard = KeyboardHold()
+    keyboard.down("w", 0.0, repeat=False)
+    keyboard.heard(1.0)
+    assert keyboard.expire(1.59) == ()
+    assert keyboard.expire(1.61) == (release("w"),)
+    keyboard.heard(5.0)
+    (event,) = keyboard.down("w", 5.0, repeat=True)
+    assert event.stayed
+    assert keyboard.held == ()
+    assert keyboard.up("w") == (release("w"),)
+    assert keyboard.down("w", 6.0, repeat=False) == (press("w"),)
+
+
+def test_what_stayed_down_when_all_was_let_go_drives_again_only_when_pressed_anew():
+    keyboard = KeyboardHold()
+    keyboard.down("w", 0.0, repeat=False)
+    assert keyboard.release_all(0.1) == (release("w"),)
+    (event,) = keyboard.down("w", 9.0, repeat=True)
+    assert event.stayed
+    # Its release went to another window, so the next that is heard of it is a press.
+    assert keyboard.down("w", 20.0, repeat=False)[-1] == press("w")
+
+
+def test_a_press_without_the_release_before_it_releases_first():
+    keyboard = KeyboardHold()
+    keyboard.down("w", 0.0, repeat=False)
+    assert keyboard.down("w", 0.2, repeat=False) == (release("w"), press("w"))
+
+
+def test_a_key_that_came_as_text_is_timed_whatever_the_terminal_tells_of_others():
+    keyboard = KeyboardHold()
+    keyboard.press("w", 0.0)
+    keyboard.heard(0.5)
+    assert not keyboard.waits_for_releases
+    assert_held_until(keyboard, 0.6, "w")

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from textual._ansi_sequences import ANSI_SEQUENCES_KEYS
+from textual._keyboard_protocol import FUNCTIONAL_KEYS
 from textual.keys import _character_to_key
 
 from hub.gcm import catalog
@@ -18,6 +19,7 @@ from rune_tui.layout import names
 from rune_tui.layout.loader import _schema
 from rune_tui.layout.rules import LOCAL_MESSAGES, HandlerRule, Option, VisualizerRule
 from rune_tui.opening import BUILT_IN, open_layout
+from rune_tui.terminal import input_stream
 
 ROOT = Path(__file__).parents[3]
 PATH = ROOT / "docs" / "layout-reference.md"
@@ -154,6 +156,7 @@ def test_the_page_has_the_tables_of_what_there_is(name: str):
 def test_the_page_lists_every_named_key():
     section = PAGE.split("# Keys\n", 1)[1].split("\n## ", 1)[0]
     named = set(re.findall(r"`([^`]+)`", section))
+    assert {key for key in names.KEYPAD_KEYS if names.KEYPAD_KEYS[key] in "./*-+="} <= named
     assert set(names.NAMED_KEYS) <= named
     assert set(names.KEYS_REPORTED_AS) <= named
     assert {"f1", "f12"} <= named
@@ -178,11 +181,12 @@ def test_keys_are_named_as_textual_names_them():
         if isinstance(keys, tuple)
         for key in keys
     }
-    assert set(names.KEYS) <= reported
+    assert set(names.KEYS) - set(names.KEYPAD_KEYS) <= reported | set(FUNCTIONAL_KEYS.values())
+    assert set(names.KEYPAD_KEYS) < {f"kp_{each}" for each in input_stream._KEYPAD}
     assert not set(names.KEYS_REPORTED_AS) & reported
 
 
-@pytest.mark.parametrize("key", ["", " ", "W", "ww", "ctrl+", "ctrl+1", "f0", "f13", "\x9b"])
+@pytest.mark.parametrize("key", ["", " ", "W", "ww", "ctrl+", "ctrl+1", "f0", "f25", "\x9b"])
 def test_what_no_terminal_reports_is_no_key(key: str):
     assert not names.is_key(key)
 

@@ -6,7 +6,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rune_tui.terminal.input_stream import HOLD_S, CursorReport, InputStream
+from rune_tui.terminal.input_stream import (
+    HOLD_S,
+    CursorReport,
+    InputPart,
+    InputStream,
+    KeyboardReport,
+    KeyMove,
+    KeyReport,
+)
 
 KEYS = {"\x1b[A", "\x1b[1;2R", "\x1b[15~", "\x1b[97;5u", "\x1b[<0;5;5M"}
 PIECES = st.sampled_from(
@@ -14,7 +22,7 @@ PIECES = st.sampled_from(
 )
 
 
-def split(*pieces: str) -> list[str | CursorReport]:
+def split(*pieces: str) -> list[InputPart]:
     stream = InputStream(KEYS.__contains__)
     return [part for piece in pieces for part in stream.feed(piece, 0.0)]
 
@@ -31,7 +39,6 @@ def test_a_report_of_the_first_row_is_a_key_with_a_modifier() -> None:
     "answer",
     [
         "\x1b[?62;22;52c",
-        "\x1b[?1u",
         "\x1b[6;20;10t",
         "\x1bP1$r48:2:1:2:3m\x1b\\",
         "\x1bP1+r524742=38\x1b\\",
@@ -43,6 +50,74 @@ def test_late_answers_to_other_questions_press_no_keys(answer: str) -> None:
     assert split(f"w{answer}s") == ["ws"]
     for at in range(1, len(answer)):
         assert split(f"w{answer[:at]}", f"{answer[at:]}s") == ["w", "s"]
+
+
+TELLS = "\x1b[?27u"
+
+
+def moved(text: str) -> list[tuple[str, KeyMove, str]]:
+    """What a terminal that tells releases says of keys: code, move, press."""
+    stream = InputStream(lambda sequence: len(sequence) < 20)
+    return [
+        (part.code, part.move, part.press)
+        for part in stream.feed(f"{TELLS}{text}", 0.0)
+        if isinstance(part, KeyReport)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("sequence", "code", "move", "press"),
+    [
+        ("\x1b[119;;119u", "119u", KeyMove.PRESS, "\x1b[119;1;119u"),
+        ("\x1b[119;1:1;119u", "119u", KeyMove.PRESS, "\x1b[119;1;119u"),
+        ("\x1b[119;1:2;119u", "119u", KeyMove.REPEAT, "\x1b[119;1;119u"),
+        ("\x1b[119;1:3u", "119u", KeyMove.RELEASE, "\x1b[119u"),
+        ("\x1b[119:87;2:1;87u", "119u", KeyMove.PRESS, "\x1b[119;2;87u"),
+        ("\x1b[99;5u", "99u", KeyMove.PRESS, "\x1b[99;5u"),
+        ("\x1b[13u", "13u", KeyMove.PRESS, "\x1b[13u"),
+        ("\x1b[A", "1A", KeyMove.PRESS, "\x1b[A"),
+        ("\x1b[1;1:3A", "1A", KeyMove.RELEASE, "\x1b[1A"),
+        ("\x1b[1;2:3A", "1A", KeyMove.RELEASE, "\x1b[1;2A"),
+        ("\x1b[15;5:2~", "15~", KeyMove.REPEAT, "\x1b[15;5~"),
+        ("\x1b[57441;2:1u", "57441u", KeyMove.PRESS, "\x1b[57441;2u"),
+    ],
+)
+def test_a_key_that_moves_is_told_with_what_its_press_would_be(
+    sequence: str, code: str, move: KeyMove, press: str
+) -> None:
+    assert moved(sequence) == [(code, move, press)]
+
+
+@pytest.mark.parametrize(
+    ("code", "name"), [(57399, "kp_0"), (57413, "kp_add"), (57426, "kp_delete")]
+)
+def test_keys_of_the_keypad_are_told_by_their_own_names(code: int, name: str) -> None:
+    stream = InputStream(lambda _: True)
+    parts = list(stream.feed(f"{TELLS}\x1b[{code};1:1u\x1b[{code};1:3u\x1b[{ord('8')}u", 0.0))
+    assert [part.keypad for part in parts if isinstance(part, KeyReport)] == [name, name, ""]
+
+
+def test_keys_are_taken_apart_only_for_a_terminal_that_tells_releases() -> None:
+    assert split("\x1b[?1u", "\x1b[97;5u") == [KeyboardReport(tells_releases=False), "\x1b[97;5u"]
+    stream = InputStream(KEYS.__contains__)
+    assert list(stream.feed(f"{TELLS}\x1b[97;5u\x1b[?0u\x1b[97;5u", 0.0)) == [
+        KeyboardReport(tells_releases=True),
+        KeyReport(code="97u", move=KeyMove.PRESS, press="\x1b[97;5u"),
+        KeyboardReport(tells_releases=False),
+        "\x1b[97;5u",
+    ]
+
+
+def test_pasted_text_and_the_mouse_are_no_keys_that_move() -> None:
+    text = "\x1b[200~w\x1b[201~\x1b[<0;5;5M\x1b[I\x1b[O\x1b[2;3R"
+    assert moved(text) == []
+
+
+@given(st.lists(st.sampled_from("0123456789;:u~ABCDEFHPQSR[\x1b?<Mm w"), max_size=40))
+def test_no_bytes_break_it(letters: list[str]) -> None:
+    stream = InputStream(lambda _: True)
+    for part in stream.feed(TELLS + "".join(letters), 0.0):
+        assert not isinstance(part, KeyReport) or len(part.press) < 60
 
 
 def test_what_the_driver_understands_comes_through_whole() -> None:

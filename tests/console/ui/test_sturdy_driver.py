@@ -11,7 +11,10 @@ from textual.app import App
 from textual.message import Message
 
 from rune_tui.terminal.input_stream import InputStream
+from rune_tui.ui.driver_reports import KeyMoved
 from rune_tui.ui.sturdy_driver import SturdyDriver, SturdyParser, understood
+
+MOVES = ("press", "repeat", "release")
 
 
 class Waiting(App[None]):
@@ -30,6 +33,7 @@ class Told(SturdyDriver):
     def __init__(self, app: App[Any]) -> None:
         super().__init__(app)
         self.told: list[Message] = []
+        self._down = {}
 
     def send_message(self, message: Message) -> None:
         self.told.append(message)
@@ -48,14 +52,51 @@ def heard(*pieces: tuple[str, int]) -> list[str]:
     return [
         f"{type(event).__name__} {event.x:g},{event.y:g}"
         if isinstance(event, events.MouseEvent)
+        else _moved(event)
+        if isinstance(event, KeyMoved)
         else type(event).__name__
         for event in asyncio.run(play())
     ]
 
 
+def _moved(event: KeyMoved) -> str:
+    return f"{event.key} {event.move.name.lower()}"
+
+
+TELLS = "\x1b[?27u"
+
+
+@pytest.mark.parametrize(
+    ("text", "moves"),
+    [
+        ("\x1b[119;1:1;119u\x1b[119;1:2;119u\x1b[119;1:3u", ["w press", "w repeat", "w release"]),
+        ("\x1b[A\x1b[1;1:2A\x1b[1;1:3A", ["up press", "up repeat", "up release"]),
+        ("\x1b[57441;2:1u\x1b[57441;1:3u", ["left_shift press", "left_shift release"]),
+        ("\x1b[15~\x1b[15;1:3~", ["f5 press", "f5 release"]),
+        ("\x1b[57417;1:1u\x1b[57417;1:3u", ["left press", "left release"]),  # of the keypad
+        ("\x1b[99;5u\x1b[99;5:3u", ["ctrl+c press", "ctrl+c release"]),
+    ],
+)
+def test_a_terminal_that_tells_releases_has_them_told(text: str, moves: list[str]) -> None:
+    assert heard((TELLS + text, 0)) == ["ReleasesTold", *moves]
+
+
+def test_a_key_goes_up_by_the_name_it_had_when_it_went_down() -> None:
+    shift_goes_first = "\x1b[119;2:1;87u\x1b[119;1:2;119u\x1b[119;1:3u"
+    assert heard((TELLS + shift_goes_first, 0))[1:] == [f"W {move}" for move in MOVES]
+
+
+def test_a_key_that_was_never_seen_down_does_not_go_up() -> None:
+    assert heard((f"{TELLS}\x1b[119;1:3u", 0)) == ["ReleasesTold"]
+
+
+def test_releases_press_nothing_where_nobody_asked_for_them() -> None:
+    assert heard(("\x1b[119;1:3u\x1b[1;1:3A x", 0)) == ["Key", "Key"]
+
+
 def test_answers_to_frames_are_told_and_other_answers_press_no_keys() -> None:
     told = heard(("w\x1b[2;3R", 0), ("\x1b[?62;22;52c\x1b[?1u", 0), ("\x1b[6;20;10t", 0))
-    assert told == ["Key", "FrameAnswered"]
+    assert told == ["Key", "FrameAnswered", "ReleasesTold"]
     assert heard(("\x1b[1;2R", 0)) == ["Key"]
 
 

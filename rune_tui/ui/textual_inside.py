@@ -1,0 +1,119 @@
+"""All that the console uses of Textual beyond its public interface.
+
+Nothing of it is used elsewhere, and a test says what is missing or different in another version.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from abc import abstractmethod
+from collections.abc import Iterable
+from typing import Any, Final
+
+from rich.segment import Segment
+from textual import _xterm_parser, events
+from textual._ansi_sequences import ANSI_SEQUENCES_KEYS
+from textual._xterm_parser import XTermParser
+from textual.app import App
+from textual.driver import Driver
+from textual.keys import Keys
+from textual.strip import Strip
+
+_UNDERSTOOD: Final = (
+    _xterm_parser._re_mouse_event,
+    _xterm_parser._re_terminal_mode_response,
+    _xterm_parser._re_in_band_window_resize,
+    _xterm_parser._re_extended_key,
+)
+
+
+def driver_of(app: App[Any]) -> Driver | None:
+    """What writes to the terminal past Textual's compositor; None before it runs."""
+    return app._driver
+
+
+def writes_waiting(driver: Driver | None) -> int:
+    """How many pieces of output wait for the terminal.
+
+    Textual writes in a thread, from a queue that holds 30 pieces and then blocks the whole console.
+    """
+    writer = getattr(driver, "_writer_thread", None)
+    return 0 if writer is None else writer._queue.qsize()
+
+
+def writes_block(driver: Driver) -> bool:
+    """Whether the next piece of output would hold up the console."""
+    writer = getattr(driver, "_writer_thread", None)
+    return writer is not None and writer._queue.full()
+
+
+def is_understood(sequence: str) -> bool:
+    """Whether Textual knows what an escape sequence means."""
+    known = sequence in ANSI_SEQUENCES_KEYS or sequence in _xterm_parser.SPECIAL_SEQUENCES
+    return known or any(pattern.fullmatch(sequence) for pattern in _UNDERSTOOD)
+
+
+class KeyParser(XTermParser):
+    """Textual's parser, which also tells what a single sequence is without being fed it."""
+
+    def keys_of(self, sequence: str) -> Iterable[events.Key]:
+        """The keys that a sequence stands for."""
+        keys = self._sequence_to_key_events(sequence)
+        return [key for key in keys if key.key != Keys.Ignore]
+
+
+class LazyStrip(Strip):
+    """A row whose segments are made when something asks for them."""
+
+    __slots__ = ["_made"]
+
+    def __init__(self, width: int) -> None:
+        """Prepare a row of so many cells."""
+        self._made: list[Segment] | None = None
+        super().__init__((), width)
+        self._cell_count = width
+
+    @abstractmethod
+    def segments(self) -> list[Segment]:
+        """The row's segments."""
+
+    # Shadows the slot of Strip.
+    @property
+    def _segments(self) -> list[Segment]:
+        if self._made is None:
+            self._made = self.segments()
+        return self._made
+
+    @_segments.setter
+    def _segments(self, value: list[Segment]) -> None:
+        del value  # Strip's constructor sets none
+
+    @property
+    def kept(self) -> str | None:
+        """What `render` gave the last time."""
+        return self._render_cache
+
+    @kept.setter
+    def kept(self, rendered: str) -> None:
+        self._render_cache = rendered
+
+
+with contextlib.suppress(ImportError):  # Windows has no such terminals
+    from textual.drivers.linux_driver import LinuxDriver
+
+    class SuspendableDriver(LinuxDriver):
+        """Enters the terminal anew only after it was left.
+
+        Textual's own would read and write in two threads after any SIGCONT.
+        """
+
+        _suspended: bool = False
+
+        def _sigtstp_application(self, *given: object) -> None:
+            self._suspended = True
+            super()._sigtstp_application(*given)
+
+        def _sigcont_application(self, *given: object) -> None:
+            if self._suspended:
+                self._suspended = False
+                super()._sigcont_application(*given)
