@@ -330,9 +330,9 @@ class Console(App[None], inherit_bindings=False):
             self._draw()
 
     def _draw(self) -> None:
-        state = self.state
-        if not self._painter.ready(state.now):
+        if not self._painter.ready(time.monotonic()):
             return
+        state = self.state
         if self._keyboard.waits_for_releases:
             self._painter.ask(state.now)
         self._painter.paint(state.now, self._view.render(state), self._view.urgencies)

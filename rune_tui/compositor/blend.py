@@ -99,14 +99,17 @@ def urgencies_of(columns: int, rows: int, layers: Iterable[Layer]) -> Urgencies:
         upper, lower = max(0, layer.y), max(0, layer.y + canvas.height)
         left, right = max(0, layer.x), max(0, layer.x + canvas.width)
         covered = urgencies[upper // 2 : -(-lower // 2), left:right]
-        opaque = layer.transparency == 0 and bool((canvas.pixels[..., 3] == _OPAQUE).all())
-        if opaque or layer.urgency is Urgency.VIDEO:
+        if layer.urgency is Urgency.VIDEO or _hides_all(layer):
             covered[...] = layer.urgency
         elif canvas.glyphs.any():
             down, across = max(0, -first), max(0, -layer.x)
             glyphs = canvas.glyphs[down:, across:][: covered.shape[0], : covered.shape[1]]
             covered[: glyphs.shape[0], : glyphs.shape[1]][glyphs != 0] = layer.urgency
     return urgencies
+
+
+def _hides_all(layer: Layer) -> bool:
+    return layer.transparency == 0 and int(layer.canvas.pixels[..., 3].min()) == _OPAQUE
 
 
 def mix(

@@ -26,17 +26,21 @@ from rune_tui.terminal.pacing import FramePacer
 from rune_tui.terminal.rate import RateController
 from rune_tui.terminal.traits import Traits
 from rune_tui.ui.terminal import output_is_pending, output_was_lost
-from rune_tui.ui.textual_inside import driver_of
+from rune_tui.ui.textual_inside import driver_of, write_bytes
 from rune_tui.ui.view_pane import ViewPane
 
 Flags = npt.NDArray[np.bool_]
 
-_BEGIN: Final = "\x1b[?2026h"
-_END: Final = "\x1b[?2026l"
+_BEGIN: Final = b"\x1b[?2026h"
+_END: Final = b"\x1b[?2026l"
 _KEPT_BYTES: Final = 6
 """tmux throws away what waits for its terminal beyond 8 bytes a cell [bytes]."""
 _SELDOM_S: Final = 1 / 15 - 0.005
 """Least time between two frames for tmux, which takes all and says nothing of its terminal [s]."""
+_MUCH_BYTES: Final = 8_000
+"""A picture of which so much is new comes from a camera that moves [bytes]."""
+_STILL_S: Final = 0.15
+"""So long after such a picture it is worth while to make the last one more exact [s]."""
 _SILENT_S: Final = 0.2
 """After so long without a frame the terminal is asked for a sign of life, if one is needed [s]."""
 _COUNTED_S: Final = 1.0
@@ -69,7 +73,7 @@ class Painter:
         self._frames = FrameWriter(ScreenEncoder(half=traits.glyphs.half), self._control)
         self._urgencies: Urgencies = np.zeros((0, 0), np.uint8)
         self._latency = math.nan
-        self._asked = -math.inf
+        self._asked = self._moved = -math.inf
         self._sent: deque[tuple[float, int]] = deque()
 
     def ready(self, now: float) -> bool:
@@ -106,15 +110,22 @@ class Painter:
             drawn = np.zeros((newest.rows, newest.columns), np.bool_)
             drawn[rows[rows < newest.rows]] = True
             self._frames.forget(drawn)
-        covered = self._covered(newest)
-        frame = Frame(first=b"", picture=b"")
-        if cells is not None or rows.size or self._frames.behind:
-            frame = self._frames.draw(newest, self._urgencies, covered)
-        if not frame.picture and self._frames.inexact:
-            finer = self._frames.refine(covered)
-            frame = Frame(first=frame.first, picture=finer.picture)
+        frame = self._frame(now, newest, anew=cells is not None or bool(rows.size))
         if frame.size:
             self._write(now, frame)
+
+    def _frame(self, now: float, newest: Cells, *, anew: bool) -> Frame:
+        """What brings the terminal nearer to the newest cells."""
+        covered = self._covered(newest)
+        frame = Frame(first=b"", picture=b"")
+        if anew or self._frames.behind:
+            frame = self._frames.draw(newest, self._urgencies, covered)
+        if len(frame.picture) > _MUCH_BYTES:
+            self._moved = now
+        if not frame.picture and self._frames.inexact and now - self._moved > _STILL_S:
+            finer = self._frames.refine(covered)
+            frame = Frame(first=frame.first, picture=finer.picture)
+        return frame
 
     def ask(self, now: float) -> None:
         """Have the terminal say that it is there, unless a frame has asked it just now."""
@@ -151,10 +162,10 @@ class Painter:
         driver = driver_of(self._app)
         if driver is None or self._app.is_headless:
             return
-        begin, end = (_BEGIN, _END) if self._traits.synchronized else ("", "")
-        parts = [part.decode() for part in (frame.first, frame.picture) if part]
-        text = "".join(f"{begin}{part}{end}" for part in parts)
-        driver.write(f"{text}{self._pacer.sent(now, frame.size)}{self._home}")
+        begin, end = (_BEGIN, _END) if self._traits.synchronized else (b"", b"")
+        parts = [begin + part + end for part in (frame.first, frame.picture) if part]
+        question = f"{self._pacer.sent(now, frame.size)}{self._home}".encode()
+        write_bytes(driver, b"".join((*parts, question)))
         self._sent.append((now, frame.size))
         self._asked = now
 

@@ -30,8 +30,8 @@ from rune_tui.terminal.input_stream import (
 )
 from rune_tui.ui.driver_reports import FrameAnswered, KeyMoved, ReleasesTold
 from rune_tui.ui.textual_inside import (
+    InsideDriver,
     KeyParser,
-    SuspendableDriver,
     is_understood,
     writes_block,
 )
@@ -74,7 +74,7 @@ class SturdyParser(KeyParser):
         return self.keys_of(f"\x1b[{event.y + 1};{event.x + 1}R")
 
 
-class SturdyDriver(SuspendableDriver):
+class SturdyDriver(InsideDriver):
     """Takes any bytes; a terminal that has gone ends the console in order.
 
     Attributes:
@@ -91,7 +91,7 @@ class SturdyDriver(SuspendableDriver):
     def start_application_mode(self) -> None:
         """Enter the terminal, and ask it to tell when keys go up."""
         self._down = {}
-        super().start_application_mode()  # type: ignore[no-untyped-call]
+        super().start_application_mode()
         self.write(_TELL_RELEASES)
 
     def write(self, data: str) -> None:

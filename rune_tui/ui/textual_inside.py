@@ -8,7 +8,7 @@ from __future__ import annotations
 import contextlib
 from abc import abstractmethod
 from collections.abc import Iterable
-from typing import Any, Final
+from typing import Any, Final, TextIO
 
 from rich.segment import Segment
 from textual import _xterm_parser, events
@@ -30,6 +30,15 @@ _UNDERSTOOD: Final = (
 def driver_of(app: App[Any]) -> Driver | None:
     """What writes to the terminal past Textual's compositor; None before it runs."""
     return app._driver
+
+
+def write_bytes(driver: Driver, data: bytes) -> None:
+    """Write what is UTF-8 already."""
+    write = getattr(driver, "write_bytes", None)
+    if write is None:
+        driver.write(data.decode())
+    else:
+        write(data)
 
 
 def writes_waiting(driver: Driver | None) -> int:
@@ -101,13 +110,33 @@ class LazyStrip(Strip):
 with contextlib.suppress(ImportError):  # Windows has no such terminals
     from textual.drivers.linux_driver import LinuxDriver
 
-    class SuspendableDriver(LinuxDriver):
-        """Enters the terminal anew only after it was left.
+    class _Sink:
+        """Takes text, and bytes that are UTF-8 already: decoding and encoding frames takes long."""
+
+        def __init__(self, file: TextIO) -> None:
+            self._buffer = file.buffer
+            self.flush, self.fileno = self._buffer.flush, self._buffer.fileno
+
+        def write(self, data: str | bytes) -> None:
+            self._buffer.write(data if isinstance(data, bytes) else data.encode(errors="replace"))
+
+    class InsideDriver(LinuxDriver):
+        """Takes bytes too, and enters the terminal anew only after it was left.
 
         Textual's own would read and write in two threads after any SIGCONT.
         """
 
         _suspended: bool = False
+
+        def start_application_mode(self) -> None:
+            """Enter the terminal."""
+            if not isinstance(self._file, _Sink):
+                self._file = _Sink(self._file)  # type: ignore[assignment,arg-type]
+            super().start_application_mode()  # type: ignore[no-untyped-call]
+
+        def write_bytes(self, data: bytes) -> None:
+            """Write what is UTF-8 already."""
+            self.write(data)  # type: ignore[arg-type] # the writer hands it on as it is
 
         def _sigtstp_application(self, *given: object) -> None:
             self._suspended = True
