@@ -73,6 +73,17 @@ class UndoMark(OrderWidget):
         return now - self._removed.get((robot, number), -math.inf) < _REMOVED_S
 
 
+def _rule(meaning: str) -> HandlerRule:
+    """What layouts may say of a widget that does something with the mark that is clicked."""
+    return HandlerRule(
+        meaning=meaning,
+        options={"radius": _RADIUS},
+        sends=(POINT_COMMAND.name,),
+        uses=(INTEREST_POINTS.name,),
+        pointed=True,
+    )
+
+
 class _MarkWidget(PointedWidget):
     """A widget that does something with the mark that was clicked."""
 
@@ -102,13 +113,7 @@ class RemoveMark(_MarkWidget):
     """Removes the mark that was clicked."""
 
     purpose: ClassVar[str] = "removed"
-    rule: ClassVar = HandlerRule(
-        meaning="Removes the mark nearest to where you click.",
-        options={"radius": _RADIUS},
-        sends=(POINT_COMMAND.name,),
-        uses=(INTEREST_POINTS.name,),
-        pointed=True,
-    )
+    rule: ClassVar = _rule("Removes the mark nearest to where you click.")
 
     def mark(
         self, mark: InterestPoint, robot: RobotState, state: ConsoleState
@@ -121,13 +126,7 @@ class EditMark(_MarkWidget):
     """Changes the words that go with a mark."""
 
     purpose: ClassVar[str] = "changed"
-    rule: ClassVar = HandlerRule(
-        meaning="Asks for other words to go with the mark nearest to where you click.",
-        options={"radius": _RADIUS},
-        sends=(POINT_COMMAND.name,),
-        uses=(INTEREST_POINTS.name,),
-        pointed=True,
-    )
+    rule: ClassVar = _rule("Asks for other words to go with the mark nearest to where you click.")
 
     def mark(
         self,

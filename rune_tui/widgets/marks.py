@@ -48,6 +48,20 @@ class _Pending:
     since: float
 
 
+def _rule(what: str) -> HandlerRule:
+    """What layouts may say of a widget that marks such things."""
+    return HandlerRule(
+        meaning=f"Marks a {what} where you click, with a small picture of it.",
+        options={
+            "note": TextOption(longest=200, meaning="words to go with it"),
+            "operator": OPERATOR,
+        },
+        sends=(POINT_COMMAND.name,),
+        uses=(INTEREST_POINTS.name,),
+        pointed=True,
+    )
+
+
 class _SetMark(PointedWidget):
     """Marks the place that was clicked, and says whether the robot took it."""
 
@@ -112,32 +126,14 @@ class SetVictim(_SetMark):
     """Marks a victim."""
 
     kind: ClassVar[PointKind] = PointKind.VICTIM
-    rule: ClassVar = HandlerRule(
-        meaning="Marks a victim where you click, with a small picture of it.",
-        options={
-            "note": TextOption(longest=200, meaning="words to go with it"),
-            "operator": OPERATOR,
-        },
-        sends=(POINT_COMMAND.name,),
-        uses=(INTEREST_POINTS.name,),
-        pointed=True,
-    )
+    rule: ClassVar = _rule("victim")
 
 
 class SetLandmark(_SetMark):
     """Marks a landmark."""
 
     kind: ClassVar[PointKind] = PointKind.LANDMARK
-    rule: ClassVar = HandlerRule(
-        meaning="Marks a landmark where you click, with a small picture of it.",
-        options={
-            "note": TextOption(longest=200, meaning="words to go with it"),
-            "operator": OPERATOR,
-        },
-        sends=(POINT_COMMAND.name,),
-        uses=(INTEREST_POINTS.name,),
-        pointed=True,
-    )
+    rule: ClassVar = _rule("landmark")
 
 
 def points_of(robot: RobotState) -> tuple[InterestPoint, ...]:
