@@ -138,10 +138,14 @@ def _picture_age(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
 
 
 def _joysticks(state: ConsoleState) -> Iterator[Part]:
+    """Those that do not work, of several that are alike how many."""
+    names: dict[tuple[str, Mood], list[str]] = {}
     for joystick in state.joysticks.values():
-        text, mood = joystick_words(joystick)
+        names.setdefault(joystick_words(joystick), []).append(joystick.name)
+    for (text, mood), alike in names.items():
         if mood is not Mood.GOOD:
-            yield Part(f"{joystick.name} {text}", 1 if mood is Mood.PLAIN else 8, mood)
+            whose = alike[0] if len(alike) == 1 else f"{len(alike)} joysticks"
+            yield Part(f"{whose} {text}", 1 if mood is Mood.PLAIN else 8, mood)
 
 
 def joystick_words(joystick: JoystickState) -> tuple[str, Mood]:

@@ -86,3 +86,16 @@ def test_the_picture_changes_with_what_is_seen_and_not_with_less(made: Made) -> 
     assert one == shown.source(robot, knows(phase=CONNECTED, values={"x": 0.501}, heard=2.0))
     assert one != shown.source(robot, knows(phase=CONNECTED, values={"x": 0.510}))
     assert one != shown.source(robot, knows(values={"x": 0.500}))
+
+
+def test_several_lost_joysticks_leave_room_for_the_rest_of_the_status_line(
+    made: Made, draw: Draw
+) -> None:
+    lost = {
+        name: JoystickState(name=name, device="F310", phase=JoystickPhase.MISSING)
+        for name in ("left", "right", "third")
+    }
+    state = ConsoleState(now=NOW, joysticks=lost)
+    (line,) = words(draw("visualizeStatus", made.robot(), (100, 2), state=state))[:1]
+    assert "3 joysticks UNPLUGGED" in line
+    assert "STANDING" in line
