@@ -214,6 +214,8 @@ class Outlet:
 
     def end(self) -> None:
         """Central is gone; what waited for it would be old."""
+        for _ in self._held or ():
+            self._not_sent("the hub was gone before it said who has subscribed")
         self._held = None
         self._open = False
         self.takers = Takers()
@@ -323,11 +325,14 @@ class Outlet:
         if held is None:
             return
         if held.maxlen == len(held):
-            text = f"{self.definition.name}: central does not say who has subscribed"
-            self._ways.complaints.count("not sent", text)
+            self._not_sent("central does not say who has subscribed")
         whole = b"".join(payload)  # the pieces may be views of what changes meanwhile
         self._last = (self._sequence, stamp, whole)
         held.append(self._last)
+
+    def _not_sent(self, why: str) -> None:
+        """Nobody else can count this: with the connection, its publisher's number changes."""
+        self._ways.complaints.count("not sent", f"{self.definition.name}: {why}")
 
     def _release(self) -> None:
         held, self._held = self._held or (), None
@@ -347,6 +352,8 @@ class Outlet:
             self._ways.complaints.count("too long", text)
         elif self._open:
             self._ways.send(self, frame)
+        else:
+            self._not_sent("there is no hub")
 
     def _emit_in_ring(self, sequence: int, stamp: int, payload: Sequence[Buffer]) -> None:
         place = self._write(payload)

@@ -46,6 +46,7 @@ def _work(make_rig: Callable[..., Rig], tell: Callable[..., None], seconds: floa
             "last": summary["last"][name],
             "received": summary["received"][name],
             "missed": summary["missed"][name],
+            "not_sent": source.summary["complaints"].get("not sent", 0),
         }
         for name, source in _sources(publisher, camera)
     }
@@ -67,7 +68,8 @@ def _work(make_rig: Callable[..., Rig], tell: Callable[..., None], seconds: floa
             "no fault in a module": not summary["faults"],
             "nothing lost that was not counted": all(
                 each["last"] == each["published"]
-                and each["received"] + each["missed"] == each["last"] - each["first"] + 1
+                and each["received"] + each["missed"] + each["not_sent"]
+                == each["last"] - each["first"] + 1
                 for each in counted.values()
             ),
             # What is made when first needed may come after the first seconds of a short run.

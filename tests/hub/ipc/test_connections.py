@@ -190,6 +190,28 @@ def test_command_of_a_short_outage_never_arrives(lasting_endpoint: str, peers: M
     central.close()
 
 
+def test_what_is_published_without_a_hub_is_counted(lasting_endpoint: str, peers: Make) -> None:
+    publisher = peers("publisher", lasting_endpoint)
+
+    def not_sent() -> int:
+        return publisher.client.complaints.counts["not sent"]
+
+    publisher.publish(v.LOG, Number(value=1))
+    assert not_sent() == 1
+    central = Central([lasting_endpoint])
+    try:
+        publisher.connect()
+        publisher.publish(v.LOG, Number(value=2))
+        publisher.call(lambda: publisher.client.wait_published(5.0))
+        assert not_sent() == 1
+    finally:
+        central.close()
+    until(lambda: not publisher.client.connected, 5.0)
+    for number in range(3):
+        publisher.publish(v.LOG, Number(value=number))
+    assert not_sent() == 4
+
+
 def test_query_under_way_ends_when_central_is_started_again(
     lasting_endpoint: str, peers: Make
 ) -> None:
