@@ -13,7 +13,7 @@ from tests.system.harness import ConsoleProcess, HubProcess, Observer
 
 LAYOUT = """<rune run="1">
   <robot name="magellan" hub="{hub}">
-    <capability name="VIS_VID" interval_ms="66"/>
+    <capability name="VIS_VID" interval_ms="500"/>
     <capability name="VIS_PTZ"/>
     <capability name="NAV_STATE"/>
     <capability name="NAV_MOVE"/>
