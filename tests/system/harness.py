@@ -175,6 +175,42 @@ class _Answering(pyte.Screen):
             os.write(self._terminal, data.encode())
 
 
+_COMMON = re.compile(r"\x1b\[([\d;]*)([mHC])|([^\x00-\x1f\x7f-\x9f]+)")
+_BEGUN = re.compile(r"\x1b(?:\[[0-?]*)?\Z")
+
+
+class _QuickStream(pyte.ByteStream):
+    """Reads what frames are made of by itself, all else as pyte does; that takes a third."""
+
+    _rest = ""
+
+    def feed(self, data: bytes) -> None:
+        """Take bytes cut anywhere."""
+        text = self._rest + self.utf8_decoder.decode(data)
+        begun = _BEGUN.search(text)
+        end = begun.start() if begun else len(text)
+        self._rest, at = text[end:], 0
+        screen = self.listener
+        does = {
+            "m": screen.select_graphic_rendition,
+            "H": screen.cursor_position,
+            "C": screen.cursor_forward,
+        }
+        while at < end:
+            found = _COMMON.match(text, at, end)
+            if found is None:
+                escape = text.find("\x1b", at + 1, end)
+                before, at = at, escape if escape >= 0 else end
+                pyte.Stream.feed(self, text[before:at])
+                continue
+            numbers, final, written = found.groups()
+            if written is not None:
+                screen.draw(written)
+            else:
+                does[final](*(int(each or 0) for each in numbers.split(";")) if numbers else ())
+            at = found.end()
+
+
 class ConsoleProcess:
     """`rune ...` on a pseudo-terminal, with a terminal emulator that eats what it writes."""
 
@@ -199,7 +235,7 @@ class ConsoleProcess:
         self.started = time.monotonic()
         self.terminal, inner = pty.openpty()
         self.screen = _Answering(columns, rows, self.terminal)
-        self._stream = pyte.ByteStream(self.screen)
+        self._stream = _QuickStream(self.screen)
         self.output_bytes = 0
         self._unread = b""
         fcntl.ioctl(inner, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
