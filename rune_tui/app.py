@@ -54,6 +54,7 @@ from rune_tui.model.effects import (
     SendEffect,
     ShowViewport,
     StateEffect,
+    SuspendEffect,
     Tell,
     ToggleHelp,
     changed,
@@ -66,7 +67,7 @@ from rune_tui.ui.driver_reports import FrameAnswered, KeyMoved, ReleasesTold
 from rune_tui.ui.painter import Painter
 from rune_tui.ui.palette import palette_of
 from rune_tui.ui.question import Question
-from rune_tui.ui.terminal import terminal_driver
+from rune_tui.ui.terminal import suspend, terminal_driver
 from rune_tui.ui.view_pane import ViewPane, ViewScreen
 from rune_tui.ui.waking import at_the_systems_end, waker
 from rune_tui.view import View
@@ -393,6 +394,8 @@ class Console(App[None], inherit_bindings=False):
             case NextLayoutEffect():
                 if not self._layouts.next():
                     self._tell(desk.Outcome(text="the console was started with no other layout"))
+            case SuspendEffect():
+                self._suspend()
             case PaletteEffect():
                 self._let_go()
                 self.push_screen(palette_of(self._actions, self._act))
@@ -400,6 +403,12 @@ class Console(App[None], inherit_bindings=False):
                 self._ask(effect)
             case QuitEffect():
                 self._leave()
+
+    def _suspend(self) -> None:
+        self._let_go()
+        if not suspend():
+            text = "Ctrl-Z does nothing here: no shell would have the console go on"
+            self._tell(desk.Outcome(text=text))
 
     def _send(self, effect: SendEffect | ControlEffect) -> None:
         link = self._links[effect.robot]

@@ -23,6 +23,7 @@ from rune_tui.model.effects import (
     ExportEffect,
     PaletteEffect,
     SendEffect,
+    SuspendEffect,
     Tell,
     ToggleHelp,
     ToggleNight,
@@ -34,7 +35,11 @@ from rune_tui.widgets.widget import Widget
 
 _logger = logging.getLogger(__name__)
 
-_UNLESS_BOUND: Mapping[str, Effect] = {"?": ToggleHelp(), "ctrl+p": PaletteEffect()}
+_UNLESS_BOUND: Mapping[str, Effect] = {
+    "?": ToggleHelp(),
+    "ctrl+p": PaletteEffect(),
+    "ctrl+z": SuspendEffect(),
+}
 """What keys do that the layout binds to nothing."""
 _CLOSE_HELP = "escape"
 _TO_ROBOTS = SendEffect | ControlEffect | ExportEffect | WishPictures | ToggleNight

@@ -114,6 +114,11 @@ class PaletteEffect:
     """Open the list of all that the layout's inputs do, to choose from."""
 
 
+@dataclass(frozen=True, slots=True)
+class SuspendEffect:
+    """Give the terminal back to the shell for a while."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShowViewport:
     """Show or hide a viewport.
@@ -243,6 +248,7 @@ DeedEffect = (
     | ExportEffect
     | CalibrateEffect
     | PaletteEffect
+    | SuspendEffect
 )
 """What the app has to do."""
 Effect = DeedEffect | StateEffect

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import sys
 from typing import Any
 
@@ -27,6 +29,18 @@ def output_was_lost(app: App[Any]) -> bool:
     if lost:
         driver.lost = False  # type: ignore[union-attr] # only ours has it
     return lost
+
+
+def suspend() -> bool:
+    """Stop this process and what was started with it, as Ctrl-Z does in a shell.
+
+    Returns:
+        False where no shell is there that could have it go on, as in `ssh -t robot rune run`.
+    """
+    if sys.platform == "win32" or os.getpgrp() == os.getsid(0):
+        return False
+    os.kill(os.getpid(), signal.SIGTSTP)
+    return True
 
 
 def terminal_driver() -> type[Driver] | None:

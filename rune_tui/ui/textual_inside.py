@@ -6,6 +6,8 @@ Nothing of it is used elsewhere, and a test says what is missing or different in
 from __future__ import annotations
 
 import contextlib
+import os
+import signal
 from abc import abstractmethod
 from collections.abc import Iterable
 from typing import Any, Final, TextIO
@@ -139,8 +141,17 @@ with contextlib.suppress(ImportError):  # Windows has no such terminals
             self.write(data)  # type: ignore[arg-type] # the writer hands it on as it is
 
         def _sigtstp_application(self, *given: object) -> None:
+            """Leave the terminal, and only then stop with all that the shell started with us.
+
+            Else the shell would have the terminal before it was left.
+            """
+            del given
             self._suspended = True
-            super()._sigtstp_application(*given)
+            if self._auto_restart:
+                self.suspend_application_mode()
+                self._must_signal_resume = True
+            alone = os.getpgrp() == os.getsid(0)
+            os.kill(os.getpid() if alone else -os.getpgrp(), signal.SIGSTOP)
 
         def _sigcont_application(self, *given: object) -> None:
             if self._suspended:

@@ -25,6 +25,7 @@ from rune_tui.model.effects import (
     PaletteEffect,
     QuitEffect,
     SendEffect,
+    SuspendEffect,
     ToggleHelp,
 )
 from rune_tui.model.robot_state import LinkPhase, LinkState
@@ -237,6 +238,7 @@ def test_the_question_mark_opens_and_closes_the_help_and_escape_closes_it():
 def test_the_palette_opens_but_not_over_the_help():
     dispatch = Dispatch(DEMO)
     assert dispatch.handle(down("ctrl+p"), at(0.0)) == (PaletteEffect(),)
+    assert dispatch.handle(down("ctrl+z"), at(0.0)) == (SuspendEffect(),)
     assert dispatch.handle(down("ctrl+p"), HELPED) == ()
 
 

@@ -9,6 +9,7 @@ import struct
 import termios
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import psutil
 import pyte
@@ -97,3 +98,26 @@ def test_the_picture_is_right_afterwards(
     before = settled(console)
     event(console)
     console.wait(lambda: picture(console) == before, 20.0, "the picture is another one")
+
+
+def test_ctrl_z_gives_the_terminal_to_the_shell_until_it_has_the_console_go_on(
+    hub: HubProcess, start_console: Callable[..., ConsoleProcess], tmp_path: Path
+) -> None:
+    told = tmp_path / "told"
+    job = f'set -m; "$@"; echo $? > {told}; fg; echo $? >> {told}'
+    console = start_console(hub.endpoint, within=["bash", "-c", job, "bash"])
+    before = settled(console)
+    console.type("\x1a")
+    console.wait(lambda: told.exists() and "\n" in told.read_text(), 20.0, "it is not suspended")
+    assert int(told.read_text()) == 128 + signal.SIGSTOP
+    console.wait(lambda: picture(console) == before, 20.0, "the picture is another one")
+    console.type("q")
+    console.wait_ended()
+    assert told.read_text().splitlines()[-1] == "0"
+
+
+def test_ctrl_z_does_nothing_where_no_shell_would_have_the_console_go_on(
+    console: ConsoleProcess,
+) -> None:
+    console.type("\x1a")
+    console.wait(lambda: "Ctrl-Z does nothing here" in console.text, 20.0, "it says nothing")

@@ -45,6 +45,8 @@ def test_textual_has_what_the_console_takes_from_its_inside(owner: object, name:
     [
         (App.__init__, "self._driver"),
         (LinuxDriver, "self._writer_thread = WriterThread("),
+        (LinuxDriver._sigtstp_application, "self.suspend_application_mode()"),
+        (LinuxDriver._sigtstp_application, "self._must_signal_resume = True"),
         (LinuxDriver.write, "self._writer_thread.write(data)"),
         (_writer_thread.WriterThread, "self._queue: Queue"),
         (Strip, '"_cell_count"'),
