@@ -8,7 +8,7 @@ TEST := $(BIN)/pytest --numprocesses 3 --dist worksteal
 # Tests start hundreds of processes, each of which would compile all files of ours anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test check fix bench bench-peers soak setup lock clean
+.PHONY: demo test check fix bench bench-peers bench-notcurses soak setup lock clean
 
 demo: $(READY)  ## open the console on a simulated robot
 	@$(BIN)/rune demo
@@ -34,6 +34,9 @@ bench: $(READY)  ## every figure, or one script's with ONLY=sim
 bench-peers:  ## what benchmarks compare with, in an environment of its own
 	@$(PYTHON) -m venv .venv-bench
 	@.venv-bench/bin/pip install --quiet --disable-pip-version-check -r benchmarks/requirements.txt
+
+bench-notcurses:  ## the same of notcurses, built from Debian's source
+	@benchmarks/peers/build_notcurses.sh
 
 soak: $(READY)  ## the tests that run for minutes
 	HYPOTHESIS_PROFILE=thorough $(TEST) tests/hub tests/console --timeout 600

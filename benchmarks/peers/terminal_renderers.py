@@ -1,8 +1,9 @@
 """Libraries of others that draw pictures in terminals, each asked for one frame at a time.
 
-Runs in the peers' own environment. Standard input has a line a frame, "RENDERER SCENE NUMBER";
-standard output first a line with what is here and why the others are not, then a line for each,
-"CPU-MILLISECONDS BYTES". Scenes are files of RGB frames beside one another.
+Runs in the peers' own environment, and without a terminal of its own, which they would ask.
+Standard input has a line a frame, "RENDERER SCENE NUMBER"; standard output first a line with what
+is here and why the others are not, then a line for each, "CPU-MILLISECONDS BYTES". Scenes are files
+of RGB frames beside one another.
 """
 
 from __future__ import annotations
@@ -15,11 +16,28 @@ import sys
 import time
 import warnings
 from collections.abc import Callable
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-Draw = Callable[[Any], str | bytes]
+Draw = Callable[[Any], str | bytes | int]
+"""Draws a picture, and gives what goes to the terminal, or how many bytes."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Renderer:
+    """One that takes part.
+
+    Attributes:
+        version: Its own.
+        draw: What is measured.
+        prepared: Makes of Pillow's picture, which others take, what it draws.
+    """
+
+    version: str
+    draw: Draw
+    prepared: Callable[[Any], Any] = lambda picture: picture
 
 
 def main() -> None:
@@ -27,23 +45,29 @@ def main() -> None:
     # What a terminal would tell; libraries ask for it when they are imported.
     os.environ |= {"COLORTERM": "truecolor", "TERM": "xterm-256color", "LC_ALL": "C.UTF-8"}
     warnings.simplefilter("ignore")
-    answers = os.fdopen(os.dup(1), "w", buffering=1)
-    drawing: dict[str, Draw] = {}
+    requests, answers = os.fdopen(os.dup(0)), os.fdopen(os.dup(1), "w", buffering=1)
+    os.dup2(os.open(os.devnull, os.O_RDWR), 0)  # notcurses reads keys from there
+    renderers: dict[str, Renderer] = {}
     missing: dict[str, str] = {}
-    for name, prepare in RENDERERS.items():
+    for name, begin in RENDERERS.items():
         try:
-            drawing[name] = prepare(columns, rows)
+            begun = begin(columns, rows)
         except (ImportError, AttributeError, OSError) as error:
             missing[name] = f"{type(error).__name__}: {error}"
-    versions = {name: version(name) for name in drawing}
+        else:
+            own = isinstance(begun, Renderer)
+            renderers[name] = begun if own else Renderer(version=version(name), draw=begun)
+    versions = {name: renderer.version for name, renderer in renderers.items()}
     print(json.dumps({"versions": versions, "missing": missing}), file=answers)
-    for line in sys.stdin:
+    for line in requests:
         name, scene, number = line.split()
-        frame = picture(folder / scene, int(number), columns, rows)
+        renderer = renderers[name]
+        frame = renderer.prepared(picture(folder / scene, int(number), columns, rows))
         start = time.process_time()
-        drawn = drawing[name](frame)
+        drawn = renderer.draw(frame)
         spent = time.process_time() - start
-        length = len(drawn if isinstance(drawn, bytes) else drawn.encode())
+        drawn = drawn.encode() if isinstance(drawn, str) else drawn
+        length = drawn if isinstance(drawn, int) else len(drawn)
         print(spent * 1e3, length, file=answers)
 
 
@@ -141,11 +165,23 @@ def chafa(columns: int, rows: int) -> Draw:
     return draw
 
 
-RENDERERS: dict[str, Callable[[int, int], Draw]] = {
+def notcurses(columns: int, rows: int) -> Renderer:
+    from benchmarks.peers.notcurses import Notcurses
+
+    screen = Notcurses(columns, rows)
+    return Renderer(
+        version=screen.version,
+        draw=screen.draw,
+        prepared=lambda picture: picture.convert("RGBA").tobytes(),
+    )
+
+
+RENDERERS: dict[str, Callable[[int, int], Draw | Renderer]] = {
     "rich-pixels": rich_pixels,
     "textual-image": textual_image,
     "term-image": term_image,
     "chafa.py": chafa,
+    "notcurses": notcurses,
 }
 
 if __name__ == "__main__":
