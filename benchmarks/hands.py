@@ -177,13 +177,18 @@ def report_to_wheel() -> None:
     with ExitStack() as stack:
         drive = Drive(stack)
         truth = drive.observer.history
+
+        def still() -> bool:
+            return abs(truth[-1][1].linear) < _STILL
+
+        def moved() -> list[float]:
+            return [t for t, each in truth if abs(each.linear) > _STILL]
+
         for move in range(_DRIVES):
-            still = lambda: abs(truth[-1][1].linear) < _STILL  # noqa: E731 - it is short
             until(still, 10.0, meanwhile=drive.step)
             drive.serve(0.7 + 0.013 * move)
             truth.clear()
             sent, _ = drive.push(0 if move % 2 else 255)
-            moved = lambda: [t for t, each in truth if abs(each.linear) > _STILL]  # noqa: E731
             until(moved, 5.0, meanwhile=drive.step)
             times.append(moved()[0] - sent)
             drive.push(_CENTRE)
