@@ -6,26 +6,20 @@ and robots in a process of their own, whose cameras were recorded on a turn in t
 
 from __future__ import annotations
 
-import dataclasses
 import math
-import multiprocessing
 import sys
 import tempfile
-import threading
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, closing, contextmanager
-from multiprocessing.connection import Connection
+from collections.abc import Sequence
+from contextlib import closing
 from pathlib import Path
 
 import psutil
 
 from benchmarks.figures import report, say
-from hub.gcm import rle, vision
-from hub.gcm.navigation import ROBOT_STATE, MotionState, RobotState
-from hub.ipc.central import Central
-from hub.ipc.client import Client
-from hub.robots.magellan import SimulatedCamera, SimulatedMagellan
+from benchmarks.stand_in_robot import StandInRobot, coded, fleet
+from hub.gcm import vision
+from hub.robots.magellan import SimulatedCamera
 from hub.sim.arena import load_arena
 from tests.system.harness import ConsoleProcess
 
@@ -52,94 +46,26 @@ PANES = """<viewport name="camera{n}" robot="r{n}" xpos="{x}" ypos="{y}" xsize="
     </viewport>"""
 
 
-class Robot:
-    """A robot's hub: a central and one module that does what vision and navigation would."""
-
-    def __init__(self, number: int, size: tuple[int, int]) -> None:
-        self.answered = 0
-        self._pictures = list(recorded(size))
-        self._body = SimulatedMagellan(load_arena("yellow"), seed=number)
-        self.central = Central(["tcp://127.0.0.1:0"])
-        self._client = Client("robot", self.central.endpoints[0])
-        self._client.define(vision.CAMERA_STATE, ROBOT_STATE)
-        self._client.respond(vision.IMAGE_REQUEST, vision.IMAGE, self._picture)
-        self._client.every(0.1, self._look)
-        self._client.every(0.05, self._drive)
-        self._ended = False
-        self._thread = threading.Thread(target=self._serve, daemon=True)
-        self._thread.start()
-
-    def close(self) -> None:
-        self._ended = True
-        self._thread.join()
-        self._client.close()
-        self.central.close()
-
-    def _serve(self) -> None:
-        while not self._ended:
-            self._client.listen(0.05)
-
-    def _picture(self, _: vision.ImageRequest) -> vision.Image:
-        self.answered += 1
-        return self._pictures[self.answered % len(self._pictures)]
-
-    def _look(self) -> None:
-        self._client.publish(vision.CAMERA_STATE, self._pictures[0].camera)
-
-    def _drive(self) -> None:
-        self._body.set_velocity(0.2, 0.5)
-        self._body.advance(0.05)
-        state = self._body.drive_state(time.time())
-        known = {
-            field.name: getattr(state, field.name, None) for field in dataclasses.fields(state)
-        }
-        shared = {field.name for field in dataclasses.fields(RobotState)}
-        told = {name: value for name, value in known.items() if name in shared}
-        told |= {"commanded_linear": 0.2, "commanded_angular": 0.5}
-        self._client.publish(ROBOT_STATE, RobotState(**told, motion=MotionState.MOVING, refused=0))
-
-
-def recorded(size: tuple[int, int]) -> Iterator[vision.Image]:
+class Recording:
     """What a camera sees while the robot turns on the spot, coded as vision does."""
-    arena = load_arena("yellow")
-    camera = SimulatedCamera(arena)
-    for number in range(PICTURES):
-        camera.place(arena.start.x, arena.start.y, arena.start.theta + number * STEP)
-        pixels = camera.take(*size, 0.0).pixels
-        data = rle.encode(pixels, quality=60)
-        yield vision.Image(
-            camera=camera.camera_state(0.0),
-            coding=vision.ImageCoding.RLE,
-            width_px=pixels.shape[1],
-            height_px=pixels.shape[0],
-            channels=3,
-            length=len(data),
-            data=data,
-        )
+
+    def __init__(self, size: tuple[int, int]) -> None:
+        arena = load_arena("yellow")
+        camera = SimulatedCamera(arena)
+        self._pictures = []
+        for number in range(PICTURES):
+            camera.place(arena.start.x, arena.start.y, arena.start.theta + number * STEP)
+            pixels = camera.take(*size, 0.0).pixels
+            self._pictures.append(coded(pixels, camera.camera_state(0.0), quality=60))
+
+    def __call__(self, number: int, _: float) -> vision.Image:
+        return self._pictures[number % len(self._pictures)]
 
 
-def robots(pipe: Connection, count: int, size: tuple[int, int]) -> None:
-    """The process of the robots: says where they are, then how much they answered when asked."""
-    with ExitStack() as stack:
-        made = [stack.enter_context(closing(Robot(number, size))) for number in range(count)]
-        pipe.send([robot.central.endpoints[0] for robot in made])
-        while pipe.recv() == "count":
-            pipe.send([robot.answered for robot in made])
-
-
-@contextmanager
-def fleet(count: int, size: tuple[int, int]) -> Iterator[tuple[Sequence[str], Connection]]:
-    """Robots in a process of their own: where they are, and a way to ask them."""
-    ours, theirs = multiprocessing.Pipe()
-    process = multiprocessing.get_context("spawn").Process(
-        target=robots, args=(theirs, count, size)
-    )
-    process.start()
-    try:
-        yield ours.recv(), ours
-    finally:
-        ours.send("end")
-        process.join(10.0)
+def recorded_robots(count: int, size: tuple[int, int]) -> list[StandInRobot]:
+    """Start so many robots."""
+    recording = Recording(size)
+    return [StandInRobot(recording, speeds=(0.2, 0.5)) for _ in range(count)]
 
 
 def layout(hubs: Sequence[str], interval: int) -> str:
@@ -174,10 +100,10 @@ def measured(count: int, interval: int) -> tuple[float, float, float]:
     size = (128, 96) if count == 1 else (64, 48)
     with (
         tempfile.TemporaryDirectory() as folder,
-        fleet(count, size) as (hubs, pipe),
+        fleet(recorded_robots, count, size) as robots,
     ):
         path = Path(folder) / "layout.xml"
-        path.write_text(layout(hubs, interval))
+        path.write_text(layout(robots.hubs, interval))
         arguments = ["run", str(path)]
         environment = {"COLORTERM": "truecolor"}
         with closing(
@@ -186,14 +112,12 @@ def measured(count: int, interval: int) -> tuple[float, float, float]:
             console.drain(WARM_S)
             process = psutil.Process(console.process.pid)
             before, bytes_before = process.cpu_times(), console.output_bytes
-            pipe.send("count")
-            answered = pipe.recv()
+            taken = robots.count()
             began = time.monotonic()
             console.drain(MEASURED_S)
             took = time.monotonic() - began
             after = process.cpu_times()
-            pipe.send("count")
-            shown = [b - a for a, b in zip(answered, pipe.recv(), strict=True)]
+            shown = [b - a for a, b in zip(taken, robots.count(), strict=True)]
         spent = after.user + after.system - before.user - before.system
         return spent / took, min(shown) / took, (console.output_bytes - bytes_before) / took
 

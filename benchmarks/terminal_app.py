@@ -16,7 +16,8 @@ from pathlib import Path
 import psutil
 
 from benchmarks.figures import report, say
-from benchmarks.panning_robot import COLUMNS, LAYOUT, ROWS, robot
+from benchmarks.panning_robot import COLUMNS, LAYOUT, ROWS, panning_robots
+from benchmarks.stand_in_robot import fleet
 from tests.system.harness import ConsoleProcess
 
 WARM_S, MEASURED_S = 4.0, 10.0
@@ -28,22 +29,20 @@ IDLE_MS = 3_600_000
 
 def cost(interval_ms: int) -> tuple[float, float, float]:
     """Share of a core, pictures a second, bytes a second."""
-    with robot() as (hub, pipe), tempfile.TemporaryDirectory() as folder:
+    with fleet(panning_robots) as robots, tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "layout.xml"
-        path.write_text(LAYOUT.format(hub=hub, interval=interval_ms))
+        path.write_text(LAYOUT.format(hub=robots.hubs[0], interval=interval_ms))
         environment = {"COLORTERM": "truecolor"}
         with closing(
             ConsoleProcess(["run", str(path)], columns=COLUMNS, rows=ROWS, environment=environment)
         ) as console:
             console.drain(WARM_S)
             process = psutil.Process(console.process.pid)
-            pipe.send("pictures")
-            pictures = pipe.recv()
+            (pictures,) = robots.count()
             before, written, began = process.cpu_times(), console.output_bytes, time.monotonic()
             console.drain(MEASURED_S)
             took, after = time.monotonic() - began, process.cpu_times()
-            pipe.send("pictures")
-            pictures = pipe.recv() - pictures
+            pictures = robots.count()[0] - pictures
     spent = after.user + after.system - before.user - before.system
     return spent / took, pictures / took, (console.output_bytes - written) / took
 

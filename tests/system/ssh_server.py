@@ -10,8 +10,6 @@ import subprocess
 from contextlib import suppress
 from pathlib import Path
 
-import pytest
-
 from tests.ports import free_port
 from tests.waiting import until
 
@@ -35,21 +33,25 @@ exec {ssh} -F none -oUserKnownHostsFile={folder}/known -oStrictHostKeyChecking=a
 """
 
 
-def sshd() -> str:
-    """The program; the test is skipped, loudly, where there is none."""
-    found = shutil.which("sshd", path=f"{os.environ['PATH']}:/usr/sbin:/usr/local/sbin")
-    tools = all(shutil.which(name) for name in ("ssh", "ssh-keygen"))
-    if found is None or not tools:
-        pytest.skip("NOT TESTED: no sshd, ssh or ssh-keygen here; apt-get install openssh-server")
-    return found
+_PROGRAMS = ("sshd", "ssh", "ssh-keygen")
+
+
+def _found(program: str) -> str | None:
+    return shutil.which(program, path=f"{os.environ['PATH']}:/usr/sbin:/usr/local/sbin")
+
+
+def missing() -> str:
+    """Why there can be none here; empty if there can."""
+    lacking = ", ".join(program for program in _PROGRAMS if _found(program) is None)
+    return f"there is no {lacking} here; apt-get install openssh-server" if lacking else ""
 
 
 class SshServer:
     """It lets in whoever has the key in `folder`; `ssh` on `path` has it."""
 
     def __init__(self, folder: Path, *, forwarding: str = "yes") -> None:
-        self._program = sshd()
-        self._ssh = shutil.which("ssh")  # before `path` may come first
+        self._sshd = _found("sshd")
+        self._ssh = _found("ssh")  # before `path` may come first
         self.folder = folder
         folder.mkdir()
         self.port = free_port()
@@ -78,7 +80,7 @@ class SshServer:
                 Path("/run/sshd").mkdir(exist_ok=True)  # sshd wants it when it is root
         with (self.folder / "log").open("ab") as log:
             self._process = subprocess.Popen(
-                [self._program, "-D", "-e", "-f", str(self.folder / "config")],
+                [self._sshd, "-D", "-e", "-f", str(self.folder / "config")],
                 stdin=subprocess.DEVNULL,
                 stderr=log,
             )

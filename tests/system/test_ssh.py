@@ -22,12 +22,14 @@ from rune_tui.opening import open_layout
 from tests.ports import free_port
 from tests.system.conftest import LAYOUT
 from tests.system.harness import ConsoleProcess, HubProcess, Observer, drive
-from tests.system.ssh_server import SshServer
+from tests.system.ssh_server import SshServer, missing
 from tests.waiting import until
 
 
 @pytest.fixture
 def server(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[SshServer]:
+    if why := missing():
+        pytest.skip(f"NOT TESTED: {why}")
     with closing(SshServer(tmp_path / "ssh")) as running:
         monkeypatch.setenv("PATH", f"{running.path}:{os.environ['PATH']}")
         yield running
