@@ -211,26 +211,24 @@ class _QuickStream(pyte.ByteStream):
             at = found.end()
 
 
-class ConsoleProcess:
-    """`rune ...` on a pseudo-terminal, with a terminal emulator that eats what it writes."""
+class TerminalProcess:
+    """A command on a pseudo-terminal, with a terminal emulator that eats what it writes."""
 
     def __init__(
         self,
-        arguments: Sequence[str],
+        command: Sequence[str],
         *,
         columns: int = 100,
         rows: int = 30,
         environment: dict[str, str] | None = None,
-        within: Sequence[str] = (),
     ) -> None:
         """Start it.
 
         Args:
-            arguments: What follows `rune`.
+            command: With its arguments.
             columns: Width of the terminal [cells].
             rows: Height of the terminal [cells].
             environment: Variables besides this process's own.
-            within: A command that runs it, such as a terminal multiplexer.
         """
         self.started = time.monotonic()
         self.terminal, inner = pty.openpty()
@@ -240,12 +238,12 @@ class ConsoleProcess:
         self._unread = b""
         fcntl.ioctl(inner, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
         self.process = subprocess.Popen(
-            [*within, sys.executable, "-m", "rune_tui", *arguments],
+            command,
             stdin=inner,
             stdout=inner,
             stderr=inner,
             start_new_session=True,
-            # The terminal has to be the console's own, so that closing it hangs up.
+            # The terminal has to be its own, so that closing it hangs up.
             preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),  # noqa: PLW1509
             env={**_surroundings(), **_TERMINAL, **(environment or {})},
         )
@@ -371,6 +369,22 @@ class ConsoleProcess:
                 self.process.kill()
                 self.process.wait()
         os.close(self.terminal)
+
+
+class ConsoleProcess(TerminalProcess):
+    """`rune ...` on a pseudo-terminal."""
+
+    def __init__(
+        self, arguments: Sequence[str], *, within: Sequence[str] = (), **terminal: Any
+    ) -> None:
+        """Start it.
+
+        Args:
+            arguments: What follows `rune`.
+            within: A command that runs it, such as a terminal multiplexer.
+            **terminal: As of `TerminalProcess`.
+        """
+        super().__init__([*within, sys.executable, "-m", "rune_tui", *arguments], **terminal)
 
 
 def _surroundings() -> dict[str, str]:

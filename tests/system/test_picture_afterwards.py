@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 import fcntl
+import itertools
 import os
+import shutil
 import signal
 import struct
+import subprocess
+import tempfile
 import termios
 import time
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 import psutil
 import pyte
 import pytest
 
-from tests.system.harness import ConsoleProcess, HubProcess
+from hub.gcm.navigation import VELOCITY_COMMAND
+from tests.system.conftest import LAYOUT
+from tests.system.harness import ConsoleProcess, HubProcess, Observer, TerminalProcess, in_soak
 from tests.waiting import until
 
 PICTURE_ROWS = 20
@@ -82,6 +90,10 @@ def stop_reading(_: ConsoleProcess) -> None:
     time.sleep(2.5)
 
 
+def stop_reading_for_a_minute(_: ConsoleProcess) -> None:
+    time.sleep(60.0)
+
+
 def open_the_list(console: ConsoleProcess) -> None:
     console.type("\x10")  # ctrl+p
     console.wait(lambda: "What shall be done?" in console.text, 20.0, "the list does not open")
@@ -91,7 +103,10 @@ def open_the_list(console: ConsoleProcess) -> None:
     console.wait(lambda: "What shall be done?" not in console.text, 20.0, "the list stays")
 
 
-@pytest.mark.parametrize("event", [other_sizes, suspend, stop_reading, open_the_list])
+@pytest.mark.parametrize(
+    "event",
+    [other_sizes, suspend, stop_reading, *in_soak(stop_reading_for_a_minute), open_the_list],
+)
 def test_the_picture_is_right_afterwards(
     console: ConsoleProcess, event: Callable[[ConsoleProcess], None]
 ) -> None:
@@ -121,3 +136,92 @@ def test_ctrl_z_does_nothing_where_no_shell_would_have_the_console_go_on(
 ) -> None:
     console.type("\x1a")
     console.wait(lambda: "Ctrl-Z does nothing here" in console.text, 20.0, "it says nothing")
+
+
+DELAY_S = 1.5
+"""Commands come 5 times a second at least; nobody may wait this long for one [s]."""
+
+
+NOT_WITHIN = {"TMUX": ""}
+"""Where the tests themselves run in one."""
+
+
+class ConsoleInTmux(ConsoleProcess):
+    """Keys come to it whether or not anybody is attached."""
+
+    def __init__(self, tmux: Sequence[str], layout: Path) -> None:
+        self._tmux = tmux
+        super().__init__(["run", str(layout)], environment=NOT_WITHIN, within=[*tmux, "new"])
+
+    def type(self, keys: str) -> None:
+        subprocess.run([*self._tmux, "send-keys", "-l", keys], check=True)
+
+
+@pytest.fixture
+def tmux() -> Iterator[list[str]]:
+    """A tmux with no settings and a server of its own."""
+    program = shutil.which("tmux")
+    if program is None:
+        pytest.skip("NOT TESTED: there is no tmux here; apt-get install tmux")
+    with tempfile.TemporaryDirectory() as folder:
+        own = [program, "-S", f"{folder}/tmux", "-f", os.devnull, "-T", "RGB"]
+        yield own
+        subprocess.run([*own, "kill-server"], capture_output=True, check=False)
+
+
+@pytest.mark.timeout(120)
+def test_the_picture_is_right_and_no_command_late_after_tmux_was_left_and_attached_again(
+    hub: HubProcess,
+    tmux: list[str],
+    start_console: Callable[..., ConsoleProcess],
+    tmp_path: Path,
+    stack: ExitStack,
+) -> None:
+    layout = tmp_path / "in_tmux.xml"
+    layout.write_text(LAYOUT.format(hub=hub.endpoint))
+    console = stack.enter_context(closing(ConsoleInTmux(tmux, layout)))
+    console.wait_for_picture()
+    console.wait(lambda: "STANDING" in console.text, 10.0)
+    observer = stack.enter_context(closing(Observer(hub.endpoint, VELOCITY_COMMAND)))
+    commands = observer.seen[VELOCITY_COMMAND.name]
+    ends: list[TerminalProcess] = [console]
+
+    def detach() -> None:
+        subprocess.run([*tmux, "detach-client"], check=True)
+
+    def attach() -> None:
+        assert console.process.poll() is not None, "it is still attached"
+        command = [*tmux, "attach"]
+        other = TerminalProcess(command, columns=80, rows=24, environment=NOT_WITHIN)
+        ends.append(stack.enter_context(closing(other)))
+
+    def told() -> bool:
+        """Whether all has been done, each after so many more commands to turn."""
+        nonlocal seen
+        ends[-1].pump(0.01)
+        observer.client.listen(0.01)
+        count, act = stages[0]
+        if sum(twist.angular.z != 0.0 for _, twist in [*commands][seen:]) < count:
+            return False
+        act()
+        stages.popleft()
+        seen = len(commands)
+        return not stages
+
+    seen = len(commands)
+    stages = deque([(10, detach), (40, attach), (10, lambda: None)])
+    console.hold_until("a", told)
+    again = ends[-1]
+    times = [sent for sent, _ in commands]
+    assert max(b - a for a, b in itertools.pairwise(times)) < DELAY_S
+    again.wait(lambda: "STANDING" in again.text, 10.0, "the robot does not stand")
+    # tmux has the last row.
+    plain = start_console(hub.endpoint, columns=80, rows=23)
+    plain.wait(lambda: "STANDING" in plain.text, 10.0)
+    # Words about who has control come and go.
+    until(
+        lambda: plain.has_picture and picture(again) == picture(plain),
+        20.0,
+        lambda: f"the picture is another one\n{again.text}\n{plain.text}",
+        meanwhile=lambda: (again.pump(0.03), plain.pump(0.03)),
+    )
