@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from hub.gcm import autonomy, common, control, flight, mapping, navigation, supervision, vision
+from hub.gcm import autonomy, common, control, flight, mapping, navigation, pad, supervision, vision
 from hub.ipc.definition import MessageDefinition
 
 MESSAGES: tuple[MessageDefinition[Any], ...] = (
@@ -16,5 +16,6 @@ MESSAGES: tuple[MessageDefinition[Any], ...] = (
     *autonomy.MESSAGES,
     *supervision.MESSAGES,
     *control.MESSAGES,
+    *pad.MESSAGES,
 )
 BY_NAME = {definition.name: definition for definition in MESSAGES}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from hub.gcm import autonomy, common, control, flight, mapping, navigation, supervision, vision
+from hub.gcm import autonomy, common, control, flight, mapping, navigation, pad, supervision, vision
 from hub.gcm.capability import Capability
 
 PROVIDED_BY: Mapping[str, tuple[Capability, ...]] = {
@@ -51,6 +51,12 @@ TAKEN_BY: Mapping[str, tuple[Capability, ...]] = {
 """The capabilities that take a message, any of them, by its name; the nearest first."""
 
 ALWAYS_THERE: frozenset[str] = frozenset(
-    definition.name for definition in (*common.MESSAGES, *supervision.MESSAGES, *control.MESSAGES)
+    definition.name
+    for definition in (
+        *common.MESSAGES,
+        *supervision.MESSAGES,
+        *control.MESSAGES,
+        *pad.MESSAGES,
+    )
 )
 """Messages of the hub and of every module, whatever the robot can do."""

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from hub.gcm import control
+from hub.gcm import control, pad
 from hub.gcm.autonomy import Pilot
 from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.gcm.control import ControlAction, ControlRequest
@@ -52,7 +52,8 @@ class ControlDesk:
         self._status: tuple[NavigationStatus, float] | None = None
         self._said: tuple[object, ...] = ()
         self._why = self._arbiter.why
-        client.define(control.CONTROL_STATE)
+        # Whose key is to operate may use messages, but define none.
+        client.define(control.CONTROL_STATE, *pad.MESSAGES)
         client.subscribe(control.CONSOLE_HEARTBEAT, self._heard)
         client.subscribe(MODULE_INFO, self._announced)
         client.subscribe(NAVIGATION_STATUS, self._navigation)

@@ -1,0 +1,103 @@
+"""Messages of a gamepad at another machine than the console: what it is, and what it reports."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.ipc.definition import MessageDefinition, Plane
+
+STATE_HZ = 50.0
+"""How often a pad that is being used says its state [Hz]."""
+ALIVE_HZ = 5.0
+"""How often one says so that nobody touches [Hz]."""
+DEVICE_HZ = 0.5
+"""How often one says what it is [Hz]: so long a console that was opened later has to wait."""
+OLDEST_S = 0.25
+"""Older states are dropped, and so long a silence of a pad that is being used lets go of it [s]."""
+NO_VALUE = -(1 << 31)
+"""Of an axis or a hat that has none: nothing has come yet, or a hat's centre."""
+
+
+def _no_bytes() -> npt.NDArray[np.uint8]:
+    return np.zeros(0, np.uint8)
+
+
+def _no_values() -> npt.NDArray[np.int32]:
+    return np.zeros(0, np.int32)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PadDevice:
+    """What the gamepad is whose states follow; when it is plugged in and now and then.
+
+    Attributes:
+        session: Counts how often the sender began anew; its states name the same number.
+        operator: Whose console it is for; empty: any at this hub.
+        machine: Where it is plugged in, for people.
+        name: What the device calls itself.
+        vid: The vendor's number.
+        pid: The product's number.
+        serial: Its serial number; empty if it tells none.
+        port: Where at that machine it is plugged in; empty if that is not known.
+        bus: 1 for USB, 2 for Bluetooth, else something else.
+        count: Length of its report descriptor [bytes].
+        descriptor: The report descriptor, from which follows what controls it has, shape (count,).
+    """
+
+    session: int
+    operator: str = ""
+    machine: str = ""
+    name: str = ""
+    vid: int = 0
+    pid: int = 0
+    serial: str = ""
+    port: str = ""
+    bus: int = 0
+    count: int = 0
+    descriptor: npt.NDArray[np.uint8] = field(default_factory=_no_bytes)
+
+
+PAD_DEVICE = MessageDefinition(
+    name="GCM_Pad_Device",
+    format="{uint,string,string,string,ushort,ushort,string,string,ubyte,int,<ubyte:10>}",
+    type=PadDevice,
+    plane=Plane.COMMAND,
+    rate_hz=DEVICE_HZ,
+    lifespan_s=2.0 / DEVICE_HZ,
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PadState:
+    """How all controls of a gamepad stand; each state says all, so that the newest is enough.
+
+    Attributes:
+        session: Which `PadDevice` it is of.
+        active: 1 while something is moved or was in the last second: then the next state follows
+            within 20 ms; else 0, and it follows within 200 ms.
+        count: How many controls; 0: the device is gone, or its sender ends.
+        values: One for each control of the descriptor, in its order, shape (count,). An axis, a
+            hat: the newest raw number [device units] or `NO_VALUE`. A button: how often it went
+            down or up, modulo 2^31, so that it is down when that is odd. A ball: the sum of its
+            counts, modulo 2^32.
+    """
+
+    session: int
+    active: int = 0
+    count: int = 0
+    values: npt.NDArray[np.int32] = field(default_factory=_no_values)
+
+
+PAD_STATE = MessageDefinition(
+    name="GCM_Pad_State",
+    format="{uint,ubyte,int,<int:3>}",
+    type=PadState,
+    plane=Plane.COMMAND,
+    rate_hz=STATE_HZ,
+    lifespan_s=OLDEST_S,
+)
+
+MESSAGES = (PAD_DEVICE, PAD_STATE)
