@@ -27,6 +27,7 @@ from rune_tui.controls.hid_reader import HidReader
 from rune_tui.controls.joystick.store import CalibrationStore
 from rune_tui.controls.joysticks import Joysticks
 from rune_tui.controls.keyboard import KeyboardHold, name_of_key
+from rune_tui.controls.sources import Sources
 from rune_tui.controls.stall_guard import StallGuard
 from rune_tui.dispatch import Dispatch
 from rune_tui.errors import ConsoleError
@@ -117,7 +118,9 @@ class Console(App[None], inherit_bindings=False):
         self._actions = actions_of(layout)
         self._watch = Watch()
         self._keyboard = KeyboardHold()
-        self._joysticks = Joysticks(layout.joysticks, HidReader(), CalibrationStore())
+        self._joysticks = Joysticks(
+            layout.joysticks, Sources(HidReader(), links.pads), CalibrationStore()
+        )
         self._stalls = StallGuard()
         self._undone: set[type] = set()
         self._leaving = False

@@ -67,7 +67,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run `rune`; returns the exit code."""
     # NumPy's own threads, for products of large matrices, cost each process time at its start.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    from hub.errors import HubError
+    from hub.errors import CentralUnreachableError, HubError
 
     options = _parser().parse_args(arguments)
     commands = {
@@ -77,6 +77,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "shot": _shot,
         "terminal": _terminal,
         "joytest": _joytest,
+        "pad": _pad,
     }
     try:
         return commands[options.command](options)
@@ -88,7 +89,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         text = f"{error.name} is missing; install it with pip install 'robot-user-nexus[console]'"
         sys.stderr.write(f"rune: {text}\n")
         return ExitCode.USAGE
-    except TunnelError as error:
+    except (TunnelError, CentralUnreachableError) as error:
         sys.stderr.write(f"rune: {error}\n")
         return ExitCode.NO_HUB
     except (ConsoleError, HubError) as error:
@@ -203,6 +204,25 @@ def _joytest(options: argparse.Namespace) -> int:
     return ExitCode.OK
 
 
+def _pad(options: argparse.Namespace) -> int:
+    from rune_tui import pad
+    from rune_tui.layout.names import endpoint_of
+
+    _refuse_two_ways(options)
+    if not (options.hub or options.ssh):
+        text = "say where the robot's hub is: `rune pad HOST`, or `rune pad --ssh USER@ROBOT`"
+        raise _UsageError(text)
+    _log_to_file()
+    pad.run(
+        endpoint_of(options.hub or "127.0.0.1"),
+        ssh=options.ssh,
+        keys=options.keys,
+        device=options.device,
+        operator=options.operator or "",
+    )
+    return ExitCode.OK
+
+
 def _console(source: LayoutSource, links: RobotLinks, options: argparse.Namespace) -> int:
     from rune_tui.app import Console
 
@@ -263,13 +283,17 @@ def _tunnels(
 ) -> AbstractContextManager[list[Tunnel]]:
     from rune_tui.link.tunnel import open_tunnels
 
-    if options.ssh and options.keys:
-        text = "--keys is for a hub that is reached without ssh; leave out one of --ssh and --keys"
-        raise _UsageError(text)
+    _refuse_two_ways(options)
     if options.ssh and "demo" in options and options.demo:
         text = "--demo brings its own robot; leave out one of --ssh and --demo"
         raise _UsageError(text)
     return open_tunnels(options.ssh, layout, _endpoints(options.hub))
+
+
+def _refuse_two_ways(options: argparse.Namespace) -> None:
+    if options.ssh and options.keys:
+        text = "--keys is for a hub that is reached without ssh; leave out one of --ssh and --keys"
+        raise _UsageError(text)
 
 
 def _endpoints(hubs: Sequence[str]) -> list[str]:
@@ -414,6 +438,7 @@ def _parser() -> argparse.ArgumentParser:
     what.add_argument("--udev", action="store_true", help="print the rule that lets you read it")
     what.add_argument("--learn", action="store_true", help="print how layouts name what you move")
     joytest.add_argument("--json", action="store_true", help="the list, for programs")
+    _add_pad(commands, keys_help)
     for command in (run, demo, check, shot):
         command.add_argument(
             "--set",
@@ -424,3 +449,40 @@ def _parser() -> argparse.ArgumentParser:
             help="give a variable of the layout this value; as often as needed",
         )
     return parser
+
+
+def _add_pad(commands: argparse._SubParsersAction[argparse.ArgumentParser], keys_help: str) -> None:
+    pad = commands.add_parser(
+        "pad",
+        help="send this machine's joystick to a console that runs elsewhere",
+        description="Send a joystick of this machine to consoles that run elsewhere, on the robot "
+        "for instance. It goes through the robot's hub. A console at that hub takes it "
+        "where its layout has a joystick that it fits and nothing else is plugged in there.",
+        epilog="Ctrl-C ends it. What is held is let go of there, as it is when this machine falls "
+        "silent for 0.25 s; then nothing drives before it has been neutral. Exit codes: 0 ended "
+        "by you, 2 wrong usage, or a key that may only watch, 3 no hub.",
+    )
+    pad.add_argument(
+        "hub", nargs="?", default="", metavar="HOST", help="the robot's hub: HOST or HOST:PORT"
+    )
+    pad.add_argument("--keys", type=Path, metavar="FILE", help=keys_help)
+    pad.add_argument(
+        "--ssh",
+        default="",
+        metavar="[USER@]HOST[:PORT]",
+        help="go to the robot through ssh; HOST is then its hub as the robot knows it (127.0.0.1)",
+    )
+    pad.add_argument(
+        "--device",
+        default="",
+        metavar="N|NAME",
+        help="which joystick: its place in `rune joytest --list`, or a part of its name; "
+        "default: the first",
+    )
+    pad.add_argument(
+        "--operator",
+        type=_name,
+        metavar="NAME",
+        help="for the console of this operator only, as it stands in its control pane; "
+        "default: for any at this hub",
+    )

@@ -6,6 +6,7 @@
     ├── HubChoiceError (ValueError)     one hub is named for several robots
     ├── TunnelError (ConnectionError)   ssh does not make a way to a robot
     ├── PictureFileError (OSError)      `rune shot` cannot write its file
+    ├── DeviceChoiceError (ValueError)  a joystick is meant that is not plugged in
     ├── FontError (OSError)             a font that cannot be drawn with
     └── DescriptorError (ValueError)    a device describes its reports in a way that makes no sense
 
@@ -72,6 +73,10 @@ class TunnelError(ConsoleError, ConnectionError):
 
 class PictureFileError(ConsoleError, OSError):
     """A picture file that cannot be written."""
+
+
+class DeviceChoiceError(ConsoleError, ValueError):
+    """A joystick is meant that is not plugged in."""
 
 
 class FontError(ConsoleError, OSError):

@@ -15,7 +15,7 @@ from typing import Any
 
 from rune_tui.controls.hid.device_controls import DeviceDecoder, PhysicalControl
 from rune_tui.controls.joystick.inbox import Inbox
-from rune_tui.controls.joystick.matching import JOYSTICK_USAGES, DeviceInfo
+from rune_tui.controls.joystick.matching import JOYSTICK_USAGES, DeviceInfo, plain_text
 from rune_tui.errors import ConsoleError, DescriptorError
 
 _logger = logging.getLogger(__name__)
@@ -28,7 +28,6 @@ _PAUSE_S = 0.004
 _MOST_AT_ONCE = 64
 """Reports that the kernel keeps for a reader."""
 _LONGEST_REPORT = 4096
-_LONGEST_NAME = 80
 _CLOSE_S = 2.0
 _BUSES = {1: 3, 2: 5}
 """The kernel's numbers of USB and Bluetooth, by hidapi's."""
@@ -53,10 +52,11 @@ class Scanned:
 
 @dataclass(frozen=True, slots=True)
 class Opened:
-    """A device is being read."""
+    """A device is being read; of what descriptor its controls are."""
 
     path: str
     controls: tuple[PhysicalControl, ...]
+    descriptor: bytes = b""
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,8 +122,8 @@ def plugged_in() -> tuple[DeviceInfo, ...]:
             path=path,
             vid=entry["vendor_id"],
             pid=entry["product_id"],
-            serial=_plain(entry["serial_number"]),
-            name=_plain(entry["product_string"]),
+            serial=plain_text(entry["serial_number"]),
+            name=plain_text(entry["product_string"]),
             joystick=path in joysticks,
             port=_port(path),
             bus=_BUSES.get(entry.get("bus_type", 0), 0),
@@ -292,7 +292,7 @@ class _Reading:
             self._tell(Refused(path, "it is no joystick", unsuitable=True))
             return None
         self.inbox = Inbox(decoder.controls)
-        self._tell(Opened(path, decoder.controls))
+        self._tell(Opened(path, decoder.controls, decoder.descriptor))
         return decoder
 
     def _read_on(self, device: Any, decoder: DeviceDecoder) -> None:  # noqa: ANN401 - as above
@@ -334,11 +334,6 @@ def _open(device: Any, info: DeviceInfo) -> DeviceDecoder:  # noqa: ANN401 - as 
         )
         raise (PermissionError if forbidden else OSError)(why) from error
     return DeviceDecoder(descriptor, vid=info.vid, pid=info.pid, bus=info.bus or 3)
-
-
-def _plain(text: str | None) -> str:
-    """What a device says of itself, without what would do harm on a terminal or in a file."""
-    return "".join(filter(str.isprintable, text or "")).strip()[:_LONGEST_NAME]
 
 
 def _nodes() -> object:

@@ -17,33 +17,19 @@ from rune_tui.controls.joystick.logical import LogicalJoystick
 from rune_tui.controls.joystick.matching import DeviceInfo, assigned, is_meant, is_particular
 from rune_tui.controls.joystick.rights import RULE_FILE, udev_rule
 from rune_tui.controls.joystick.store import CalibrationStore
+from rune_tui.controls.sources import Devices
 from rune_tui.layout.spec import ControlKind, JoystickSpec
 from rune_tui.model.joystick_state import JoystickPhase, JoystickState
 
-_MOST_FAULTS = 3
+MOST_FAULTS = 3
 """A device that fell silent so often while it was plugged in is given up."""
 
 
-class Reader(Protocol):
-    """What reads devices; see `HidReader`."""
+class Reader(Devices, Protocol):
+    """What reads devices; see `Sources`."""
 
-    def start(self, notify: Callable[[], None]) -> None:
-        """Begin to look for devices."""
-
-    def news(self) -> list[News]:
-        """What has happened since the last call."""
-
-    def read(self, device: DeviceInfo) -> None:
-        """Begin to read a device."""
-
-    def stop(self, path: str) -> None:
-        """Read a device no more."""
-
-    def inbox(self, path: str) -> Inbox | None:
-        """What has come from a device."""
-
-    def close(self) -> None:
-        """End."""
+    def measured(self, path: str) -> float | None:
+        """When the newest state of another machine's device was measured [s]; else None."""
 
 
 @dataclass(slots=True)
@@ -98,6 +84,7 @@ class Joysticks:
         self._notify: Callable[[], None] | None = None
         self._seats = [_Seat(LogicalJoystick(spec)) for spec in specs]
         self._shown: Mapping[str, JoystickState] | None = None
+        self._measured: tuple[float | None, ...] = ()
 
     def start(self, notify: Callable[[], None]) -> None:
         """Look for devices from now on, while the layout has joysticks.
@@ -109,14 +96,14 @@ class Joysticks:
         self._start()
 
     def _start(self) -> None:
-        if self._notify is None or not self._seats or self._running or self._hindered:
+        if self._notify is None or not self._seats or self._running:
             return
         if self.store.trouble:
             self._said.append(self.store.trouble)
+        self._running = True
         try:
             self._reader.start(self._notify)
-            self._running = True
-        except HidMissingError as error:
+        except HidMissingError as error:  # what is plugged in at other machines is read
             self._hindered = str(error)
             self._mark_hindered()
 
@@ -219,7 +206,12 @@ class Joysticks:
     @property
     def states(self) -> Mapping[str, JoystickState]:
         """What is known of each, by name."""
-        if self._shown is None:
+        measured = tuple(
+            self._reader.measured(seat.device.path) if seat.connected and seat.device else None
+            for seat in self._seats
+        )
+        if self._shown is None or measured != self._measured:
+            self._measured = measured
             self._shown = MappingProxyType(
                 {
                     seat.name: JoystickState(
@@ -231,8 +223,10 @@ class Joysticks:
                         waiting=frozenset() if seat.guide else seat.joystick.waiting,
                         heard=seat.heard,
                         prompt=seat.guide.prompt if seat.guide else "",
+                        machine=seat.device.machine if seat.device else "",
+                        measured=when,
                     )
-                    for seat in self._seats
+                    for seat, when in zip(self._seats, measured, strict=True)
                 }
             )
         return self._shown
@@ -354,7 +348,7 @@ class Joysticks:
         return tuple(events)
 
     def _open(self, seat: _Seat, device: DeviceInfo) -> None:
-        if self._faults.get(device.path, 0) > _MOST_FAULTS:
+        if self._faults.get(device.path, 0) > MOST_FAULTS:
             self._unfit[device.path] = "it falls silent again and again; plug it in anew"
         if device.path in self._unfit:
             seat.phase, seat.why = JoystickPhase.UNSUITABLE, self._unfit[device.path]
@@ -368,6 +362,8 @@ class Joysticks:
         if meant is not None and not meant.joystick and is_particular(spec):
             seat.phase = JoystickPhase.UNSUITABLE
             seat.why = f"{meant.shown} is no joystick"
+        elif self._hindered and not (seat.device and seat.device.machine):
+            seat.phase, seat.why = JoystickPhase.UNSUITABLE, self._hindered
         else:
             seat.phase, seat.why = JoystickPhase.MISSING, ""
 
@@ -376,5 +372,6 @@ class Joysticks:
 
     def _mark_hindered(self) -> None:
         for seat in self._seats if self._hindered else ():
-            seat.phase, seat.why = JoystickPhase.UNSUITABLE, self._hindered
+            if not seat.connected:
+                seat.phase, seat.why = JoystickPhase.UNSUITABLE, self._hindered
         self._shown = None

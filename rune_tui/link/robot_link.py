@@ -34,10 +34,12 @@ from hub.ipc.definition import MessageDefinition
 from hub.ipc.keys import read_client_keys
 from hub.ipc.reception import Reception
 from hub.ipc.security import Action, may
+from rune_tui.controls.far_pads import FarPads
 from rune_tui.layout.names import CAPABILITY_INTERVALS_MS
 from rune_tui.layout.spec import RobotSpec
 from rune_tui.link.bounds import MOST_LETTERS, bounded
 from rune_tui.link.control_line import ControlLine
+from rune_tui.link.pad_line import PadLine
 from rune_tui.link.picture_stream import PictureStream
 from rune_tui.link.pictures import map_of, picture_of
 from rune_tui.link.requests import Requester
@@ -83,6 +85,7 @@ class RobotLink:
         operator: str = "",
         near: bool = True,
         tunnel: Tunnel | None = None,
+        pads: FarPads | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Prepare the connection.
@@ -94,6 +97,7 @@ class RobotLink:
             operator: Who sits here.
             near: Whether messages may pass the endpoint by, from modules of this machine.
             tunnel: The way to the hub, if there is one; `hub` is its end then.
+            pads: Gets what gamepads at other machines say at this hub.
             clock: Monotonic time [s].
 
         Raises:
@@ -135,6 +139,8 @@ class RobotLink:
             clock=clock,
         )
         self._streams = Streams(self._client, self._store, clock)
+        self._pads = PadLine(self._client, spec.name)
+        self._pads.follow(pads)
         self._adopt(spec)
         if link.may_command:
             self._client.define(CAPABILITY_WANTS)
@@ -166,9 +172,10 @@ class RobotLink:
         self._client.post(lambda: None)
         self._thread.join()
 
-    def follow(self, spec: RobotSpec) -> None:
+    def follow(self, spec: RobotSpec, pads: FarPads | None = None) -> None:
         """Do what another layout wants of the same robot, without a break in the connection."""
         self._client.post(lambda: self._adopt(spec))
+        self._client.post(lambda: self._pads.follow(pads))
 
     def send(self, definition: MessageDefinition[T], value: T) -> None:
         """Publish a command to the robot, if the operator's key allows that.

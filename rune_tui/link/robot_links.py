@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
+from rune_tui.controls.far_pads import FarPads
 from rune_tui.errors import HubChoiceError
 from rune_tui.layout.spec import LayoutSpec, RobotSpec
 from rune_tui.link.robot_link import RobotLink
@@ -12,7 +13,11 @@ from rune_tui.link.tunnel import Tunnel
 
 
 class RobotLinks(Mapping[str, RobotLink]):
-    """A connection for each robot, by its name."""
+    """A connection for each robot, by its name.
+
+    Attributes:
+        pads: Gamepads at other machines, as they come through the robots' hubs.
+    """
 
     def __init__(
         self,
@@ -42,6 +47,7 @@ class RobotLinks(Mapping[str, RobotLink]):
         self._hubs = tuple(self._tunnels or hubs)
         self._keys = keys
         self._operator = operator
+        self.pads = FarPads(operator)
         self._wanted: dict[str, str] = {}
         wanted = self._endpoints(layout)
         self._links = self._made(layout, wanted, {})
@@ -76,7 +82,7 @@ class RobotLinks(Mapping[str, RobotLink]):
         kept = set(self._links.values()) & set(before.values())
         for name, link in self._links.items():
             if link in kept:
-                link.follow(layout.robot(name))
+                link.follow(layout.robot(name), self._pads_for(layout))
             else:
                 link.start()
         return [link for link in before.values() if link not in kept]
@@ -88,11 +94,14 @@ class RobotLinks(Mapping[str, RobotLink]):
             robot.name: known[robot.name]
             if self._wanted.get(robot.name) == wanted[robot.name]
             and known[robot.name].spec.keys == robot.keys
-            else self._link(robot, wanted[robot.name])
+            else self._link(robot, wanted[robot.name], self._pads_for(layout))
             for robot in layout.robots
         }
 
-    def _link(self, robot: RobotSpec, hub: str) -> RobotLink:
+    def _pads_for(self, layout: LayoutSpec) -> FarPads | None:
+        return self.pads if layout.joysticks else None
+
+    def _link(self, robot: RobotSpec, hub: str, pads: FarPads | None) -> RobotLink:
         tunnel = self._tunnels.get(hub)
         return RobotLink(
             robot,
@@ -101,6 +110,7 @@ class RobotLinks(Mapping[str, RobotLink]):
             operator=self._operator,
             near=tunnel is None,
             tunnel=tunnel,
+            pads=pads,
         )
 
     def _endpoints(self, layout: LayoutSpec) -> dict[str, str]:

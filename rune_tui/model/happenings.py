@@ -63,7 +63,9 @@ class Watch:
             case JoystickPhase.CONNECTED:
                 yield state.notice(f"{name} is {device}{lacking}", alarm=bool(lacking))
             case JoystickPhase.MISSING if before[0] is JoystickPhase.CONNECTED:
-                yield state.notice(f"{name} is unplugged: {device} is gone", alarm=True)
+                gone = f"silent: nothing comes from {device}"
+                gone = gone if joystick.machine else f"unplugged: {device} is gone"
+                yield state.notice(f"{name} is {gone}", alarm=True)
             case JoystickPhase.FORBIDDEN | JoystickPhase.UNSUITABLE:
                 yield state.notice(f"{name} cannot be used: {joystick.why}", alarm=True)
 

@@ -30,6 +30,8 @@ class JoystickState:
         waiting: Names of axes that are moved, and have to be let go of before they count.
         heard: When one of its controls moved last [s]; None if none has.
         prompt: What the operator is asked to do with it now; empty if nothing.
+        machine: Where its device is plugged in; empty for this machine.
+        measured: When the newest of what came from there was measured [s]; None if nothing comes.
     """
 
     name: str
@@ -40,6 +42,8 @@ class JoystickState:
     waiting: frozenset[str] = frozenset()
     heard: float | None = None
     prompt: str = ""
+    machine: str = ""
+    measured: float | None = None
 
     @property
     def lost(self) -> bool:

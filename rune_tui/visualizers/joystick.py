@@ -20,6 +20,7 @@ from rune_tui.visualizers.status_words import joystick_words
 _LONGEST_BAR = 20
 _VALUE = 6
 """Room for a value such as " -0.25" [cells]."""
+_AGE_STEP_S = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +56,7 @@ class Joystick:
         if joystick is None:
             return None, state.theme.name
         values = tuple((name, round(value, 2)) for name, value in joystick.values.items())
-        about = joystick.phase, joystick.why, joystick.device
+        about = joystick.phase, joystick.why, joystick.device, _age(joystick, state.now)
         return about, values, joystick.waiting, state.theme.name
 
     def _joystick(self, state: ConsoleState) -> JoystickState | None:
@@ -70,9 +71,19 @@ class Joystick:
         words, mood = joystick_words(joystick)
         device = f" {joystick.device}" if joystick.device else ""
         rows = [Row(f"{joystick.name}{device}: {words}", mood)]
+        if age := _age(joystick, state.now):
+            rows.append(Row(age))
         if joystick.phase is not JoystickPhase.CONNECTED and joystick.why:
             rows += wrapped(Row(joystick.why), columns)
         return [*rows, *_bars(joystick, columns)]
+
+
+def _age(joystick: JoystickState, now: float) -> str:
+    """How old what is known of another machine's device is, in steps that do not flicker."""
+    if joystick.measured is None:
+        return ""
+    steps = round(max(0.0, now - joystick.measured) / _AGE_STEP_S)
+    return f"what it says is {steps * _AGE_STEP_S:.2f} s old"
 
 
 def _bars(joystick: JoystickState, columns: int) -> Iterator[Row]:

@@ -162,7 +162,7 @@ def joystick_words(joystick: JoystickState) -> tuple[str, Mood]:
         case JoystickPhase.UNSUITABLE:
             return "UNUSABLE", Mood.WARNING
         case JoystickPhase.MISSING if joystick.lost:
-            return "UNPLUGGED", Mood.ALARM
+            return "SILENT" if joystick.machine else "UNPLUGGED", Mood.ALARM
         case JoystickPhase.MISSING:
             return "not plugged in", Mood.PLAIN
 

@@ -48,6 +48,7 @@ class DeviceDecoder:
     Attributes:
         controls: All that it has, in the order of its descriptor.
         joystick: Whether it is one: a keyboard, a mouse is not, nor what has no controls.
+        descriptor: The report descriptor.
         unread: How many reports made no sense.
     """
 
@@ -71,6 +72,7 @@ class DeviceDecoder:
         self._readings |= read_vendor_reports(channels, vid=vid, pid=pid, bus=bus)
         self.controls = _controls(channels, find_roles(channels, vid=vid, pid=pid))
         self.joystick = bool(self.controls)
+        self.descriptor = descriptor
         self.unread = 0
 
     def decode(self, report: bytes) -> tuple[Value, ...]:

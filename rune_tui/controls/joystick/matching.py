@@ -10,6 +10,12 @@ from rune_tui.layout.spec import JoystickSpec
 
 JOYSTICK_USAGES = frozenset({(1, 4), (1, 5), (1, 8)})
 """Usage page and usage of joysticks, gamepads and devices with many axes (HID usage tables)."""
+_LONGEST_NAME = 80
+
+
+def plain_text(text: str | None) -> str:
+    """What a device says of itself, without what would do harm on a terminal or in a file."""
+    return "".join(filter(str.isprintable, text or "")).strip()[:_LONGEST_NAME]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,6 +31,7 @@ class DeviceInfo:
         joystick: Whether it says that it is a joystick or the like.
         port: Where it is plugged in, as far as the system tells; empty if it does not.
         bus: 1 for USB, 2 for Bluetooth, else something else; 0 if the system does not tell.
+        machine: Which machine it is plugged in at; empty for this one.
     """
 
     path: str
@@ -35,11 +42,13 @@ class DeviceInfo:
     joystick: bool = True
     port: str = ""
     bus: int = 0
+    machine: str = ""
 
     @property
     def shown(self) -> str:
         """What to call it to an operator."""
-        return self.name or f"device {self.vid:04x}:{self.pid:04x}"
+        name = self.name or f"device {self.vid:04x}:{self.pid:04x}"
+        return f"{name} at {self.machine}" if self.machine else name
 
     @property
     def key(self) -> str:
@@ -72,7 +81,9 @@ def assigned(
 
     Who has a device keeps it while it is there. One that is plugged in again goes to the joystick
     that it was before, known by its serial number, else by its port. What is left is shared out in
-    the order of the layout, first to the joysticks that are most particular.
+    the order of the layout, first to the joysticks that are most particular, and of the devices
+    first those of this machine. A joystick that had a device of one machine takes none of another:
+    somebody else may sit there.
 
     Args:
         specs: The joysticks of the layout.
@@ -80,13 +91,14 @@ def assigned(
         last: The device that each joystick has or had last, by the joystick's name.
     """
     found: dict[str, DeviceInfo] = {}
-    free = sorted((each for each in devices), key=lambda each: (each.port, each.path))
+    free = sorted((each for each in devices), key=lambda each: (each.machine, each.port, each.path))
     by_care = sorted(specs, key=lambda spec: (not spec.serial, spec.vid is None, not spec.device))
     for same in (_same_path, _same_serial, _same_port, _same_kind, _any):
         for spec in by_care:
             before = last.get(spec.name)
             for device in [] if spec.name in found else free:
-                if is_meant(spec, device) and same(before, device):
+                there = before is None or before.machine == device.machine
+                if there and is_meant(spec, device) and same(before, device):
                     found[spec.name] = device
                     free.remove(device)
                     break

@@ -94,9 +94,19 @@ def test_a_message_that_says_too_much_is_told_once():
     assert look("GCM_Modules") == []
 
 
-def told_of(watch: Watch, phase: JoystickPhase, device: str = "F310", why: str = "") -> Any:
-    pad = JoystickState(name="pad", device=device, phase=phase, why=why)
+def told_of(
+    watch: Watch, phase: JoystickPhase, device: str = "F310", why: str = "", machine: str = ""
+) -> Any:
+    pad = JoystickState(name="pad", device=device, phase=phase, why=why, machine=machine)
     return texts(list(watch.look(ConsoleState(now=1.0, joysticks={"pad": pad}))))
+
+
+def test_a_joystick_of_another_machine_is_silent_rather_than_unplugged():
+    watch = Watch()
+    told_of(watch, JoystickPhase.CONNECTED, "F310 at desk", machine="desk")
+    text = "pad is silent: nothing comes from F310 at desk"
+    told = told_of(watch, JoystickPhase.MISSING, "F310 at desk", machine="desk")
+    assert told == [(text, True)]
 
 
 def test_a_joystick_is_told_of_when_it_comes_and_goes():

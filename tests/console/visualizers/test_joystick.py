@@ -47,6 +47,7 @@ def test_a_bar_is_as_long_as_it_may_be_and_shows_the_side(value: float, length: 
     [
         ({"phase": JoystickPhase.MISSING}, "pad F310: UNPLUGGED"),
         ({"phase": JoystickPhase.MISSING, "device": ""}, "pad: not plugged in"),
+        ({"phase": JoystickPhase.MISSING, "machine": "desk"}, "pad F310: SILENT"),
         ({"phase": JoystickPhase.FORBIDDEN, "why": "put it there"}, "pad F310: NO PERMISSION"),
         ({"phase": JoystickPhase.UNSUITABLE, "why": "no joystick"}, "pad F310: UNUSABLE"),
         ({"phase": CONNECTED, "why": "it has no a"}, "pad F310: it has no a"),
@@ -99,3 +100,17 @@ def test_several_lost_joysticks_leave_room_for_the_rest_of_the_status_line(
     (line,) = words(draw("visualizeStatus", made.robot(), (100, 2), state=state))[:1]
     assert "3 joysticks UNPLUGGED" in line
     assert "STANDING" in line
+
+
+@pytest.mark.parametrize(("age", "said"), [(0.0, "0.00"), (0.02, "0.00"), (0.13, "0.15")])
+def test_what_comes_from_another_machine_has_its_age_in_steps(
+    made: Made, draw: Draw, age: float, said: str
+) -> None:
+    state = knows(phase=CONNECTED, machine="desk", measured=NOW - age)
+    assert words(draw(NAME, made.robot(), (40, 4), state=state)) == [
+        "pad F310: plugged in",
+        f"what it says is {said} s old",
+    ]
+    source = made_by(NAME).source(made.robot(), state)
+    young = knows(phase=CONNECTED, machine="desk", measured=NOW)
+    assert (source == made_by(NAME).source(made.robot(), young)) == (said == "0.00")

@@ -36,6 +36,7 @@ class FakeReader:
         self.told: list[News] = []
         self.asked: list[str] = []
         self.inboxes: dict[str, Inbox] = {}
+        self.ages: dict[str, float] = {}
 
     def start(self, notify: Callable[[], None]) -> None:
         self.notify = notify
@@ -55,6 +56,9 @@ class FakeReader:
 
     def inbox(self, path: str) -> Inbox | None:
         return self.inboxes.get(path)
+
+    def measured(self, path: str) -> float | None:
+        return self.ages.get(path)
 
     def close(self) -> None:
         self.inboxes.clear()

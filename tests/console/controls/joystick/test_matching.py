@@ -103,3 +103,12 @@ def test_the_rule_for_a_device_names_it_as_the_kernel_does() -> None:
     assert 'TAG+="uaccess"' in rule
     twins = udev_rules([device("a"), device("b")])
     assert twins.count("KERNEL==") == 1
+
+
+def test_of_several_the_one_at_this_machine_comes_first_and_machines_are_not_mixed_up() -> None:
+    near, far = device("b", port="2"), device("a", port="1", machine="desk")
+    assert assigned([ONE], [far, near], {})["one"] == near
+    assert assigned([ONE], [far], {"one": near}) == {}
+    assert assigned([ONE], [near], {"one": far}) == {}
+    again = device("c", port="1", machine="desk")
+    assert assigned([ONE], [near, again], {"one": far})["one"] == again

@@ -1,0 +1,207 @@
+"""`rune pad`: a virtual gamepad at one program drives the robot through a console in another."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, closing
+from pathlib import Path
+
+import pytest
+
+from hub.gcm.navigation import GroundTruth
+from tests.fake_hid import VirtualBed, VirtualDevice, needs_virtual_devices
+from tests.system.gamepads import (
+    LAYOUT,
+    NAME,
+    PAD,
+    drive,
+    expect_no_driving,
+    forward,
+    report,
+)
+from tests.system.harness import STILL, ConsoleProcess, HubProcess, Observer
+
+pytestmark = needs_virtual_devices
+
+COMMANDED_WITHIN_S = 0.35
+AT_REST_WITHIN_S = 0.7
+_TRIES = 4
+"""The machine may be busy with other things just when it counts."""
+
+
+@pytest.fixture
+def hub(lasting_hub: HubProcess) -> HubProcess:
+    return lasting_hub
+
+
+@pytest.fixture(scope="module")
+def bed() -> Iterator[VirtualBed]:
+    with closing(VirtualBed()) as opened:
+        yield opened
+
+
+@pytest.fixture(scope="module")
+def console(
+    lasting_hub: HubProcess, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[ConsoleProcess]:
+    """A console where nothing is plugged in."""
+    folder = tmp_path_factory.mktemp("console")
+    layout = folder / "layout.xml"
+    layout.write_text(LAYOUT.format(hub=lasting_hub.endpoint))
+    own = {"XDG_CONFIG_HOME": str(folder), "XDG_STATE_HOME": str(folder)}
+    with closing(VirtualBed()) as empty:
+        environment = empty.environment | own
+        with closing(ConsoleProcess(["run", str(layout)], environment=environment)) as started:
+            started.wait(lambda: "linked" in started.text, 20.0, "no link")
+            yield started
+
+
+class Desk:
+    """The operator's machine: a gamepad, and `rune pad`, which sends it."""
+
+    def __init__(self, hub: HubProcess, bed: VirtualBed, folder: Path) -> None:
+        self._hub, self._bed, self._folder = hub, bed, folder
+        self._plugged: VirtualDevice | None = None
+        self._process: subprocess.Popen[bytes] | None = None
+
+    @property
+    def pad(self) -> VirtualDevice:
+        assert self._plugged is not None
+        return self._plugged
+
+    @property
+    def said(self) -> str:
+        """What `rune pad` has written."""
+        return (self._folder / "said.txt").read_text()
+
+    def plug(self) -> None:
+        self._plugged = self._bed.plug(PAD)
+
+    def unplug(self) -> None:
+        self.pad.unplug()
+        self._plugged = None
+
+    def start(self) -> None:
+        with (self._folder / "said.txt").open("w") as said:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", "rune_tui", "pad", self._hub.endpoint],
+                env={
+                    **os.environ,
+                    **self._bed.environment,
+                    "XDG_STATE_HOME": str(self._folder),
+                },
+                stdin=subprocess.DEVNULL,
+                stderr=said,
+            )
+
+    def notify(self, number: int) -> None:
+        assert self._process is not None
+        self._process.send_signal(number)
+
+    def end(self, number: int = signal.SIGTERM) -> int:
+        assert self._process is not None
+        self._process.send_signal(number)
+        return self._process.wait(15.0)
+
+    def close(self) -> None:
+        if self._process is not None:
+            self._process.kill()
+            self._process.wait()
+        if self._plugged is not None:
+            self.unplug()
+
+
+@pytest.fixture
+def desk(
+    hub: HubProcess, bed: VirtualBed, tmp_path: Path, stack: ExitStack, console: ConsoleProcess
+) -> Desk:
+    """There, the pad is plugged in, nobody touches it, and the console has it."""
+    opened = stack.enter_context(closing(Desk(hub, bed, tmp_path)))
+    opened.plug()
+    opened.start()
+    opened.pad.send(report(), timeout=20.0)
+    console.wait(lambda: plugged_in(console), 20.0, "the console does not take it")
+    return opened
+
+
+def plugged_in(console: ConsoleProcess) -> bool:
+    """Whether the console shows the pad, where it is, and how old what it says is."""
+    there = re.search(rf"{NAME} \(DirectInput mode\) at \S+: plugged", console.text)
+    return bool(there and re.search(r"what it says is 0\.\d\d s old", console.text))
+
+
+def times_to_stop(observer: Observer, since: float) -> tuple[float, float]:
+    """How long after a moment the wheels were commanded to stand, and stood [s]."""
+
+    def first(stands: Callable[[GroundTruth], bool]) -> float:
+        times = [when for when, truth in observer.history if when > since and stands(truth)]
+        return min(times, default=math.inf) - since
+
+    def commanded() -> float:
+        return first(lambda truth: truth.commanded_linear == 0.0)
+
+    def at_rest() -> float:
+        return first(lambda truth: abs(truth.linear) < STILL)
+
+    observer.wait(lambda: math.isfinite(at_rest()), 5.0, "it drives on")
+    return commanded(), at_rest()
+
+
+def freeze(desk: Desk) -> None:
+    desk.notify(signal.SIGSTOP)
+
+
+def go_on(desk: Desk) -> None:
+    desk.notify(signal.SIGCONT)
+
+
+def kill(desk: Desk) -> None:
+    desk.end(signal.SIGKILL)
+
+
+def end_by_a_key(desk: Desk) -> None:
+    assert desk.end(signal.SIGINT) == 0
+
+
+@pytest.mark.parametrize(
+    ("cause", "mend"),
+    [
+        (freeze, go_on),
+        (kill, Desk.start),
+        (end_by_a_key, Desk.start),
+        (Desk.unplug, Desk.plug),
+    ],
+    ids=["frozen", "killed", "ended", "unplugged"],
+)
+def test_whatever_ends_the_states_stops_the_robot_which_drives_again_from_neutral_only(
+    cause: Callable[[Desk], None],
+    mend: Callable[[Desk], None],
+    desk: Desk,
+    observer: Observer,
+    console: ConsoleProcess,
+) -> None:
+    measured = []
+    for _ in range(_TRIES):
+        drive(desk.pad, observer, console)
+        since = time.monotonic()
+        cause(desk)
+        measured.append(times_to_stop(observer, since))
+        console.wait(lambda: "SILENT" in console.text, 5.0, "the console does not say it")
+        mend(desk)
+        desk.pad.send(report(y=0), timeout=20.0)
+        desk.pad.send(report(x=129, y=0))
+        console.wait(lambda: forward(console) == "+1.00", 20.0, f"not seen again: {desk.said}")
+        expect_no_driving(observer)
+        if measured[-1] < (COMMANDED_WITHIN_S, AT_REST_WITHIN_S):
+            break
+    commanded, at_rest = measured[-1]
+    assert commanded < COMMANDED_WITHIN_S, measured
+    assert at_rest < AT_REST_WITHIN_S, measured
+    drive(desk.pad, observer, console)
