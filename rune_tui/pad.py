@@ -171,14 +171,13 @@ class Progress:
 
     def show(self) -> None:
         """Say it."""
-        what, figures = self._words, self._figures()
+        flow = self._flow()
         if self.out.isatty():
-            line = f"{what}, {figures}" if self.client.connected else what
-            line = line[: shutil.get_terminal_size().columns - 1]
+            line = self._line(flow)[: shutil.get_terminal_size().columns - 1]
             self.out.write(f"{_START_OF_LINE}{line}{_REST_OF_LINE}")
-        elif what != self._said:
-            self.out.write(f"{what}\n")
-        self._said = what
+        elif (line := self._line("")) != self._said:
+            self.out.write(f"{line}\n")
+        self._said = line
         self.out.flush()
 
     def end(self) -> None:
@@ -186,9 +185,8 @@ class Progress:
         if self.out.isatty() and self._said:
             self.out.write("\n")
 
-    @property
-    def _words(self) -> str:
-        """What holds for a while."""
+    def _line(self, flow: str) -> str:
+        """All of it; what says how it flows is left out where lines cannot be rewritten."""
         agent, client = self.agent, self.client
         device = agent.device.shown if agent.device else f"waiting for {agent.choice.shown}"
         device += f": {agent.why}" if agent.why else ""
@@ -198,17 +196,17 @@ class Progress:
             why = tunnel or str(client.refusal or "the hub does not answer; trying again")
             return f"{device}; {where}: {why}"
         taken = "" if client.has_subscribers(pad.PAD_STATE) else ", but no console takes gamepads"
-        return f"{device}; {where}: connected{taken}"
+        return f"{device}{flow}; connected to {where}{taken}"
 
-    def _figures(self) -> str:
+    def _flow(self) -> str:
         """What changes all the time."""
         now, sent = time.monotonic(), self.sender.sent
         rate = (sent - self._sent) / max(now - self._looked, 1e-3)
         self._looked, self._sent = now, sent
-        figures = f"{self.client.round_trip * 1e3:.0f} ms there and back"
+        flow = f"; {self.client.round_trip * 1e3:.0f} ms there and back"
         if not self.sender.plugged:
-            return figures
-        return f"{figures}, {rate:.0f} states/s, {'in use' if self.sender.active else 'at rest'}"
+            return flow
+        return f"; {rate:.0f} states/s, {'in use' if self.sender.active else 'at rest'}{flow}"
 
 
 def run(
@@ -261,8 +259,8 @@ def run(
         agent = Agent(choice, reader, sender)
         progress = Progress(agent=agent, sender=sender, client=client, tunnel=tunnel)
         stack.callback(progress.end)
-        stack.callback(_say_the_last_word, client, sender)
         stack.callback(reader.close)
+        stack.callback(_say_the_last_word, client, sender)
         ended = stack.enter_context(_ends())
         reader.start(lambda: client.post(agent.turn))
         client.every(_TURN_S, agent.turn)

@@ -14,6 +14,9 @@ from pathlib import Path
 
 import pytest
 
+from hub.gcm import pad
+from hub.ipc.central import Central
+from hub.ipc.client import Client
 from hub.ipc.keyring import Keyring, default_folder
 from hub.ipc.security import Role
 from tests.command_line import rune_hub
@@ -78,6 +81,8 @@ def test_command_works(
         _starts_and_ends(words, tmp_path)
     elif "--ssh" in words:
         _goes_through_ssh(words, lasting_hub, tmp_path, monkeypatch)
+    elif words[:2] == ["rune", "pad"]:
+        _goes_in_by_a_key(words, tmp_path)
     elif words[:2] in (["rune", "demo"], ["rune", "run"]):
         _shows_a_picture(words, lasting_hub)
     elif words[:2] == ["rune", "terminal"]:
@@ -123,12 +128,33 @@ def _goes_through_ssh(
         place = words.index("--ssh") + 1
         words[place] = server.target
         # The robot's hub has another port here than the usual one.
-        words[place + 1 : place + 1] = ["--hub", hub.endpoint]
+        words[place + 1 : place + 1] = [*(["--hub"] if words[1] != "pad" else []), hub.endpoint]
         if words[1] == "run":
             _shows_a_picture(words, hub)
+        elif words[1] == "pad":
+            _connects_until_ended(words)
         else:
             _succeeds(words, hub, folder, monkeypatch)
         assert server.pids()
+
+
+def _goes_in_by_a_key(words: list[str], folder: Path) -> None:
+    keyring = Keyring(folder / "keys")
+    central = Central([f"ipc://{folder}/c"], gateway="tcp://127.0.0.1:0", keyring=keyring)
+    with closing(central), closing(Client("robot", central.endpoints[0])) as robot:
+        robot.define(*pad.MESSAGES)  # as the daemon does
+        robot.wait_connected(10.0)
+        robot.wait_defined(10.0)
+        words[2] = central.endpoints[1]
+        words[words.index("--keys") + 1] = str(keyring.make("alice", Role.OPERATE))
+        _connects_until_ended(words)
+
+
+def _connects_until_ended(words: list[str]) -> None:
+    with closing(ConsoleProcess(words[1:], columns=200)) as agent:
+        agent.wait(lambda: "; connected to " in agent.text, 20.0, "it does not connect")
+        agent.type("\x03")
+        assert agent.wait_ended() == 0
 
 
 def _succeeds(
