@@ -13,7 +13,6 @@ import numpy as np
 
 from rune_tui.compositor.blend import Layer, compose, tinted, urgencies_of
 from rune_tui.compositor.cells import Cells
-from rune_tui.compositor.urgency import Urgencies, Urgency
 from rune_tui.controls.events import Hit
 from rune_tui.help_layer import HelpLayer
 from rune_tui.layout.rules import Vocabulary
@@ -21,6 +20,7 @@ from rune_tui.layout.spec import LayoutSpec, ViewportSpec, ViewSpec
 from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
+from rune_tui.raster.urgency import Urgencies, Urgency
 from rune_tui.visualizers.camera_image import CameraImage
 from rune_tui.visualizers.event_log import EventLog
 from rune_tui.visualizers.notice import write_notice

@@ -14,8 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from rune_tui.compositor.cells import Cells
-from rune_tui.compositor.urgency import Urgencies, Urgency
 from rune_tui.raster.canvas import Canvas, halved
+from rune_tui.raster.urgency import Urgencies, Urgency
 
 _HALF = 128
 _OPAQUE = 255

@@ -16,9 +16,9 @@ from rune_tui.compositor.moves import Moves
 from rune_tui.compositor.planes import planes_of
 from rune_tui.compositor.quality import EXACT, Quality
 from rune_tui.compositor.sgr import FORMS, RESET
-from rune_tui.compositor.urgency import Urgencies
 from rune_tui.compositor.word_matrix import WordMatrix
 from rune_tui.raster.canvas import halved
+from rune_tui.raster.urgency import Urgencies
 
 _WHOLE = 0.98
 """From this share of cells on, sending all is as good: each one left out costs a move."""

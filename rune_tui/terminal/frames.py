@@ -11,7 +11,7 @@ from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.looks import Flags, Looks, looks_of
 from rune_tui.compositor.quality import EXACT, Quality
 from rune_tui.compositor.screen_encoder import ScreenEncoder
-from rune_tui.compositor.urgency import Urgencies, Urgency
+from rune_tui.raster.urgency import Urgencies, Urgency
 from rune_tui.terminal.rate import RateController
 
 _CELL_BYTES: Final = 52

@@ -18,8 +18,8 @@ from textual.widget import Widget
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.colours import at_depth
 from rune_tui.compositor.screen_encoder import ScreenEncoder
-from rune_tui.compositor.urgency import Urgencies
 from rune_tui.model.display_state import DisplayState
+from rune_tui.raster.urgency import Urgencies
 from rune_tui.terminal.frames import Frame, FrameWriter
 from rune_tui.terminal.input_stream import CursorReport
 from rune_tui.terminal.pacing import FramePacer

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from hub.gcm.navigation import ROBOT_STATE, Assistance
-from rune_tui.compositor.urgency import Urgency
 from rune_tui.layout.rules import VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
@@ -15,6 +14,7 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
+from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.mood import Mood, Part, ink_of
 from rune_tui.visualizers.range_data import pressed_bumpers
 from rune_tui.visualizers.rows import Row, cut, wrapped

@@ -9,13 +9,13 @@ from collections.abc import Hashable
 from typing import ClassVar, Self
 
 from hub.gcm.vision import CameraState
-from rune_tui.compositor.urgency import Urgency
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
+from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.staleness import age_look, mark_age, weather
 
 

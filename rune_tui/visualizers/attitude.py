@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from hub.gcm import flight
-from rune_tui.compositor.urgency import Urgency
 from rune_tui.layout.rules import NumberOption, VisualizerRule
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
+from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.reading import Reading
 from rune_tui.visualizers.rows import fitting_form
 

@@ -7,9 +7,9 @@ from typing import ClassVar
 
 from hub.gcm.navigation import ROBOT_STATE
 from hub.gcm.navigation import RobotState as NavigationState
-from rune_tui.compositor.urgency import Urgency
 from rune_tui.layout.rules import NumberOption
 from rune_tui.model.robot_state import RobotState
+from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.reading import Reading
 
 LETTERS = ("N", "NE", "E", "SE", "S", "SW", "W", "NW")

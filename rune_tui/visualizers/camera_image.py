@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import ClassVar, Final, Self
 
 from hub.gcm.vision import CameraState
-from rune_tui.compositor.urgency import Urgency
 from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
@@ -21,6 +20,7 @@ from rune_tui.model.world import WorldPoint
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.resize import covering_size, fitted_size, resized
 from rune_tui.raster.shapes import drawing
+from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.notice import link_trouble, write_notice
 from rune_tui.visualizers.picture_frame import FIT, FIT_OPTION, PictureFrame
 from rune_tui.visualizers.staleness import age_look, mark_age, weather

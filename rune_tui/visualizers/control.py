@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from hub.gcm.control import CONTROL_STATE
-from rune_tui.compositor.urgency import Urgency
 from rune_tui.layout.rules import VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
+from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.control_words import control_rows
 from rune_tui.visualizers.mood import Mood, Part, ink_of
 from rune_tui.visualizers.rows import Row, cut, wrapped

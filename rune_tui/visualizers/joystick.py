@@ -6,13 +6,13 @@ from collections.abc import Hashable, Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from rune_tui.compositor.urgency import Urgency
 from rune_tui.layout.rules import TextOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.joystick_state import JoystickPhase, JoystickState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
+from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.mood import Mood
 from rune_tui.visualizers.rows import Row, wrapped, write_rows
 from rune_tui.visualizers.status_words import joystick_words

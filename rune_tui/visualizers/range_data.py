@@ -13,7 +13,6 @@ import numpy.typing as npt
 
 from hub.gcm.navigation import SENSOR_COUNT
 from hub.gcm.navigation import RobotState as NavigationState
-from rune_tui.compositor.urgency import Urgency
 from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
@@ -21,6 +20,7 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas, Colour
 from rune_tui.raster.shapes import Pen, Point, drawing, toward
+from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.notice import write_notice
 from rune_tui.visualizers.staleness import age_look, mark_age, weather
 

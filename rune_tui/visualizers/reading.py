@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Generic, Self, TypeVar
 
 from hub.ipc.definition import MessageDefinition
-from rune_tui.compositor.urgency import Urgency
 from rune_tui.layout.rules import Options
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
+from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.notice import write_notice
 from rune_tui.visualizers.staleness import age_look, mark_age, pause_of, weather
 

@@ -6,12 +6,12 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from rune_tui.compositor.urgency import Urgency
 from rune_tui.layout.rules import VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas, printable_text
+from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.mood import Part, ink_of
 from rune_tui.visualizers.status_words import status_parts
 

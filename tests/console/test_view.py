@@ -14,12 +14,12 @@ from hypothesis import strategies as st
 from hub.gcm.navigation import MotionState
 from rune_tui.compositor.ansi import encoded_rows
 from rune_tui.compositor.cells import Cells
-from rune_tui.compositor.urgency import Urgency
 from rune_tui.layout.spec import ViewportSpec, ViewSpec
 from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.joystick_state import JoystickState
 from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
 from rune_tui.raster.canvas import Canvas, halved
+from rune_tui.raster.urgency import Urgency
 from rune_tui.view import MIN_COLUMNS, MIN_ROWS, View, placed
 from tests.console.states import layout_of, rendered, robot_of, visualizer_spec
 from tests.messages import camera_state, robot_state
