@@ -1,4 +1,4 @@
-"""`rune`: arguments, errors in one sentence, exit codes."""
+"""`rune`: what its commands do, errors in one sentence, exit codes."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
+from rune_tui.arguments import parser
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import GlyphSet
 from rune_tui.errors import ConsoleError, TunnelError
@@ -28,26 +29,10 @@ if TYPE_CHECKING:
     from rune_tui.terminal.questions import Answers
     from rune_tui.terminal.traits import Traits
 
-_DEMO_LAYOUT = "demo"
 _DEMO_ROBOT = "magellan"
 _PICTURE_ENDINGS = (".txt", ".svg", ".png")
 _LOG_BYTES = 1_000_000
-_LONGEST_NAME = 64
 _CONSOLE_LIBRARIES = ("textual", "rich", "PIL", "lxml", "platformdirs")
-
-
-class _ShowVersion(argparse.Action):
-    """Looks the version up when it is asked for: to import what finds it costs 30 ms."""
-
-    def __init__(self, option_strings: Sequence[str], dest: str) -> None:
-        text = "show program's version number and exit"
-        super().__init__(option_strings, dest, nargs=0, default=argparse.SUPPRESS, help=text)
-
-    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
-        from importlib.metadata import version
-
-        sys.stdout.write(f"rune {version('robot-user-nexus')}\n")
-        parser.exit()
 
 
 class ExitCode(enum.IntEnum):
@@ -69,7 +54,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from hub.errors import CentralUnreachableError, HubError
 
-    options = _parser().parse_args(arguments)
+    options = parser().parse_args(arguments)
     commands = {
         "run": _run,
         "demo": _demo,
@@ -326,163 +311,3 @@ def _log_to_file() -> Path:
     handler.setFormatter(logging.Formatter("%(asctime)s console %(levelname)s %(message)s"))
     logging.basicConfig(level=logging.INFO, handlers=[handler])
     return path
-
-
-def _variable(text: str) -> tuple[str, str]:
-    name, is_given, value = text.partition("=")
-    if is_given and name and text.isprintable():
-        return name, value
-    reason = f"{text!r} is no NAME=VALUE"
-    raise argparse.ArgumentTypeError(reason)
-
-
-def _size(text: str) -> tuple[int, int]:
-    columns, _, rows = text.partition("x")
-    if columns.isdigit() and rows.isdigit() and all(0 < int(n) <= 1000 for n in (columns, rows)):
-        return int(columns), int(rows)
-    reason = f"{text!r} is no size such as 120x40, each number 1 to 1000"
-    raise argparse.ArgumentTypeError(reason)
-
-
-def _seconds(text: str) -> float:
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = -1.0
-    if not 0.0 <= seconds <= 3600.0:
-        reason = f"{text!r} is no time from 0 to 3600 s"
-        raise argparse.ArgumentTypeError(reason)
-    return seconds
-
-
-def _name(text: str) -> str:
-    name = text.strip()
-    if not name or not name.isprintable() or len(name) > _LONGEST_NAME:
-        reason = f"{text!r:.80} is no name of at most {_LONGEST_NAME} characters"
-        raise argparse.ArgumentTypeError(reason)
-    return name
-
-
-def _aspect(text: str) -> float:
-    try:
-        ratio = float(text)
-    except ValueError:
-        ratio = 0.0
-    if not 1.0 <= ratio <= 4.0:
-        reason = f"{text!r} is no ratio from 1 to 4, such as 2.2"
-        raise argparse.ArgumentTypeError(reason)
-    return ratio
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="rune",
-        description="Rune, the Robot-User Nexus: drive robots from a terminal.",
-        epilog="Exit codes: 0 ok, 1 a fault, 2 wrong usage or layout, 3 no hub.",
-    )
-    parser.add_argument("--version", action=_ShowVersion)
-    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    layout_help = "a layout file, or the name of a shipped layout"
-    keys_help = "your key's file, for a hub on another machine"
-    hub_help = "HOST, HOST:PORT or tcp://HOST:PORT instead of the layout's; once for each robot"
-    ssh_help = "[USER@]HOST[:PORT]: go to the robot's hub through ssh; once for each robot"
-    colors = [depth.value for depth in ColourDepth]
-    colors_help = "what the terminal can show, where it does not say so itself"
-    glyphs = [glyph_set.value for glyph_set in GlyphSet]
-    glyphs_help = "what pictures are made of in truecolour (half); `rune terminal` shows each"
-    aspect_help = "height of a cell over its width, where the terminal does not say (2)"
-
-    run = commands.add_parser("run", help="open the console with a layout")
-    run.add_argument("layouts", nargs="+", metavar="LAYOUT", help=layout_help)
-    run.add_argument("--watch", action="store_true", help="follow the files when they are saved")
-    run.add_argument("--hub", action="append", default=[], metavar="HUB", help=hub_help)
-    run.add_argument("--ssh", action="append", default=[], metavar="HOST", help=ssh_help)
-    run.add_argument("--keys", type=Path, help=keys_help)
-
-    demo = commands.add_parser("demo", help="open the console on a simulated robot")
-    demo.add_argument("layout", nargs="?", default=_DEMO_LAYOUT, help="default: %(default)s")
-
-    check = commands.add_parser("check", help="report all that is wrong with layout files")
-    check.add_argument("layouts", nargs="+", metavar="LAYOUT", help=layout_help)
-
-    shot = commands.add_parser("shot", help="draw a picture of a layout without a terminal")
-    shot.add_argument("layout", help=layout_help)
-    shot.add_argument("-o", "--output", type=Path, required=True, help="FILE.txt, .svg or .png")
-    shot.add_argument(
-        "--size", type=_size, default=(120, 40), metavar="COLUMNSxROWS", help="default: 120x40"
-    )
-    shot.add_argument("--seconds", type=_seconds, default=3.0, help="watch so long (%(default)s)")
-    shot.add_argument("--colors", choices=colors, default=colors[0], help="default: %(default)s")
-    source = shot.add_mutually_exclusive_group()
-    source.add_argument("--hub", action="append", default=[], metavar="HUB", help=hub_help)
-    shot.add_argument("--ssh", action="append", default=[], metavar="HOST", help=ssh_help)
-    shot.add_argument("--keys", type=Path, help=keys_help)
-    source.add_argument("--demo", action="store_true", help="on a simulated robot of its own")
-    terminal = commands.add_parser("terminal", help="say what this terminal can do, and why")
-    terminal.add_argument("--json", action="store_true", help="in one line, for machines")
-    for command in (run, demo):
-        command.add_argument(
-            "--operator",
-            type=_name,
-            metavar="NAME",
-            help="who sits here, if not the login",
-        )
-    for command in (run, demo, shot, terminal):
-        command.add_argument("--glyphs", choices=glyphs, help=glyphs_help)
-    for command in (run, demo, terminal):
-        command.add_argument("--colors", choices=colors, help=colors_help)
-        command.add_argument("--aspect", type=_aspect, metavar="RATIO", help=aspect_help)
-    joytest = commands.add_parser("joytest", help="show what joysticks report")
-    what = joytest.add_mutually_exclusive_group()
-    what.add_argument("--list", action="store_true", help="list what is plugged in, and end")
-    what.add_argument("--udev", action="store_true", help="print the rule that lets you read it")
-    what.add_argument("--learn", action="store_true", help="print how layouts name what you move")
-    joytest.add_argument("--json", action="store_true", help="the list, for programs")
-    _add_pad(commands, keys_help)
-    for command in (run, demo, check, shot):
-        command.add_argument(
-            "--set",
-            type=_variable,
-            action="append",
-            default=[],
-            metavar="NAME=VALUE",
-            help="give a variable of the layout this value; as often as needed",
-        )
-    return parser
-
-
-def _add_pad(commands: argparse._SubParsersAction[argparse.ArgumentParser], keys_help: str) -> None:
-    pad = commands.add_parser(
-        "pad",
-        help="send this machine's joystick to a console that runs elsewhere",
-        description="Send a joystick of this machine to consoles that run elsewhere, on the robot "
-        "for instance. It goes through the robot's hub. A console at that hub takes it "
-        "where its layout has a joystick that it fits and nothing else is plugged in there.",
-        epilog="Ctrl-C ends it. What is held is let go of there, as it is when this machine falls "
-        "silent for 0.25 s; then nothing drives before it has been neutral. Exit codes: 0 ended "
-        "by you, 2 wrong usage, or a key that may only watch, 3 no hub.",
-    )
-    pad.add_argument(
-        "hub", nargs="?", default="", metavar="HOST", help="the robot's hub: HOST or HOST:PORT"
-    )
-    pad.add_argument("--keys", type=Path, metavar="FILE", help=keys_help)
-    pad.add_argument(
-        "--ssh",
-        default="",
-        metavar="[USER@]HOST[:PORT]",
-        help="go to the robot through ssh; HOST is then its hub as the robot knows it (127.0.0.1)",
-    )
-    pad.add_argument(
-        "--device",
-        default="",
-        metavar="N|NAME",
-        help="which joystick: its place in `rune joytest --list`, or a part of its name; "
-        "default: the first",
-    )
-    pad.add_argument(
-        "--operator",
-        type=_name,
-        metavar="NAME",
-        help="for the console of this operator only, as it stands in its control pane; "
-        "default: for any at this hub",
-    )
