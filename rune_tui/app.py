@@ -11,6 +11,7 @@ import dataclasses
 import datetime
 import logging
 import os
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -20,7 +21,6 @@ from textual import events
 from textual.app import App, ComposeResult
 from textual.binding import Binding
 
-from hub.errors import HubError
 from rune_tui import desk
 from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.hid_reader import HidReader
@@ -30,8 +30,7 @@ from rune_tui.controls.keyboard import KeyboardHold, name_of_key
 from rune_tui.controls.sources import Sources
 from rune_tui.controls.stall_guard import StallGuard
 from rune_tui.dispatch import Dispatch
-from rune_tui.errors import ConsoleError
-from rune_tui.following import LayoutFollower, kept
+from rune_tui.following import LayoutFollower
 from rune_tui.layout.actions import Action, actions_of
 from rune_tui.layout.names import MOUSE
 from rune_tui.layout.spec import LayoutSpec
@@ -80,6 +79,8 @@ _TICK_S = 0.05
 _BUTTONS = {1: "left", 2: "middle", 3: "right"}
 _LEAVE_S = 3.0
 """How long the end may take before the process is ended as it is [s]."""
+_SWITCH_S = 0.5e-3
+"""How long one thread may compute while another has a stick's report or a command to send [s]."""
 _WAY_OUT = "ctrl+c"
 _NOT_DONE = "what a widget asked for could not be done; the log says why"
 
@@ -123,7 +124,7 @@ class Console(App[None], inherit_bindings=False):
         )
         self._stalls = StallGuard()
         self._undone: set[type] = set()
-        self._leaving = False
+        self._leaving = self._drawing = False
         self._recorder = Recorder(links)
         self._pane = ViewPane(traits.glyphs.half)
         self._painter = Painter(self, self._pane, traits, round_trip)
@@ -142,6 +143,7 @@ class Console(App[None], inherit_bindings=False):
         Returns:
             The exit code: 0 if somebody ended it, 1 if it ended by a fault.
         """
+        sys.setswitchinterval(_SWITCH_S)
         for link in self._links.values():
             link.start()
         try:
@@ -174,17 +176,9 @@ class Console(App[None], inherit_bindings=False):
     async def _open(self, layout: LayoutSpec) -> None:
         """Go on with another layout; links of robots that are in both stay as they are."""
         self._let_go()
-        try:
-            view, dispatch = View(layout, fine=self._view.fine), Dispatch(layout)
-            view.resize(self.size.width, self.size.height)
-            gone = self._links.follow(layout)
-        except (ConsoleError, HubError) as error:
-            self._complain(f"The layout stays as it was: {error}")
-            return
-        except Exception as error:  # as above
-            _logger.exception("the layout %s cannot be opened", layout.path)
-            self._complain(kept(error))
-            return
+        view, dispatch = View(layout, fine=self._view.fine), Dispatch(layout)
+        view.resize(self.size.width, self.size.height)
+        gone = self._links.follow(layout)
         self.title = f"Rune {layout.path}"
         self._view, self._dispatch = view, dispatch
         self._actions = actions_of(layout)
@@ -201,11 +195,11 @@ class Console(App[None], inherit_bindings=False):
         self._console = dataclasses.replace(self._console, trouble=text)
         self._tell(desk.Outcome(text=text, alarm=True))
 
-    def on_resize(self, event: events.Resize) -> None:
+    async def on_resize(self, event: events.Resize) -> None:
         """Follow the terminal's size; from now on, ask for no larger pictures than it shows."""
         self._view.resize(event.size.width, event.size.height)
         self._ask_for_pictures()
-        self._draw()
+        await self._draw()
 
     def on_key(self, event: events.Key) -> None:
         """A key went down or repeats."""
@@ -325,21 +319,27 @@ class Console(App[None], inherit_bindings=False):
             self._let_go()
         return now
 
-    def on_frame_answered(self, event: FrameAnswered) -> None:
+    async def on_frame_answered(self, event: FrameAnswered) -> None:
         """The terminal shows a frame; the next need not wait for the clock."""
         waited = not self._painter.ready(event.when)
         self._painter.answered(event.when, event.report)
         self._keyboard.heard(event.when)
         if waited:
-            self._draw()
+            await self._draw()
 
-    def _draw(self) -> None:
-        if not self._painter.ready(time.monotonic()):
+    async def _draw(self) -> None:
+        """Draw in two halves: hands need not wait for both."""
+        if self._drawing or not self._painter.ready(time.monotonic()):
             return
-        state = self.state
+        state, view = self.state, self._view
         if self._keyboard.waits_for_releases:
             self._painter.ask(state.now)
-        self._painter.paint(state.now, self._view.render(state), self._view.urgencies)
+        cells = view.render(state)
+        if cells is not None:
+            self._drawing = True
+            await asyncio.sleep(0)
+            self._drawing = False
+        self._painter.paint(state.now, cells, view.urgencies)
         for name, robot in state.robots.items():
             if robot.picture is not None:
                 self._links[name].shown(robot.picture.number)

@@ -7,7 +7,8 @@ import contextlib
 import logging
 from collections.abc import Awaitable, Callable
 
-from rune_tui.errors import LayoutError
+from hub.errors import HubError
+from rune_tui.errors import ConsoleError, LayoutError
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.layout.watching import LOOK_S, LayoutSource, first_problem
 
@@ -22,18 +23,18 @@ class LayoutFollower:
     def __init__(
         self,
         source: LayoutSource,
-        read: Callable[[LayoutSpec], Awaitable[None]],
+        open_it: Callable[[LayoutSpec], Awaitable[None]],
         complain: Callable[[str], None],
     ) -> None:
         """Prepare.
 
         Args:
             source: What is shown and what may come instead of it.
-            read: Called with each layout that was read.
-            complain: Called with why one was not.
+            open_it: Opens a layout that was read; one that it cannot open changes nothing.
+            complain: Called with why one was not opened.
         """
         self._source = source
-        self._read = read
+        self._open = open_it
         self._complain = complain
         self._wanted = asyncio.Event()
 
@@ -52,16 +53,13 @@ class LayoutFollower:
             self._wanted.clear()
             try:
                 found = await asyncio.to_thread(look)
+                if isinstance(found, LayoutError):
+                    self._complain(first_problem(found))
+                elif found is not None:
+                    await self._open(found)
+            except (ConsoleError, HubError) as error:
+                self._complain(f"The layout stays as it was: {error}"[:_LONGEST_COMPLAINT])
             except Exception as error:  # an extension's code may fail in any way
-                _logger.exception("a layout cannot be read")
-                self._complain(kept(error))
-                continue
-            if isinstance(found, LayoutError):
-                self._complain(first_problem(found))
-            elif found is not None:
-                await self._read(found)
-
-
-def kept(error: Exception) -> str:
-    """That another layout could not be taken, and why."""
-    return f"The layout stays as it was: {type(error).__name__}: {error}"[:_LONGEST_COMPLAINT]
+                _logger.exception("a layout cannot be opened")
+                text = f"The layout stays as it was: {type(error).__name__}: {error}"
+                self._complain(text[:_LONGEST_COMPLAINT])
