@@ -335,9 +335,10 @@ class Console(App[None], inherit_bindings=False):
         if self._keyboard.waits_for_releases:
             self._painter.ask(state.now)
         cells = view.render(state)
-        if cells is not None:
-            self._drawing = True
+        self._drawing = cells is not None
+        try:
             await asyncio.sleep(0)
+        finally:
             self._drawing = False
         self._painter.paint(state.now, cells, view.urgencies)
         for name, robot in state.robots.items():

@@ -265,6 +265,7 @@ class TerminalProcess:
                 try:
                     data = os.read(self.terminal, 1 << 16)
                 except OSError:  # the console closed its end
+                    time.sleep(left)
                     return
                 self.output_bytes += len(data)
                 self._stream.feed(data)
