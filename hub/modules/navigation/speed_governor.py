@@ -119,9 +119,10 @@ class SpeedGovernor:
     def controlled_by(self, owner: int, before: int) -> None:
         """Somebody else has control than before, by numbers; 0: nobody.
 
-        The robot stands until the new owner sends neutral, unless that is who drives already.
+        The robot stands until the new owner sends neutral, unless that is who drives already. It
+        stands as well when it becomes free while it is driven; a task of its own goes on then.
         """
-        if owner and (before or self._sender not in (owner, None)):
+        if (owner and before) or self._sender not in (owner, None):
             self._halt(MotionState.WAITING)
             self._armed.clear()
 

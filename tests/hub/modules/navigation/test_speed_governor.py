@@ -343,8 +343,25 @@ def test_who_drives_a_free_robot_drives_on_when_they_get_control():
     scene = driving()
     scene.governor.controlled_by(A, 0)
     assert scene.velocity != (0.0, 0.0)
+
+
+def test_who_loses_control_is_stopped_and_drives_again_from_neutral_only():
+    scene = driving()
+    scene.governor.controlled_by(A, 0)
     scene.governor.controlled_by(0, A)
-    assert scene.velocity != (0.0, 0.0)
+    assert scene.velocity == (0.0, 0.0)
+    scene.hold(A, 0.3, 0.2)
+    assert scene.velocity == (0.0, 0.0)
+    scene.command(A, 0.0)
+    scene.command(A, 0.3)
+    assert scene.velocity == (0.3, 0.0)
+
+
+def test_a_task_goes_on_when_its_operator_loses_control():
+    scene = Scene()
+    assert not scene.governor.begin_task(scene.now)
+    scene.governor.controlled_by(0, A)
+    assert scene.state is MotionState.GOING
 
 
 def test_who_drives_a_free_robot_is_stopped_when_somebody_else_gets_control():
