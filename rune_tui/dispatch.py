@@ -140,7 +140,7 @@ class Dispatch:
             widget = listener.widget
             if event.pressed and not event.repeat:
                 self._failed.discard(id(widget))
-                if isinstance(widget, SetSpeed) and widget.heeds(listener.spec):
+                if isinstance(widget, SetSpeed) and widget.heeds(listener.spec, state):
                     self._take_over(widget, state)
             elif id(widget) in self._failed:
                 continue
@@ -183,7 +183,8 @@ class Dispatch:
         for widget in self._widgets:
             if not self._silent(widget, state):
                 asked = self._asked(widget, partial(widget.tick, state), state)
-                effects += self._allowed(widget, asked, state, fresh=False)
+                if asked:
+                    effects += self._allowed(widget, asked, state, fresh=False)
         return tuple(effects)
 
     def _heed(self, state: ConsoleState) -> list[Effect]:

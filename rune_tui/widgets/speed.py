@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import ClassVar, Self
 
 from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Stop, Twist
 from rune_tui.controls.events import ControlEvent
+from rune_tui.layout.names import joystick_input
 from rune_tui.layout.rules import HandlerRule, NumberOption
 from rune_tui.layout.spec import ControlKind, EventSpec, WidgetSpec
 from rune_tui.model.console_state import ConsoleState
@@ -30,8 +32,9 @@ class SetSpeed:
     two opposed keys the newest wins.
 
     An axis counts from the moment it leaves neutral. One that was deflected already, when what is
-    held was forgotten or while the dead-man button was up, waits; while any waits, none begins to
-    count. So nothing drives before all of them have been neutral.
+    held was forgotten, while the dead-man button was up or when its device appeared, waits; while
+    any waits, none begins to count. So nothing drives before all of them have been neutral: not the
+    wobble aside of a stick that is still held forward, either.
     """
 
     rule: ClassVar = HandlerRule(
@@ -67,6 +70,7 @@ class SetSpeed:
         angular: float,
         turbo: float = 1.0,
         guarded: bool = False,
+        axes: Iterable[EventSpec] = (),
     ) -> None:
         """Drive a robot.
 
@@ -76,12 +80,14 @@ class SetSpeed:
             angular: Turn rate at value 1 [rad/s], counter-clockwise.
             turbo: How many times faster it is while turbo is held.
             guarded: Whether there is a dead-man button, without which axes do not count.
+            axes: All that may drive.
         """
         self.robot = robot
         self._linear = linear
         self._angular = angular
         self._turbo = turbo
         self._guarded = guarded
+        self._axes = tuple(axes)
         self._held: dict[EventSpec, float] = {}
         """What counts and its share, -1 to 1, the newest last."""
         self._waiting: set[EventSpec] = set()
@@ -98,6 +104,7 @@ class SetSpeed:
             angular=spec.options.number("angular"),
             turbo=spec.options.number("turbo_factor"),
             guarded=any(event.control == _ENABLE for event in spec.events),
+            axes=[event for event in spec.events if event.kind is ControlKind.AXIS],
         )
 
     def forget(self) -> None:
@@ -108,11 +115,18 @@ class SetSpeed:
         self._wait_for_neutral()
         self._held.clear()
 
-    def heeds(self, event_spec: EventSpec) -> bool:
+    def heeds(self, event_spec: EventSpec, state: ConsoleState) -> bool:
         """Whether it would count if this input left neutral now."""
         if event_spec.kind is not ControlKind.AXIS:
             return True
-        return self._waiting <= {event_spec} and (not self._guarded or self._holds(_ENABLE))
+        if self._guarded and not self._holds(_ENABLE):
+            return False
+        unseen = {
+            joystick_input(joystick.name, axis)
+            for joystick in state.joysticks.values()
+            for axis in joystick.waiting
+        }
+        return self._waiting <= {event_spec} and not any(axis.name in unseen for axis in self._axes)
 
     def velocity(self) -> Twist:
         """What the held inputs command."""
@@ -128,7 +142,7 @@ class SetSpeed:
     ) -> tuple[Effect, ...]:
         """The new velocity, at once unless a stick moves on; nothing for what does not count."""
         if event_spec.kind is ControlKind.AXIS and event.pressed:
-            return self._deflected(event, event_spec, state.now)
+            return self._deflected(event, event_spec, state)
         if event.pressed and event.repeat:
             return ()
         self._waiting.discard(event_spec)
@@ -142,10 +156,10 @@ class SetSpeed:
         return self._send(state.now)
 
     def _deflected(
-        self, event: ControlEvent, event_spec: EventSpec, now: float
+        self, event: ControlEvent, event_spec: EventSpec, state: ConsoleState
     ) -> tuple[Effect, ...]:
-        known = event_spec in self._held
-        if not known and (event.repeat or not self.heeds(event_spec)):
+        known, now = event_spec in self._held, state.now
+        if not known and (event.repeat or not self.heeds(event_spec, state)):
             self._waiting.add(event_spec)
             return ()
         if not event.repeat:

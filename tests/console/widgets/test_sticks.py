@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
 from collections.abc import Iterable
@@ -20,6 +21,7 @@ from rune_tui.layout.actions import actions_of
 from rune_tui.layout.rules import Options
 from rune_tui.layout.spec import ControlKind, EventSpec, LayoutSpec, WidgetSpec
 from rune_tui.model.effects import Effect, QuitEffect, SendEffect, Zoom
+from rune_tui.model.joystick_state import JoystickState
 from rune_tui.opening import open_layout
 from rune_tui.widgets.registry import WIDGETS
 from rune_tui.widgets.speed import SetSpeed
@@ -114,6 +116,16 @@ def test_of_keys_and_sticks_the_newest_that_is_not_neutral_counts():
     assert driven(widget.handle(up("s"), S, at(0.5))) == [(0.5, 0.0)]
     assert driven(widget.handle(moved(FORWARD, 0.0), FORWARD, at(0.6))) == [(0.5, 0.0)]
     assert driven(widget.handle(up("w"), W, at(0.7))) == [(0.0, 0.0)]
+
+
+def test_a_stick_still_held_forward_turns_nothing_when_the_hand_wobbles_aside():
+    widget = speed(FORWARD, TURN)
+    pad = JoystickState(name="pad", waiting=frozenset({"y"}))
+    held = dataclasses.replace(at(0.0), joysticks={"pad": pad})
+    assert widget.handle(moved(TURN, 0.2), TURN, held) == ()
+    assert widget.handle(moved(TURN, 1.0, on=True), TURN, at(0.1)) == ()
+    widget.handle(moved(TURN, 0.0), TURN, at(0.2))
+    assert driven(widget.handle(moved(TURN, 0.5), TURN, at(0.3))) == [(0.0, -0.5)]
 
 
 def test_after_all_was_let_go_nothing_drives_before_every_stick_was_neutral():
