@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import itertools
+import json
+import math
 import os
+import sys
 import threading
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator
+from typing import Any
 
 import psutil
 import pytest
@@ -49,6 +54,13 @@ def own_folders(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.Mo
 @pytest.fixture(autouse=True)
 def nothing_left_behind() -> Iterator[None]:
     """A test that leaves threads or processes of ours behind fails."""
+    with leaving_nothing():
+        yield
+
+
+@contextlib.contextmanager
+def leaving_nothing() -> Iterator[None]:
+    """Fail if threads or processes of ours are there at the end that were not at the start."""
     threads = set(threading.enumerate())
     children = {child.pid for child in _descendants()}
     yield
@@ -80,3 +92,30 @@ def _descendants() -> list[psutil.Process]:
         except ChildProcessError:
             return []
     return psutil.Process().children(recursive=True)
+
+
+@pytest.fixture
+def tell(request: pytest.FixtureRequest, capfd: pytest.CaptureFixture[str]) -> Callable[..., None]:
+    """Writes one JSON line with the test's name and figures, past pytest's capture.
+
+    Then every bar has to hold: a test that fails tells of all it has found, not of the first.
+    """
+
+    def write(*, bars: dict[str, bool], **figures: Any) -> None:
+        failed = [bar for bar, holds in bars.items() if not holds]
+        with capfd.disabled():
+            line = json.dumps({"test": request.node.name, **_finite(figures), "failed": failed})
+            sys.stdout.write(f"\n{line}\n")
+            sys.stdout.flush()
+        assert failed == []
+
+    return write
+
+
+def _finite(value: Any) -> Any:
+    """The same without what JSON cannot say; what never happened has no figure."""
+    if isinstance(value, dict):
+        return {name: _finite(each) for name, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(each) for each in value]
+    return value if not isinstance(value, float) or math.isfinite(value) else None

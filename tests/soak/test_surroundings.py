@@ -6,7 +6,6 @@ import collections
 import contextlib
 import os
 import resource
-import shutil
 import socket
 import struct
 import subprocess
@@ -20,8 +19,9 @@ import pytest
 
 from tests.misbehaving import bad_connections
 from tests.soak.good_traffic import GoodTraffic
-from tests.soak.rig import AT, ROOT, SENT, Rig
+from tests.soak.rig import AT, SENT, Rig
 from tests.waiting import until
+from tests.wall_clock import WallClock
 
 CROWD_S = float(os.environ.get("RUNE_SOAK_CROWD_S", "60"))
 _CROWD = 200
@@ -185,36 +185,18 @@ def test_central_serves_who_is_connected_when_descriptors_run_out(
     tell(limit=limit, cpu=round(spent / took, 3), dropped=dropped, **traffic.figures, bars=bars)
 
 
-@pytest.fixture
-def wall_clock(tmp_path: Path) -> tuple[dict[str, str], Callable[[int], None]]:
-    """The environment of processes whose wall clock steps, and what steps it [s]."""
-    compiler = shutil.which("cc") or shutil.which("gcc")
-    if compiler is None:
-        pytest.skip("no C compiler here")
-    library, file = tmp_path / "wall_clock.so", tmp_path / "offset"
-    source = ROOT / "tests" / "misbehaving" / "wall_clock.c"
-    command = [compiler, "-shared", "-fPIC", "-O1", "-o", str(library), str(source), "-ldl"]
-    subprocess.run(command, check=True)
-
-    def step(seconds: int) -> None:
-        with file.open("r+b" if file.exists() else "wb") as opened:
-            opened.write(struct.pack("<q", seconds * 10**9))
-
-    step(0)
-    return {**os.environ, "LD_PRELOAD": str(library), "RUNE_WALL_CLOCK": str(file)}, step
-
-
 @pytest.mark.soak
 @pytest.mark.parametrize("timed", [False, True])
 def test_steps_of_the_wall_clock_are_not_noticed(
     make_rig: Callable[..., Rig],
     tell: Callable[..., None],
-    wall_clock: tuple[dict[str, str], Callable[[int], None]],
+    tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     *,
     timed: bool,
 ) -> None:
-    environment, step = wall_clock
+    clock = WallClock(tmp_path)
+    environment, step = {**os.environ, **clock.environment}, clock.step
     step(_YEAR_S)
     told = subprocess.run(
         [sys.executable, "-c", "import time; print(time.time())"],

@@ -33,7 +33,7 @@ from tests.waiting import until
 
 ROBOT_FILE = """
 name = "magellan"
-kind = "simulated-magellan"
+kind = "{kind}"
 [hub]
 port = {port}
 {gateway}
@@ -53,10 +53,12 @@ def robot_file(
     gateway: str = "",
     modules: Sequence[str] = MODULES,
     tables: str = "",
+    kind: str = "simulated-magellan",
 ) -> str:
     """A robot file; `gateway` is lines of its table of the hub, `tables` are more tables."""
     lines = "\n".join(f'[modules.{name}]\nrun = "hub.modules.{name}"' for name in modules)
-    return ROBOT_FILE.format(arena=arena, port=port, gateway=gateway, modules=lines) + tables
+    said = {"arena": arena, "port": port, "gateway": gateway, "kind": kind}
+    return ROBOT_FILE.format(**said, modules=lines) + tables
 
 
 def in_soak(*values: Any) -> list[Any]:
@@ -65,6 +67,7 @@ def in_soak(*values: Any) -> list[Any]:
 
 
 _TERMINAL = {"TERM": "xterm-256color", "COLORTERM": "truecolor"}
+_CLOSED = -1
 _FRESH_S = 0.08
 """Ground truth comes every 20 ms; what is older than this may be queued [s]."""
 
@@ -72,8 +75,10 @@ _FRESH_S = 0.08
 class HubProcess:
     """`rune-hub run`, from start to end."""
 
-    def __init__(self, folder: Path, **robot_keys: Any) -> None:
-        """Start it with a `robot_file` of these keys."""
+    def __init__(
+        self, folder: Path, *, environment: dict[str, str] | None = None, **robot_keys: Any
+    ) -> None:
+        """Start it with a `robot_file` of these keys, and variables besides this process's own."""
         robot = folder / "robot.toml"
         robot.write_text(robot_file(**robot_keys))
         self.log = folder / "hub.log"
@@ -83,6 +88,7 @@ class HubProcess:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=log,
+                env={**os.environ, **(environment or {})},
             )
         try:
             self.listening = self._said("listening")
@@ -250,12 +256,20 @@ class TerminalProcess:
         os.close(inner)
         os.set_blocking(self.terminal, False)
 
+    def hang_up(self) -> None:
+        """Close the terminal, as who closes its window."""
+        os.close(self.terminal)
+        self.terminal = _CLOSED
+
     def type(self, keys: str) -> None:
         """Press keys."""
         os.write(self.terminal, keys.encode())
 
     def pump(self, seconds: float = 0.02) -> None:
         """Read what the console writes for a while."""
+        if self.terminal == _CLOSED:
+            time.sleep(seconds)
+            return
         end = time.monotonic() + seconds
         with selectors.DefaultSelector() as selector:
             selector.register(self.terminal, selectors.EVENT_READ)
@@ -369,7 +383,8 @@ class TerminalProcess:
             except AssertionError:
                 self.process.kill()
                 self.process.wait()
-        os.close(self.terminal)
+        if self.terminal != _CLOSED:
+            self.hang_up()
 
 
 class ConsoleProcess(TerminalProcess):

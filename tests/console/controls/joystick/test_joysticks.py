@@ -6,14 +6,14 @@ from collections.abc import Callable
 
 import pytest
 
-from rune_tui.controls.hid_reader import Gone, HidMissingError, News, Opened, Refused, Scanned
+from rune_tui.controls.hid_reader import Gone, HidMissingError, Opened, Refused, Scanned
 from rune_tui.controls.joystick.calibration import TIME_TO_ACT_S, Calibration
-from rune_tui.controls.joystick.inbox import Inbox
 from rune_tui.controls.joystick.matching import DeviceInfo
 from rune_tui.controls.joystick.store import CalibrationStore
 from rune_tui.controls.joysticks import Joysticks
 from rune_tui.layout.spec import JoystickSpec
 from rune_tui.model.joystick_state import JoystickPhase, JoystickState
+from tests.console.controls.joystick.fake_reader import FakeReader
 from tests.console.controls.joystick.pads import (
     ALL,
     LEFT_X,
@@ -26,42 +26,6 @@ from tests.console.controls.joystick.pads import (
     joystick,
     told,
 )
-
-
-class FakeReader:
-    """What the hardware would say."""
-
-    def __init__(self) -> None:
-        self.started = 0
-        self.told: list[News] = []
-        self.asked: list[str] = []
-        self.inboxes: dict[str, Inbox] = {}
-        self.ages: dict[str, float] = {}
-
-    def start(self, notify: Callable[[], None]) -> None:
-        self.notify = notify
-        self.started += 1
-
-    def news(self) -> list[News]:
-        told, self.told = self.told, []
-        return told
-
-    def read(self, device: DeviceInfo) -> None:
-        if device.path not in self.inboxes:
-            self.asked.append(device.path)
-            self.inboxes[device.path] = Inbox(PAD)
-
-    def stop(self, path: str) -> None:
-        self.inboxes.pop(path, None)
-
-    def inbox(self, path: str) -> Inbox | None:
-        return self.inboxes.get(path)
-
-    def measured(self, path: str) -> float | None:
-        return self.ages.get(path)
-
-    def close(self) -> None:
-        self.inboxes.clear()
 
 
 class Table:

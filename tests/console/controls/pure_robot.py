@@ -1,0 +1,136 @@
+"""The robot's pure parts, connected as its modules connect them: who has control, speed, wheels."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from hub.control_gate import ControlGate
+from hub.gcm.control import CONTROL_STATE, ControlState
+from hub.gcm.navigation import VELOCITY_COMMAND, Twist
+from hub.ipc.reception import Reception
+from hub.modules.driver.watchdog import CommandWatchdog
+from hub.modules.navigation.speed_governor import SpeedGovernor
+from hub.robomon.arbiter import Arbiter
+from hub.sim.kinematics import ANGULAR, LINEAR, approach
+
+STEP_S = 0.02
+"""How often the modules look [s]; really twice as often."""
+STILL = 1e-3
+_DRIVE_S = 0.05
+
+
+class Bus:
+    """What a gate needs of a client."""
+
+    def __init__(self) -> None:
+        self.told: list[Any] = []
+        self.hears: dict[str, Callable[[Any, Reception], None]] = {}
+
+    def define(self, *definitions: object) -> None:
+        """All are known."""
+
+    def subscribe(self, definition: Any, handler: Any, **how: object) -> None:
+        del how
+        self.hears[definition.name] = handler
+
+    def publish(self, definition: object, value: object) -> None:
+        del definition
+        self.told.append(value)
+
+
+class Robot:
+    """Central's arbiter, navigation, driver and wheels.
+
+    Attributes:
+        told: What the wheels are told [m/s, rad/s].
+        true: What they do [m/s, rad/s].
+        navigates: Whether navigation runs.
+    """
+
+    def __init__(self) -> None:
+        self.told = self.true = (0.0, 0.0)
+        self._bus = Bus()
+        self.restart(0.0)
+
+    def began(self, now: float) -> None:
+        """Navigation begins, perhaps anew."""
+        self._governor = SpeedGovernor(0.5, 1.0, now)
+        bus: Any = self._bus
+        self._gate = ControlGate(bus, self._handed_over)
+        self._wanted = (0.0, 0.0)
+        self._driven = now
+        self._owner = 0
+        self.navigates = True
+
+    def restart(self, now: float) -> None:
+        """Another hub in place of the last: nobody has control of its robot."""
+        self.arbiter = Arbiter(now)
+        self._watchdog = CommandWatchdog()
+        self.began(now)
+
+    def command(self, sender: int, twist: Twist, measured: float, now: float) -> None:
+        """A velocity command came, as navigation takes it."""
+        age = max(0.0, now - measured)
+        if not self.navigates or age > VELOCITY_COMMAND.lifespan_s:
+            return
+        if self._gate.counts(sender):
+            speeds = twist.linear.x, twist.angular.z
+            self._governor.command(sender, *speeds, now - age, now)
+            self._look(now)
+
+    def stop(self, now: float) -> None:
+        """Somebody sent a stop."""
+        self._governor.stop()
+        self._look(now)
+
+    def pass_time(self, now: float) -> None:
+        """A look of navigation and driver."""
+        self.arbiter.look(now)
+        self.tell(now)
+        if self.navigates:
+            self._governor.driver_reported(now)
+            self._look(now)
+            if now - self._driven >= _DRIVE_S - STEP_S / 2:
+                self._drive(now)
+        if self._watchdog.expired(now):
+            self.told = (0.0, 0.0)
+        self.true = (
+            approach(self.true[0], self.told[0], LINEAR, STEP_S),
+            approach(self.true[1], self.told[1], ANGULAR, STEP_S),
+        )
+
+    def tell(self, now: float) -> None:
+        """The desk says who has control, when that changes."""
+        owner = self.arbiter.owner.number if self.arbiter.owner else 0
+        if owner != self._owner and self.navigates:
+            self._owner = owner
+            self._now = now
+            how = Reception(0, 1, 0, 0.0, now)
+            self._bus.hears[CONTROL_STATE.name](ControlState(owner=owner), how)
+
+    @property
+    def owner(self) -> int:
+        return self.arbiter.owner.number if self.arbiter.owner else 0
+
+    @property
+    def driven(self) -> bool:
+        return self.told != (0.0, 0.0)
+
+    @property
+    def moves(self) -> bool:
+        return max(map(abs, self.true)) >= STILL
+
+    def _handed_over(self, state: ControlState, before: int) -> None:
+        self._governor.controlled_by(state.owner, before)
+        self._look(self._now)
+
+    def _look(self, now: float) -> None:
+        if self._governor.velocity(now) != self._wanted:
+            self._drive(now)
+
+    def _drive(self, now: float) -> None:
+        self._wanted = given = self._governor.velocity(now)
+        self._driven = now
+        if self._watchdog.allows(now, now, neutral=given == (0.0, 0.0)):
+            self.told = given

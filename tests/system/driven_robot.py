@@ -1,0 +1,299 @@
+"""A recorded robot, the consoles that drive it, a pad and keys: what cases of stale sticks need."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import random
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from tests.fake_hid import VirtualBed, VirtualDevice
+from tests.ports import free_port
+from tests.system.harness import ConsoleProcess, HubProcess
+from tests.system.recorded_robot import Row, Wheels
+from tests.waiting import until
+
+_PAD = "logitech_f310_dinput"
+_STICKS = """
+    <event joystick="pad" axis="lefty" control="translate"/>
+    <event joystick="pad" axis="leftx" control="rotate" value="-1"/>
+"""
+_GUARDED = """
+  <widget handler="widgetSetSpeed">
+    <event joystick="pad" axis="righty" control="translate"/>
+    <event joystick="pad" axis="rightx" control="rotate" value="-1"/>
+    <event joystick="pad" button="leftshoulder" control="enable"/>
+  </widget>
+"""
+_LAYOUT = """<rune run="1">
+  <robot name="magellan" hub="{hub}">
+    <capability name="NAV_STATE"/>
+    <capability name="NAV_MOVE"/>
+  </robot>
+  {joystick}
+  <view xsize="160" ysize="16">
+    <widget handler="widgetHelp"><event key="?"/></widget>
+    <viewport name="status" robot="magellan" xpos="0" ypos="0" xsize="160" ysize="2">
+      <visualizer function="visualizeStatus" message="GCM_RobotState"/>
+      <widget handler="widgetSetSpeed">
+        <event key="w" control="translate"/>
+        <event key="s" control="translate" value="-1"/>
+        {sticks}
+      </widget>
+      {guarded}
+      <widget handler="widgetStop"><event key="space"/></widget>
+      <widget handler="widgetTakeOver"><event key="k"/></widget>
+      <widget handler="widgetReleaseControl"><event key="c"/></widget>
+    </viewport>
+    <viewport name="pad" xpos="0" ypos="2" xsize="60" ysize="14">
+      <visualizer function="visualizeJoystick"/>
+    </viewport>
+  </view>
+</rune>
+"""
+_CENTRE, _THROW = 128, 127
+_TRIES = 5
+_PRELOAD = "LD_PRELOAD"
+_REPEAT_S = 0.033
+_SHOULDER = 1
+
+
+def layout(hub: str, *, pad: bool) -> str:
+    """A layout that drives with keys, and with the pad's sticks; the right one is guarded."""
+    parts = ('<joystick name="pad"/>', _STICKS, _GUARDED) if pad else ("", "", "")
+    return _LAYOUT.format(
+        hub=hub, **dict(zip(("joystick", "sticks", "guarded"), parts, strict=True))
+    )
+
+
+class Finger:
+    """Keeps a key down: a press and repeats, at whatever terminal that is then."""
+
+    def __init__(self) -> None:
+        self._lifted = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def press(self, terminal: Callable[[], int], key: str) -> None:
+        """Until it is lifted."""
+        self._lifted.clear()
+
+        def repeat() -> None:
+            while not self._lifted.wait(_REPEAT_S):
+                with contextlib.suppress(OSError):  # the terminal is closed, or takes no more
+                    os.write(terminal(), key.encode())
+
+        self._thread = threading.Thread(target=repeat)
+        self._thread.start()
+
+    def lift(self) -> None:
+        self._lifted.set()
+        if self._thread is not None:
+            self._thread.join()
+            self._thread = None
+
+
+class DrivenRobot:
+    """A hub whose robot is recorded, and what drives it.
+
+    Attributes:
+        hub: The hub.
+        wheels: What its wheels do.
+        chance: Decides what is left to chance.
+        console: The operator's.
+        rival: Somebody else's console, without a pad; None: there is none.
+        pad: What is plugged in; None: nothing is.
+        finger: On the operator's keys.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        bed: VirtualBed,
+        *,
+        clock: dict[str, str] | None = None,
+        programs: Path | None = None,
+    ) -> None:
+        """Start all but the rival.
+
+        Args:
+            folder: For files.
+            bed: Where the pad is plugged in.
+            clock: Variables of processes with another wall clock.
+            programs: Folder of programs that consoles find before all others.
+        """
+        self.chance = random.Random(1)
+        self.wheels = Wheels(folder)
+        self.console: ConsoleProcess
+        self.rival: ConsoleProcess | None = None
+        self.pad: VirtualDevice | None = None
+        self.finger = Finger()
+        self._folder = folder
+        self._bed = bed
+        self._arguments: tuple[str, ...] = ()
+        self._programs = programs
+        self._clock = clock or {}
+        self._port = free_port()
+        self._stick = (0.0, 0.0)
+        self._guarded = False
+        self.hub = self._started_hub()
+        (folder / "pad.xml").write_text(layout(self.hub.endpoint, pad=True))
+        (folder / "keys.xml").write_text(layout(self.hub.endpoint, pad=False))
+        self.plug()
+        self.console = self._started_console(())
+
+    # The parts of it.
+
+    def _started_hub(self) -> HubProcess:
+        modules = ("driver", "navigation")
+        own = self.wheels.environment | self._clock
+        return HubProcess(
+            self._folder, environment=own, port=self._port, modules=modules, kind=Wheels.kind
+        )
+
+    def start_hub(self) -> None:
+        """Another one in place of the last."""
+        self.hub.close()
+        self.hub = self._started_hub()
+
+    def _started_console(self, arguments: tuple[str, ...], *, pad: bool = True) -> ConsoleProcess:
+        own = {"XDG_CONFIG_HOME": str(self._folder), "XDG_STATE_HOME": str(self._folder)}
+        own |= {"PATH": f"{self._programs}:{os.environ['PATH']}"} if self._programs else {}
+        own |= {"LOGNAME": "alice" if pad else "bob"} | self._clock
+        if pad:
+            preloaded = filter(None, (own.get(_PRELOAD), self._bed.environment[_PRELOAD]))
+            own |= self._bed.environment | {_PRELOAD: ":".join(preloaded)}
+        file = self._folder / ("pad.xml" if pad else "keys.xml")
+        command = ["run", *arguments, str(file)]
+        self._arguments = arguments if pad else self._arguments
+        return ConsoleProcess(command, columns=160, rows=8, environment=own)
+
+    def start_console(self, *arguments: str) -> None:
+        """Another console in place of the last."""
+        self.console.close()
+        self.console = self._started_console(arguments)
+
+    def want_console(self, *arguments: str) -> None:
+        """The operator's console was started like this, and is well."""
+        if arguments != self._arguments or self.console.process.poll() is not None:
+            self.start_console(*arguments)
+        self.wait(lambda: "linked" in self.console.text, "the console is not linked")
+
+    def start_rival(self) -> ConsoleProcess:
+        """Somebody else's console, if it does not run yet."""
+        if self.rival is None:
+            self.rival = self._started_console((), pad=False)
+        rival = self.rival
+        self.wait(lambda: "linked" in rival.text, "the other console is not linked")
+        return rival
+
+    def plug(self) -> None:
+        """Plug the pad in, as deflected as it was."""
+        self.pad = self._bed.plug(_PAD)
+
+    def unplug(self) -> None:
+        """Pull it out."""
+        if self.pad is not None:
+            self.pad.unplug()
+            self.pad = None
+
+    def close(self) -> None:
+        self.finger.lift()
+        for console in (self.console, self.rival):
+            if console is not None:
+                console.close()
+        self.unplug()
+        self.hub.close()
+        self.wheels.close()
+
+    # Hands.
+
+    def neutral(self) -> None:
+        """Let go of everything."""
+        self.finger.lift()
+        self._stick, self._guarded = (0.0, 0.0), False
+        self._report()
+
+    def hold_key(self) -> None:
+        """Hold a key that drives."""
+        key = self.chance.choice("ws")
+        self.finger.press(lambda: self.console.terminal, key)
+
+    def push(self, *, guarded: bool = False) -> None:
+        """Deflect a stick; `guarded`: the right one, with the dead-man button held."""
+        angle = self.chance.uniform(0.0, 2.0 * math.pi)
+        self._stick = (math.cos(angle), math.sin(angle))
+        self._guarded = guarded
+        self._report(shoulder=guarded)
+
+    def insist(self) -> None:
+        """Whoever holds a stick goes on; keys are held anyway."""
+        if self._stick != (0.0, 0.0):
+            self.shake(shoulder=self._guarded)
+
+    def shake(self, *, shoulder: bool = False) -> None:
+        """Hold the stick as hands do: it reports again and again, and stays deflected."""
+        self._report(self.chance.uniform(0.7, 1.0), shoulder=shoulder)
+
+    def _report(self, share: float = 1.0, *, shoulder: bool = False) -> None:
+        x, y = (round(_CENTRE + share * _THROW * each) for each in self._stick)
+        rest = [_CENTRE, _CENTRE]
+        axes = [*rest, x, y] if self._guarded else [x, y, *rest]
+        assert self.pad is not None
+        self.pad.send(bytes([*axes, 0x08, _SHOULDER * shoulder, 0, 0]))
+
+    # Waiting.
+
+    def pump(self) -> None:
+        """Let the consoles write."""
+        for console in (self.console, self.rival):
+            if console is not None and console.process.poll() is None:
+                console.pump(0.01)
+
+    def wait(self, condition: Callable[[], object], why: str, timeout: float = 15.0) -> None:
+        until(condition, timeout, lambda: f"{why}\n{self._said()}", meanwhile=self.pump)
+
+    def watch(self, seconds: float) -> None:
+        """Let time go by."""
+        end = time.monotonic() + seconds
+        self.wait(lambda: time.monotonic() >= end, "time stands still")
+
+    def _said(self) -> str:
+        others = [self.rival.text] if self.rival is not None else []
+        return "\n".join([self.console.text, *others, str(self.wheels.now)])
+
+    # Driving.
+
+    def drive(self, press: Callable[[], Any], let_go: Callable[[], Any]) -> None:
+        """Drive from neutral, for a while that is left to chance.
+
+        Where the robot does not, let go and push again, as a person does: on a machine that is
+        busy, commands can fall silent for long enough that it wants neutral first.
+        """
+        for _ in range(_TRIES):
+            let_go()
+            self.wait(self._at_rest, "the robot does not want to be driven")
+            self.wheels.forget()
+            press()
+            end = time.monotonic() + 2.0
+            while time.monotonic() < end:
+                self.pump()
+                if self._drives(self.wheels.now):
+                    self.watch(self.chance.uniform(0.0, 0.4))
+                    if self._drives(self.wheels.now):
+                        return
+        message = f"nothing drives the robot\n{self._said()}"
+        raise AssertionError(message)
+
+    def _at_rest(self) -> bool:
+        shown = [line.split() for line in self.console.screen.display]
+        axes = [words[2] for words in shown if words[:1] and words[0].endswith(("x", "y"))]
+        seen = self.pad is None or (axes and set(axes) <= {"+0.00", "-0.00"})
+        return bool(seen and "STANDING" in self.console.text)
+
+    def _drives(self, row: Row) -> bool:
+        return row.told and (abs(row.linear) > 0.1 or abs(row.angular) > 0.2)

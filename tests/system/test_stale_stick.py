@@ -1,0 +1,322 @@
+"""The field's oldest bug, the stale stick: a robot that goes on with what a hand did before.
+
+Each case is an event that befalls real processes while a stick or a key drives the robot. Then the
+wheels are told to stand in time, the robot comes to rest in time, and nothing moves it again,
+although the stick stays deflected, before the stick was neutral and is deflected anew. What the
+wheels do is read at the wheels (see `recorded_robot`), not from what anybody says.
+
+`make soak` repeats each case, at random moments, directions and speeds, and holds it to the times.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import statistics
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, closing
+from dataclasses import dataclass
+
+import pytest
+
+from hub.gcm.navigation import STOP, Stop
+from hub.ipc.client import Client
+from tests.conftest import leaving_nothing
+from tests.fake_hid import VirtualBed, needs_virtual_devices
+from tests.system.driven_robot import DrivenRobot
+from tests.system.ssh_server import SshServer
+from tests.wall_clock import WallClock
+
+pytestmark = needs_virtual_devices
+
+TOLD_S = 0.35
+"""The wheels are told to stand within this time after the event [s]."""
+REST_S = 0.7
+"""The robot is at rest within this time after the event [s]."""
+INSISTED_S = 0.6
+"""A stick stays deflected for so long, in vain [s]."""
+REPETITIONS = 30
+_YEAR_S = 365 * 24 * 3600
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """What the cases are played with.
+
+    Attributes:
+        robot: It, and what drives it.
+        ssh: The way to its hub, for consoles that take it.
+        clock: The wall clock of hub and consoles.
+    """
+
+    robot: DrivenRobot
+    ssh: SshServer
+    clock: WallClock
+
+
+Deed = Callable[[Scene], object]
+
+
+def nothing(scene: Scene) -> None:
+    """All is as before, but for what the robot makes of it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """An event.
+
+    Attributes:
+        name: What happens.
+        strike: Does it, while the robot is driven; it may return when [s].
+        mend: Makes it good again; whoever drove still does as if nothing had happened.
+        press: What drives the robot; by default a stick.
+        far: Whether the console's way to the hub is ssh.
+        before: What has to be prepared.
+    """
+
+    name: str
+    strike: Deed
+    mend: Deed = nothing
+    press: Callable[[DrivenRobot], None] = DrivenRobot.push
+    far: bool = False
+    before: Deed = nothing
+
+
+def send_signal(number: signal.Signals) -> Deed:
+    """Have the operator's console get it."""
+    return lambda scene: scene.robot.console.process.send_signal(number)
+
+
+def type_keys(keys: str) -> Deed:
+    """Press keys at the operator's console."""
+    return lambda scene: scene.robot.console.type(keys)
+
+
+def start_again(scene: Scene) -> None:
+    """The operator opens another console."""
+    scene.robot.finger.lift()
+    scene.robot.start_console()
+    scene.robot.want_console()
+
+
+def awake(scene: Scene) -> None:
+    """A console that was stopped goes on after a while."""
+    time.sleep(scene.robot.chance.uniform(0.0, 1.0))
+    scene.robot.console.process.send_signal(signal.SIGCONT)
+
+
+def kill_hub(scene: Scene) -> None:
+    scene.robot.hub.process.kill()
+
+
+def another_hub(scene: Scene) -> None:
+    scene.robot.start_hub()
+    linked(scene)
+
+
+def linked(scene: Scene) -> None:
+    console = scene.robot.console
+    scene.robot.wait(lambda: "linked" in console.text, "the console finds no way back")
+
+
+def ssh_goes_on(scene: Scene) -> None:
+    """The network carries again what it has carried not, all that was sent meanwhile first."""
+    scene.robot.watch(scene.robot.chance.choice((0.3, 1.0, 3.0)))
+    signal_ssh(signal.SIGCONT)(scene)
+    linked(scene)
+
+
+def signal_ssh(number: signal.Signals) -> Deed:
+    def sent(scene: Scene) -> None:
+        for pid in scene.ssh.running():
+            os.kill(pid, number)
+
+    return sent
+
+
+def step_clocks(scene: Scene) -> float:
+    """The clocks of hub and console step; that alone stops nobody. Then the console is stopped."""
+    robot = scene.robot
+    scene.clock.step(robot.chance.choice((3600, -3600, _YEAR_S, -_YEAR_S)))
+    stepped = time.monotonic()
+    robot.watch(0.5)
+    assert robot.wheels.first(stepped, lambda row: not row.told) is None, "the step stops the robot"
+    struck = time.monotonic()
+    robot.console.process.send_signal(signal.SIGSTOP)
+    scene.clock.step(0)
+    return struck
+
+
+def stop_from_elsewhere(scene: Scene) -> float:
+    with closing(Client("passer-by", scene.robot.hub.endpoint)) as client:
+        client.wait_connected(5.0)
+        client.define(STOP)
+        client.wait_defined(5.0)
+        struck = time.monotonic()
+        client.publish(STOP, Stop(reason="a test"))
+        client.wait_published(5.0)
+    return struck
+
+
+def release_dead_man(scene: Scene) -> None:
+    scene.robot.shake(shoulder=False)
+
+
+def replug(scene: Scene) -> None:
+    scene.robot.plug()
+    scene.robot.shake()
+    scene.robot.wait(lambda: "LET GO OF" in scene.robot.console.text, "the pad is not found")
+
+
+def rival_takes_over(scene: Scene) -> None:
+    rival = scene.robot.start_rival()
+    rival.type("k")
+
+
+def rival_gives_up(scene: Scene) -> None:
+    rival = scene.robot.start_rival()
+    scene.robot.wait(lambda: "you have control" in rival.text, "nothing was taken over")
+    rival.type("c")
+    scene.robot.wait(lambda: "nobody has control" in rival.text, "control was not given up")
+
+
+def rival_pushes(scene: Scene) -> None:
+    """Somebody else holds a key all the time."""
+    rival = scene.robot.start_rival()
+    scene.robot.finger.press(lambda: rival.terminal, "s")
+
+
+CASES = (
+    Case(name="unplugged", strike=lambda scene: scene.robot.unplug(), mend=replug),
+    Case(name="another window in front", strike=type_keys("\x1b[O"), mend=type_keys("\x1b[I")),
+    Case(name="help opened", strike=type_keys("?"), mend=type_keys("\x1b")),
+    Case(name="text pasted", strike=type_keys("\x1b[200~text\x1b[201~")),
+    Case(
+        name="dead-man button let go",
+        press=lambda robot: robot.push(guarded=True),
+        strike=release_dead_man,
+        mend=lambda scene: scene.robot.shake(shoulder=True),
+    ),
+    Case(name="stopped from elsewhere", strike=stop_from_elsewhere),
+    Case(name="stopped by key", strike=type_keys(" ")),
+    Case(name="asleep", strike=send_signal(signal.SIGSTOP), mend=awake),
+    Case(
+        name="asleep with a key held",
+        press=DrivenRobot.hold_key,
+        strike=send_signal(signal.SIGSTOP),
+        mend=awake,
+    ),
+    Case(name="suspended", strike=send_signal(signal.SIGTSTP), mend=awake),
+    Case(name="wall clocks step", strike=step_clocks, mend=awake),
+    Case(
+        name="taken over",
+        before=lambda scene: scene.robot.start_rival(),
+        strike=rival_takes_over,
+        mend=rival_gives_up,
+    ),
+    Case(name="two push and control is given up", before=rival_pushes, strike=type_keys("c")),
+    Case(name="killed", strike=send_signal(signal.SIGKILL), mend=start_again),
+    Case(
+        name="killed with a key held",
+        press=DrivenRobot.hold_key,
+        strike=send_signal(signal.SIGKILL),
+        mend=start_again,
+    ),
+    Case(name="ended", strike=send_signal(signal.SIGTERM), mend=start_again),
+    Case(
+        name="terminal closed", strike=lambda scene: scene.robot.console.hang_up(), mend=start_again
+    ),
+    Case(name="hub killed", strike=kill_hub, mend=another_hub),
+    Case(
+        name="network cut",
+        far=True,
+        strike=signal_ssh(signal.SIGSTOP),
+        mend=ssh_goes_on,
+    ),
+    Case(name="ssh dropped", far=True, strike=signal_ssh(signal.SIGKILL), mend=linked),
+)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def nothing_left_behind() -> Iterator[None]:
+    """What a case starts anew stays for the next one."""
+    with leaving_nothing():
+        yield
+
+
+@pytest.fixture(scope="module")
+def scene(nothing_left_behind: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Scene]:
+    del nothing_left_behind
+    folder = tmp_path_factory.mktemp("stale-stick")
+    with ExitStack() as stack:
+        patch = stack.enter_context(pytest.MonkeyPatch.context())
+        patch.setenv("XDG_STATE_HOME", str(folder))
+        clock = WallClock(folder)
+        ssh = stack.enter_context(closing(SshServer(folder / "ssh")))
+        bed = stack.enter_context(closing(VirtualBed()))
+        made = DrivenRobot(folder, bed, clock=clock.environment, programs=ssh.path)
+        robot = stack.enter_context(closing(made))
+        yield Scene(robot=robot, ssh=ssh, clock=clock)
+
+
+def stops(scene: Scene, case: Case) -> tuple[float, float]:
+    """Drive, have it happen, and insist in vain.
+
+    Returns:
+        When the wheels were told to stand, and when the robot was at rest, after the event [s].
+    """
+    robot, wheels = scene.robot, scene.robot.wheels
+    robot.want_console(*(("--ssh", scene.ssh.target) if case.far else ()))
+    drive(scene, case)
+    struck = time.monotonic()
+    struck = case.strike(scene) or struck
+    robot.wait(
+        lambda: wheels.first(struck, lambda row: not (row.told or row.moves)), "it drives on"
+    )
+    told = wheels.first(struck, lambda row: not row.told)
+    rest = wheels.first(struck, lambda row: not row.moves)
+    assert told is not None
+    assert rest is not None
+    case.mend(scene)
+    end = time.monotonic() + INSISTED_S
+    while time.monotonic() < end:
+        robot.insist()
+        robot.pump()
+    moved = wheels.first(struck + told, lambda row: row.told)
+    assert moved is None, f"{moved:.3f} s after the event it drives with what was held before"
+    return told, rest
+
+
+def drive(scene: Scene, case: Case) -> None:
+    def let_go() -> None:
+        scene.robot.neutral()
+        case.before(scene)
+
+    scene.robot.drive(lambda: case.press(scene.robot), let_go)
+
+
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name.replace(" ", "-"))
+@pytest.mark.parametrize(
+    "count", [1, pytest.param(REPETITIONS, marks=pytest.mark.soak)], ids=["once", "often"]
+)
+def test_the_robot_stops_and_stands_until_it_is_driven_from_neutral(
+    scene: Scene, case: Case, count: int, tell: Callable[..., None]
+) -> None:
+    reactions = [stops(scene, case) for _ in range(count)]
+    scene.robot.want_console(*(("--ssh", scene.ssh.target) if case.far else ()))
+    drive(scene, case)
+    scene.robot.neutral()
+    if count == 1:
+        return  # other tests share the machine: how long it took says nothing
+    told, rest = zip(*reactions, strict=True)
+    tell(
+        repetitions=count,
+        told_s={"median": round(statistics.median(told), 3), "largest": round(max(told), 3)},
+        rest_s={"median": round(statistics.median(rest), 3), "largest": round(max(rest), 3)},
+        bars={
+            "told to stand in time": max(told) <= TOLD_S,
+            "at rest in time": max(rest) <= REST_S,
+        },
+    )
