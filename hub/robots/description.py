@@ -11,6 +11,7 @@ from typing import Any
 from hub import toml_tables as toml
 from hub.errors import CameraError, RobotFileError
 from hub.ipc.security import DEFAULT_PORT
+from hub.robots.left_alone import SURFACE_AFTER_S, LeftAlone
 from hub.robots.video_source import video_source
 
 SHIPPED = Path(__file__).parent / "files"
@@ -53,6 +54,8 @@ class RobotDescription:
         map_folder: Where maps are saved; empty: the user's own folder of data.
         nothing_new_s: Exploring ends when nothing new came for this time, although it drove [s].
         nothing_new_share: Nothing new means that the map's free ground grew by less than this.
+        left_alone: What it does when it has lost its operator.
+        surface_after_s: If it surfaces then, for how long it keeps neutral before [s].
         modules: The tables under [modules], not yet checked.
     """
 
@@ -82,6 +85,8 @@ class RobotDescription:
     map_folder: str
     nothing_new_s: float
     nothing_new_share: float
+    left_alone: LeftAlone
+    surface_after_s: float
     modules: dict[str, Any]
 
     @property
@@ -119,6 +124,12 @@ _TABLES = {
     "body": {
         "radius": toml.Key(toml.number(0.02, 5.0), 0.205),
         "margin": toml.Key(toml.number(0.0, 1.0), 0.05),
+    },
+    "safety": {
+        "left_alone": toml.Key(
+            toml.choice({each.value: each for each in LeftAlone}), LeftAlone.STAND
+        ),
+        "surface_after_s": toml.Key(toml.number(0.0, 3600.0), SURFACE_AFTER_S),
     },
     "camera": {
         "source": toml.Key(_source, ROBOTS_OWN, "camera_source"),

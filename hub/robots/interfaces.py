@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
 
 from hub.gcm.navigation import DriveState, GroundTruth
 from hub.gcm.vision import CameraCommand, CameraState
+from hub.robots.left_alone import LeftAlone
 
 
 class DriveBase(Protocol):
@@ -26,6 +27,17 @@ class DriveBase(Protocol):
 
     def ground_truth(self) -> GroundTruth | None:
         """Where it really is; None where nobody knows."""
+
+
+@runtime_checkable
+class BaseLeftAlone(Protocol):
+    """A `DriveBase` for which standing is not all that can be done without an operator."""
+
+    def left_alone(self, deed: LeftAlone | None) -> None:
+        """From now on, do this by itself; None: somebody operates it again.
+
+        It is told once, each time that it changes; velocities are told all the same.
+        """
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -8,8 +8,10 @@ from collections.abc import Callable
 
 from hub.gcm import navigation
 from hub.gcm.capability import Abilities, Capability
+from hub.gcm.control import CONTROL_STATE
 from hub.ipc.client import Client
 from hub.ipc.reception import Reception
+from hub.modules.driver.operator_loss import OperatorLoss
 from hub.modules.driver.watchdog import CommandWatchdog
 from hub.robots.description import RobotDescription
 from hub.robots.registry import kind_of
@@ -25,6 +27,7 @@ _LONGEST_STEP = 0.25
 def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
     """Connect the hardware to the bus."""
     base = kind_of(robot).open_base(robot)
+    loss = OperatorLoss(base, robot)
     watchdog = CommandWatchdog()
     clock = time.monotonic
     last = clock()
@@ -41,12 +44,15 @@ def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
         now = clock()
         if watchdog.allows(now - reception.age, now, neutral=twist.neutral):
             base.set_velocity(twist.linear.x, twist.angular.z)
+            if not twist.neutral:
+                loss.watch.moved(now)
 
     def step() -> None:
         nonlocal last, steps
         now = clock()
         if watchdog.expired(now):
             base.set_velocity(0.0, 0.0)
+        loss.look(now)
         base.advance(min(now - last, _LONGEST_STEP))
         last = now
         steps += 1
@@ -58,6 +64,9 @@ def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
         report()
 
     client.subscribe(navigation.DRIVE_COMMAND, command)
+    client.subscribe(
+        CONTROL_STATE, lambda state, _: loss.watch.controlled_by(state.owner, clock()), last=True
+    )
     client.define(navigation.DRIVE_STATE, navigation.GROUND_TRUTH)
     client.every(_PERIOD, step)
     return finish

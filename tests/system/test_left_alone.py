@@ -1,0 +1,56 @@
+"""What robots do by themselves when they lose their operator: the driver tells their hardware."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import ExitStack, closing
+from pathlib import Path
+
+import pytest
+
+from hub.gcm.common import COMMON_RESULT
+from hub.gcm.control import CONTROL_REQUEST, ControlAction, ControlRequest
+from hub.ipc.client import Client
+from tests.system import diving_robot
+from tests.system.harness import HubProcess
+from tests.waiting import until
+
+SAFETY = """
+[safety]
+left_alone = "{deed}"
+surface_after_s = 0.3
+"""
+ROOT = str(Path(__file__).parents[2])
+
+
+def take_control(client: Client) -> None:
+    client.wait_connected(5.0)
+    request = ControlRequest(action=ControlAction.TAKE, operator="alice")
+    answer = client.query_response(CONTROL_REQUEST, request, COMMON_RESULT, timeout=5.0)
+    assert answer.done, answer.text
+
+
+@pytest.mark.parametrize(
+    ("deed", "does"),
+    [("surface", ["stand", "surface"]), ("hold height", ["hold height"]), ("stand", ["stand"])],
+)
+def test_a_robot_whose_operator_leaves_does_what_its_file_says_until_there_is_another(
+    start_hub: Callable[..., HubProcess],
+    tmp_path: Path,
+    stack: ExitStack,
+    deed: str,
+    does: list[str],
+) -> None:
+    deeds = tmp_path / "deeds"
+    deeds.touch()
+    hub = start_hub(
+        environment={diving_robot.VARIABLE: str(deeds), "PYTHONPATH": ROOT},
+        modules=("driver",),
+        kind=diving_robot.KIND_NAME,
+        tables=SAFETY.format(deed=deed),
+    )
+    with closing(Client("alice", hub.endpoint)) as client:
+        take_control(client)
+    until(lambda: deeds.read_text().splitlines() == does, 10.0, deeds.read_text)
+    take_control(stack.enter_context(closing(Client("bob", hub.endpoint))))
+    until(lambda: deeds.read_text().splitlines() == [*does, "operated"], 10.0, deeds.read_text)
