@@ -12,6 +12,7 @@ import os
 import struct
 import time
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -24,6 +25,8 @@ STILL = 1e-3
 """A robot that is slower stands [m/s, rad/s]."""
 _VARIABLE = "RUNE_TEST_WHEELS"
 _ROW = struct.Struct("<5d")
+_PERIOD_S = 0.01
+"""How often a driver looks at its hardware [s]."""
 _LONGEST_ROLL = round(1.0 / STEP)
 
 
@@ -120,6 +123,12 @@ class Wheels:
     def first(self, since: float, holds: Callable[[Row], bool]) -> float | None:
         """When this first held after `since`, after that [s]; None: not yet."""
         return next((row.at - since for row in self.rows() if row.at >= since and holds(row)), None)
+
+    def away(self, since: float, until: float) -> float:
+        """For how long in this time whoever moves the wheels did not [s]: the machine was busy."""
+        times = [row.at for row in self.rows() if since <= row.at <= until]
+        pauses = (later - earlier - _PERIOD_S for earlier, later in pairwise([since, *times]))
+        return sum(pause for pause in pauses if pause > _PERIOD_S)
 
     def forget(self) -> None:
         """All rows but the last."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable, Iterator
 from contextlib import closing
 
@@ -94,3 +95,16 @@ def test_losing_the_focus_lets_go_of_all_keys(console: ConsoleProcess, observer:
     console.type("\x1b[O")
     # Sooner than the key would count as released for want of repeats alone.
     observer.wait(lambda: observer.truth.commanded_linear == 0.0, 5.0, "it drives on")
+
+
+def test_keys_typed_while_the_console_was_stopped_do_not_drive(
+    console: ConsoleProcess, observer: Observer
+) -> None:
+    console.process.send_signal(signal.SIGSTOP)
+    observer.history.clear()
+    console.type("wwwwwwwwww")
+    observer.wait(lambda: len(observer.history) > 30, 5.0)
+    console.process.send_signal(signal.SIGCONT)
+    console.pump(0.5)
+    observer.wait(lambda: len(observer.history) > 60, 5.0)
+    assert all(truth.commanded_linear == 0.0 for _, truth in observer.history)

@@ -92,23 +92,6 @@ def test_the_stick_drives_as_far_as_it_is_moved_and_its_neutral_stops(
     expect_stop(observer)
 
 
-def test_unplugged_while_deflected_it_stops_and_plugged_in_again_it_drives_from_neutral_only(
-    plug: Plug, observer: Observer, console: ConsoleProcess, bed: VirtualBed
-) -> None:
-    first = bed.plug(PAD)
-    console.wait(lambda: ": plugged in" in console.text, 10.0)
-    drive(first, observer, console)
-    first.unplug()
-    expect_stop(observer)
-    console.wait(lambda: "pad UNPLUGGED" in console.text, 5.0, "the status does not say it")
-    again = plug()
-    again.send(report(y=0))
-    again.send(report(x=129, y=0))
-    console.wait(lambda: forward(console) == "+1.00", 10.0, "the bar does not show it")
-    expect_no_driving(observer)
-    drive(again, observer, console)
-
-
 def test_a_terminal_that_changes_its_size_is_no_unplug(
     pad: VirtualDevice, observer: Observer, console: ConsoleProcess
 ) -> None:
@@ -123,25 +106,6 @@ def test_a_terminal_that_changes_its_size_is_no_unplug(
     # A device that was lost and found again has said nothing yet, and its loss is told for a while.
     console.wait(lambda: forward(console) == "+1.00", 10.0, "what the stick said is forgotten")
     assert "is gone" not in console.text
-
-
-@pytest.mark.parametrize(
-    ("taken", "given_back"),
-    [("\x1b[O", "\x1b[I"), ("?", "\x1b"), ("\x1b[200~text\x1b[201~", "")],
-    ids=["another window", "help", "paste"],
-)
-def test_what_takes_the_keys_from_the_operator_lets_go_of_the_stick(
-    pad: VirtualDevice, observer: Observer, console: ConsoleProcess, taken: str, given_back: str
-) -> None:
-    drive(pad, observer, console)
-    console.type(taken)
-    expect_stop(observer)
-    pad.send(report(y=20))
-    expect_no_driving(observer)
-    console.type(given_back)
-    pad.send(report(y=10))
-    expect_no_driving(observer)
-    drive(pad, observer, console)
 
 
 def test_a_stop_of_the_pad_stops_until_the_stick_was_neutral(

@@ -6,6 +6,8 @@ although the stick stays deflected, before the stick was neutral and is deflecte
 wheels do is read at the wheels (see `recorded_robot`), not from what anybody says.
 
 `make soak` repeats each case, at random moments, directions and speeds, and holds it to the times.
+On a machine that others use as well, the driver itself is held up at times; by how much is told,
+and does not count.
 """
 
 from __future__ import annotations
@@ -260,12 +262,23 @@ def scene(nothing_left_behind: None, tmp_path_factory: pytest.TempPathFactory) -
         yield Scene(robot=robot, ssh=ssh, clock=clock)
 
 
-def stops(scene: Scene, case: Case) -> tuple[float, float]:
-    """Drive, have it happen, and insist in vain.
+@dataclass(frozen=True, kw_only=True)
+class Reaction:
+    """What the robot made of an event.
 
-    Returns:
-        When the wheels were told to stand, and when the robot was at rest, after the event [s].
+    Attributes:
+        told: When the wheels were told to stand, after the event [s].
+        rest: When the robot was at rest, after the event [s].
+        away: For how long the driver's process was held up meanwhile [s].
     """
+
+    told: float
+    rest: float
+    away: float
+
+
+def stops(scene: Scene, case: Case) -> Reaction:
+    """Drive, have it happen, and insist in vain."""
     robot, wheels = scene.robot, scene.robot.wheels
     robot.want_console(*(("--ssh", scene.ssh.target) if case.far else ()))
     drive(scene, case)
@@ -285,7 +298,7 @@ def stops(scene: Scene, case: Case) -> tuple[float, float]:
         robot.pump()
     moved = wheels.first(struck + told, lambda row: row.told)
     assert moved is None, f"{moved:.3f} s after the event it drives with what was held before"
-    return told, rest
+    return Reaction(told=told, rest=rest, away=wheels.away(struck, struck + rest))
 
 
 def drive(scene: Scene, case: Case) -> None:
@@ -310,13 +323,19 @@ def test_the_robot_stops_and_stands_until_it_is_driven_from_neutral(
     scene.robot.neutral()
     if count == 1:
         return  # other tests share the machine: how long it took says nothing
-    told, rest = zip(*reactions, strict=True)
+    spread = {
+        "told_s": [each.told for each in reactions],
+        "rest_s": [each.rest for each in reactions],
+        "away_s": [each.away for each in reactions],
+    }
     tell(
         repetitions=count,
-        told_s={"median": round(statistics.median(told), 3), "largest": round(max(told), 3)},
-        rest_s={"median": round(statistics.median(rest), 3), "largest": round(max(rest), 3)},
+        **{
+            name: {"median": round(statistics.median(each), 3), "largest": round(max(each), 3)}
+            for name, each in spread.items()
+        },
         bars={
-            "told to stand in time": max(told) <= TOLD_S,
-            "at rest in time": max(rest) <= REST_S,
+            "told to stand in time": all(each.told <= TOLD_S + each.away for each in reactions),
+            "at rest in time": all(each.rest <= REST_S + each.away for each in reactions),
         },
     )
