@@ -11,12 +11,14 @@ import itertools
 import json
 import os
 import random
+import re
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
 import timeit
+from collections.abc import Callable
 from contextlib import ExitStack, closing
 from pathlib import Path
 
@@ -36,6 +38,8 @@ DEVICES = Path(__file__).parents[1] / "tests" / "data" / "hid"
 _PAD = "logitech_f310_dinput"
 _STICK = '<event joystick="pad" axis="lefty" control="translate"/>'
 _CENTRE = 128
+_TELLS_RELEASES, _W_DOWN, _W_UP = "\x1b[?27u", "\x1b[119;;119u", "\x1b[119;1:3u"
+"""A terminal with the kitty keyboard protocol."""
 _STILL = 1e-4
 _MOVES = 200
 _DRIVES = 20
@@ -100,29 +104,28 @@ def reports_of(descriptor: bytes, recorded: list[str]) -> list[bytes]:
 
 
 class Drive:
-    """A hub, a console with a gamepad, and an observer of commands and wheels."""
+    """A hub, a console that shows 15 pictures a second, an observer of commands and wheels."""
 
-    def __init__(self, stack: ExitStack) -> None:
+    def __init__(self, stack: ExitStack, environment: dict[str, str]) -> None:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        bed = stack.enter_context(closing(VirtualBed()))
-        self.pad = bed.plug(_PAD)
-        stack.callback(self.pad.unplug)
         self.hub = stack.enter_context(closing(HubProcess(folder)))
         layout = folder / "layout.xml"
         layout.write_text(
-            LAYOUT.format(hub=self.hub.endpoint)
+            re.sub(r'interval_ms="\d+"', 'interval_ms="66"', LAYOUT)
+            .format(hub=self.hub.endpoint)
             .replace("<view x", '<joystick name="pad"/><view x')
             .replace('<event key="w"', f'{_STICK}<event key="w"')
         )
         self.console = stack.enter_context(
-            closing(ConsoleProcess(["run", str(layout)], environment=bed.environment))
+            closing(
+                ConsoleProcess(["run", str(layout)], columns=160, rows=48, environment=environment)
+            )
         )
         self.console.wait_for_picture()
         self.observer = stack.enter_context(
             closing(Observer(self.hub.endpoint, GROUND_TRUTH, VELOCITY_COMMAND))
         )
         self.commands = self.observer.seen[VELOCITY_COMMAND.name]
-        self.pad.send(report_of(_CENTRE))
 
     def serve(self, seconds: float) -> None:
         """Let the console write and the observer listen for a while [s]."""
@@ -131,15 +134,14 @@ class Drive:
             self.step()
 
     def step(self) -> None:
-        self.console.pump(0.001)
+        self.console.drain(0.001)
         self.observer.client.listen(0.001)
 
-    def push(self, y: int) -> tuple[float, float]:
-        """Move the stick; when that was, and when the command that follows was sent [s]."""
+    def command_after(self, act: Callable[[], None], *, wanted: bool) -> tuple[float, float]:
+        """When something was done, and when the command to move, or not, was sent [s]."""
         self.commands.clear()
-        wanted = y != _CENTRE
-        sent = time.monotonic()
-        self.pad.send(report_of(y))
+        done = time.monotonic()
+        act()
         hit = [0.0]
 
         def seen() -> bool:
@@ -147,7 +149,23 @@ class Drive:
             return bool(hit)
 
         until(seen, 5.0, "no command came", meanwhile=self.step)
-        return sent, hit[0]
+        return done, hit[0]
+
+
+class Pad:
+    """A virtual gamepad at such a console."""
+
+    def __init__(self, stack: ExitStack) -> None:
+        bed = stack.enter_context(closing(VirtualBed()))
+        self._device = bed.plug(_PAD)
+        stack.callback(self._device.unplug)
+        self.drive = Drive(stack, bed.environment)
+        self._device.send(report_of(_CENTRE))
+
+    def push(self, y: int) -> tuple[float, float]:
+        """Move the stick; when that was, and when the command that follows was sent [s]."""
+        report = report_of(y)
+        return self.drive.command_after(lambda: self._device.send(report), wanted=y != _CENTRE)
 
 
 def report_of(y: int) -> bytes:
@@ -159,23 +177,43 @@ def report_to_command() -> None:
     """From a report at the device's node to the command that the console sends."""
     times = []
     with ExitStack() as stack:
-        drive = Drive(stack)
+        pad = Pad(stack)
+        pad.drive.serve(0.5)
+        for move in range(_MOVES):
+            sent, came = pad.push(0 if move % 2 == 0 else _CENTRE)
+            times.append(came - sent)
+            pad.drive.serve(0.05 + 0.0037 * (move % 11))  # another phase of every timer each time
+    report_p99("hid.report_to_command_p99_ms", times, bar=5)
+
+
+def press_to_command() -> None:
+    """From the bytes of a key at the terminal, as its keyboard sends them, to the command."""
+    times = []
+    with ExitStack() as stack:
+        drive = Drive(stack, {})
+        drive.console.type(_TELLS_RELEASES)
         drive.serve(0.5)
         for move in range(_MOVES):
-            sent, came = drive.push(0 if move % 2 == 0 else _CENTRE)
+            keys, wanted = (_W_UP, False) if move % 2 else (_W_DOWN, True)
+            sent, came = drive.command_after(lambda k=keys: drive.console.type(k), wanted=wanted)
             times.append(came - sent)
-            drive.serve(0.05 + 0.0037 * (move % 11))  # another phase of every timer each time
+            drive.serve(0.05 + 0.0037 * (move % 11))
+    report_p99("key.press_to_command_p99_ms", times, bar=20)
+
+
+def report_p99(name: str, times: list[float], bar: float) -> None:
     times.sort()
     p99 = times[int(0.99 * len(times))]
     note = f"median {statistics.median(times) * 1e3:.1f} ms, largest {times[-1] * 1e3:.1f} ms"
-    report("hid.report_to_command_p99_ms", p99 * 1e3, "ms", bar=5, note=note)
+    report(name, p99 * 1e3, "ms", bar=bar, note=note)
 
 
 def report_to_wheel() -> None:
     """From a report to the first change of the true velocity."""
     times = []
     with ExitStack() as stack:
-        drive = Drive(stack)
+        pad = Pad(stack)
+        drive = pad.drive
         truth = drive.observer.history
 
         def still() -> bool:
@@ -188,10 +226,10 @@ def report_to_wheel() -> None:
             until(still, 10.0, meanwhile=drive.step)
             drive.serve(0.7 + 0.013 * move)
             truth.clear()
-            sent, _ = drive.push(0 if move % 2 else 255)
+            sent, _ = pad.push(0 if move % 2 else 255)
             until(moved, 5.0, meanwhile=drive.step)
             times.append(moved()[0] - sent)
-            drive.push(_CENTRE)
+            pad.push(_CENTRE)
     note = f"ground truth is published every 20 ms; largest {max(times) * 1e3:.0f} ms"
     report("hid.report_to_wheel_ms", statistics.median(times) * 1e3, "ms", bar=30, note=note)
 
@@ -225,6 +263,8 @@ def main() -> None:
     decoding_and_parsing()
     say("a busy gamepad")
     busy_pad()
+    say("press to command")
+    press_to_command()
     if library() is None:
         for name, bar in (("hid.report_to_command_p99_ms", 5), ("hid.report_to_wheel_ms", 30)):
             report(name, None, "ms", bar=bar, note=MISSING)
