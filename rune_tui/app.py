@@ -228,6 +228,8 @@ class Console(App[None], inherit_bindings=False):
 
     def on_releases_told(self, event: ReleasesTold) -> None:
         """The terminal says whether it tells when keys go up."""
+        if not event.told:
+            self._let_go()  # what it has told of would be held for ever
         self._console = dataclasses.replace(self._console, releases_told=event.told)
 
     def on_mouse_down(self, event: events.MouseDown) -> None:

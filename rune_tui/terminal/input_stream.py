@@ -10,6 +10,9 @@ from typing import Final
 
 HOLD_S: Final = 0.1
 """How long the beginning of a sequence waits for its end [s]; Alt and a letter look like one."""
+_LONGER_S: Final = 1.0
+"""As above where Escape and Alt come as whole sequences: longer than a key is held in silence, so
+that no release is lost that comes in two pieces."""
 _SEQUENCE: Final = re.compile(
     r"""\x1b\[M...                                     # X10 mouse: three characters follow
     |   \x1b\[[0-?]*[\ -/]*[@-~]                       # CSI (ECMA-48, 5.4)
@@ -125,7 +128,7 @@ class InputStream:
         """
         held, self._held = self._held, ""
         rest = []
-        if held and now - self._held_since >= HOLD_S:
+        if held and now - self._held_since >= (_LONGER_S if self._tells_releases else HOLD_S):
             rest.append(held)
             held = ""
         since = self._held_since if held else now
@@ -156,6 +159,8 @@ class InputStream:
         key = _KEY.fullmatch(sequence)
         if key is None or not (self._tells_releases or key["move"]):
             return None
+        if key["code"] and not int(key["code"]):
+            return None  # text of an input method, which never goes up
         return None if sequence in _PASTES else self._key(key)
 
     def _key(self, found: re.Match[str]) -> KeyReport | None:

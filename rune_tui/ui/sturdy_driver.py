@@ -52,7 +52,9 @@ _READ_S: Final = 0.1
 _TELL_RELEASES: Final = "\x1b[=2;2u\x1b[?u"
 """Kitty keyboard protocol: also tell when keys repeat and go up, and say whether you do."""
 _MOST_DOWN: Final = 64
-"""Keys that can be down at once."""
+"""Keys that can be down at once; with one more, the release of the first was lost."""
+_Key = tuple[str, str | None, str]
+"""What Textual calls a key, the character it types, and its name if it is one of the keypad."""
 
 
 def understood(sequence: str) -> bool:
@@ -82,8 +84,8 @@ class SturdyDriver(InsideDriver):
     """
 
     lost: bool = False
-    _down: dict[str, tuple[tuple[str, str | None], ...]]
-    """Names and characters of the keys that are down, by what the terminal calls them."""
+    _down: dict[str, tuple[_Key, ...]]
+    """The keys that are down, by what the terminal calls them."""
     _ending: bool = False
     _left_out: events.MouseMove | None = None
     """Where the mouse has gone, if the console was not told."""
@@ -166,11 +168,17 @@ class SturdyDriver(InsideDriver):
         elif report.move is KeyMove.REPEAT and report.code in down:
             keys = down[report.code]
         else:
-            keys = tuple((key.key, key.character) for key in parser.keys_of(report.press))
-            if len(down) < _MOST_DOWN:
-                down[report.code] = keys
-        for key, character in keys:
-            self.process_message(KeyMoved(key, character, report.move, report.keypad))
+            found = parser.keys_of(report.press)
+            keys = tuple((key.key, key.character, report.keypad) for key in found)
+            if report.code in down or len(down) >= _MOST_DOWN:
+                lost = report.code if report.code in down else next(iter(down))
+                self._tell_keys(down.pop(lost), KeyMove.RELEASE)
+            down[report.code] = keys
+        self._tell_keys(keys, report.move)
+
+    def _tell_keys(self, keys: tuple[_Key, ...], move: KeyMove) -> None:
+        for key, character, keypad in keys:
+            self.process_message(KeyMoved(key, character, move, keypad))
 
     def _hand_on(self, event: Message) -> None:
         """Tell the console, unless it is behind and this is but the mouse on its way."""

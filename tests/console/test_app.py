@@ -30,8 +30,10 @@ from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.model.world import WorldPoint
 from rune_tui.opening import BUILT_IN
 from rune_tui.raster.canvas import Canvas
+from rune_tui.terminal.input_stream import KeyMove
 from rune_tui.terminal.questions import Answers
 from rune_tui.terminal.traits import traits_of
+from rune_tui.ui.driver_reports import KeyMoved, ReleasesTold
 from rune_tui.ui.question import Question
 
 LAYOUT = """<rune>
@@ -302,6 +304,22 @@ def test_a_key_drives_on_while_viewports_come_and_go(play: Callable[[Script], No
         assert "w" in desk.console.state.held
         await desk.until(lambda: len(desk.robot.speeds) > before)
         assert desk.robot.speeds[before] > 0.0
+
+    play(script)
+
+
+def test_what_is_held_is_let_go_when_the_terminal_tells_of_releases_no_longer(
+    play: Callable[[Script], None],
+):
+    async def script(desk: Desk) -> None:
+        console = desk.console
+        console.post_message(ReleasesTold(told=True))
+        await desk.until(lambda: console.state.releases_told)
+        console.post_message(KeyMoved("w", "w", KeyMove.PRESS))
+        await desk.until(lambda: "w" in console.state.held)
+        console.post_message(ReleasesTold(told=False))
+        await desk.until(lambda: not console.state.releases_told)
+        assert not console.state.held
 
     play(script)
 

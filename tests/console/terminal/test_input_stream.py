@@ -108,6 +108,20 @@ def test_keys_are_taken_apart_only_for_a_terminal_that_tells_releases() -> None:
     ]
 
 
+def test_text_of_an_input_method_is_no_key_that_goes_up() -> None:
+    assert moved("\x1b[0;;119u\x1b[0;;119:97u\x1b[00u") == []
+    stream = InputStream(lambda _: True)
+    assert list(stream.feed(f"{TELLS}\x1b[0;;119u", 0.0))[1:] == ["\x1b[0;;119u"]
+
+
+def test_no_release_is_lost_that_comes_in_two_pieces() -> None:
+    stream = InputStream(lambda _: True)
+    assert list(stream.feed(f"{TELLS}\x1b[119;1", 0.0)) == [KeyboardReport(tells_releases=True)]
+    assert list(stream.feed("", 3 * HOLD_S)) == []
+    up = KeyReport(code="119u", move=KeyMove.RELEASE, press="\x1b[119u")
+    assert list(stream.feed(":3u", 6 * HOLD_S)) == [up]
+
+
 def test_pasted_text_and_the_mouse_are_no_keys_that_move() -> None:
     text = "\x1b[200~w\x1b[201~\x1b[<0;5;5M\x1b[I\x1b[O\x1b[2;3R"
     assert moved(text) == []

@@ -90,6 +90,20 @@ def test_a_key_that_was_never_seen_down_does_not_go_up() -> None:
     assert heard((f"{TELLS}\x1b[119;1:3u", 0)) == ["ReleasesTold"]
 
 
+def test_a_key_whose_release_was_lost_goes_up_before_it_goes_down_by_another_name() -> None:
+    told = heard((f"{TELLS}\x1b[119;;119u\x1b[119;2;87u", 0))[1:]
+    assert told == ["w press", "w release", "W press"]
+
+
+def test_keys_whose_releases_were_lost_take_none_from_those_that_follow() -> None:
+    greek = "".join(f"\x1b[{letter}u" for letter in range(0x391, 0x391 + 100) if letter != 0x3A2)
+    told = heard((f"{TELLS}{greek}\x1b[119;;119u\x1b[119;1:3u", 0))[1:]
+    down = sum("press" in move for move in told) - sum("release" in move for move in told)
+    assert told[0] == "\u0391 press"
+    assert "\u0391 release" in told
+    assert (told[-2:], down) == (["w press", "w release"], 63)
+
+
 def test_releases_press_nothing_where_nobody_asked_for_them() -> None:
     assert heard(("\x1b[119;1:3u\x1b[1;1:3A x", 0)) == ["Key", "Key"]
 
