@@ -98,7 +98,7 @@ class FrameWriter:
         """What is wrong in as many rows of the picture as there is room for, made exact."""
         height, columns = video.shape
         rows = max(1, int(min(height, self._control.room() / (_CELL_BYTES * columns))))
-        for _ in range(-(-height // rows)):
+        for _ in range(-(-height // rows) + 1):  # the first of them may begin between two
             only = video.copy()
             only[: self._row] = False
             only[self._row + rows :] = False

@@ -92,6 +92,31 @@ def test_a_refinement_is_no_longer_than_there_is_room_for(width: float) -> None:
         assert frames.refine().size <= max(control.room(), row)
 
 
+class Rows(RateController):
+    """Has room for so many rows, whatever the way takes."""
+
+    rows = 1
+
+    def room(self, now_under_way: float = 0.0) -> float:
+        return self.rows * COLUMNS * 52.0 - now_under_way
+
+
+def test_a_still_scene_becomes_exact_however_the_room_for_it_changes() -> None:
+    control = Rows()
+    frames, terminal = FrameWriter(ScreenEncoder(), control), Terminal(COLUMNS, ROWS)
+    first, last = scene(1), scene(1)
+    first.pixels[...] //= 16  # colours so like each other that they become one
+    last.pixels[...] = first.pixels
+    last.pixels[10:16] = 80 - first.pixels[10:16]
+    for cells, control.rows in ((first, 1), (last, 5)):
+        control._level = len(LADDER) - 3
+        frame = frames.draw(cells, SHOWN)
+        terminal.feed((frame.first + frame.picture).decode())
+        while frames.inexact:
+            terminal.feed(frames.refine().picture.decode())
+    assert_shows(terminal, last)
+
+
 def test_a_picture_that_would_be_under_way_for_too_long_is_drawn_coarser_at_once() -> None:
     control = narrow(3000.0)
     frames = FrameWriter(ScreenEncoder(), control)
