@@ -21,6 +21,8 @@ from textual.driver import Driver
 from textual.keys import Keys
 from textual.strip import Strip
 
+_TRIES: Final = 1000
+"""How often a terminal is entered that cannot be; each time stops, unless it has gone."""
 _UNDERSTOOD: Final = (
     _xterm_parser._re_mouse_event,
     _xterm_parser._re_terminal_mode_response,
@@ -123,12 +125,14 @@ with contextlib.suppress(ImportError):  # Windows has no such terminals
             self._buffer.write(data if isinstance(data, bytes) else data.encode(errors="replace"))
 
     class InsideDriver(LinuxDriver):
-        """Takes bytes too, and enters the terminal anew only after it was left.
+        """Takes bytes too, and leaves and enters the terminal once for each time it is stopped.
 
-        Textual's own would read and write in two threads after any SIGCONT.
+        Textual's own would read and write in two threads after any SIGCONT, and in none after `bg`.
         """
 
-        _suspended: bool = False
+        _away: bool = False
+        """Whether the terminal is left or entered, or somebody else's."""
+        _called_back: bool = False
 
         def start_application_mode(self) -> None:
             """Enter the terminal."""
@@ -141,19 +145,31 @@ with contextlib.suppress(ImportError):  # Windows has no such terminals
             self.write(data)  # type: ignore[arg-type] # the writer hands it on as it is
 
         def _sigtstp_application(self, *given: object) -> None:
-            """Leave the terminal, and only then stop with all that the shell started with us.
+            """Leave the terminal, only then stop with all that the shell started, and come back.
 
-            Else the shell would have the terminal before it was left.
+            Else the shell would have the terminal before it was left. As soon as that is left,
+            Ctrl-Z is a signal again: a key that repeats must not have it left twice.
             """
             del given
-            self._suspended = True
+            if self._away:
+                return
+            self._away, self._called_back = True, False
             if self._auto_restart:
                 self.suspend_application_mode()
                 self._must_signal_resume = True
-            alone = os.getpgrp() == os.getsid(0)
-            os.kill(os.getpid() if alone else -os.getpgrp(), signal.SIGSTOP)
+            if not self._called_back:
+                alone = os.getpgrp() == os.getsid(0)
+                os.kill(os.getpid() if alone else -os.getpgrp(), signal.SIGSTOP)
+            self._enter_again()
+            self._away = False
+
+        def _enter_again(self) -> None:
+            """Enter the terminal; in the background that stops the console until it is in front."""
+            for _ in range(_TRIES):
+                if not self._must_signal_resume:
+                    break
+                self.resume_application_mode()
 
         def _sigcont_application(self, *given: object) -> None:
-            if self._suspended:
-                self._suspended = False
-                super()._sigcont_application(*given)
+            del given
+            self._called_back = True

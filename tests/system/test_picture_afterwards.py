@@ -131,6 +131,23 @@ def test_ctrl_z_gives_the_terminal_to_the_shell_until_it_has_the_console_go_on(
     assert told.read_text().splitlines()[-1] == "0"
 
 
+def test_ctrl_z_and_bg_leave_a_console_that_goes_on_as_soon_as_it_is_in_front(
+    hub: HubProcess, start_console: Callable[..., ConsoleProcess], tmp_path: Path
+) -> None:
+    back, front = tmp_path / "back", tmp_path / "front"
+    job = f'set -m; "$@"; bg; touch {back}; until test -e {front}; do sleep 0.05; done; fg'
+    console = start_console(hub.endpoint, within=["bash", "-c", job, "bash"])
+    before = settled(console)
+    (process,) = psutil.Process(console.process.pid).children()
+    console.type("\x1a")
+    console.wait(back.exists, 20.0, "it is not suspended")
+    console.wait(lambda: process.status() == psutil.STATUS_STOPPED, 20.0, "it does not wait")
+    front.touch()
+    console.wait(lambda: picture(console) == before, 20.0, "the picture is another one")
+    console.type("q")
+    assert console.wait_ended() == 0
+
+
 def test_ctrl_z_does_nothing_where_no_shell_would_have_the_console_go_on(
     console: ConsoleProcess,
 ) -> None:
