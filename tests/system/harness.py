@@ -370,6 +370,16 @@ class TerminalProcess:
     def has_picture(self) -> bool:
         return len(set(self.colours().values())) > 100
 
+    def quit(self) -> int:
+        """Press its key until it ends, as what is typed while it is held up does not count."""
+        end = time.monotonic() + 30.0
+        while self.process.poll() is None:
+            assert time.monotonic() < end, f"it did not end\n{self.text}"
+            with contextlib.suppress(OSError):  # it has just closed its end
+                self.type("q")
+            self.pump(1.0)
+        return self.process.wait()
+
     def wait_ended(self, timeout: float = 15.0) -> int:
         """Until it ended; its exit code."""
         self.wait(lambda: self.process.poll() is not None, timeout, "it did not end")

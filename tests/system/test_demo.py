@@ -23,8 +23,7 @@ def test_shows_a_picture_drives_and_leaves_nothing_behind(demo: ConsoleProcess) 
     processes = family(demo.process.pid)
     demo.wait(lambda: "STANDING" in demo.text, 10.0)
     demo.hold_until("w", lambda: "MOVING" in demo.text)
-    demo.type("q")
-    assert demo.wait_ended() == 0
+    assert demo.quit() == 0
     until(lambda: gone(processes), 10.0, "processes are left")
 
 

@@ -114,8 +114,7 @@ def _shows_a_picture(words: list[str], hub: HubProcess) -> None:
         arguments[arguments.index("--hub") + 1] = hub.endpoint
     with closing(ConsoleProcess(arguments)) as console:
         console.wait_for_picture()
-        console.type("q")
-        assert console.wait_ended() == 0
+        assert console.quit() == 0
 
 
 def _goes_through_ssh(

@@ -86,8 +86,7 @@ def test_q_quits_with_the_terminal_restored(
 ) -> None:
     console = start_console(hub.endpoint)
     console.wait_for_picture()
-    console.type("q")
-    assert console.wait_ended() == 0
+    assert console.quit() == 0
 
 
 def test_losing_the_focus_lets_go_of_all_keys(console: ConsoleProcess, observer: Observer) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from hub.gcm.common import COMMON_RESULT
-from hub.gcm.control import CONTROL_REQUEST, ControlAction, ControlRequest
+from hub.gcm.control import CONTROL_REQUEST, CONTROL_STATE, ControlAction, ControlRequest
 from hub.ipc.client import Client
 from tests.system import diving_robot
 from tests.system.harness import HubProcess
@@ -24,10 +24,14 @@ ROOT = str(Path(__file__).parents[2])
 
 
 def take_control(client: Client) -> None:
+    """Take it, and keep it until everybody has been told twice."""
+    told: list[bool] = []
+    client.subscribe(CONTROL_STATE, lambda state, _: told.append(state.owner == client.number))
     client.wait_connected(5.0)
     request = ControlRequest(action=ControlAction.TAKE, operator="alice")
     answer = client.query_response(CONTROL_REQUEST, request, COMMON_RESULT, timeout=5.0)
     assert answer.done, answer.text
+    until(lambda: sum(told) >= 2, 10.0, meanwhile=lambda: client.listen(0.02))
 
 
 @pytest.mark.parametrize(

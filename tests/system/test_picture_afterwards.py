@@ -126,8 +126,7 @@ def test_ctrl_z_gives_the_terminal_to_the_shell_until_it_has_the_console_go_on(
     console.wait(lambda: told.exists() and "\n" in told.read_text(), 20.0, "it is not suspended")
     assert int(told.read_text()) == 128 + signal.SIGSTOP
     console.wait(lambda: picture(console) == before, 20.0, "the picture is another one")
-    console.type("q")
-    console.wait_ended()
+    console.quit()
     assert told.read_text().splitlines()[-1] == "0"
 
 
@@ -144,8 +143,7 @@ def test_ctrl_z_and_bg_leave_a_console_that_goes_on_as_soon_as_it_is_in_front(
     console.wait(lambda: process.status() == psutil.STATUS_STOPPED, 20.0, "it does not wait")
     front.touch()
     console.wait(lambda: picture(console) == before, 20.0, "the picture is another one")
-    console.type("q")
-    assert console.wait_ended() == 0
+    assert console.quit() == 0
 
 
 def test_ctrl_z_does_nothing_where_no_shell_would_have_the_console_go_on(

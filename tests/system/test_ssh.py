@@ -66,8 +66,7 @@ def test_a_console_drives_and_sees_through_ssh_and_ends_it(
     observer = stack.enter_context(closing(Observer(hub.endpoint)))
     drive(console, observer)
     assert len(server.running()) == 1
-    console.type("q")
-    assert console.wait_ended() == 0
+    assert console.quit() == 0
     until(lambda: not server.running(), 10.0, "ssh is left")
 
 

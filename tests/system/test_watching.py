@@ -65,5 +65,4 @@ def test_a_layout_is_followed_while_it_is_saved_and_the_next_is_opened(
     assert "STANDING" in console.text
     console.type("n")
     console.wait(lambda: "words at last" in console.text, 10.0)
-    console.type("q")
-    assert console.wait_ended() == 0
+    assert console.quit() == 0

@@ -110,11 +110,12 @@ def test_the_next_is_asked_for_only_when_the_last_is_shown(
     wait(lambda: link.state.picture is not None)
     for _ in range(50):
         robot.serve()
-    assert len(robot.asked) == 1
+    asked = len(robot.asked)  # again only where an answer took longer than it may
     picture = link.state.picture
     assert picture is not None
+    assert asked < 10
     link.shown(picture.number)
-    wait(lambda: len(robot.asked) == 2)
+    wait(lambda: len(robot.asked) > asked)
 
 
 def test_what_the_layout_asks_for_is_asked_for(
