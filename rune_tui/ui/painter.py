@@ -122,7 +122,10 @@ class Painter:
             frame = self._frames.draw(newest, self._urgencies, covered)
         if len(frame.picture) > _MUCH_BYTES:
             self._moved = now
-        if not frame.picture and self._frames.inexact and now - self._moved > _STILL_S:
+        # Together with what is around the picture it could be more than tmux keeps.
+        alone = not (frame.first and self._traits.discards)
+        still = not frame.picture and now - self._moved > _STILL_S
+        if alone and still and self._frames.inexact:
             finer = self._frames.refine(covered)
             frame = Frame(first=frame.first, picture=finer.picture)
         return frame
