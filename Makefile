@@ -8,15 +8,15 @@ TEST := $(BIN)/pytest --numprocesses 3 --dist worksteal
 # Tests start hundreds of processes, each of which would compile all files of ours anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test check fix bench bench-peers bench-notcurses soak setup lock clean
+.PHONY: demo test check fix bench bench-peers bench-notcurses soak tools setup lock clean
 
 demo: $(READY)  ## open the console on a simulated robot
 	@$(BIN)/rune demo
 
-test: $(READY)  ## run the tests
+test: $(READY) tools  ## run the tests
 	$(TEST)
 
-check: $(READY)  ## everything CI asks for; changes no file
+check: $(READY) tools  ## everything CI asks for; changes no file
 	$(BIN)/ruff format --check
 	$(BIN)/ruff check
 	$(BIN)/mypy
@@ -38,9 +38,12 @@ bench-peers:  ## what benchmarks compare with, in an environment of its own
 bench-notcurses:  ## the same of notcurses, built from Debian's source
 	@benchmarks/peers/build_notcurses.sh
 
-soak: $(READY)  ## the tests that run for minutes
+soak: $(READY) tools  ## the tests that run for minutes
 	HYPOTHESIS_PROFILE=thorough $(TEST) tests/hub tests/console --timeout 600
 	$(BIN)/pytest -m soak --timeout 1800
+
+tools:  ## virtual joysticks and what else the tests use of the system, where that can be installed
+	@tests/install_tools.sh
 
 setup: $(READY)
 

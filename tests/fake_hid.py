@@ -26,8 +26,9 @@ _LONGEST_DESCRIPTOR = 4096
 
 
 def library() -> ctypes.CDLL | None:
-    """libumockdev; None where it is not installed."""
+    """libumockdev; None where it, or what is laid under programs, is not installed."""
     try:
+        ctypes.CDLL(_PRELOAD, mode=os.RTLD_LAZY)
         loaded = ctypes.CDLL("libumockdev.so.0")
     except OSError:
         return None

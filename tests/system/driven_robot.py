@@ -6,6 +6,8 @@ import contextlib
 import math
 import os
 import random
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -108,6 +110,7 @@ class DrivenRobot:
         rival: Somebody else's console, without a pad; None: there is none.
         pad: What is plugged in; None: nothing is.
         finger: On the operator's keys.
+        agent: `rune pad` at the operator's machine, if that is another one than the console's.
     """
 
     def __init__(
@@ -132,9 +135,11 @@ class DrivenRobot:
         self.rival: ConsoleProcess | None = None
         self.pad: VirtualDevice | None = None
         self.finger = Finger()
+        self.agent: subprocess.Popen[bytes] | None = None
+        self._nothing_plugged = VirtualBed()
         self._folder = folder
         self._bed = bed
-        self._arguments: tuple[str, ...] = ()
+        self._way: tuple[str, ...] = ()
         self._programs = programs
         self._clock = clock or {}
         self._port = free_port()
@@ -160,33 +165,68 @@ class DrivenRobot:
         self.hub.close()
         self.hub = self._started_hub()
 
-    def _started_console(self, arguments: tuple[str, ...], *, pad: bool = True) -> ConsoleProcess:
+    def _started_console(
+        self, way: tuple[str, ...], *, own: bool = True, elsewhere: bool = False
+    ) -> ConsoleProcess:
+        bed = self._nothing_plugged if elsewhere else self._bed
+        environment = self._operator(bed) if own else self._files() | {"LOGNAME": "bob"}
+        file = self._folder / ("pad.xml" if own else "keys.xml")
+        command = ["run", *(() if elsewhere else way), str(file)]
+        return ConsoleProcess(command, columns=160, rows=8, environment=environment)
+
+    def _files(self) -> dict[str, str]:
+        """Where a console and `rune pad` keep their files and find programs, and their clock."""
         own = {"XDG_CONFIG_HOME": str(self._folder), "XDG_STATE_HOME": str(self._folder)}
         own |= {"PATH": f"{self._programs}:{os.environ['PATH']}"} if self._programs else {}
-        own |= {"LOGNAME": "alice" if pad else "bob"} | self._clock
-        if pad:
-            preloaded = filter(None, (own.get(_PRELOAD), self._bed.environment[_PRELOAD]))
-            own |= self._bed.environment | {_PRELOAD: ":".join(preloaded)}
-        file = self._folder / ("pad.xml" if pad else "keys.xml")
-        command = ["run", *arguments, str(file)]
-        self._arguments = arguments if pad else self._arguments
-        return ConsoleProcess(command, columns=160, rows=8, environment=own)
+        return own | self._clock
 
-    def start_console(self, *arguments: str) -> None:
-        """Another console in place of the last."""
+    def _operator(self, bed: VirtualBed) -> dict[str, str]:
+        own = self._files()
+        preloaded = filter(None, (own.get(_PRELOAD), bed.environment[_PRELOAD]))
+        return own | bed.environment | {"LOGNAME": "alice", _PRELOAD: ":".join(preloaded)}
+
+    def start_console(self) -> None:
+        """Another console in place of the last, in the same way."""
         self.console.close()
-        self.console = self._started_console(arguments)
+        self.console = self._started_console(self._way, elsewhere=self.agent is not None)
 
-    def want_console(self, *arguments: str) -> None:
-        """The operator's console was started like this, and is well."""
-        if arguments != self._arguments or self.console.process.poll() is not None:
-            self.start_console(*arguments)
+    def start_agent(self) -> None:
+        """Another `rune pad` in place of the last; the pad is as deflected as it was."""
+        self._end_agent()
+        command = [sys.executable, "-m", "rune_tui", "pad", self.hub.endpoint, *self._way]
+        environment = os.environ | self._operator(self._bed)
+        quiet = subprocess.DEVNULL
+        self.agent = subprocess.Popen(
+            command, env=environment, stdin=quiet, stdout=quiet, stderr=quiet
+        )
+
+    def _end_agent(self) -> None:
+        if self.agent is not None:
+            self.agent.kill()
+            self.agent.wait()
+            self.agent = None
+
+    def want_operator(self, *way: str, elsewhere: bool = False) -> None:
+        """The operator's console is well.
+
+        Args:
+            way: What the command is told of the way from the operator's machine to the hub.
+            elsewhere: Whether the pad is at another machine than the console.
+        """
+        as_wanted = way == self._way and elsewhere == (self.agent is not None)
+        self._way = way
+        if not as_wanted:
+            self._end_agent()
+            if elsewhere:
+                self.start_agent()
+        if not as_wanted or self.console.process.poll() is not None:
+            self.start_console()
         self.wait(lambda: "linked" in self.console.text, "the console is not linked")
 
     def start_rival(self) -> ConsoleProcess:
         """Somebody else's console, if it does not run yet."""
         if self.rival is None:
-            self.rival = self._started_console((), pad=False)
+            self.rival = self._started_console((), own=False)
         rival = self.rival
         self.wait(lambda: "linked" in rival.text, "the other console is not linked")
         return rival
@@ -206,7 +246,9 @@ class DrivenRobot:
         for console in (self.console, self.rival):
             if console is not None:
                 console.close()
+        self._end_agent()
         self.unplug()
+        self._nothing_plugged.close()
         self.hub.close()
         self.wheels.close()
 

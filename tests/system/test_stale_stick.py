@@ -18,7 +18,7 @@ import statistics
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import pytest
 
@@ -73,7 +73,8 @@ class Case:
         strike: Does it, while the robot is driven; it may return when [s].
         mend: Makes it good again; whoever drove still does as if nothing had happened.
         press: What drives the robot; by default a stick.
-        far: Whether the console's way to the hub is ssh.
+        elsewhere: Whether the pad is at another machine than the console, with `rune pad`.
+        far: Whether the way to the hub is ssh for the machine that the pad is at.
         before: What has to be prepared.
     """
 
@@ -81,6 +82,7 @@ class Case:
     strike: Deed
     mend: Deed = nothing
     press: Callable[[DrivenRobot], None] = DrivenRobot.push
+    elsewhere: bool = False
     far: bool = False
     before: Deed = nothing
 
@@ -99,7 +101,7 @@ def start_again(scene: Scene) -> None:
     """The operator opens another console."""
     scene.robot.finger.lift()
     scene.robot.start_console()
-    scene.robot.want_console()
+    linked(scene)
 
 
 def awake(scene: Scene) -> None:
@@ -167,8 +169,42 @@ def release_dead_man(scene: Scene) -> None:
 
 def replug(scene: Scene) -> None:
     scene.robot.plug()
+    found_deflected(scene)
+
+
+def found_deflected(scene: Scene) -> None:
+    """The console has the pad again, and wants it to be let go of."""
     scene.robot.shake()
     scene.robot.wait(lambda: "LET GO OF" in scene.robot.console.text, "the pad is not found")
+
+
+def signal_agent(number: signal.Signals) -> Deed:
+    """Have the operator's `rune pad` get it."""
+
+    def sent(scene: Scene) -> None:
+        assert scene.robot.agent is not None
+        scene.robot.agent.send_signal(number)
+
+    return sent
+
+
+def agent_awake(scene: Scene) -> None:
+    """A pad that was silent speaks again after a while, all that it says is new."""
+    scene.robot.watch(scene.robot.chance.choice((0.0, 0.3, 1.0, 4.0)))
+    signal_agent(signal.SIGCONT)(scene)
+    found_deflected(scene)
+
+
+def another_agent(scene: Scene) -> None:
+    scene.robot.start_agent()
+    found_deflected(scene)
+
+
+def agents_ssh_goes_on(scene: Scene) -> None:
+    """All that was sent meanwhile comes first, too late."""
+    scene.robot.watch(scene.robot.chance.choice((0.3, 1.0, 3.0)))
+    signal_ssh(signal.SIGCONT)(scene)
+    found_deflected(scene)
 
 
 def rival_takes_over(scene: Scene) -> None:
@@ -189,6 +225,13 @@ def rival_pushes(scene: Scene) -> None:
     scene.robot.finger.press(lambda: rival.terminal, "s")
 
 
+def with_a_key_held(case: Case) -> Case:
+    """The same while a key drives, not a stick."""
+    return replace(case, name=f"{case.name} with a key held", press=DrivenRobot.hold_key)
+
+
+ASLEEP = Case(name="asleep", strike=send_signal(signal.SIGSTOP), mend=awake)
+KILLED = Case(name="killed", strike=send_signal(signal.SIGKILL), mend=start_again)
 CASES = (
     Case(name="unplugged", strike=lambda scene: scene.robot.unplug(), mend=replug),
     Case(name="another window in front", strike=type_keys("\x1b[O"), mend=type_keys("\x1b[I")),
@@ -202,13 +245,8 @@ CASES = (
     ),
     Case(name="stopped from elsewhere", strike=stop_from_elsewhere),
     Case(name="stopped by key", strike=type_keys(" ")),
-    Case(name="asleep", strike=send_signal(signal.SIGSTOP), mend=awake),
-    Case(
-        name="asleep with a key held",
-        press=DrivenRobot.hold_key,
-        strike=send_signal(signal.SIGSTOP),
-        mend=awake,
-    ),
+    ASLEEP,
+    with_a_key_held(ASLEEP),
     Case(name="suspended", strike=send_signal(signal.SIGTSTP), mend=awake),
     Case(name="wall clocks step", strike=step_clocks, mend=awake),
     Case(
@@ -218,13 +256,8 @@ CASES = (
         mend=rival_gives_up,
     ),
     Case(name="two push and control is given up", before=rival_pushes, strike=type_keys("c")),
-    Case(name="killed", strike=send_signal(signal.SIGKILL), mend=start_again),
-    Case(
-        name="killed with a key held",
-        press=DrivenRobot.hold_key,
-        strike=send_signal(signal.SIGKILL),
-        mend=start_again,
-    ),
+    KILLED,
+    with_a_key_held(KILLED),
     Case(name="ended", strike=send_signal(signal.SIGTERM), mend=start_again),
     Case(
         name="terminal closed", strike=lambda scene: scene.robot.console.hang_up(), mend=start_again
@@ -237,6 +270,31 @@ CASES = (
         mend=ssh_goes_on,
     ),
     Case(name="ssh dropped", far=True, strike=signal_ssh(signal.SIGKILL), mend=linked),
+    Case(
+        name="pad agent silent",
+        elsewhere=True,
+        strike=signal_agent(signal.SIGSTOP),
+        mend=agent_awake,
+    ),
+    Case(
+        name="pad agent killed",
+        elsewhere=True,
+        strike=signal_agent(signal.SIGKILL),
+        mend=another_agent,
+    ),
+    Case(
+        name="pad agent unplugged",
+        elsewhere=True,
+        strike=lambda scene: scene.robot.unplug(),
+        mend=replug,
+    ),
+    Case(
+        name="pad agent cut off",
+        elsewhere=True,
+        far=True,
+        strike=signal_ssh(signal.SIGSTOP),
+        mend=agents_ssh_goes_on,
+    ),
 )
 
 
@@ -280,7 +338,6 @@ class Reaction:
 def stops(scene: Scene, case: Case) -> Reaction:
     """Drive, have it happen, and insist in vain."""
     robot, wheels = scene.robot, scene.robot.wheels
-    robot.want_console(*(("--ssh", scene.ssh.target) if case.far else ()))
     drive(scene, case)
     struck = time.monotonic()
     struck = case.strike(scene) or struck
@@ -302,6 +359,9 @@ def stops(scene: Scene, case: Case) -> Reaction:
 
 
 def drive(scene: Scene, case: Case) -> None:
+    way = ("--ssh", scene.ssh.target) if case.far else ()
+    scene.robot.want_operator(*way, elsewhere=case.elsewhere)
+
     def let_go() -> None:
         scene.robot.neutral()
         case.before(scene)
@@ -318,7 +378,6 @@ def test_the_robot_stops_and_stands_until_it_is_driven_from_neutral(
     scene: Scene, case: Case, count: int, tell: Callable[..., None]
 ) -> None:
     reactions = [stops(scene, case) for _ in range(count)]
-    scene.robot.want_console(*(("--ssh", scene.ssh.target) if case.far else ()))
     drive(scene, case)
     scene.robot.neutral()
     if count == 1:
