@@ -23,10 +23,9 @@ from rune_tui.errors import DescriptorError
 IDLE_SILENCE_S = 5.0 / ALIVE_HZ
 """So long a pad may be silent that said that nobody touches it [s]."""
 MOST_PADS = 16
-"""Those that are known at a time; of more, the ones heard last are left out."""
+"""Those that are known at a time; of more that speak, the last are left out."""
 LONGEST_DESCRIPTOR = 4096
 """As the kernel has it [bytes]."""
-_FORGOTTEN_S = 30.0
 _CLOSE_S = 2.0
 
 Sender = tuple[str, int]
@@ -204,12 +203,13 @@ class FarPads:
         return _Pad(told, self._clock(), info, controls, "" if controls else why)
 
     def _room(self, sender: Sender) -> bool:
-        """Whether one more can be known; who has not been heard for long is forgotten."""
-        now = self._clock()
-        for other, pad in list(self._pads.items()):
-            if not pad.here and now - pad.heard > _FORGOTTEN_S:
-                del self._pads[other]
-        return sender in self._pads or len(self._pads) < MOST_PADS
+        """Whether one more can be known; room is made of the silent one heard longest ago."""
+        if sender in self._pads or len(self._pads) < MOST_PADS:
+            return True
+        silent = [other for other, pad in self._pads.items() if not pad.here]
+        if silent:
+            del self._pads[min(silent, key=lambda other: self._pads[other].heard)]
+        return bool(silent)
 
     def _forget(self, sender: Sender) -> None:
         if (pad := self._pads.pop(sender, None)) is not None and pad.here:

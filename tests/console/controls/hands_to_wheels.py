@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
@@ -28,7 +27,9 @@ from rune_tui.model.effects import ControlEffect, Effect, SendEffect
 from rune_tui.model.robot_state import LinkPhase, LinkState, Received, RobotState
 from tests.console.controls.joystick.fake_reader import FakeReader
 from tests.console.controls.joystick.pads import LEFT_X, LEFT_Y, PAD, REST, device
+from tests.console.controls.pure_agent import HeardPads, PadAgent
 from tests.console.controls.pure_robot import STEP_S, Robot
+from tests.console.controls.slow_link import Link
 
 TICK_S = 0.05
 """How often the console does [s]."""
@@ -38,38 +39,6 @@ _HAND_S = 0.06
 _CENTRE, _THROW = 128, 127
 
 
-@dataclass
-class Link:
-    """Between a console and the robot.
-
-    Attributes:
-        delay: Each way [s].
-        cut: Whether what is sent waits.
-        gone: Whether what is sent is lost.
-        number: The console's at central.
-    """
-
-    delay: float
-    number: int
-    cut: bool = False
-    gone: bool = False
-
-    def __post_init__(self) -> None:
-        self._way: list[tuple[float, float, Any]] = []
-
-    def send(self, value: object, now: float) -> None:
-        if not self.gone:
-            self._way.append((now + self.delay, now, value))
-
-    def arrived(self, now: float) -> Iterable[tuple[float, Any]]:
-        """What has come by now, with when it was sent [s]."""
-        if self.cut or not self._way or self._way[0][0] > now:
-            return ()
-        come = [(sent, value) for at, sent, value in self._way if at <= now]
-        self._way = [each for each in self._way if each[0] > now]
-        return come
-
-
 class Console:
     """A console with a pad and keys, as `rune_tui.app` connects its parts.
 
@@ -77,12 +46,20 @@ class Console:
         runs: Whether it does; False while it is stopped, or dead.
         joysticks: What it knows of joysticks.
         link: Its way to the robot.
+        reader: What is plugged in.
     """
 
-    def __init__(self, layout: LayoutSpec, link: Link, phase: float, now: float) -> None:
+    def __init__(
+        self,
+        layout: LayoutSpec,
+        link: Link,
+        phase: float,
+        now: float,
+        reader: FakeReader | HeardPads,
+    ) -> None:
         self.link = link
         self.runs = True
-        self.reader = FakeReader()
+        self.reader = reader
         self.joysticks = Joysticks(layout.joysticks, self.reader, CalibrationStore())
         self.joysticks.start(lambda: None)
         self.resting = False
@@ -165,9 +142,12 @@ class World:
         ahead: How much the operator's clock is ahead of it [s].
         told_since: When the wheels were last told anything but to stand [s].
         moved_since: When they last moved [s].
+        agent: What the pad is plugged in at; None: the console's machine.
     """
 
-    def __init__(self, layout: LayoutSpec, chance: random.Random) -> None:
+    def __init__(
+        self, layout: LayoutSpec, chance: random.Random, *, elsewhere: bool = False
+    ) -> None:
         self.now = 0.0
         self.ahead = 0.0
         self.chance = chance
@@ -183,16 +163,30 @@ class World:
         self._path = ""
         self._rival: Console | None = None
         self._rival_key = ""
+        self.agent: PadAgent | None = None
+        self._elsewhere = elsewhere
         self.console = self.start()
-        self.plug()
+        if elsewhere:
+            self.start_agent()
+        else:
+            self.plug()
+
+    def _way(self) -> Link:
+        self._numbers += 1
+        return Link(delay=self.chance.uniform(0.001, 0.02), number=self._numbers)
 
     def start(self) -> Console:
         """Somebody starts a console."""
-        self._numbers += 1
-        link = Link(delay=self.chance.uniform(0.001, 0.02), number=self._numbers)
-        made = Console(self._layout, link, self.chance.random(), self.now + self.ahead)
+        now = self.now + self.ahead
+        elsewhere = self._elsewhere and not self.consoles
+        reader = HeardPads(lambda: self.now + self.ahead) if elsewhere else FakeReader()
+        made = Console(self._layout, self._way(), self.chance.random(), now, reader)
         self.consoles.append(made)
         return made
+
+    def start_agent(self) -> None:
+        """The operator starts `rune pad`; the pad says where it stands when it is moved."""
+        self.agent = PadAgent(self._way(), self.now + self.ahead)
 
     @property
     def rival(self) -> Console:
@@ -219,7 +213,7 @@ class World:
         """Plug the pad in at the operator's console; it says where it stands when it is moved."""
         self._paths += 1
         self._path = f"/dev/hidraw{self._paths}"
-        reader = self.console.reader
+        reader = self._plugged
         reader.told.append(Scanned((device(self._path),)))
         self.console.moved(self.now + self.ahead)
         reader.told += [Opened(path, PAD) for path in reader.asked]
@@ -227,8 +221,13 @@ class World:
         self.console.moved(self.now + self.ahead)
         self._report(REST if self._stick is None else self._positions())
 
+    @property
+    def _plugged(self) -> FakeReader:
+        assert isinstance(self.console.reader, FakeReader)
+        return self.console.reader
+
     def unplug(self) -> None:
-        reader = self.console.reader
+        reader = self._plugged
         reader.told += [Gone(self._path), Scanned(())]
         self.console.moved(self.now + self.ahead)
         self._path = ""
@@ -258,6 +257,8 @@ class World:
     def _step(self) -> None:
         self.now += STEP_S
         self._hands()
+        if self.agent is not None:
+            self._hear(self.agent, self.now + self.ahead)
         for console in self.consoles:
             ahead = self.ahead if console is self.console else 0.0
             console.pass_time(self.now + ahead)
@@ -271,6 +272,13 @@ class World:
             self.told_since = self.now
         if self.robot.moves:
             self.moved_since = self.now
+
+    def _hear(self, agent: PadAgent, now: float) -> None:
+        pads = self.console.reader
+        agent.pass_time(now)
+        if self.console.runs and isinstance(pads, HeardPads):
+            agent.told(pads, now)
+            self.console.moved(now)
 
     def _take(
         self, effect: SendEffect | ControlEffect | ConsoleHeartbeat, number: int, sent: float
@@ -311,6 +319,9 @@ class World:
         )
 
     def _report(self, values: tuple[tuple[int, int | None], ...]) -> None:
+        if self.agent is not None:
+            self.agent.report(values)
+            return
         inbox = self.console.reader.inbox(self._path)
         if inbox is not None and inbox.put(values) and self.console.runs:
             self.console.moved(self.now + self.ahead)

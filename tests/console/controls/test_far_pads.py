@@ -284,13 +284,19 @@ def test_states_of_another_length_long_descriptors_and_too_many_pads_are_refused
     assert far.state.values["lefty"] == 0.0
     far.pads.device_came(("r", 1), told_device(descriptor=bytes(LONGEST_DESCRIPTOR + 1)))
     assert far.pads.refused == 2
+    far.report(active=0)
     for number in range(MOST_PADS):
         far.pads.device_came(("r", number), told_device())
+        far.report(sender=("r", number), active=0)
     assert far.pads.refused == 3
-    far.now += 60.0
-    far.report()
-    far.pads.device_came(("r", MOST_PADS), told_device())
-    assert far.pads.refused == 3
+
+
+def test_who_told_of_a_pad_and_is_silent_makes_room_for_others(far: Far) -> None:
+    for number in range(3 * MOST_PADS):
+        far.now += 0.01
+        far.pads.device_came(("r", number), told_device())
+    assert far.pads.refused == 0
+    assert far.plugged
 
 
 def payload(definition: Any, value: Any) -> bytes:

@@ -14,6 +14,7 @@ import pytest
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.opening import open_layout
 from tests.console.controls.hands_to_wheels import Console, World
+from tests.console.controls.pure_agent import PadAgent
 
 TIMES = 1000
 TOLD_S = 0.35
@@ -45,7 +46,10 @@ def nothing(world: World) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """As in the system's tests; `keys`: whether the operator presses keys."""
+    """As in the system's tests.
+
+    `keys`: whether the operator presses keys; `elsewhere`: whether the pad is, with `rune pad`.
+    """
 
     name: str
     strike: Deed
@@ -53,6 +57,7 @@ class Case:
     press: Deed = World.push
     before: Deed = nothing
     keys: bool = False
+    elsewhere: bool = False
 
 
 def press(key: str) -> Deed:
@@ -125,6 +130,27 @@ def rival_gives_up(world: World) -> None:
     world.robot.arbiter.release(world.rival.link.number, world.now)
 
 
+def silence(world: World) -> None:
+    agent(world).runs = False
+
+
+def speak_again(world: World) -> None:
+    agent(world).runs = True
+
+
+def cut_off(world: World) -> None:
+    agent(world).link.cut = True
+
+
+def let_through(world: World) -> None:
+    agent(world).link.cut = False
+
+
+def agent(world: World) -> PadAgent:
+    assert world.agent is not None
+    return world.agent
+
+
 CASES = (
     Case(name="unplugged", strike=World.unplug, mend=World.plug),
     Case(
@@ -162,6 +188,9 @@ CASES = (
         strike=press("c"),
         keys=True,
     ),
+    Case(name="pad agent silent", strike=silence, mend=speak_again, elsewhere=True),
+    Case(name="pad agent killed", strike=silence, mend=World.start_agent, elsewhere=True),
+    Case(name="pad agent cut off", strike=cut_off, mend=let_through, elsewhere=True),
 )
 
 
@@ -176,7 +205,7 @@ def layout(tmp_path_factory: pytest.TempPathFactory) -> LayoutSpec:
 def test_whatever_happens_the_robot_stops_and_stands_until_it_is_driven_from_neutral(
     case: Case, layout: LayoutSpec
 ) -> None:
-    world = World(layout, random.Random(case.name))
+    world = World(layout, random.Random(case.name), elsewhere=case.elsewhere)
     drive(world, case)
     for number in range(TIMES):
         try:
