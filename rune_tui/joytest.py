@@ -24,6 +24,7 @@ from rune_tui.controls.hid_reader import (
 )
 from rune_tui.controls.joystick.inbox import Inbox
 from rune_tui.controls.joystick.logical import LogicalJoystick
+from rune_tui.controls.joystick.mappings import Mappings
 from rune_tui.controls.joystick.matching import DeviceInfo
 from rune_tui.controls.joystick.rights import RULE_FILE, udev_rule, udev_rules
 from rune_tui.controls.joystick.store import CalibrationStore
@@ -55,7 +56,7 @@ def described(device: DeviceInfo) -> dict[str, Any]:
     controls: Sequence[PhysicalControl] = ()
     why = ""
     try:
-        controls = controls_of(device)
+        controls = Mappings().applied(device, controls_of(device))
     except PermissionError:
         why = f"no permission to read it; put into {RULE_FILE}: {udev_rule(device)}"
     except (OSError, DescriptorError) as error:
@@ -204,6 +205,7 @@ class Bench:
         self.seats: dict[str, Seat] = {}
         self._reader = reader
         self._store = CalibrationStore()
+        self._mappings = Mappings()
 
     def turn(self, now: float) -> None:
         """Take what has come."""
@@ -225,7 +227,8 @@ class Bench:
                     self.seats.setdefault(path, Seat(device))
                     self._reader.read(device)
             case Opened(path=path, controls=controls) if path in self.seats:
-                self.seats[path].opened(controls, self._store)
+                seat = self.seats[path]
+                seat.opened(self._mappings.applied(seat.device, controls), self._store)
             case Refused(path=path) if path in self.seats:
                 self._reader.stop(path)
                 rule = f"; put into {RULE_FILE}: {udev_rule(self.seats[path].device)}"

@@ -14,6 +14,7 @@ from rune_tui.controls.hid_reader import Gone, HidMissingError, News, Opened, Re
 from rune_tui.controls.joystick.calibration import Guide
 from rune_tui.controls.joystick.inbox import Inbox
 from rune_tui.controls.joystick.logical import LogicalJoystick
+from rune_tui.controls.joystick.mappings import Mappings
 from rune_tui.controls.joystick.matching import DeviceInfo, assigned, is_meant, is_particular
 from rune_tui.controls.joystick.rights import RULE_FILE, udev_rule
 from rune_tui.controls.joystick.store import CalibrationStore
@@ -73,6 +74,7 @@ class Joysticks:
         """
         self.store = store
         self.unsaved = False
+        self._mappings = Mappings()
         self._reader = reader
         self._running = False
         self._hindered = ""
@@ -271,7 +273,7 @@ class Joysticks:
                 return self._assign()
             case Opened(path=path, controls=controls):
                 for seat in self._at(path):
-                    self._seated(seat, controls, now)
+                    self._seated(seat, self._mapped(seat, controls), now)
                     self._ask_for_ends(seat, now)
             case Refused():
                 self._refused(news)
@@ -283,6 +285,16 @@ class Joysticks:
 
     def _at(self, path: str) -> list[_Seat]:
         return [seat for seat in self._seats if seat.device and seat.device.path == path]
+
+    def _mapped(
+        self, seat: _Seat, controls: tuple[PhysicalControl, ...]
+    ) -> tuple[PhysicalControl, ...]:
+        """With the roles that the user's own file gives them."""
+        if seat.device is not None:
+            controls = self._mappings.applied(seat.device, controls)
+        if self._mappings.trouble:
+            self._said.append(self._mappings.trouble)
+        return controls
 
     def _seated(self, seat: _Seat, controls: tuple[PhysicalControl, ...], now: float) -> None:
         """A device can be read; what is deflected on it by now has to be neutral first."""

@@ -12,6 +12,7 @@ from contextlib import closing
 
 import pytest
 
+from rune_tui.controls.joystick.user_files import user_file
 from tests.fake_hid import VirtualBed, VirtualDevice, needs_virtual_devices
 from tests.system.harness import ConsoleProcess
 
@@ -52,6 +53,15 @@ def test_what_is_plugged_in_is_listed_with_its_controls(bed: VirtualBed) -> None
     assert stick in told["controls"]
     assert "12 of type button" in joytest(bed, "--list")
     assert 'KERNELS=="*:046D:C216.*"' in joytest(bed, "--udev")
+
+
+@pytest.mark.usefixtures("pad")
+def test_roles_are_those_of_the_users_own_file(bed: VirtualBed) -> None:
+    path = user_file("gamecontrollerdb.txt")
+    path.parent.mkdir(parents=True)
+    path.write_text("030000006d04000016c2000010010000,mine,rightx:a1,platform:Linux\n")
+    (told,) = json.loads(joytest(bed, "--list", "--json"))
+    assert {each["usage"]: each["role"] for each in told["controls"]}["y"] == "rightx"
 
 
 def test_nothing_that_is_plugged_in_is_said_to_be_so(bed: VirtualBed) -> None:

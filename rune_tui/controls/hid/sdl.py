@@ -49,7 +49,7 @@ _KEY_CODES = {
 }
 _FIRST_BUTTON, _MANY_BUTTONS, _BUTTON_CODES_END = 0x130, 0x2C0, 0x300
 _UNKNOWN_KEY = 240
-_PLACE = re.compile(r"([abh])(\d+)(?:\.\d+)?(~?)")
+_PLACE = re.compile(r"([abh])([0-9]{1,3})(?:\.[0-9]+)?(~?)")
 _VENDOR_NUMBERING = 0x8000
 
 

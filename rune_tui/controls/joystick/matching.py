@@ -30,7 +30,7 @@ class DeviceInfo:
         name: The product's name.
         joystick: Whether it says that it is a joystick or the like.
         port: Where it is plugged in, as far as the system tells; empty if it does not.
-        bus: 1 for USB, 2 for Bluetooth, else something else; 0 if the system does not tell.
+        bus: As Linux counts: 3 USB, 5 Bluetooth; 0 if the system does not tell.
         machine: Which machine it is plugged in at; empty for this one.
     """
 

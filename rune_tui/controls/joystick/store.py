@@ -10,9 +10,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import platformdirs
-
 from rune_tui.controls.joystick.calibration import Calibration
+from rune_tui.controls.joystick.user_files import read_user_file, user_file
 
 FILE_NAME = "joysticks.json"
 _VERSION = 1
@@ -37,8 +36,7 @@ class CalibrationStore:
     """
 
     def __init__(self, path: Path | None = None) -> None:
-        folder = platformdirs.user_config_path("rune", appauthor=False)
-        self.path = path or folder / FILE_NAME
+        self.path = path or user_file(FILE_NAME)
         self.trouble = ""
         self._known: dict[str, dict[str, Calibration]] = {}
         try:
@@ -93,12 +91,7 @@ class CalibrationStore:
             raise
 
     def _read(self) -> dict[str, dict[str, Calibration]]:
-        with self.path.open("rb") as file:
-            data = file.read(_LARGEST_FILE + 1)
-        if len(data) > _LARGEST_FILE:
-            text = f"it is larger than {_LARGEST_FILE} bytes"
-            raise ValueError(text)
-        whole = _mapping(json.loads(data))
+        whole = _mapping(json.loads(read_user_file(self.path, _LARGEST_FILE)))
         if whole.get("version") != _VERSION:
             text = f"it is not of version {_VERSION}"
             raise ValueError(text)

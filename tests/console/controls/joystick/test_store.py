@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -114,3 +115,9 @@ def test_of_more_devices_than_anybody_has_the_oldest_are_forgotten() -> None:
     assert again.trouble == ""
     assert again.of("device 4") == {}
     assert again.of("device 5") == {"x": STICK}
+
+
+def test_a_pipe_in_place_of_the_file_keeps_nobody_waiting(tmp_path: Path) -> None:
+    path = tmp_path / "joysticks.json"
+    os.mkfifo(path)
+    assert "no regular file" in CalibrationStore(path).trouble
