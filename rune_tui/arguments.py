@@ -135,13 +135,16 @@ def parser() -> argparse.ArgumentParser:
         command.add_argument("--colors", choices=colors, help=colors_help)
         command.add_argument("--aspect", type=_aspect, metavar="RATIO", help=aspect_help)
     joytest = commands.add_parser("joytest", help="show what joysticks report")
+    joytest.add_argument(
+        "layout", nargs="?", metavar="LAYOUT", help="show what becomes of it in this layout"
+    )
     what = joytest.add_mutually_exclusive_group()
     what.add_argument("--list", action="store_true", help="list what is plugged in, and end")
     what.add_argument("--udev", action="store_true", help="print the rule that lets you read it")
     what.add_argument("--learn", action="store_true", help="print how layouts name what you move")
     joytest.add_argument("--json", action="store_true", help="the list, for programs")
     _add_pad(commands, keys_help)
-    for command in (run, demo, check, shot):
+    for command in (run, demo, check, shot, joytest):
         command.add_argument(
             "--set",
             type=_variable,

@@ -177,7 +177,9 @@ def _shot(options: argparse.Namespace) -> int:
 def _joytest(options: argparse.Namespace) -> int:
     from rune_tui import joytest
 
-    if options.list or options.json:
+    if options.layout is not None:
+        _watch_layouts_joysticks(options)
+    elif options.list or options.json:
         sys.stdout.write(joytest.listed(as_json=options.json))
     elif options.udev:
         sys.stdout.write(joytest.rules())
@@ -187,6 +189,20 @@ def _joytest(options: argparse.Namespace) -> int:
         _need_terminal()
         joytest.watch()
     return ExitCode.OK
+
+
+def _watch_layouts_joysticks(options: argparse.Namespace) -> None:
+    from rune_tui import joytest
+
+    if options.list or options.json or options.udev or options.learn:
+        text = "joytest takes a layout, or one of --list, --udev, --learn and --json, not both"
+        raise _UsageError(text)
+    _need_terminal()
+    joysticks = _load(options.layout, options.set).joysticks
+    if not joysticks:
+        text = f"{options.layout} has no joystick; leave it out to see what is plugged in"
+        raise _UsageError(text)
+    joytest.watch(joysticks)
 
 
 def _pad(options: argparse.Namespace) -> int:

@@ -7,7 +7,7 @@ import shutil
 import sys
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 from xml.sax.saxutils import quoteattr
 
@@ -25,8 +25,9 @@ from rune_tui.controls.hid_reader import (
 from rune_tui.controls.joystick.inbox import Inbox
 from rune_tui.controls.joystick.logical import LogicalJoystick
 from rune_tui.controls.joystick.mappings import Mappings
-from rune_tui.controls.joystick.matching import DeviceInfo
+from rune_tui.controls.joystick.matching import DeviceInfo, assigned
 from rune_tui.controls.joystick.rights import RULE_FILE, udev_rule, udev_rules
+from rune_tui.controls.joystick.shaping import Shape
 from rune_tui.controls.joystick.store import CalibrationStore
 from rune_tui.errors import DescriptorError
 from rune_tui.layout.spec import ControlKind, ControlSpec, JoystickSpec
@@ -36,8 +37,11 @@ NOTHING = "no joystick is plugged in"
 _FRAME_S = 0.05
 _RATE_S = 1.0
 _BAR = 21
+_CURVE = 16
+_HEIGHTS = "·▁▂▃▄▅▆▇█"
 _MEANT = 0.6
 """How far a control has to be moved to be learned."""
+_NOT_IN_LAYOUT = JoystickSpec(name="", line=0)
 _ENTER, _LEAVE = "\x1b[?1049h\x1b[?25l", "\x1b[?25h\x1b[?1049l"
 _HOME, _REST_OF_LINE, _BELOW = "\x1b[H", "\x1b[K", "\x1b[J"
 
@@ -104,9 +108,13 @@ def rules() -> str:
     return udev_rules(devices) if devices else f"# {NOTHING}\n"
 
 
-def watch() -> None:
-    """Show what all joysticks report, until somebody ends it."""
-    _follow(_Pictures())
+def watch(joysticks: Sequence[JoystickSpec] | None = None) -> None:
+    """Show what all joysticks report, until somebody ends it.
+
+    Args:
+        joysticks: Those of a layout, to show what becomes of it there; None: without a layout.
+    """
+    _follow(_Pictures(), joysticks)
 
 
 def learn() -> None:
@@ -123,44 +131,46 @@ class Seat:
         self.controls: tuple[PhysicalControl, ...] = ()
         self.raws: dict[int, int | None] = {}
         self.rate = 0.0
-        self._joystick: LogicalJoystick | None = None
+        self.joystick = LogicalJoystick(JoystickSpec(name="joytest", line=0))
         self._counted = (0, 0.0)
 
-    def opened(self, controls: tuple[PhysicalControl, ...], store: CalibrationStore) -> None:
-        """It can be read."""
+    def opened(
+        self,
+        controls: tuple[PhysicalControl, ...],
+        store: CalibrationStore,
+        spec: JoystickSpec | None = None,
+    ) -> None:
+        """It can be read.
+
+        Args:
+            controls: What it has.
+            store: What is known of it.
+            spec: The joystick of the layout that it is; None: all that it has, by its usage.
+        """
         self.why = ""
         self.controls = controls
         specs = tuple(
             ControlSpec(name=each.usage, kind=each.kind, usage=each.usage) for each in controls
         )
-        self._joystick = LogicalJoystick(JoystickSpec(name="joytest", controls=specs, line=0))
-        self._joystick.connect(controls, store.of(self.device.key))
+        self.joystick = LogicalJoystick(
+            spec or JoystickSpec(name="joytest", controls=specs, line=0)
+        )
+        self.joystick.connect(controls, store.of(self.device.key))
 
     def take(self, inbox: Inbox, now: float) -> None:
         """What has come since the last call."""
         values = inbox.take()
         self.raws.update(values)
-        if self._joystick is not None:
-            self._joystick.feed(values, now)
+        self.joystick.feed(values, now)
         count, since = self._counted
         if now - since >= _RATE_S:
             self.rate = (inbox.reports - count) / (now - since) if since else 0.0
             self._counted = (inbox.reports, now)
 
-    def value(self, position: int) -> float | None:
-        """How far a control is moved, -1 to 1; None while nothing is known, and for hats."""
-        values = self._joystick.values if self._joystick is not None else {}
-        return values.get(self.controls[position].usage)
-
-    def pushed(self, position: int) -> str:
-        """Where a hat is pushed, in words."""
-        values = self._joystick.values if self._joystick is not None else {}
-        start = f"{self.controls[position].usage} "
-        return " ".join(
-            name.removeprefix(start)
-            for name, value in values.items()
-            if value and name.startswith(start)
-        )
+    def moved(self, position: int) -> bool:
+        """Whether a control is moved so far that it is meant."""
+        values = self.joystick.values
+        return any(abs(values.get(n, 0.0)) > _MEANT for n in self.joystick.shown_at(position))
 
 
 def lines_of(seat: Seat) -> list[str]:
@@ -173,15 +183,38 @@ def lines_of(seat: Seat) -> list[str]:
     for position, control in enumerate(seat.controls):
         raw = seat.raws.get(position)
         told = f"  {control.usage:16} {control.role:14} {'-' if raw is None else raw:>7}"
-        value = seat.value(position)
+        shown = seat.joystick.shown_at(position)
         if control.kind is ControlKind.HAT:
-            told += f"  {seat.pushed(position)}"
-        elif value is None:
-            told += "  nothing has come yet"
-        else:
-            told += f"  {bar(value, _BAR)} {value:+.2f}"
-        lines.append(told)
+            shown = shown[:1]  # of all directions
+        lines += [f"{told}  {made_of(seat, position, each)}" for each in shown]
+        lines += [] if shown else [f"{told}  not in the layout"]
     return lines
+
+
+def made_of(seat: Seat, position: int, name: str) -> str:
+    """What becomes of a control of the device in one of the layout."""
+    joystick, control = seat.joystick, seat.controls[position]
+    own = name == control.usage
+    if control.kind is ControlKind.HAT:
+        pushed = [each for each in joystick.shown_at(position) if joystick.values.get(each)]
+        called = "" if name.startswith(control.usage) else f"{name.rpartition(' ')[0]} "
+        return called + " ".join(each.rpartition(" ")[2] for each in pushed)
+    value = joystick.values.get(name)
+    called = "" if own else f"{name:14} "
+    if value is None:
+        return f"{called}nothing has come yet"
+    told = f"{called}{bar(value, _BAR)} {value:+.2f}"
+    axis = joystick.axes.get(name)
+    if axis is None:
+        return told
+    about = f"dead zone {axis.shape.dead_zone:.2f}, expo {axis.shape.expo:.2f}"
+    return f"{told} of {axis.share:+.2f}  {curve(axis.shape)}  {about}"
+
+
+def curve(shape: Shape) -> str:
+    """How much becomes of an axis, from its rest to its end."""
+    shares = (column / (_CURVE - 1) for column in range(_CURVE))
+    return "".join(_HEIGHTS[round(shape.shaped(share) * (len(_HEIGHTS) - 1))] for share in shares)
 
 
 def control_line(control: PhysicalControl) -> str:
@@ -201,7 +234,9 @@ def joystick_line(device: DeviceInfo) -> str:
 class Bench:
     """All joysticks that are plugged in, being read."""
 
-    def __init__(self, reader: HidReader) -> None:
+    def __init__(self, reader: HidReader, joysticks: Sequence[JoystickSpec] | None) -> None:
+        self._joysticks = joysticks
+        self._assigned: Mapping[str, DeviceInfo] = {}
         self.seats: dict[str, Seat] = {}
         self._reader = reader
         self._store = CalibrationStore()
@@ -223,12 +258,12 @@ class Bench:
                 for path in [each for each in self.seats if each not in here]:
                     self._reader.stop(path)
                     del self.seats[path]
+                self._assigned = assigned(self._joysticks or (), devices, self._assigned)
                 for path, device in here.items():
                     self.seats.setdefault(path, Seat(device))
                     self._reader.read(device)
             case Opened(path=path, controls=controls) if path in self.seats:
-                seat = self.seats[path]
-                seat.opened(self._mappings.applied(seat.device, controls), self._store)
+                self._opened(self.seats[path], controls)
             case Refused(path=path) if path in self.seats:
                 self._reader.stop(path)
                 rule = f"; put into {RULE_FILE}: {udev_rule(self.seats[path].device)}"
@@ -236,6 +271,16 @@ class Bench:
             case Gone(path=path) if path in self.seats:
                 self._reader.stop(path)
                 self.seats[path].why = "it is gone"
+
+    def _opened(self, seat: Seat, controls: tuple[PhysicalControl, ...]) -> None:
+        specs = [
+            spec for spec in self._joysticks or () if self._assigned.get(spec.name) == seat.device
+        ]
+        seat.opened(
+            self._mappings.applied(seat.device, controls),
+            self._store,
+            next(iter(specs), None if self._joysticks is None else _NOT_IN_LAYOUT),
+        )
 
 
 class _Pictures:
@@ -270,8 +315,7 @@ class _Lines:
     def show(self, bench: Bench) -> None:
         for path, seat in bench.seats.items():
             for position, control in enumerate(seat.controls):
-                moved = seat.pushed(position) or abs(seat.value(position) or 0.0) > _MEANT
-                if moved and (path, position) not in self._told:
+                if seat.moved(position) and (path, position) not in self._told:
                     self._told.add((path, position))
                     self._tell(seat.device, control)
 
@@ -290,10 +334,10 @@ class _Lines:
         self._device = ""
 
 
-def _follow(output: _Pictures | _Lines) -> None:
+def _follow(output: _Pictures | _Lines, joysticks: Sequence[JoystickSpec] | None = None) -> None:
     moved = threading.Event()
     reader = HidReader()
-    bench = Bench(reader)
+    bench = Bench(reader, joysticks)
     reader.start(moved.set)
     output.begin()
     try:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import closing
+from pathlib import Path
 
 import pytest
 
@@ -18,6 +20,14 @@ from tests.system.harness import ConsoleProcess
 
 pytestmark = needs_virtual_devices
 
+_LAYOUT = """<rune>
+  <robot name="magellan"/>
+  <joystick name="pad">
+    <control name="ahead" type="axis" role="lefty" invert="true" deadzone="0.2" expo="0.5"/>
+  </joystick>
+  <view xsize="9" ysize="9"/>
+</rune>
+"""
 REST = bytes([128, 128, 128, 128, 8, 0, 0, 0])
 
 
@@ -82,6 +92,36 @@ def test_what_is_moved_is_seen_at_once_and_so_is_an_unplug(bed: VirtualBed) -> N
         shown.wait(lambda: "no joystick is plugged in" in shown.text, 10.0)
         shown.type("\x03")
         assert shown.wait_ended() == 0
+
+
+def test_what_a_layout_makes_of_it_is_seen_with_its_dead_zone_and_curve(
+    bed: VirtualBed, tmp_path: Path
+) -> None:
+    layout = tmp_path / "layout.xml"
+    layout.write_text(_LAYOUT)
+    pad = bed.plug("logitech_f310_dinput")
+    command = ["joytest", str(layout)]
+    with closing(ConsoleProcess(command, environment=bed.environment, columns=160)) as shown:
+        shown.wait(lambda: "reports a second" in shown.text, 20.0, "the device is not there")
+        pad.send(REST)
+        pad.send(bytes([128, 192, *REST[2:]]))
+        half = "ahead          ··········┃██········ +0.23"
+        shown.wait(lambda: half in shown.text, 10.0, "the stick is not seen")
+        line = next(line for line in shown.screen.display if half in line)
+        assert re.search(r"y +lefty +192 .* \+0\.\d\d of \+0\.\d\d  ····", line)
+        assert "dead zone 0.20, expo 0.50" in line
+        assert "not in the layout" in next(each for each in shown.screen.display if " rz " in each)
+        pad.unplug()
+        shown.type("\x03")
+        assert shown.wait_ended() == 0
+
+
+def test_a_layout_without_a_joystick_is_refused_by_name(bed: VirtualBed, tmp_path: Path) -> None:
+    layout = tmp_path / "layout.xml"
+    layout.write_text(re.sub("(?s)<joystick.*</joystick>", "", _LAYOUT))
+    with closing(ConsoleProcess(["joytest", str(layout)], environment=bed.environment)) as shown:
+        assert shown.wait_ended() == 2
+        assert "has no joystick" in shown.text
 
 
 def test_what_is_moved_is_written_as_a_layout_has_it(bed: VirtualBed, pad: VirtualDevice) -> None:

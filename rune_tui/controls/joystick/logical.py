@@ -139,6 +139,16 @@ class LogicalJoystick:
             if self.values.get(name) and self._input(name) in self._blocked
         )
 
+    @property
+    def axes(self) -> Mapping[str, Axis]:
+        """Those that the device has, by the layout's names."""
+        return self._axes
+
+    def shown_at(self, position: int) -> tuple[str, ...]:
+        """Names in `values` of what a control of the device makes."""
+        axes = tuple(axis.name for axis in self._at.get(position, ()))
+        return axes + tuple(part.shown for part in self._parts.get(position, ()))
+
     def raws(self) -> Mapping[str, int | None]:
         """What the axes give now [device units], by usage."""
         return {axis.physical.usage: axis.raw for axis in self._axes.values()}
