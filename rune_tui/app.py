@@ -209,8 +209,7 @@ class Console(App[None], inherit_bindings=False):
         event.prevent_default()
         now = self._look_up()
         key = name_of_key(event.key, event.character)
-        if not self._stalls.deaf(now):
-            self._handle(self._keyboard.press(key, now))
+        self._handle(self._keyboard.press(key, now, old=self._stalls.deaf(now)))
 
     def on_key_moved(self, event: KeyMoved) -> None:
         """A key moved, on a terminal that tells when it goes up."""
@@ -222,9 +221,9 @@ class Console(App[None], inherit_bindings=False):
             self._handle(self._keyboard.up(key))
         elif self._covered or key == _WAY_OUT:
             self.post_message(events.Key(event.key, event.character))
-        elif not self._stalls.deaf(now):
-            repeat = event.move is KeyMove.REPEAT
-            self._handle(self._keyboard.down(key, now, repeat=repeat))
+        else:
+            repeat, old = event.move is KeyMove.REPEAT, self._stalls.deaf(now)
+            self._handle(self._keyboard.down(key, now, repeat=repeat, old=old))
 
     def on_releases_told(self, event: ReleasesTold) -> None:
         """The terminal says whether it tells when keys go up."""

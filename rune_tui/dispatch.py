@@ -42,6 +42,7 @@ _UNLESS_BOUND: Mapping[str, Effect] = {
 }
 """What keys do that the layout binds to nothing."""
 _CLOSE_HELP = "escape"
+_TYPED_WHILE_AWAY = "what was typed while the console was held up does not count: press it again"
 _TO_ROBOTS = SendEffect | ControlEffect | ExportEffect | WishPictures | ToggleNight
 
 
@@ -67,7 +68,8 @@ class Dispatch:
     What only the operator may send who has control is not sent while somebody else has it; what
     drives a free robot takes control of it. When control changes, what is held counts no more.
 
-    While the help covers everything, only the keys of the stop, the help and the quit count.
+    While the help covers everything, only the keys of the stop, the help and the quit count; so it
+    is of keys that may have been typed while the console was away.
 
     The caller executes the effects in order. Before it ends, and whenever it can no longer see
     the keys, it also executes those of `released`.
@@ -109,6 +111,8 @@ class Dispatch:
         if event.stayed:
             listeners = [each for each in listeners if not each.widget.rule.held]
         self._note_button(event, listeners)
+        if event.old:
+            return self._of_old(event, state)
         if state.help:
             # What goes up is still told, but for what is done only then.
             listeners = [
@@ -123,6 +127,15 @@ class Dispatch:
             own = _UNLESS_BOUND[event.name]
             return (own,) if own == ToggleHelp() or not state.help else ()
         return self._woken(event, listeners, state)
+
+    def _of_old(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
+        """What a key does that may have been typed long ago: stop, help and quit, or nothing."""
+        waiting = self._by_input.get(event.name, ())
+        safe = [each for each in waiting if each.widget.rule.under_help]
+        if safe:
+            return self._woken(event, safe, state)
+        meant = waiting or event.name in _UNLESS_BOUND
+        return (Tell.now(state, _TYPED_WHILE_AWAY),) if meant and not event.repeat else ()
 
     def act(self, action: Action, state: ConsoleState) -> tuple[Effect, ...]:
         """Effects of an action that somebody chose from a list, as if its first input was used."""

@@ -44,6 +44,8 @@ class ControlEvent:
         hits: The viewports under the mouse, the nearest first.
         stayed: Whether it may have been down since before all was let go, so that it must not
             drive.
+        old: Whether it may have been typed while the console was away, so that it counts only where
+            it cannot move a robot.
     """
 
     name: str
@@ -52,3 +54,4 @@ class ControlEvent:
     value: float = 1.0
     hits: tuple[Hit, ...] = ()
     stayed: bool = False
+    old: bool = False

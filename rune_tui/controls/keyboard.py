@@ -69,28 +69,44 @@ class KeyboardHold:
         """Keys that count as held, in the order they were pressed."""
         return tuple(key for key, hold in self._holds.items() if not hold.stayed)
 
-    def press(self, key: str, now: float) -> tuple[ControlEvent, ...]:
-        """The terminal reports a key: releases that were due by now, then its press or repeat."""
+    def press(self, key: str, now: float, *, old: bool = False) -> tuple[ControlEvent, ...]:
+        """The terminal reports a key: releases that were due by now, then its press or repeat.
+
+        Args:
+            key: What it is called.
+            now: The time [s].
+            old: Whether it may have been typed while the console was away; it drives only when it
+                is pressed anew.
+        """
         key = canonical_key(key)
         due = self.expire(now)
         hold = self._holds.get(key)
         if hold is None:
-            stayed = now < self._let_go.pop(key, now)
+            stayed = now < self._let_go.pop(key, now) or old
             self._holds[key] = _Hold(last=now, deadline=now + _FIRST_HOLD_S, stayed=stayed)
-            return (*due, ControlEvent(name=key, pressed=True, stayed=stayed))
+            return (*due, ControlEvent(name=key, pressed=True, stayed=stayed, old=old))
         # From press to first repeat is the keyboard's delay, which says nothing of its rate.
         if hold.repeats and now - hold.last >= _BURST_S:
             self._intervals.append(now - hold.last)
         hold.repeats += 1
         hold.last = now
         hold.deadline = now + self._repeat_hold()
-        return (*due, ControlEvent(name=key, pressed=True, repeat=True, stayed=hold.stayed))
+        event = ControlEvent(name=key, pressed=True, repeat=True, stayed=hold.stayed, old=old)
+        return (*due, event)
 
-    def down(self, key: str, now: float, *, repeat: bool) -> tuple[ControlEvent, ...]:
+    def down(
+        self, key: str, now: float, *, repeat: bool, old: bool = False
+    ) -> tuple[ControlEvent, ...]:
         """A terminal that will tell of the release reports a key: its press, or a repeat.
 
         A repeat of a key that does not count as held was pressed before all were let go, or before
         the terminal fell silent.
+
+        Args:
+            key: What it is called.
+            now: The time [s].
+            repeat: Whether it is a repeat.
+            old: As of `press`.
         """
         key = canonical_key(key)
         due = list(self.expire(now))
@@ -100,12 +116,12 @@ class KeyboardHold:
             hold = None
         if hold is None:
             self._let_go.pop(key, None)
-            hold = self._holds[key] = _Hold(last=now, deadline=now, stayed=repeat, told=True)
+            hold = self._holds[key] = _Hold(last=now, deadline=now, stayed=repeat or old, told=True)
             repeat = False
         self.heard(now)
         return (
             *due,
-            ControlEvent(name=key, pressed=True, repeat=repeat, stayed=hold.stayed),
+            ControlEvent(name=key, pressed=True, repeat=repeat, stayed=hold.stayed, old=old),
         )
 
     def up(self, key: str) -> tuple[ControlEvent, ...]:

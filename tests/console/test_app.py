@@ -18,6 +18,7 @@ from hub.ipc.central import Central
 from hub.ipc.client import Client
 from hub.modules.mapping.points import PointBook
 from rune_tui.app import Console
+from rune_tui.controls.stall_guard import STALL_S
 from rune_tui.layout.loader import load_layout
 from rune_tui.layout.rules import VisualizerRule, Vocabulary
 from rune_tui.layout.spec import VisualizerSpec
@@ -320,6 +321,20 @@ def test_what_is_held_is_let_go_when_the_terminal_tells_of_releases_no_longer(
         console.post_message(ReleasesTold(told=False))
         await desk.until(lambda: not console.state.releases_told)
         assert not console.state.held
+
+    play(script)
+
+
+def test_a_stop_that_was_typed_while_the_console_was_held_up_is_a_stop_and_nothing_drives(
+    play: Callable[[Script], None],
+):
+    async def script(desk: Desk) -> None:
+        await desk.until(lambda: not desk.console._stalls.deaf(time.monotonic()))
+        time.sleep(STALL_S + 0.1)  # noqa: ASYNC251 - it is held up
+        await desk.press("w", "space")
+        await desk.until(lambda: desk.robot.stops)
+        assert not desk.console.state.held
+        assert [text for text in desk.told if "held up does not count" in text]
 
     play(script)
 

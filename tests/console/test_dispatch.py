@@ -26,6 +26,7 @@ from rune_tui.model.effects import (
     QuitEffect,
     SendEffect,
     SuspendEffect,
+    Tell,
     ToggleHelp,
 )
 from rune_tui.model.robot_state import LinkPhase, LinkState
@@ -209,6 +210,34 @@ def test_under_the_help_only_stop_help_and_quit_count(two_robots: LayoutSpec):
         assert dispatch.handle(down(key), HELPED) == ()
     assert stops(dispatch.handle(down("space"), HELPED)) == ["magellan"]
     assert dispatch.handle(down("q"), HELPED) == (QuitEffect(),)
+
+
+def old(key: str, *, repeat: bool = False) -> ControlEvent:
+    return ControlEvent(name=key, pressed=True, repeat=repeat, stayed=True, old=True)
+
+
+def test_of_what_may_have_been_typed_while_the_console_was_away_stop_and_quit_count(
+    two_robots: LayoutSpec,
+):
+    dispatch = Dispatch(two_robots)
+    assert stops(dispatch.handle(old("space"), at(0.0))) == ["magellan"]
+    assert stops(dispatch.handle(old("space", repeat=True), at(0.0))) == ["magellan"]
+    assert dispatch.handle(old("q"), at(0.0)) == (QuitEffect(),)
+
+
+@pytest.mark.parametrize("key", ["w", "h", "ctrl+z", "ctrl+p"])
+def test_what_else_may_have_been_typed_while_the_console_was_away_is_told_once(
+    two_robots: LayoutSpec, key: str
+):
+    dispatch = Dispatch(two_robots)
+    (told,) = dispatch.handle(old(key), at(0.0))
+    assert isinstance(told, Tell)
+    assert told.notice.text.endswith("does not count: press it again")
+    assert dispatch.handle(old(key, repeat=True), at(0.0)) == ()
+
+
+def test_a_key_that_means_nothing_is_not_missed(two_robots: LayoutSpec):
+    assert Dispatch(two_robots).handle(old("x"), at(0.0)) == ()
 
 
 def test_a_key_that_goes_up_under_the_help_is_let_go(two_robots: LayoutSpec):

@@ -144,6 +144,26 @@ def test_a_key_that_stays_down_when_all_are_let_go_says_so_until_it_was_silent()
     assert keyboard.press("w", last + 0.3 + 39 * RATE + 0.16) == (release("w"), press("w"))
 
 
+def test_a_key_that_may_have_been_typed_long_ago_says_so_until_it_was_silent():
+    keyboard = KeyboardHold()
+    for number in range(40):
+        (event,) = keyboard.press("w", number * RATE, old=number < 6)
+        assert (event.stayed, event.repeat, event.old) == (True, number > 0, number < 6)
+        assert keyboard.held == ()
+    assert keyboard.press("w", 39 * RATE + 0.16) == (release("w"), press("w"))
+
+
+def test_a_key_that_may_have_been_pressed_long_ago_drives_when_it_is_pressed_anew():
+    keyboard = KeyboardHold()
+    (event,) = keyboard.down("w", 0.0, repeat=False, old=True)
+    assert (event.stayed, event.old) == (True, True)
+    (event,) = keyboard.down("w", 0.5, repeat=True)
+    assert (event.stayed, event.old) == (True, False)
+    assert keyboard.held == ()
+    keyboard.up("w")
+    assert keyboard.down("w", 1.0, repeat=False) == (press("w"),)
+
+
 def test_a_key_that_was_up_when_all_were_let_go_is_a_press():
     keyboard = KeyboardHold()
     keyboard.press("w", 0.0)
