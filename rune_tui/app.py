@@ -209,7 +209,8 @@ class Console(App[None], inherit_bindings=False):
         event.prevent_default()
         now = self._look_up()
         key = name_of_key(event.key, event.character)
-        self._handle(self._keyboard.press(key, now, old=self._stalls.deaf(now)))
+        old = self._stalls.deaf(now)
+        self._handle(self._keyboard.press(key, now, read=event.time, old=old))
 
     def on_key_moved(self, event: KeyMoved) -> None:
         """A key moved, on a terminal that tells when it goes up."""

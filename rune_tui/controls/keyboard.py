@@ -2,7 +2,9 @@
 
 Most terminals repeat a held key and say nothing when it goes up. So a key counts as held until its
 repeats stay away: after the first press for as long as keyboards wait before they repeat, then
-for a few repeat intervals.
+for a few repeat intervals. No keyboard repeats at once: repeats that come together with their press
+were held back on the way. Such a key was pressed some time ago, and drives only when it is pressed
+anew.
 
 Where the terminal tells of releases a key is held until its own, but only as long as anything is
 heard of the terminal: over a line that is cut, no release comes.
@@ -25,6 +27,8 @@ _REPEAT_FACTOR = 2.5
 _REPEATS_MEASURED = 6
 _BURST_S = 0.01
 """Repeats closer than this came together over a slow line and say nothing of the rate [s]."""
+_OLD_REPEATS = 2
+"""So many of them right behind the press tell that it is old; two quick taps look like one."""
 
 
 def name_of_key(key: str, character: str | None) -> str:
@@ -45,8 +49,12 @@ class _Hold:
     last: float
     deadline: float
     repeats: int = 0
+    at_once: int = 0
+    """Repeats that came together with the press."""
     stayed: bool = False
     told: bool = False
+    ended: bool = False
+    """Whether its release has been told, or is nobody's as its press was none."""
 
 
 class KeyboardHold:
@@ -69,27 +77,32 @@ class KeyboardHold:
         """Keys that count as held, in the order they were pressed."""
         return tuple(key for key, hold in self._holds.items() if not hold.stayed)
 
-    def press(self, key: str, now: float, *, old: bool = False) -> tuple[ControlEvent, ...]:
+    def press(
+        self, key: str, now: float, *, read: float | None = None, old: bool = False
+    ) -> tuple[ControlEvent, ...]:
         """The terminal reports a key: releases that were due by now, then its press or repeat.
 
         Args:
             key: What it is called.
             now: The time [s].
+            read: When it was read, if that is not just now [s].
             old: Whether it may have been typed while the console was away; it drives only when it
                 is pressed anew.
         """
         key = canonical_key(key)
-        due = self.expire(now)
+        read = now if read is None else read
+        due = list(self.expire(now))
         hold = self._holds.get(key)
         if hold is None:
             stayed = now < self._let_go.pop(key, now) or old
-            self._holds[key] = _Hold(last=now, deadline=now + _FIRST_HOLD_S, stayed=stayed)
+            self._holds[key] = _Hold(
+                last=read, deadline=now + _FIRST_HOLD_S, stayed=stayed, ended=old
+            )
             return (*due, ControlEvent(name=key, pressed=True, stayed=stayed, old=old))
-        # From press to first repeat is the keyboard's delay, which says nothing of its rate.
-        if hold.repeats and now - hold.last >= _BURST_S:
-            self._intervals.append(now - hold.last)
-        hold.repeats += 1
-        hold.last = now
+        self._repeated(hold, read)
+        if hold.at_once >= _OLD_REPEATS and not hold.stayed:
+            hold.stayed = hold.ended = True
+            due.append(ControlEvent(name=key, pressed=False))
         hold.deadline = now + self._repeat_hold()
         event = ControlEvent(name=key, pressed=True, repeat=True, stayed=hold.stayed, old=old)
         return (*due, event)
@@ -116,7 +129,9 @@ class KeyboardHold:
             hold = None
         if hold is None:
             self._let_go.pop(key, None)
-            hold = self._holds[key] = _Hold(last=now, deadline=now, stayed=repeat or old, told=True)
+            hold = self._holds[key] = _Hold(
+                last=now, deadline=now, stayed=repeat or old, told=True, ended=old
+            )
             repeat = False
         self.heard(now)
         return (
@@ -128,8 +143,8 @@ class KeyboardHold:
         """A key went up."""
         key = canonical_key(key)
         self._let_go.pop(key, None)
-        held = self._holds.pop(key, None)
-        return () if held is None else (ControlEvent(name=key, pressed=False),)
+        hold = self._holds.pop(key, None)
+        return () if hold is None or hold.ended else (ControlEvent(name=key, pressed=False),)
 
     def heard(self, now: float) -> None:
         """The terminal is there: keys whose release it will tell stay held."""
@@ -152,16 +167,34 @@ class KeyboardHold:
         due = sorted(
             (hold.deadline, key) for key, hold in self._holds.items() if hold.deadline <= now
         )
+        released = []
         for _, key in due:
-            del self._holds[key]
-        return tuple(ControlEvent(name=key, pressed=False) for _, key in due)
+            hold = self._holds.pop(key)
+            if not hold.ended:
+                released.append(ControlEvent(name=key, pressed=False))
+        return tuple(released)
 
     def release_all(self, now: float) -> tuple[ControlEvent, ...]:
         """Everything is let go: the terminal lost the focus, was suspended, or the console ends."""
-        released = tuple(ControlEvent(name=key, pressed=False) for key in self._holds)
+        released = tuple(
+            ControlEvent(name=key, pressed=False)
+            for key, hold in self._holds.items()
+            if not hold.ended
+        )
         self._let_go |= dict.fromkeys(self._holds, now + _FIRST_HOLD_S)
         self._holds.clear()
         return released
+
+    def _repeated(self, hold: _Hold, read: float) -> None:
+        """Measure how fast the keyboard repeats, and what came all at once."""
+        together = read - hold.last < _BURST_S
+        if together and hold.at_once == hold.repeats:
+            hold.at_once += 1
+        # From press to first repeat is the keyboard's delay, which says nothing of its rate.
+        if hold.repeats and not together:
+            self._intervals.append(read - hold.last)
+        hold.repeats += 1
+        hold.last = read
 
     def _repeat_hold(self) -> float:
         if not self._intervals:
