@@ -112,8 +112,8 @@ class KeyboardHold:
     ) -> tuple[ControlEvent, ...]:
         """A terminal that will tell of the release reports a key: its press, or a repeat.
 
-        A repeat of a key that does not count as held was pressed before all were let go, or before
-        the terminal fell silent.
+        A repeat of a key that does not count as held was pressed before all were let go, before the
+        terminal fell silent, or unseen: it is a repeat, never a press, and its release is nobody's.
 
         Args:
             key: What it is called.
@@ -129,10 +129,8 @@ class KeyboardHold:
             hold = None
         if hold is None:
             self._let_go.pop(key, None)
-            hold = self._holds[key] = _Hold(
-                last=now, deadline=now, stayed=repeat or old, told=True, ended=old
-            )
-            repeat = False
+            hold = self._holds[key] = _Hold(last=now, deadline=now, stayed=repeat or old, told=True)
+            hold.ended = hold.stayed
         self.heard(now)
         return (
             *due,

@@ -236,6 +236,16 @@ def test_what_else_may_have_been_typed_while_the_console_was_away_is_told_once(
     assert dispatch.handle(old(key, repeat=True), at(0.0)) == ()
 
 
+def test_a_key_that_repeats_and_was_never_pressed_does_nothing_but_stop(two_robots: LayoutSpec):
+    dispatch, keyboard = Dispatch(two_robots), KeyboardHold()
+    done: dict[str, list[Effect]] = {}
+    for key in ("w", "h", "q", "?", "ctrl+z", "space"):
+        events = (*keyboard.down(key, 0.0, repeat=True), *keyboard.up(key))
+        done[key] = [each for event in events for each in dispatch.handle(event, at(0.0))]
+    assert stops(done.pop("space")) == ["magellan"]
+    assert not any(done.values()), done
+
+
 def test_a_key_that_means_nothing_is_not_missed(two_robots: LayoutSpec):
     assert Dispatch(two_robots).handle(old("x"), at(0.0)) == ()
 
