@@ -219,7 +219,7 @@ class Console(App[None], inherit_bindings=False):
         if not (key and self._dispatch.waits_for(key)):
             key = name_of_key(event.key, event.character)
         if event.move is KeyMove.RELEASE:
-            self._handle(self._keyboard.up(key))
+            self._handle(self._keyboard.up(key, now))
         elif self._covered or key == _WAY_OUT:
             self.post_message(events.Key(event.key, event.character))
         else:

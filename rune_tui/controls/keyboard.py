@@ -7,12 +7,20 @@ were held back on the way. Such a key was pressed some time ago, and drives only
 anew.
 
 Where the terminal tells of releases a key is held until its own, but only as long as anything is
-heard of the terminal: over a line that is cut, no release comes.
+heard of the terminal: over a line that is cut, no release comes. Nor does one come that somebody
+else was given, as by a window manager or by Cmd on macOS. So silence ends a hold even while the
+terminal answers. The key that went down last repeats for as long as it is down; once it has done so
+and no other key moved since, it is up when its repeats stay away. Any other key may be down in
+silence, as another one took its repeats or its keyboard has none, which is what driving with two
+keys looks like: it stays held while keys move, whichever these are, and for some time after. The
+key that window managers take, Super or Cmd, ends all holds when it goes down.
 """
 
 from __future__ import annotations
 
+import math
 from collections import deque
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from rune_tui.controls.events import ControlEvent
@@ -27,6 +35,10 @@ _REPEAT_FACTOR = 2.5
 _REPEATS_MEASURED = 6
 _BURST_S = 0.01
 """Repeats closer than this came together over a slow line and say nothing of the rate [s]."""
+_SILENT_S = 5.0
+"""How long a key is held whose release would be told while no key moves at all [s]."""
+_GRABS = "super"
+"""Part of the names of keys with which window managers, and macOS with Cmd, take what follows."""
 _OLD_REPEATS = 2
 """So many of them right behind the press tell that it is old; two quick taps look like one."""
 
@@ -53,6 +65,8 @@ class _Hold:
     """Repeats that came together with the press."""
     stayed: bool = False
     told: bool = False
+    silent_at: float = math.inf
+    """When it has been silent for so long that its release was lost, if it would be told [s]."""
     ended: bool = False
     """Whether its release has been told, or is nobody's as its press was none."""
 
@@ -125,24 +139,29 @@ class KeyboardHold:
         due = list(self.expire(now))
         hold = self._holds.get(key)
         if hold is not None and not repeat:
-            due += self.up(key)  # which did not come
+            due += self.up(key, now)  # which did not come
             hold = None
+        if _GRABS in key and not repeat:
+            due += self._lost()
         if hold is None:
             self._let_go.pop(key, None)
             hold = self._holds[key] = _Hold(last=now, deadline=now, stayed=repeat or old, told=True)
             hold.ended = hold.stayed
+        elif repeat:
+            self._repeated(hold, now)
         self.heard(now)
+        self._moved(now, hold if repeat else None)
         return (
             *due,
             ControlEvent(name=key, pressed=True, repeat=repeat, stayed=hold.stayed, old=old),
         )
 
-    def up(self, key: str) -> tuple[ControlEvent, ...]:
+    def up(self, key: str, now: float) -> tuple[ControlEvent, ...]:
         """A key went up."""
         key = canonical_key(key)
+        self._moved(now, None)
         self._let_go.pop(key, None)
-        hold = self._holds.pop(key, None)
-        return () if hold is None or hold.ended else (ControlEvent(name=key, pressed=False),)
+        return self._ended((key,)) if key in self._holds else ()
 
     def heard(self, now: float) -> None:
         """The terminal is there: keys whose release it will tell stay held."""
@@ -162,26 +181,37 @@ class KeyboardHold:
 
     def expire(self, now: float) -> tuple[ControlEvent, ...]:
         """Releases that are due, the earliest first."""
-        due = sorted(
-            (hold.deadline, key) for key, hold in self._holds.items() if hold.deadline <= now
-        )
-        released = []
-        for _, key in due:
-            hold = self._holds.pop(key)
-            if not hold.ended:
-                released.append(ControlEvent(name=key, pressed=False))
-        return tuple(released)
+        ends = ((min(hold.deadline, hold.silent_at), key) for key, hold in self._holds.items())
+        due = sorted((end, key) for end, key in ends if end <= now)
+        return self._ended(key for _, key in due)
 
     def release_all(self, now: float) -> tuple[ControlEvent, ...]:
         """Everything is let go: the terminal lost the focus, was suspended, or the console ends."""
-        released = tuple(
-            ControlEvent(name=key, pressed=False)
-            for key, hold in self._holds.items()
-            if not hold.ended
-        )
         self._let_go |= dict.fromkeys(self._holds, now + _FIRST_HOLD_S)
-        self._holds.clear()
-        return released
+        return self._ended(tuple(self._holds))
+
+    def _lost(self) -> tuple[ControlEvent, ...]:
+        """Keys whose releases may be told to somebody else from here on go up now."""
+        told = [key for key, hold in self._holds.items() if hold.told]
+        return self._ended(told)
+
+    def _ended(self, keys: Iterable[str]) -> tuple[ControlEvent, ...]:
+        ends = [(key, self._holds.pop(key)) for key in keys]
+        return tuple(ControlEvent(name=key, pressed=False) for key, hold in ends if not hold.ended)
+
+    def _moved(self, now: float, repeats: _Hold | None) -> None:
+        """A key moved: none that is held needs to be heard of for a while.
+
+        Args:
+            now: The time [s].
+            repeats: The one that repeats, if that is how it moved: it will go on to.
+        """
+        for hold in self._holds.values():
+            if hold.told:
+                hold.silent_at = now + _SILENT_S
+        if repeats is not None and self._intervals:
+            soon = max(_FIRST_HOLD_S, _REPEAT_FACTOR * max(self._intervals))
+            repeats.silent_at = now + min(_SILENT_S, soon)
 
     def _repeated(self, hold: _Hold, read: float) -> None:
         """Measure how fast the keyboard repeats, and what came all at once."""

@@ -240,7 +240,7 @@ def test_a_key_that_repeats_and_was_never_pressed_does_nothing_but_stop(two_robo
     dispatch, keyboard = Dispatch(two_robots), KeyboardHold()
     done: dict[str, list[Effect]] = {}
     for key in ("w", "h", "q", "?", "ctrl+z", "space"):
-        events = (*keyboard.down(key, 0.0, repeat=True), *keyboard.up(key))
+        events = (*keyboard.down(key, 0.0, repeat=True), *keyboard.up(key, 0.0))
         done[key] = [each for event in events for each in dispatch.handle(event, at(0.0))]
     assert stops(done.pop("space")) == ["magellan"]
     assert not any(done.values()), done

@@ -208,7 +208,7 @@ def test_a_key_that_may_have_been_pressed_long_ago_drives_when_it_is_pressed_ane
     (event,) = keyboard.down("w", 0.5, repeat=True)
     assert (event.stayed, event.old) == (True, False)
     assert keyboard.held == ()
-    keyboard.up("w")
+    keyboard.up("w", 0.6)
     assert keyboard.down("w", 1.0, repeat=False) == (press("w"),)
 
 
@@ -292,6 +292,83 @@ def test_presses_and_releases_of_a_key_alternate_and_everything_ends_released(
     assert down == set()
 
 
+def answering(keyboard: KeyboardHold, start: float, end: float) -> tuple[ControlEvent, ...]:
+    """What ends while the terminal answers and tells of no key; looked at 100 times a second."""
+    ended: tuple[ControlEvent, ...] = ()
+    for number in range(round((end - start) * 100) + 1):
+        keyboard.heard(start + number / 100)
+        ended += keyboard.expire(start + number / 100)
+    return ended
+
+
+def told_down(keyboard: KeyboardHold, key: str, start: float, end: float, rate: float) -> float:
+    """A key goes down and repeats; returns when it did last."""
+    keyboard.down(key, start, repeat=False)
+    last = start
+    for number in range(round((end - start - DELAY) / rate) + 1):
+        last = start + DELAY + number * rate
+        assert answering(keyboard, last - 0.01, last - 0.01) == ()
+        assert keyboard.down(key, last, repeat=True) == repeating(key)
+    return last
+
+
+@pytest.mark.parametrize(
+    ("rate", "silence"), [(0.033, 0.6), (0.2, 0.6), (0.4, 1.0), (1.8, 4.5), (2.5, 5.0)]
+)
+def test_a_key_that_repeated_and_falls_silent_is_up_though_no_release_was_told(
+    rate: float, silence: float
+):
+    keyboard = KeyboardHold()
+    last = told_down(keyboard, "w", 0.0, 6.0, rate)
+    assert answering(keyboard, last, last + silence - 0.02) == ()
+    assert answering(keyboard, last + silence - 0.01, last + silence + 0.02) == (release("w"),)
+    assert not keyboard.waits_for_releases
+    (event,) = keyboard.down("w", 20.0, repeat=True)
+    assert event.stayed
+
+
+def test_a_key_whose_repeats_another_one_took_is_held_with_it_and_after_it():
+    keyboard = KeyboardHold()
+    last = told_down(keyboard, "w", 0.0, 2.0, RATE)
+    last = told_down(keyboard, "a", last, 12.0, RATE)
+    assert keyboard.held == ("w", "a")
+    assert keyboard.up("a", last) == (release("a"),)
+    assert answering(keyboard, last, last + 4.9) == ()
+    assert keyboard.held == ("w",)
+    assert answering(keyboard, last + 4.9, last + 5.1) == (release("w"),)
+
+
+def test_a_key_that_repeats_on_after_another_one_moved_ends_with_its_repeats():
+    keyboard = KeyboardHold()
+    keyboard.down("a", 0.0, repeat=False)
+    last = told_down(keyboard, "w", 0.1, 2.0, RATE)
+    keyboard.up("a", last)
+    keyboard.down("w", last + RATE, repeat=True)
+    assert answering(keyboard, last, last + 0.6) == ()
+    assert answering(keyboard, last + 0.6, last + 0.7) == (release("w"),)
+
+
+def test_a_key_that_never_repeats_is_held_for_as_long_as_keys_move():
+    keyboard = KeyboardHold()
+    keyboard.down("w", 0.0, repeat=False)
+    for number in range(5):
+        assert answering(keyboard, number * 4.0, number * 4.0 + 4.0) == ()
+        keyboard.down("j", number * 4.0 + 4.0, repeat=False)
+        keyboard.up("j", number * 4.0 + 4.0)
+    assert keyboard.held == ("w",)
+    assert answering(keyboard, 20.0, 24.9) == ()
+    assert answering(keyboard, 24.9, 25.1) == (release("w"),)
+
+
+@pytest.mark.parametrize("key", ["left_super", "right_super", "super+w", "super+tab"])
+def test_what_window_managers_take_ends_what_is_held(key: str):
+    keyboard = KeyboardHold()
+    keyboard.down("w", 0.0, repeat=False)
+    assert keyboard.down(key, 0.1, repeat=False) == (release("w"), press(key))
+    (event,) = keyboard.down("w", 0.2, repeat=True)
+    assert event.stayed
+
+
 def repeating(key: str) -> tuple[ControlEvent, ...]:
     return (repeat(key),)
 
@@ -299,12 +376,14 @@ def repeating(key: str) -> tuple[ControlEvent, ...]:
 def test_a_key_whose_release_is_told_is_held_until_then():
     keyboard = KeyboardHold()
     assert keyboard.down("w", 0.0, repeat=False) == (press("w"),)
-    for moment in range(1, 100):
-        keyboard.heard(moment / 10)
-        assert keyboard.expire(moment / 10) == ()
+    answering(keyboard, 0.0, 0.5)
+    for number in range(300):
+        moment = 0.5 + number * RATE
+        assert keyboard.down("w", moment, repeat=True) == repeating("w")
+        keyboard.heard(moment)
     assert keyboard.waits_for_releases
-    assert keyboard.up("w") == (release("w"),)
-    assert keyboard.up("w") == ()
+    assert keyboard.up("w", 10.5) == (release("w"),)
+    assert keyboard.up("w", 10.5) == ()
     assert not keyboard.waits_for_releases
     assert keyboard.held == ()
 
@@ -328,7 +407,7 @@ def test_a_terminal_that_falls_silent_holds_nothing_and_drives_only_when_pressed
     (event,) = keyboard.down("w", 5.0, repeat=True)
     assert (event.stayed, event.repeat) == (True, True)
     assert keyboard.held == ()
-    assert keyboard.up("w") == ()
+    assert keyboard.up("w", 5.1) == ()
     assert keyboard.down("w", 6.0, repeat=False) == (press("w"),)
 
 
