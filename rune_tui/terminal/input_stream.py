@@ -35,7 +35,8 @@ _KEY: Final = re.compile(
 )
 """A key by the kitty keyboard protocol; F3 there is no longer what looks like a cursor report."""
 _PASTES: Final = ("\x1b[200~", "\x1b[201~")
-_TELLS_RELEASES: Final = 2
+_TELLS_RELEASES: Final = 2 | 8
+"""Flags of the kitty keyboard protocol: events of keys, of those too that type text."""
 _KEYPAD: Final = (
     *("0", "1", "2", "3", "4", "5", "6", "7", "8", "9"),
     *("decimal", "divide", "multiply", "subtract", "add", "enter", "equal", "separator"),
@@ -95,7 +96,8 @@ InputPart = str | CursorReport | KeyReport | KeyboardReport
 class InputStream:
     """Takes what was read, in pieces of any size.
 
-    Once the terminal has said that it tells when keys go up, keys come as `KeyReport`s.
+    Once the terminal has said that it tells when keys go up, keys come as `KeyReport`s. Where it
+    tells so only of some, as of arrows and not of letters, all come as from one that tells of none.
     Reports of the cursor below the first row are answers; in the first row they are what xterm
     sends for F3 with a modifier. Sequences that nobody understands, such as late answers to other
     questions, are left out: as keys, they would drive.
@@ -137,7 +139,9 @@ class InputStream:
             rest.append(text[at : found.start()])
             at = found.end()
             report = self._report(found[0])
-            if report is not None:
+            if isinstance(report, str):
+                rest.append(report)
+            elif report is not None:
                 yield from filter(None, ("".join(rest),))
                 rest.clear()
                 yield report
@@ -150,18 +154,21 @@ class InputStream:
         yield from filter(None, ("".join(rest),))
 
     def _report(self, sequence: str) -> InputPart | None:
-        """What a sequence says, if it is more than a key or the mouse."""
+        """What a sequence says, if it is more than a key or the mouse, or what stands for it."""
         if (cursor := _CURSOR.fullmatch(sequence)) and int(cursor[1]) > 1:
             return CursorReport(row=int(cursor[1]), column=int(cursor[2]))
         if keyboard := _KEYBOARD.fullmatch(sequence):
-            self._tells_releases = bool(int(keyboard[1]) & _TELLS_RELEASES)
+            self._tells_releases = int(keyboard[1]) & _TELLS_RELEASES == _TELLS_RELEASES
             return KeyboardReport(tells_releases=self._tells_releases)
         key = _KEY.fullmatch(sequence)
         if key is None or not (self._tells_releases or key["move"]):
             return None
         if key["code"] and not int(key["code"]):
             return None  # text of an input method, which never goes up
-        return None if sequence in _PASTES else self._key(key)
+        report = None if sequence in _PASTES else self._key(key)
+        if self._tells_releases or report is None:
+            return report
+        return "" if report.move is KeyMove.RELEASE else report.press
 
     def _key(self, found: re.Match[str]) -> KeyReport | None:
         move = KeyMove(int(found["move"] or 1))

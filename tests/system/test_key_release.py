@@ -29,6 +29,11 @@ def console(hub: HubProcess, start_console: Callable[..., ConsoleProcess]) -> Co
     return started
 
 
+def test_a_terminal_that_tells_releases_of_arrows_alone_is_timed(console: ConsoleProcess) -> None:
+    console.type("\x1b[?3u")
+    console.wait(lambda: "release: timed" in console.text, 10.0, "it is taken for exact")
+
+
 @contextmanager
 def w_held(console: ConsoleProcess) -> Iterator[None]:
     """One press, no repeats: those may belong to a key that was pressed later."""

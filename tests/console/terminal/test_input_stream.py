@@ -108,6 +108,24 @@ def test_keys_are_taken_apart_only_for_a_terminal_that_tells_releases() -> None:
     ]
 
 
+@pytest.mark.parametrize("flags", [1, 2, 3, 7, 9, 17, 21])
+def test_a_terminal_that_tells_releases_of_some_keys_is_as_one_that_tells_of_none(
+    flags: int,
+) -> None:
+    stream = InputStream(lambda _: True)
+    arrow = "w\x1b[A\x1b[1;1:1A\x1b[1;1:2A\x1b[1;5:2A\x1b[1;1:3Aw"
+    assert list(stream.feed(f"\x1b[?{flags}u{arrow}", 0.0)) == [
+        KeyboardReport(tells_releases=False),
+        "w\x1b[A\x1b[1A\x1b[1A\x1b[1;5Aw",
+    ]
+
+
+@pytest.mark.parametrize("flags", [10, 11, 15, 27, 31])
+def test_a_terminal_that_tells_releases_of_all_keys_is_believed(flags: int) -> None:
+    (told,) = InputStream(lambda _: True).feed(f"\x1b[?{flags}u", 0.0)
+    assert told == KeyboardReport(tells_releases=True)
+
+
 def test_text_of_an_input_method_is_no_key_that_goes_up() -> None:
     assert moved("\x1b[0;;119u\x1b[0;;119:97u\x1b[00u") == []
     stream = InputStream(lambda _: True)

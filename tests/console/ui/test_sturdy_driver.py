@@ -104,6 +104,13 @@ def test_keys_whose_releases_were_lost_take_none_from_those_that_follow() -> Non
     assert (told[-2:], down) == (["w press", "w release"], 63)
 
 
+def test_keys_of_a_terminal_that_tells_releases_of_some_come_as_from_one_that_tells_of_none() -> (
+    None
+):
+    told = heard(("\x1b[?3uw\x1b[A\x1b[1;1:2A\x1b[1;1:3A", 0))
+    assert told == ["ReleasesTold", "Key", "Key", "Key"]
+
+
 def test_releases_press_nothing_where_nobody_asked_for_them() -> None:
     assert heard(("\x1b[119;1:3u\x1b[1;1:3A x", 0)) == ["Key", "Key"]
 
