@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import contextlib
 import os
+import queue
 import signal
+import time
 from abc import abstractmethod
 from collections.abc import Iterable
 from typing import Any, Final, TextIO
@@ -23,6 +25,10 @@ from textual.strip import Strip
 
 _TRIES: Final = 1000
 """How often a terminal is entered that cannot be; each time stops, unless it has gone."""
+_LEAVING_S: Final = 1.0
+"""How long it may take to leave a terminal that takes nothing [s]."""
+_TAKING_S: Final = 0.2
+"""How long it is given to take what is on its way, before that is thrown away [s]."""
 _UNDERSTOOD: Final = (
     _xterm_parser._re_mouse_event,
     _xterm_parser._re_terminal_mode_response,
@@ -112,6 +118,9 @@ class LazyStrip(Strip):
 
 
 with contextlib.suppress(ImportError):  # Windows has no such terminals
+    import termios
+
+    from textual.drivers._writer_thread import WriterThread
     from textual.drivers.linux_driver import LinuxDriver
 
     class _Sink:
@@ -123,6 +132,12 @@ with contextlib.suppress(ImportError):  # Windows has no such terminals
 
         def write(self, data: str | bytes) -> None:
             self._buffer.write(data if isinstance(data, bytes) else data.encode(errors="replace"))
+
+    def _throw_away(writer: WriterThread) -> None:
+        """Have what waits for the terminal not be written."""
+        with contextlib.suppress(queue.Empty):
+            while True:
+                writer._queue.get_nowait()
 
     class InsideDriver(LinuxDriver):
         """Takes bytes too, and leaves and enters the terminal once for each time it is stopped.
@@ -143,6 +158,32 @@ with contextlib.suppress(ImportError):  # Windows has no such terminals
         def write_bytes(self, data: bytes) -> None:
             """Write what is UTF-8 already."""
             self.write(data)  # type: ignore[arg-type] # the writer hands it on as it is
+
+        def suspend_application_mode(self) -> None:
+            """Leave the terminal soon, even if it takes nothing.
+
+            What waits for it is drawn anew when it is entered again. So it is thrown away, and if
+            need be also what the system keeps for the terminal, so that there is room for what
+            leaves it.
+            """
+            writer = self._writer_thread
+            if writer is None:
+                return
+            _throw_away(writer)
+            self.stop_application_mode()
+            writer._queue.put_nowait(None)
+            writer.join(_TAKING_S)
+            end = time.monotonic() + _LEAVING_S
+            while writer.is_alive() and time.monotonic() < end:
+                with contextlib.suppress(termios.error):
+                    termios.tcflush(self.fileno, termios.TCOFLUSH)
+                    # Linux tells whoever waits for room of it only when output goes on.
+                    termios.tcflow(self.fileno, termios.TCOOFF)
+                    termios.tcflow(self.fileno, termios.TCOON)
+                writer.join(_TAKING_S / 10)
+            if writer.is_alive():  # it must not leave the terminal once that is entered again
+                _throw_away(writer)
+                writer._queue.put_nowait(None)
 
         def _sigtstp_application(self, *given: object) -> None:
             """Leave the terminal, only then stop with all that the shell started, and come back.

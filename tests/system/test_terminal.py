@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import random
+import signal
 import time
 from collections.abc import Callable
 from functools import partial
 
+import psutil
 import pytest
 
 from tests.system.harness import ConsoleProcess, HubProcess, Observer, in_soak
@@ -93,6 +96,34 @@ def test_a_terminal_that_has_stopped_reading_does_not_keep_the_console(
         console.process.terminate()
     # Nobody reads what it writes; it has to end all the same.
     until(lambda: console.process.poll() is not None, 10.0, "it does not end")
+
+
+def test_a_terminal_that_has_stopped_reading_is_left_and_entered_all_the_same(
+    console: ConsoleProcess,
+) -> None:
+    process = psutil.Process(console.process.pid)
+    console.hold("a", 0.3)
+    until(lambda: _is_stuck(console), 10.0, meanwhile=lambda: console.type("a"))
+    process.send_signal(signal.SIGTSTP)
+    until(lambda: process.status() == psutil.STATUS_STOPPED, 5.0, "it does not stop")
+    written = bytearray()
+    until(
+        lambda: b"\x1b[?1049l" in written,
+        5.0,
+        "the terminal was not left",
+        meanwhile=lambda: written.extend(_unread(console)),
+    )
+    console.screen.reset()  # what the shell and others leave
+    process.send_signal(signal.SIGCONT)
+    console.wait_for_picture()
+    console.hold_until("w", lambda: "MOVING" in console.text)
+
+
+def _unread(console: ConsoleProcess) -> bytes:
+    """What it has written and nobody read, as far as the system has it ready."""
+    with contextlib.suppress(BlockingIOError):
+        return os.read(console.terminal, 1 << 16)
+    return b""
 
 
 def _is_stuck(console: ConsoleProcess) -> bool:

@@ -10,6 +10,7 @@ import pytest
 import textual
 from textual import _ansi_sequences, _xterm_parser
 from textual.app import App
+from textual.driver import Driver
 from textual.drivers import _writer_thread
 from textual.drivers.linux_driver import LinuxDriver
 from textual.strip import Strip
@@ -49,6 +50,9 @@ def test_textual_has_what_the_console_takes_from_its_inside(owner: object, name:
         (LinuxDriver._sigtstp_application, "self._must_signal_resume = True"),
         (LinuxDriver.write, "self._writer_thread.write(data)"),
         (_writer_thread.WriterThread, "self._queue: Queue"),
+        (_writer_thread.WriterThread.run, "if text is None:"),
+        (Driver.suspend_application_mode, "self.stop_application_mode()"),
+        (Driver.suspend_application_mode, "self.close()"),
         (Strip, '"_cell_count"'),
         (Strip, '"_render_cache"'),
         (LinuxDriver.start_application_mode, "\\x1b[>{KITTY_PROTOCOL_FLAG}u"),
