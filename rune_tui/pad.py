@@ -271,7 +271,7 @@ def run(
 
 def _say_the_last_word(client: Client, sender: PadSender) -> None:
     """Let go of the device there, if the hub can be told."""
-    sender.unplug()
+    sender.end()
     with contextlib.suppress(HubError):
         client.wait_published(_LAST_WORD_S)
 

@@ -77,7 +77,8 @@ class PadState:
     Attributes:
         session: Which `PadDevice` it is of.
         active: 1 while something is moved or was in the last second: then the next state follows
-            within 20 ms; else 0, and it follows within 200 ms.
+            within 20 ms; else 0, and it follows within 200 ms. Where `count` is 0: 1 if the sender
+            waits for the device and says so again every 2 s, 0 if it ends.
         count: How many controls; 0: the device is gone, or its sender ends.
         values: One for each control of the descriptor, in its order, shape (count,). An axis, a
             hat: the newest raw number [device units] or `NO_VALUE`. A button: how often it went

@@ -12,16 +12,19 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from hub.gcm.pad import ALIVE_HZ, OLDEST_S, PadDevice, PadState
+from hub.gcm.pad import ALIVE_HZ, DEVICE_HZ, OLDEST_S, PadDevice, PadState
 from rune_tui.controls.hid.device_controls import DeviceDecoder, PhysicalControl
 from rune_tui.controls.hid_reader import News, Opened, Refused, Scanned
 from rune_tui.controls.joystick.inbox import Inbox
 from rune_tui.controls.joystick.matching import DeviceInfo, plain_text
 from rune_tui.controls.joystick.pad_values import reports
 from rune_tui.errors import DescriptorError
+from rune_tui.model.joystick_state import Absence
 
 IDLE_SILENCE_S = 5.0 / ALIVE_HZ
 """So long a pad may be silent that said that nobody touches it [s]."""
+WAITING_SILENCE_S = 3.0 / DEVICE_HZ
+"""So long one may be silent that said that its device is unplugged [s]."""
 MOST_PADS = 16
 """Those that are known at a time; of more that speak, the last are left out."""
 LONGEST_DESCRIPTOR = 4096
@@ -44,6 +47,8 @@ class _Pad:
         here: Whether its states come.
         measured: When the newest was measured [s].
         active: Whether it is being used, and so says its state all the time.
+        absence: What became of it, if it is not here.
+        absent: When that was told [s].
         row: The newest numbers.
         inbox: Where they go; None while nobody reads it.
     """
@@ -56,6 +61,8 @@ class _Pad:
     here: bool = False
     measured: float = -math.inf
     active: bool = False
+    absence: Absence = Absence.SILENT
+    absent: float = -math.inf
     row: list[int] = dataclasses.field(default_factory=list)
     inbox: Inbox | None = None
 
@@ -119,7 +126,9 @@ class FarPads:
                 self.refused += 1
             else:
                 self._forget(sender)
-                self._pads[sender] = self._described(sender, told)
+                self._pads[sender] = described = self._described(sender, told)
+                if known is not None:
+                    described.absence, described.absent = known.absence, known.absent
             fresh = bool(self._news)
         if fresh:
             self._notify()
@@ -177,6 +186,17 @@ class FarPads:
             pad = self._at(path)
             return None if pad is None else pad.measured
 
+    def absence(self, path: str) -> Absence | None:
+        """What became of a device; None if nothing is known of it, or it is here."""
+        with self._lock:
+            pad = next((each for each in self._pads.values() if each.info.path == path), None)
+            if pad is None or pad.here:
+                return None
+            waits = pad.absence is Absence.UNPLUGGED
+            if waits and self._clock() - pad.absent > WAITING_SILENCE_S:
+                return Absence.SILENT
+            return pad.absence
+
     def _at(self, path: str) -> _Pad | None:
         return next((p for p in self._pads.values() if p.here and p.info.path == path), None)
 
@@ -222,7 +242,8 @@ class FarPads:
         if pad is None or state.session != pad.told.session:
             return False  # it is for another console, or what it is of has not come yet
         if not state.count:
-            return self._unplug(pad)
+            pad.absent = now
+            return self._unplug(pad, Absence.UNPLUGGED if state.active else Absence.ENDED)
         if now - measured > OLDEST_S:
             self.late += 1
             return False
@@ -243,8 +264,9 @@ class FarPads:
             return False
         return True in [inbox.put(values) for values in reports(pad.controls, before, pad.row)]
 
-    def _unplug(self, pad: _Pad) -> bool:
+    def _unplug(self, pad: _Pad, absence: Absence = Absence.SILENT) -> bool:
         was_here, pad.here, pad.inbox = pad.here, False, None
+        pad.absence = absence
         if was_here:
             self._tell_devices()
         return was_here

@@ -20,7 +20,7 @@ from rune_tui.controls.joystick.rights import RULE_FILE, udev_rule
 from rune_tui.controls.joystick.store import CalibrationStore
 from rune_tui.controls.sources import Devices
 from rune_tui.layout.spec import ControlKind, JoystickSpec
-from rune_tui.model.joystick_state import JoystickPhase, JoystickState
+from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
 
 MOST_FAULTS = 3
 """A device that fell silent so often while it was plugged in is given up."""
@@ -31,6 +31,9 @@ class Reader(Devices, Protocol):
 
     def measured(self, path: str) -> float | None:
         """When the newest state of another machine's device was measured [s]; else None."""
+
+    def absence(self, path: str) -> Absence | None:
+        """What became of another machine's device that is gone; None if that is not known."""
 
 
 @dataclass(slots=True)
@@ -44,6 +47,7 @@ class _Seat:
     why: str = ""
     heard: float | None = None
     guide: Guide | None = None
+    absence: Absence = Absence.UNPLUGGED
 
     @property
     def name(self) -> str:
@@ -212,7 +216,7 @@ class Joysticks:
             self._reader.measured(seat.device.path) if seat.connected and seat.device else None
             for seat in self._seats
         )
-        if self._shown is None or measured != self._measured:
+        if self._note_absences() or self._shown is None or measured != self._measured:
             self._measured = measured
             self._shown = MappingProxyType(
                 {
@@ -227,11 +231,24 @@ class Joysticks:
                         prompt=seat.guide.prompt if seat.guide else "",
                         machine=seat.device.machine if seat.device else "",
                         measured=when,
+                        absence=seat.absence,
                     )
                     for seat, when in zip(self._seats, measured, strict=True)
                 }
             )
         return self._shown
+
+    def _note_absences(self) -> bool:
+        """Note what became of devices of other machines; whether any of it is new."""
+        changed = False
+        for seat in self._seats:
+            if seat.connected or not (seat.device and seat.device.machine):
+                continue
+            # Who has not been heard for long is forgotten there; what it said last is not.
+            absence = self._reader.absence(seat.device.path) or seat.absence
+            changed |= absence is not seat.absence
+            seat.absence = absence
+        return changed
 
     def _inbox(self, seat: _Seat) -> Inbox | None:
         if not seat.connected or seat.device is None:
@@ -354,6 +371,8 @@ class Joysticks:
             if device is None:
                 self._explain(seat)
                 continue
+            if device != seat.device:
+                seat.absence = Absence.SILENT if device.machine else Absence.UNPLUGGED
             seat.device = device
             if not seat.connected:
                 self._open(seat, device)

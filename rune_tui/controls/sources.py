@@ -10,6 +10,7 @@ from rune_tui.controls.far_pads import FarPads
 from rune_tui.controls.hid_reader import News, Scanned
 from rune_tui.controls.joystick.inbox import Inbox
 from rune_tui.controls.joystick.matching import DeviceInfo
+from rune_tui.model.joystick_state import Absence
 
 
 class Devices(Protocol):
@@ -80,6 +81,10 @@ class Sources:
     def measured(self, path: str) -> float | None:
         """When the newest state of another machine's device was measured [s]."""
         return self._far.measured(path)
+
+    def absence(self, path: str) -> Absence | None:
+        """What became of another machine's device; None if that is not known."""
+        return self._far.absence(path)
 
     def close(self) -> None:
         """End."""

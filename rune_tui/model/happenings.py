@@ -17,11 +17,17 @@ from rune_tui.model.control import (
     seconds_left,
     standing,
 )
-from rune_tui.model.joystick_state import JoystickPhase, JoystickState
+from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
 from rune_tui.model.robot_state import LinkPhase, RobotState
 
 _TRANSIENT = frozenset({"starting", "not started yet"})
 """Why a capability is not there yet, of which nothing needs to be said at the start."""
+
+_GONE = {
+    Absence.UNPLUGGED: "is unplugged: {} is gone",
+    Absence.ENDED: "has ended: nobody sends {} any more",
+    Absence.SILENT: "is silent: nothing comes from {}",
+}
 
 GRACE_S = 4.0
 """What is missing for no longer than this is not told of: hubs begin so [s]."""
@@ -63,9 +69,8 @@ class Watch:
             case JoystickPhase.CONNECTED:
                 yield state.notice(f"{name} is {device}{lacking}", alarm=bool(lacking))
             case JoystickPhase.MISSING if before[0] is JoystickPhase.CONNECTED:
-                gone = f"silent: nothing comes from {device}"
-                gone = gone if joystick.machine else f"unplugged: {device} is gone"
-                yield state.notice(f"{name} is {gone}", alarm=True)
+                gone = _GONE[joystick.absence].format(device)
+                yield state.notice(f"{name} {gone}", alarm=True)
             case JoystickPhase.FORBIDDEN | JoystickPhase.UNSUITABLE:
                 yield state.notice(f"{name} cannot be used: {joystick.why}", alarm=True)
 

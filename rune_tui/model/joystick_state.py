@@ -16,6 +16,20 @@ class JoystickPhase(enum.Enum):
     UNSUITABLE = "unsuitable"
 
 
+class Absence(enum.Enum):
+    """What is known of a device that is gone.
+
+    Attributes:
+        UNPLUGGED: It was unplugged, where it was.
+        ENDED: What sent it from another machine has ended.
+        SILENT: Nothing comes from the other machine, and nobody knows why.
+    """
+
+    UNPLUGGED = "unplugged"
+    ENDED = "ended"
+    SILENT = "silent"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JoystickState:
     """A joystick of the layout.
@@ -32,6 +46,7 @@ class JoystickState:
         prompt: What the operator is asked to do with it now; empty if nothing.
         machine: Where its device is plugged in; empty for this machine.
         measured: When the newest of what came from there was measured [s]; None if nothing comes.
+        absence: What became of its device, if it is gone.
     """
 
     name: str
@@ -44,6 +59,7 @@ class JoystickState:
     prompt: str = ""
     machine: str = ""
     measured: float | None = None
+    absence: Absence = Absence.UNPLUGGED
 
     @property
     def lost(self) -> bool:

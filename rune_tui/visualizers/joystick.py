@@ -56,7 +56,8 @@ class Joystick:
         if joystick is None:
             return None, state.theme.name
         values = tuple((name, round(value, 2)) for name, value in joystick.values.items())
-        about = joystick.phase, joystick.why, joystick.device, _age(joystick, state.now)
+        device = joystick.device, joystick.phase, joystick.why, joystick.absence
+        about = device, _age(joystick, state.now)
         return about, values, joystick.waiting, state.theme.name
 
     def _joystick(self, state: ConsoleState) -> JoystickState | None:

@@ -10,7 +10,7 @@ import numpy as np
 from hub.gcm.navigation import SENSOR_COUNT, MotionState
 from hub.gcm.navigation import RobotState as NavigationState
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.joystick_state import JoystickPhase, JoystickState
+from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
 from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.visualizers.control_words import control_parts
 from rune_tui.visualizers.mood import Mood, Part
@@ -162,9 +162,14 @@ def joystick_words(joystick: JoystickState) -> tuple[str, Mood]:
         case JoystickPhase.UNSUITABLE:
             return "UNUSABLE", Mood.WARNING
         case JoystickPhase.MISSING if joystick.lost:
-            return "SILENT" if joystick.machine else "UNPLUGGED", Mood.ALARM
+            return _absence(joystick), Mood.ALARM
         case JoystickPhase.MISSING:
             return "not plugged in", Mood.PLAIN
+
+
+def _absence(joystick: JoystickState) -> str:
+    there = " there" if joystick.machine and joystick.absence is not Absence.SILENT else ""
+    return f"{joystick.absence.name}{there}"
 
 
 def _recording(state: ConsoleState) -> Iterator[Part]:

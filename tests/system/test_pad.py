@@ -171,17 +171,18 @@ def end_by_a_key(desk: Desk) -> None:
 
 
 @pytest.mark.parametrize(
-    ("cause", "mend"),
+    ("cause", "said", "mend"),
     [
-        (freeze, go_on),
-        (kill, Desk.start),
-        (end_by_a_key, Desk.start),
-        (Desk.unplug, Desk.plug),
+        (freeze, "SILENT", go_on),
+        (kill, "SILENT", Desk.start),
+        (end_by_a_key, "ENDED there", Desk.start),
+        (Desk.unplug, "UNPLUGGED there", Desk.plug),
     ],
     ids=["frozen", "killed", "ended", "unplugged"],
 )
 def test_whatever_ends_the_states_stops_the_robot_which_drives_again_from_neutral_only(
     cause: Callable[[Desk], None],
+    said: str,
     mend: Callable[[Desk], None],
     desk: Desk,
     observer: Observer,
@@ -193,7 +194,7 @@ def test_whatever_ends_the_states_stops_the_robot_which_drives_again_from_neutra
         since = time.monotonic()
         cause(desk)
         measured.append(times_to_stop(observer, since))
-        console.wait(lambda: "SILENT" in console.text, 5.0, "the console does not say it")
+        console.wait(lambda: f"pad {said}" in console.text, 5.0, "the console does not say it")
         mend(desk)
         desk.pad.send(report(y=0), timeout=20.0)
         desk.pad.send(report(x=129, y=0))

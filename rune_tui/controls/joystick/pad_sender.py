@@ -22,6 +22,7 @@ ACTIVE_FOR_S = 1.0
 """So long after its last change a pad counts as being used [s]."""
 DEAD_ZONE = 0.02
 """Smaller than any that layouts are likely to have: what may drive there is being used here."""
+_WAITS = 1
 _EARLY_S = 0.002
 """A timer may be that much ahead of its time [s]."""
 
@@ -94,9 +95,15 @@ class PadSender:
         self._begin()
 
     def unplug(self) -> None:
-        """The device is gone, or is not to be sent any more: let go of it there, now."""
+        """The device is gone: let go of it there, now."""
         if self._described is not None:
-            self._send_state(PadState(session=self.session))
+            self._send_state(PadState(session=self.session, active=_WAITS))
+        self._described, self.active = None, False
+        self._state_sent = -math.inf
+
+    def end(self) -> None:
+        """Nothing is sent any more: let go of the device there, now, and say so."""
+        self._send_state(PadState(session=self.session))
         self._described, self.active = None, False
 
     def turn(self, values: Iterable[Value], now: float) -> None:
@@ -109,11 +116,13 @@ class PadSender:
         values = tuple(values)
         changed = self._row.take(values)
         self._joystick.feed(values, now)
-        if self._guard.stalled(now):
+        stalled = self._guard.stalled(now)
+        if self._described is None:
+            self._tell_absence(now)
+            return
+        if stalled:
             # Nobody knows what was meant while this stood still: it has to be neutral first.
             self._begin()
-        if self._described is None:
-            return
         self._changed = now if changed else self._changed
         self.active = now - self._changed < ACTIVE_FOR_S or any(self._joystick.values.values())
         if now - self._device_sent > 1.0 / pad.DEVICE_HZ - _EARLY_S:
@@ -131,6 +140,12 @@ class PadSender:
         if about is not None:
             self._send_device(dataclasses.replace(about, session=self.session))
             self._device_sent = now
+
+    def _tell_absence(self, now: float) -> None:
+        """Say again that the device is gone: who has missed it takes this for a silence."""
+        if self.session and now - self._state_sent > 1.0 / pad.DEVICE_HZ - _EARLY_S:
+            self._send_state(PadState(session=self.session, active=_WAITS))
+            self._state_sent = now
 
     def _tell_state(self, now: float) -> None:
         row = np.array(self._row.values, np.int32)

@@ -20,6 +20,7 @@ from rune_tui.controls.far_pads import (
     IDLE_SILENCE_S,
     LONGEST_DESCRIPTOR,
     MOST_PADS,
+    WAITING_SILENCE_S,
     FarPads,
     Sender,
 )
@@ -29,7 +30,7 @@ from rune_tui.controls.joystick.store import CalibrationStore
 from rune_tui.controls.joysticks import Joysticks
 from rune_tui.controls.sources import Sources
 from rune_tui.layout.spec import JoystickSpec
-from rune_tui.model.joystick_state import JoystickPhase, JoystickState
+from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
 from tests.console.controls.hid.fixtures import device as recorded
 from tests.console.controls.joystick import pads
 from tests.console.controls.joystick.pads import control, joystick, told
@@ -173,10 +174,55 @@ def test_a_pad_that_nobody_touches_may_be_silent_for_longer(far: Far) -> None:
     assert not far.plugged
 
 
-def test_a_device_that_is_gone_there_is_gone_at_once(far: Far) -> None:
+NO_VALUES = np.zeros(0, np.int32)
+UNPLUGGED = {"active": 1, "count": 0, "values": NO_VALUES}
+ENDED = {"active": 0, "count": 0, "values": NO_VALUES}
+
+
+@pytest.mark.parametrize(
+    ("said", "absence"), [(UNPLUGGED, Absence.UNPLUGGED), (ENDED, Absence.ENDED)]
+)
+def test_a_device_that_is_gone_there_is_gone_at_once_and_why_is_known(
+    far: Far, said: dict[str, Any], absence: Absence
+) -> None:
     far.report(0)
-    assert RELEASED in far.report(count=0, values=np.zeros(0, np.int32))
-    assert not far.plugged
+    assert RELEASED in far.report(**said)
+    assert far.state.lost
+    assert far.state.absence is absence
+
+
+def test_who_waited_for_its_device_and_ended_or_fell_silent_is_not_unplugged_any_more(
+    far: Far,
+) -> None:
+    far.report(**UNPLUGGED)
+    far.wait(WAITING_SILENCE_S - STEP_S)
+    assert far.state.absence is Absence.UNPLUGGED
+    far.wait(2 * STEP_S)
+    assert far.state.absence is Absence.SILENT
+    far.report(**UNPLUGGED)
+    assert far.state.absence is Absence.UNPLUGGED
+    far.report(**ENDED)
+    far.wait(1e4)
+    assert far.state.absence is Absence.ENDED
+
+
+def test_a_silence_is_told_as_one_whatever_was_before_it(far: Far) -> None:
+    far.report(**UNPLUGGED)
+    far.pads.device_came(ALICE, told_device(session=2))
+    assert far.state.absence is Absence.UNPLUGGED
+    far.report(session=2)
+    assert far.plugged
+    far.wait(OLDEST_S + STEP_S)
+    assert (far.state.lost, far.state.absence) == (True, Absence.SILENT)
+
+
+def test_what_one_said_last_outlasts_that_it_is_forgotten(far: Far) -> None:
+    far.report(**ENDED)
+    assert far.state.absence is Absence.ENDED
+    far.now += 60.0
+    far.pads.device_came(("magellan", 8), told_device(machine="elsewhere"))
+    far.take()
+    assert far.state.absence is Absence.ENDED
 
 
 def test_a_sender_that_begins_anew_has_another_device_which_has_to_be_neutral_first(

@@ -14,7 +14,7 @@ from hub.gcm.supervision import (
 )
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.happenings import GRACE_S, Watch
-from rune_tui.model.joystick_state import JoystickPhase, JoystickState
+from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
 from rune_tui.model.robot_state import LinkPhase
 from tests.console.visualizers.conftest import Made, received
 
@@ -95,18 +95,25 @@ def test_a_message_that_says_too_much_is_told_once():
 
 
 def told_of(
-    watch: Watch, phase: JoystickPhase, device: str = "F310", why: str = "", machine: str = ""
+    watch: Watch, phase: JoystickPhase, device: str = "F310", why: str = "", **more: Any
 ) -> Any:
-    pad = JoystickState(name="pad", device=device, phase=phase, why=why, machine=machine)
+    pad = JoystickState(name="pad", device=device, phase=phase, why=why, **more)
     return texts(list(watch.look(ConsoleState(now=1.0, joysticks={"pad": pad}))))
 
 
-def test_a_joystick_of_another_machine_is_silent_rather_than_unplugged():
+@pytest.mark.parametrize(
+    ("absence", "text"),
+    [
+        (Absence.SILENT, "pad is silent: nothing comes from F310 at desk"),
+        (Absence.ENDED, "pad has ended: nobody sends F310 at desk any more"),
+        (Absence.UNPLUGGED, "pad is unplugged: F310 at desk is gone"),
+    ],
+)
+def test_what_became_of_a_joystick_of_another_machine_is_said(absence: Absence, text: str) -> None:
     watch = Watch()
     told_of(watch, JoystickPhase.CONNECTED, "F310 at desk", machine="desk")
-    text = "pad is silent: nothing comes from F310 at desk"
-    told = told_of(watch, JoystickPhase.MISSING, "F310 at desk", machine="desk")
-    assert told == [(text, True)]
+    gone = told_of(watch, JoystickPhase.MISSING, "F310 at desk", machine="desk", absence=absence)
+    assert gone == [(text, True)]
 
 
 def test_a_joystick_is_told_of_when_it_comes_and_goes():

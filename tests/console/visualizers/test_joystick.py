@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.joystick_state import JoystickPhase, JoystickState
+from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
 from rune_tui.visualizers.joystick import bar
 from tests.console.visualizers.conftest import NOW, Draw, Made, made_by, words
 
@@ -22,6 +22,7 @@ def knows(**joystick: Any) -> ConsoleState:
 
 
 CONNECTED = JoystickPhase.CONNECTED
+GONE_THERE = {"phase": JoystickPhase.MISSING, "machine": "desk"}
 
 
 def test_the_device_and_each_control_are_shown_with_bar_and_number(made: Made, draw: Draw) -> None:
@@ -47,7 +48,9 @@ def test_a_bar_is_as_long_as_it_may_be_and_shows_the_side(value: float, length: 
     [
         ({"phase": JoystickPhase.MISSING}, "pad F310: UNPLUGGED"),
         ({"phase": JoystickPhase.MISSING, "device": ""}, "pad: not plugged in"),
-        ({"phase": JoystickPhase.MISSING, "machine": "desk"}, "pad F310: SILENT"),
+        ({**GONE_THERE, "absence": Absence.SILENT}, "pad F310: SILENT"),
+        ({**GONE_THERE, "absence": Absence.ENDED}, "pad F310: ENDED there"),
+        ({**GONE_THERE, "absence": Absence.UNPLUGGED}, "pad F310: UNPLUGGED there"),
         ({"phase": JoystickPhase.FORBIDDEN, "why": "put it there"}, "pad F310: NO PERMISSION"),
         ({"phase": JoystickPhase.UNSUITABLE, "why": "no joystick"}, "pad F310: UNUSABLE"),
         ({"phase": CONNECTED, "why": "it has no a"}, "pad F310: it has no a"),

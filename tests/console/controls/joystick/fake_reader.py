@@ -7,6 +7,7 @@ from collections.abc import Callable
 from rune_tui.controls.hid_reader import News
 from rune_tui.controls.joystick.inbox import Inbox
 from rune_tui.controls.joystick.matching import DeviceInfo
+from rune_tui.model.joystick_state import Absence
 from tests.console.controls.joystick.pads import PAD
 
 
@@ -19,6 +20,7 @@ class FakeReader:
         self.asked: list[str] = []
         self.inboxes: dict[str, Inbox] = {}
         self.ages: dict[str, float] = {}
+        self.absences: dict[str, Absence] = {}
 
     def start(self, notify: Callable[[], None]) -> None:
         self.notify = notify
@@ -41,6 +43,9 @@ class FakeReader:
 
     def measured(self, path: str) -> float | None:
         return self.ages.get(path)
+
+    def absence(self, path: str) -> Absence | None:
+        return self.absences.get(path)
 
     def close(self) -> None:
         self.inboxes.clear()

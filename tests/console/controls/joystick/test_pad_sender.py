@@ -95,12 +95,27 @@ def test_after_standing_still_it_begins_anew_so_that_all_has_to_be_neutral_first
     assert sending.states[-1].session == sending.devices[-1].session == session + 1
 
 
-def test_a_device_that_is_gone_is_told_to_be_gone_once(sending: Sending) -> None:
+def test_a_device_that_is_gone_is_told_to_be_gone_at_once_and_now_and_then(
+    sending: Sending,
+) -> None:
+    before = len(sending.states)
     sending.sender.unplug()
-    assert sending.states[-1].count == 0
     sending.sender.unplug()
-    assert sending.states_in(1.0) == 0
+    sending.now += OLDEST_S  # no session begins anew without a device
+    sending.states_in(6.0)
+    gone = sending.states[before:]
+    assert len(gone) == 1 + 3
+    assert {(state.session, state.active, state.count) for state in gone} == {(1, 1, 0)}
     assert not sending.sender.plugged
     sending.sender.plug(device(), PAD, b"")
     sending.turn()
     assert sending.states[-1].session == sending.states[-2].session + 1
+
+
+def test_a_sender_that_ends_says_that_it_does_whether_a_device_is_there_or_not(
+    sending: Sending,
+) -> None:
+    sending.sender.end()
+    assert (sending.states[-1].active, sending.states[-1].count) == (0, 0)
+    sending.sender.unplug()
+    assert sending.states[-1].active == 0
