@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TextIO
 
-from hub.errors import HubError
+from hub.errors import CentralUnreachableError, HubError
 from hub.gcm import pad
 from hub.ipc.client import Client
 from hub.ipc.keys import read_client_keys
@@ -247,7 +247,7 @@ def run(
         client = Client(name, endpoint, keys=own_keys, near=tunnel is None)
         stack.callback(client.close)
         client.define(*pad.MESSAGES)
-        client.wait_connected(CONNECT_S)
+        _wait_connected(client, "" if tunnel is None else f"{hub} of ssh {tunnel.destination}")
         client.wait_defined(CONNECT_S)
         sender = PadSender(
             lambda told: client.publish(pad.PAD_DEVICE, told),
@@ -267,6 +267,27 @@ def run(
         client.every(_SHOW_S, progress.show)
         while not ended.is_set():
             client.listen(_TURN_S)
+
+
+def _wait_connected(client: Client, beyond: str) -> None:
+    """Wait until the hub answers; without an answer, say what else may be tried.
+
+    Args:
+        client: The connection.
+        beyond: Where the hub is, if it is reached through ssh.
+
+    Raises:
+        HubError: It does not answer, or refuses.
+    """
+    try:
+        client.wait_connected(CONNECT_S)
+    except CentralUnreachableError as error:
+        text = (
+            f"{str(error).removesuffix('?')}, or is the robot to be reached with --ssh USER@HOST?"
+        )
+        if beyond:
+            text = f"no hub answers at {beyond}; is rune-hub running there?"
+        raise CentralUnreachableError(text) from error
 
 
 def _say_the_last_word(client: Client, sender: PadSender) -> None:

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from hub.errors import (
-    CentralUnreachableError,
     HubError,
     NoHandlerError,
     QueryError,
@@ -48,15 +47,8 @@ def connect(endpoint: str, command: str, keys: Path | None) -> Client:
     client = Client(name, endpoint, keys=read_client_keys(keys) if keys else None)
     try:
         client.wait_connected(_ANSWER_S)
-    except HubError as error:
+    except HubError:
         client.close()
-        if keys and isinstance(error, CentralUnreachableError):
-            # To who has the key of another hub this one looks as if it were not there.
-            text = (
-                f"no hub answers at {client.endpoint} to the key in {keys}; is that its "
-                "gateway's port, and was the key made on that robot?"
-            )
-            raise CentralUnreachableError(text) from error
         raise
     return client
 

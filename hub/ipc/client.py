@@ -89,6 +89,7 @@ class Client:
         self.endpoint = security.connectable(endpoint, with_keys=keys is not None)
         self.loop = loop or Loop(clock=clock)
         self._own_loop = loop is None
+        self._keys = keys
         self._clock = clock = self.loop.clock
         self.complaints = Complaints(_logger, clock)
         self._context: sockets.Context = zmq.Context(2)
@@ -149,6 +150,12 @@ class Client:
             NameTakenError: Another live module has our name.
         """
         why = f"no hub answers at {self.endpoint}; is rune-hub running there?"
+        if self._keys is not None:
+            # To who has the key of another hub this one looks as if it were not there.
+            why = (
+                f"no hub answers at {self.endpoint} to the key in {self._keys.path}; is that its "
+                "gateway's port, and was the key made on that robot?"
+            )
         self._wait(
             lambda: self.connected or give_up(), timeout, why, lambda: _raise([self.refusal])
         )

@@ -53,11 +53,13 @@ class ClientKeys:
         bearer: Its name and role at the hub.
         pair: Its own keys.
         hub: Public key of the hub, so that no other can pretend to be it.
+        path: The file that they are from, if they are from one.
     """
 
     bearer: Bearer
     pair: KeyPair
     hub: str
+    path: Path | None = field(default=None, compare=False)
 
     @property
     def role(self) -> Role:
@@ -82,7 +84,7 @@ def read_client_keys(path: Path) -> ClientKeys:
     pair = KeyPair(public=fields["public"], secret=fields["secret"])
     pair.demand_whole(path, _ADVICE)
     bearer = Bearer(name=fields["name"], role=fields["role"])
-    return ClientKeys(bearer=bearer, pair=pair, hub=fields["hub"])
+    return ClientKeys(bearer=bearer, pair=pair, hub=fields["hub"], path=path)
 
 
 def write_client_keys(path: Path, keys: ClientKeys) -> None:

@@ -198,8 +198,9 @@ def connectable(text: str, *, with_keys: bool = False) -> str:
 
 
 _NEEDS_KEYS = (
-    "without keys only this machine (127.0.0.1) is allowed; reach a robot through ssh -L, or make "
-    "a key on it with `rune-hub keys make NAME --role operate`"
+    "without keys only this machine (127.0.0.1) is allowed; go to a robot through ssh (`rune` has "
+    "--ssh USER@HOST, `rune-hub` goes through ssh -L), or give --keys the file of a key that "
+    "`rune-hub keys make NAME --role operate` has made on it"
 )
 
 

@@ -116,8 +116,14 @@ def nothing_plugged_in(monkeypatch: pytest.MonkeyPatch) -> None:
         (["--ssh", "robot", "--keys", "k"], ExitCode.USAGE, "leave out one of --ssh and --keys"),
         (["--ssh", "a b"], ExitCode.NO_HUB, "'a b' is no USER@HOST"),
         (["robot:1481"], ExitCode.USAGE, "without keys only this machine"),
+        (
+            ["robot:1481"],
+            ExitCode.USAGE,
+            "--ssh USER@HOST, `rune-hub` goes through ssh -L), or give --keys",
+        ),
         (["127.0.0.1", "--device", "1"], ExitCode.USAGE, "there is no joystick 1"),
         (["ipc:///nobody/there"], ExitCode.NO_HUB, "no hub answers at ipc:///nobody/there"),
+        (["ipc:///nobody/there"], ExitCode.NO_HUB, "is the robot to be reached with --ssh USER@"),
     ],
 )
 def test_what_cannot_be_done_is_said_in_one_sentence(
@@ -143,3 +149,36 @@ def test_a_key_that_may_only_watch_is_refused(
         assert main(["pad", *where]) == ExitCode.USAGE
     said = capsys.readouterr().err
     assert "wall has a key to observe and may not publish commands" in said
+
+
+def test_where_no_gateway_is_the_key_is_named_as_one_of_the_reasons(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    key = Keyring(tmp_path / "keys").make("alice", Role.OPERATE)
+    assert main(["pad", "ipc:///nobody/there", "--keys", str(key)]) == ExitCode.NO_HUB
+    said = capsys.readouterr().err
+    assert f"to the key in {key}; is that its gateway's port" in said
+    assert "with --ssh USER@HOST?" in said
+
+
+def test_a_hub_that_does_not_answer_behind_ssh_is_named_as_the_robot_knows_it(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Way:
+        """Leads to a machine without a hub."""
+
+        def __init__(self, destination: str, hub: str) -> None:
+            del hub
+            self.destination, self.endpoint = destination, f"ipc://{tmp_path}/hub"
+
+        def open(self) -> None:
+            """At once."""
+
+        def close(self) -> None:
+            """There is nothing to do."""
+
+    monkeypatch.setattr(pad, "Tunnel", Way)
+    assert main(["pad", "--ssh", "alice@robot"]) == ExitCode.NO_HUB
+    said = capsys.readouterr().err
+    why = "no hub answers at tcp://127.0.0.1:1381 of ssh alice@robot; is rune-hub running there?"
+    assert said == f"rune: {why}\n"
