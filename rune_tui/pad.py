@@ -30,6 +30,7 @@ from rune_tui.controls.hid_reader import (
     plugged_in,
 )
 from rune_tui.controls.joystick.matching import DeviceInfo, assigned
+from rune_tui.controls.joystick.pad_audience import Audience
 from rune_tui.controls.joystick.pad_sender import PadSender
 from rune_tui.controls.joystick.rights import RULE_FILE, udev_rule
 from rune_tui.controls.joysticks import MOST_FAULTS
@@ -155,6 +156,7 @@ class Progress:
     Attributes:
         agent: Has the device.
         sender: Sends it.
+        audience: The consoles that may use it.
         client: The connection.
         tunnel: The way there, if there is one.
         out: Where the line is written.
@@ -162,6 +164,7 @@ class Progress:
 
     agent: Agent
     sender: PadSender
+    audience: Audience
     client: Client
     tunnel: Tunnel | None
     out: TextIO = field(default_factory=lambda: sys.stderr)
@@ -195,8 +198,10 @@ class Progress:
             tunnel = self.tunnel.trouble if self.tunnel else ""
             why = tunnel or str(client.refusal or "the hub does not answer; trying again")
             return f"{device}; {where}: {why}"
-        taken = "" if client.has_subscribers(pad.PAD_STATE) else ", but no console takes gamepads"
-        return f"{device}{flow}; connected to {where}{taken}"
+        used = ""
+        if self.sender.plugged:
+            used = f"; {self.audience.words(client.number, time.monotonic())}"
+        return f"{device}{used}{flow}; connected to {where}"
 
     def _flow(self) -> str:
         """What changes all the time."""
@@ -206,7 +211,7 @@ class Progress:
         flow = f"; {self.client.round_trip * 1e3:.0f} ms there and back"
         if not self.sender.plugged:
             return flow
-        return f"; {rate:.0f} states/s, {'in use' if self.sender.active else 'at rest'}{flow}"
+        return f"; {rate:.0f} states/s, {'moved' if self.sender.active else 'at rest'}{flow}"
 
 
 def run(
@@ -257,7 +262,14 @@ def run(
         )
         reader = HidReader()
         agent = Agent(choice, reader, sender)
-        progress = Progress(agent=agent, sender=sender, client=client, tunnel=tunnel)
+        audience = Audience(operator)
+        client.subscribe(
+            pad.PAD_CONSOLE,
+            lambda told, by: audience.hear(by.publisher, told, time.monotonic()),
+        )
+        progress = Progress(
+            agent=agent, sender=sender, audience=audience, client=client, tunnel=tunnel
+        )
         stack.callback(progress.end)
         stack.callback(reader.close)
         stack.callback(_say_the_last_word, client, sender)

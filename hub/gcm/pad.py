@@ -1,4 +1,4 @@
-"""Messages of a gamepad at another machine than the console: what it is, and what it reports."""
+"""Messages of a gamepad at another machine than the console: what it is, says, and who uses it."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ ALIVE_HZ = 5.0
 """How often one says so that nobody touches [Hz]."""
 DEVICE_HZ = 0.5
 """How often one says what it is [Hz]: so long a console that was opened later has to wait."""
+CONSOLE_HZ = 1.0
+"""How often a console that takes pads says whose it uses [Hz]."""
 OLDEST_S = 0.25
 """Older states are dropped, and so long a silence of a pad that is being used lets go of it [s]."""
 NO_VALUE = -(1 << 31)
@@ -27,6 +29,10 @@ def _no_bytes() -> npt.NDArray[np.uint8]:
 
 def _no_values() -> npt.NDArray[np.int32]:
     return np.zeros(0, np.int32)
+
+
+def _no_numbers() -> npt.NDArray[np.uint32]:
+    return np.zeros(0, np.uint32)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,4 +107,29 @@ PAD_STATE = MessageDefinition(
     lifespan_s=OLDEST_S,
 )
 
-MESSAGES = (PAD_DEVICE, PAD_STATE)
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PadConsole:
+    """A console that takes gamepads of other machines, and which it uses; for those who send them.
+
+    Attributes:
+        operator: Who sits there; pads for others it leaves out.
+        count: How many it uses.
+        taken: The numbers at central of their senders, shape (count,).
+    """
+
+    operator: str = ""
+    count: int = 0
+    taken: npt.NDArray[np.uint32] = field(default_factory=_no_numbers)
+
+
+PAD_CONSOLE = MessageDefinition(
+    name="GCM_Pad_Console",
+    format="{string,int,<uint:2>}",
+    type=PadConsole,
+    plane=Plane.COMMAND,
+    rate_hz=CONSOLE_HZ,
+    lifespan_s=2.0 / CONSOLE_HZ,
+)
+
+MESSAGES = (PAD_DEVICE, PAD_STATE, PAD_CONSOLE)

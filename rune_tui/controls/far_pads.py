@@ -78,6 +78,7 @@ class FarPads:
     Attributes:
         refused: How many messages made no sense.
         late: How many states were too old.
+        operator: Who sits at this console.
     """
 
     def __init__(self, operator: str = "", clock: Callable[[], float] = time.monotonic) -> None:
@@ -88,7 +89,7 @@ class FarPads:
             clock: Monotonic time [s].
         """
         self.refused = self.late = 0
-        self._operator = operator
+        self.operator = operator
         self._clock = clock
         self._notify: Callable[[], None] = lambda: None
         self._lock = threading.Lock()
@@ -118,7 +119,7 @@ class FarPads:
         """Somebody says what gamepad the states are of that follow."""
         with self._lock:
             known = self._pads.get(sender)
-            if told.operator not in {"", self._operator}:
+            if told.operator not in {"", self.operator}:
                 self._forget(sender)
             elif known is not None and _same(known.told, told):
                 known.heard = self._clock()
@@ -185,6 +186,15 @@ class FarPads:
         with self._lock:
             pad = self._at(path)
             return None if pad is None else pad.measured
+
+    def senders_read(self, robot: str) -> list[int]:
+        """Numbers at a robot's hub of those whose devices are read."""
+        with self._lock:
+            return [
+                sender[1]
+                for sender, pad in self._pads.items()
+                if sender[0] == robot and pad.inbox is not None
+            ]
 
     def absence(self, path: str) -> Absence | None:
         """What became of a device; None if nothing is known of it, or it is here."""

@@ -1,8 +1,18 @@
-"""What gamepads at other machines say at one robot's hub."""
+"""What gamepads at other machines say at one robot's hub, and what they are told."""
 
 from __future__ import annotations
 
-from hub.gcm.pad import PAD_DEVICE, PAD_STATE, PadDevice, PadState
+import numpy as np
+
+from hub.gcm.pad import (
+    CONSOLE_HZ,
+    PAD_CONSOLE,
+    PAD_DEVICE,
+    PAD_STATE,
+    PadConsole,
+    PadDevice,
+    PadState,
+)
 from hub.ipc.client import Client
 from hub.ipc.reception import Reception
 from rune_tui.controls.far_pads import FarPads
@@ -11,10 +21,19 @@ from rune_tui.controls.far_pads import FarPads
 class PadLine:
     """Used by the link's thread alone."""
 
-    def __init__(self, client: Client, robot: str) -> None:
+    def __init__(self, client: Client, robot: str, *, tells: bool) -> None:
+        """Prepare; nothing comes yet.
+
+        Args:
+            client: The link's.
+            robot: The robot's name.
+            tells: Whether to say who sits here and whose pads are used: not every key may.
+        """
         self._client = client
         self._robot = robot
         self._pads: FarPads | None = None
+        if tells:
+            client.every(1.0 / CONSOLE_HZ, self._tell)
 
     def follow(self, pads: FarPads | None) -> None:
         """Put what comes in there from now on; None: let nothing come."""
@@ -25,6 +44,12 @@ class PadLine:
         elif pads is None and before is not None:
             self._client.unsubscribe(PAD_DEVICE, self._device)
             self._client.unsubscribe(PAD_STATE, self._state)
+
+    def _tell(self) -> None:
+        if self._pads is not None and self._client.connected:
+            taken = np.array(self._pads.senders_read(self._robot), np.uint32)
+            console = PadConsole(operator=self._pads.operator, count=len(taken), taken=taken)
+            self._client.publish(PAD_CONSOLE, console)
 
     def _device(self, told: PadDevice, reception: Reception) -> None:
         if self._pads is not None:

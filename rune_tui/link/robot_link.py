@@ -139,7 +139,7 @@ class RobotLink:
             clock=clock,
         )
         self._streams = Streams(self._client, self._store, clock)
-        self._pads = PadLine(self._client, spec.name)
+        self._pads = PadLine(self._client, spec.name, tells=link.may_command)
         self._pads.follow(pads)
         self._adopt(spec)
         if link.may_command:

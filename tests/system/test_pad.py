@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import getpass
 import math
 import os
 import re
@@ -88,10 +89,10 @@ class Desk:
         self.pad.unplug()
         self._plugged = None
 
-    def start(self) -> None:
+    def start(self, *options: str) -> None:
         with (self._folder / "said.txt").open("w") as said:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", "rune_tui", "pad", self._hub.endpoint],
+                [sys.executable, "-m", "rune_tui", "pad", self._hub.endpoint, *options],
                 env={
                     **os.environ,
                     **self._bed.environment,
@@ -129,6 +130,16 @@ def desk(
     opened.pad.send(report(), timeout=20.0)
     console.wait(lambda: plugged_in(console), 20.0, "the console does not take it")
     return opened
+
+
+def test_whoever_sends_a_pad_is_told_who_uses_it(desk: Desk, console: ConsoleProcess) -> None:
+    operator = getpass.getuser()
+    used = f"used by the console of {operator}; connected"
+    console.wait(lambda: used in desk.said, 10.0, "it is not said who uses it")
+    desk.end()
+    desk.start("--operator", "nobody")
+    waits = f"waits for a console of nobody (there: {operator}); connected"
+    console.wait(lambda: waits in desk.said, 10.0, "it is not said for whom it waits")
 
 
 def plugged_in(console: ConsoleProcess) -> bool:

@@ -10,13 +10,22 @@ import numpy as np
 import pytest
 
 from hub.errors import NotAllowedError
-from hub.gcm.pad import MESSAGES, PAD_DEVICE, PAD_STATE, PadState
+from hub.gcm.pad import (
+    CONSOLE_HZ,
+    MESSAGES,
+    PAD_CONSOLE,
+    PAD_DEVICE,
+    PAD_STATE,
+    PadConsole,
+    PadState,
+)
 from hub.ipc.central import Central
 from hub.ipc.client import Client
 from hub.ipc.keyring import Keyring
 from hub.ipc.keys import read_client_keys
 from hub.ipc.security import Role
 from rune_tui.controls.hid_reader import Scanned
+from rune_tui.controls.joystick.matching import DeviceInfo
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.robot_links import RobotLinks
 from rune_tui.opening import open_layout
@@ -43,8 +52,10 @@ class Hub:
         path.write_text(f'<rune>{robot}{inner}<view xsize="9" ysize="9"/></rune>')
         return open_layout(path)
 
-    def console(self, inner: str = JOYSTICK) -> RobotLinks:
-        links = RobotLinks(self.layout(inner))
+    def console(self, inner: str = JOYSTICK, role: Role | None = None) -> RobotLinks:
+        keys = self._keyring.make("console", role) if role else None
+        hubs = [self.central.endpoints[1]] if role else []
+        links = RobotLinks(self.layout(inner), hubs, keys=keys, operator="bob")
         for link in links.values():
             link.start()
             self._stack.callback(link.close)
@@ -95,6 +106,45 @@ def test_a_pad_of_who_may_operate_comes_to_a_console_whose_layout_has_joysticks(
     assert links.follow(hub.layout(JOYSTICK)) == []
     until(lambda: agent.has_subscribers(PAD_STATE), 10.0, meanwhile=lambda: agent.listen(0.02))
     assert list(links.values()) == kept
+
+
+def test_a_console_tells_who_sits_there_and_whose_pads_it_uses(hub: Hub) -> None:
+    links = hub.console()
+    agent = hub.agent(Role.OPERATE)
+    told: list[PadConsole] = []
+    agent.subscribe(PAD_CONSOLE, lambda console, _: told.append(console))
+
+    def says(*numbers: int) -> bool:
+        return bool(told) and (told[-1].operator, told[-1].taken.tolist()) == ("bob", [*numbers])
+
+    until(says, 10.0, meanwhile=lambda: agent.listen(0.02))
+    devices: list[DeviceInfo] = []
+
+    def scan() -> None:
+        sends(agent)
+        scanned = [each for each in links.pads.news() if isinstance(each, Scanned)]
+        devices.extend(device for each in scanned for device in each.devices)
+
+    until(lambda: devices, 10.0, meanwhile=scan)
+    links.pads.read(devices[0])
+    until(lambda: says(agent.number), 10.0, meanwhile=lambda: sends(agent))
+    links.pads.stop(devices[0].path)
+    until(says, 10.0, meanwhile=lambda: sends(agent))
+    links.follow(hub.layout(""))
+    until(lambda: not agent.has_subscribers(PAD_STATE), 10.0, meanwhile=lambda: sends(agent))
+    told.clear()
+    agent.listen(2.0 / CONSOLE_HZ)
+    assert told == []
+
+
+def test_a_console_that_may_only_watch_tells_nothing_and_goes_on(hub: Hub) -> None:
+    links = hub.console(role=Role.OBSERVE)
+    agent = hub.agent(None)
+    told: list[PadConsole] = []
+    agent.subscribe(PAD_CONSOLE, lambda console, _: told.append(console))
+    until(lambda: devices(links), 10.0, meanwhile=lambda: sends(agent))
+    agent.listen(2.0 / CONSOLE_HZ)
+    assert told == []
 
 
 def test_who_may_only_observe_cannot_send_a_pad(hub: Hub) -> None:
