@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from tests.fake_hid import VirtualBed
 from tests.system.harness import ConsoleProcess, HubProcess, Observer
 
 LAYOUT = """<rune run="1">
@@ -72,6 +73,13 @@ def lasting_hub(
         hub = HubProcess(folder, **getattr(request.module, "HUB", {}))
         stack.enter_context(closing(hub))
         yield hub
+
+
+@pytest.fixture(scope="module")
+def bed() -> Iterator[VirtualBed]:
+    """A machine's joysticks."""
+    with closing(VirtualBed()) as opened:
+        yield opened
 
 
 @pytest.fixture

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
 
-from tests.fake_hid import VirtualDevice
-from tests.system.harness import ConsoleProcess, Observer
+from tests.fake_hid import VirtualBed, VirtualDevice
+from tests.system.harness import ConsoleProcess, HubProcess, Observer
 
 PAD = "logitech_f310_dinput"
 NAME = "Logitech Gamepad F310"
@@ -26,6 +29,7 @@ LAYOUT = """<rune run="1">
         <event joystick="pad" axis="leftx" control="rotate" value="-1"/>
       </widget>
       <widget handler="widgetStop"><event joystick="pad" button="b"/></widget>
+      <widget handler="widgetTakeOver"><event key="t"/></widget>
     </viewport>
     <viewport name="pad" xpos="0" ypos="8" xsize="60" ysize="20">
       <visualizer function="visualizeJoystick"/>
@@ -33,6 +37,20 @@ LAYOUT = """<rune run="1">
   </view>
 </rune>
 """
+
+
+@contextmanager
+def console_at(
+    hub: HubProcess, bed: VirtualBed, folder: Path, *options: str
+) -> Iterator[ConsoleProcess]:
+    """A console that is linked with the hub, at a machine with these devices."""
+    layout = folder / "layout.xml"
+    layout.write_text(LAYOUT.format(hub=hub.endpoint))
+    own = {"XDG_CONFIG_HOME": str(folder), "XDG_STATE_HOME": str(folder)}
+    arguments = ["run", str(layout), *options]
+    with closing(ConsoleProcess(arguments, environment=bed.environment | own)) as started:
+        started.wait(lambda: "linked" in started.text, 20.0, "no link")
+        yield started
 
 
 def report(x: int = 128, y: int = 128, *, b: bool = False) -> bytes:

@@ -9,20 +9,12 @@ import signal
 import struct
 import termios
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, closing
+from contextlib import ExitStack
 
 import pytest
 
 from tests.fake_hid import VirtualBed, VirtualDevice, needs_virtual_devices
-from tests.system.gamepads import (
-    LAYOUT,
-    NAME,
-    PAD,
-    drive,
-    expect_no_driving,
-    forward,
-    report,
-)
+from tests.system.gamepads import NAME, PAD, console_at, drive, expect_no_driving, forward, report
 from tests.system.harness import ConsoleProcess, HubProcess, Observer, expect_stop
 
 pytestmark = needs_virtual_devices
@@ -34,22 +26,10 @@ def hub(lasting_hub: HubProcess) -> HubProcess:
 
 
 @pytest.fixture(scope="module")
-def bed() -> Iterator[VirtualBed]:
-    with closing(VirtualBed()) as opened:
-        yield opened
-
-
-@pytest.fixture(scope="module")
 def console(
     lasting_hub: HubProcess, bed: VirtualBed, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[ConsoleProcess]:
-    folder = tmp_path_factory.mktemp("console")
-    layout = folder / "layout.xml"
-    layout.write_text(LAYOUT.format(hub=lasting_hub.endpoint))
-    own = {"XDG_CONFIG_HOME": str(folder), "XDG_STATE_HOME": str(folder)}
-    started = ConsoleProcess(["run", str(layout)], environment=bed.environment | own)
-    with closing(started):
-        started.wait(lambda: "linked" in started.text, 20.0, "no link")
+    with console_at(lasting_hub, bed, tmp_path_factory.mktemp("console")) as started:
         yield started
 
 

@@ -31,12 +31,6 @@ _LAYOUT = """<rune>
 REST = bytes([128, 128, 128, 128, 8, 0, 0, 0])
 
 
-@pytest.fixture(scope="module")
-def bed() -> Iterator[VirtualBed]:
-    with closing(VirtualBed()) as opened:
-        yield opened
-
-
 @pytest.fixture
 def pad(bed: VirtualBed) -> Iterator[VirtualDevice]:
     plugged = bed.plug("logitech_f310_dinput", serial="7")

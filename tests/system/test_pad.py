@@ -16,18 +16,11 @@ from pathlib import Path
 
 import pytest
 
-from hub.gcm.navigation import GroundTruth
+from hub.gcm.control import CONTROL_STATE, ControlState
+from hub.gcm.navigation import GROUND_TRUTH, GroundTruth
 from tests.fake_hid import VirtualBed, VirtualDevice, needs_virtual_devices
-from tests.system.gamepads import (
-    LAYOUT,
-    NAME,
-    PAD,
-    drive,
-    expect_no_driving,
-    forward,
-    report,
-)
-from tests.system.harness import STILL, ConsoleProcess, HubProcess, Observer
+from tests.system.gamepads import NAME, PAD, console_at, drive, expect_no_driving, forward, report
+from tests.system.harness import STILL, ConsoleProcess, HubProcess, Observer, expect_stop
 
 pytestmark = needs_virtual_devices
 
@@ -43,25 +36,15 @@ def hub(lasting_hub: HubProcess) -> HubProcess:
 
 
 @pytest.fixture(scope="module")
-def bed() -> Iterator[VirtualBed]:
-    with closing(VirtualBed()) as opened:
-        yield opened
-
-
-@pytest.fixture(scope="module")
 def console(
     lasting_hub: HubProcess, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[ConsoleProcess]:
     """A console where nothing is plugged in."""
-    folder = tmp_path_factory.mktemp("console")
-    layout = folder / "layout.xml"
-    layout.write_text(LAYOUT.format(hub=lasting_hub.endpoint))
-    own = {"XDG_CONFIG_HOME": str(folder), "XDG_STATE_HOME": str(folder)}
-    with closing(VirtualBed()) as empty:
-        environment = empty.environment | own
-        with closing(ConsoleProcess(["run", str(layout)], environment=environment)) as started:
-            started.wait(lambda: "linked" in started.text, 20.0, "no link")
-            yield started
+    with (
+        closing(VirtualBed()) as empty,
+        console_at(lasting_hub, empty, tmp_path_factory.mktemp("console")) as started,
+    ):
+        yield started
 
 
 class Desk:
@@ -217,3 +200,48 @@ def test_whatever_ends_the_states_stops_the_robot_which_drives_again_from_neutra
     assert commanded < COMMANDED_WITHIN_S, measured
     assert at_rest < AT_REST_WITHIN_S, measured
     drive(desk.pad, observer, console)
+
+
+def control(observer: Observer) -> ControlState:
+    state: ControlState = observer.seen[CONTROL_STATE.name][-1][1]
+    return state
+
+
+def take_over(console: ConsoleProcess, operator: str, observer: Observer) -> None:
+    console.type("t")
+    observer.wait(
+        lambda: control(observer).operator == operator, 10.0, lambda: str(control(observer))
+    )
+
+
+def expect_a_held_stick_drives_nothing(
+    desk: Desk, console: ConsoleProcess, observer: Observer
+) -> None:
+    desk.pad.send(report(y=10))
+    console.wait(lambda: forward(console) == "+0.90", 10.0, "it does not see the stick")
+    expect_no_driving(observer)
+
+
+def test_of_two_consoles_that_use_one_pad_only_the_one_in_control_drives_and_from_neutral_on(
+    desk: Desk, hub: HubProcess, console: ConsoleProcess, tmp_path: Path, stack: ExitStack
+) -> None:
+    observer = stack.enter_context(closing(Observer(hub.endpoint, GROUND_TRUTH, CONTROL_STATE)))
+    alice, empty = console, stack.enter_context(closing(VirtualBed()))
+    bob = stack.enter_context(console_at(hub, empty, tmp_path, "--operator", "bob"))
+    bob.wait(lambda: plugged_in(bob), 20.0, "the other console does not take it")
+    take_over(alice, getpass.getuser(), observer)
+    drive(desk.pad, observer, alice)
+    for console_now, operator in ((bob, "bob"), (alice, getpass.getuser())):
+        take_over(console_now, operator, observer)
+        expect_stop(observer)
+        expect_a_held_stick_drives_nothing(desk, console_now, observer)
+        drive(desk.pad, observer, console_now)
+        assert control(observer).operator == operator
+    # It is the owner's commands that drive: without them nothing does, though the pad says go on.
+    alice.process.send_signal(signal.SIGSTOP)
+    stack.callback(alice.process.send_signal, signal.SIGCONT)
+    observer.wait(lambda: observer.truth.commanded_linear == 0.0, 2.0, "the other one drives")
+    assert control(observer).operator == operator, "it stood only when control was lost"
+    observer.wait(lambda: control(observer).operator != operator, 10.0, "it keeps control")
+    expect_a_held_stick_drives_nothing(desk, bob, observer)
+    drive(desk.pad, observer, bob)
