@@ -181,7 +181,7 @@ def _add_pad(commands: argparse._SubParsersAction[argparse.ArgumentParser], keys
         "--device",
         default="",
         metavar="N|NAME",
-        help="which joystick: its place in `rune joytest --list`, or a part of its name; "
+        help="which joystick: its number in `rune joytest --list`, or a part of its name; "
         "default: the first",
     )
     pad.add_argument(

@@ -20,13 +20,13 @@ from rune_tui.controls.hid_reader import (
     Refused,
     Scanned,
     controls_of,
-    plugged_in,
+    joysticks_here,
 )
 from rune_tui.controls.joystick.inbox import Inbox
 from rune_tui.controls.joystick.logical import LogicalJoystick
 from rune_tui.controls.joystick.mappings import Mappings
 from rune_tui.controls.joystick.matching import DeviceInfo, assigned
-from rune_tui.controls.joystick.rights import RULE_FILE, udev_rule, udev_rules
+from rune_tui.controls.joystick.rights import rule_advice, udev_rules
 from rune_tui.controls.joystick.shaping import Shape
 from rune_tui.controls.joystick.store import CalibrationStore
 from rune_tui.errors import DescriptorError
@@ -46,26 +46,18 @@ _ENTER, _LEAVE = "\x1b[?1049h\x1b[?25l", "\x1b[?25h\x1b[?1049l"
 _HOME, _REST_OF_LINE, _BELOW = "\x1b[H", "\x1b[K", "\x1b[J"
 
 
-def plugged_in_joysticks() -> tuple[DeviceInfo, ...]:
-    """All that is plugged in and says that it is a joystick.
-
-    Raises:
-        HidMissingError: There is no hidapi.
-    """
-    return tuple(device for device in plugged_in() if device.joystick)
-
-
-def described(device: DeviceInfo) -> dict[str, Any]:
+def described(number: int, device: DeviceInfo) -> dict[str, Any]:
     """What there is to know of a device, for programs; opens it for a moment."""
     controls: Sequence[PhysicalControl] = ()
     why = ""
     try:
         controls = Mappings().applied(device, controls_of(device))
     except PermissionError:
-        why = f"no permission to read it; put into {RULE_FILE}: {udev_rule(device)}"
+        why = f"no permission to read it; {rule_advice(device)}"
     except (OSError, DescriptorError) as error:
         why = f"it cannot be read: {error}"
     return {
+        "number": number,
         "name": device.name,
         "vid": f"{device.vid:04x}",
         "pid": f"{device.pid:04x}",
@@ -89,22 +81,23 @@ def described(device: DeviceInfo) -> dict[str, Any]:
 
 def listed(*, as_json: bool) -> str:
     """All joysticks, for people or for programs."""
-    told = [described(device) for device in plugged_in_joysticks()]
+    told = [described(number, device) for number, device in enumerate(joysticks_here(), 1)]
     if as_json:
         return json.dumps(told, indent=2) + "\n"
     lines = []
     for each in told:
-        lines.append(f"{each['vid']}:{each['pid']} {each['serial'] or '-'} {each['name']}")
+        which = f"{each['vid']}:{each['pid']} {each['serial'] or '-'} {each['name']}"
+        lines.append(f"{each['number']}  {which}")
         types = [control["type"] for control in each["controls"]]
         counts = ((types.count(kind.value), kind.value) for kind in ControlKind)
         has = ", ".join(f"{count} of type {kind}" for count, kind in counts if count)
-        lines.append(f"  {each['path']}: {each['trouble'] or has}")
+        lines.append(f"   {each['path']}: {each['trouble'] or has}")
     return "\n".join(lines or [NOTHING]) + "\n"
 
 
 def rules() -> str:
     """A file of rules with which users of this system may read the joysticks."""
-    devices = plugged_in_joysticks()
+    devices = joysticks_here()
     return udev_rules(devices) if devices else f"# {NOTHING}\n"
 
 
@@ -266,8 +259,9 @@ class Bench:
                 self._opened(self.seats[path], controls)
             case Refused(path=path) if path in self.seats:
                 self._reader.stop(path)
-                rule = f"; put into {RULE_FILE}: {udev_rule(self.seats[path].device)}"
-                self.seats[path].why = f"{news.why}{rule if news.forbidden else ''}"
+                self.seats[path].why = news.why
+                if news.forbidden:
+                    self.seats[path].why += f"; {rule_advice(self.seats[path].device)}"
             case Gone(path=path) if path in self.seats:
                 self._reader.stop(path)
                 self.seats[path].why = "it is gone"

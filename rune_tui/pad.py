@@ -20,19 +20,12 @@ from hub.gcm import pad
 from hub.ipc.client import Client
 from hub.ipc.keys import read_client_keys
 from hub.ipc.security import Action, demand
-from rune_tui.controls.hid_reader import (
-    Gone,
-    HidReader,
-    News,
-    Opened,
-    Refused,
-    Scanned,
-    plugged_in,
-)
+from rune_tui.controls import hid_reader
+from rune_tui.controls.hid_reader import Gone, HidReader, News, Opened, Refused, Scanned
 from rune_tui.controls.joystick.matching import DeviceInfo, assigned
 from rune_tui.controls.joystick.pad_audience import Audience
 from rune_tui.controls.joystick.pad_sender import PadSender
-from rune_tui.controls.joystick.rights import RULE_FILE, udev_rule
+from rune_tui.controls.joystick.rights import rule_advice
 from rune_tui.controls.joysticks import MOST_FAULTS
 from rune_tui.controls.sources import Devices
 from rune_tui.errors import DeviceChoiceError
@@ -127,8 +120,9 @@ class Agent:
                 self.why = ""
                 self._sender.plug(self.device, news.controls, news.descriptor)
             case Refused() if news.path == path and self.device is not None:
-                rule = f"; put into {RULE_FILE}: {udev_rule(self.device)}"
-                self.why = f"{news.why}{rule if news.forbidden else ''}"
+                self.why = news.why
+                if news.forbidden:
+                    self.why += f"; {rule_advice(self.device)}"
                 self._reader.stop(path)
             case Gone() if news.path == path:
                 self._faults[path] = self._faults.get(path, 0) + 1
@@ -238,7 +232,7 @@ def run(
         CentralUnreachableError: No hub answers.
         HubError: The hub cannot be asked, or does not let this key send states.
     """
-    choice = Choice(device, [each for each in plugged_in() if each.joystick])
+    choice = Choice(device, hid_reader.joysticks_here())
     own_keys = read_client_keys(keys) if keys else None
     if own_keys is not None:
         demand(own_keys.bearer, Action.PUBLISH_COMMAND)

@@ -132,6 +132,15 @@ def plugged_in() -> tuple[DeviceInfo, ...]:
     )
 
 
+def joysticks_here() -> tuple[DeviceInfo, ...]:
+    """All that is plugged in and says that it is a joystick, in the order of their numbers.
+
+    Raises:
+        HidMissingError: There is no hidapi.
+    """
+    return tuple(device for device in plugged_in() if device.joystick)
+
+
 def controls_of(info: DeviceInfo) -> tuple[PhysicalControl, ...]:
     """What a device has; opens it for a moment.
 

@@ -16,7 +16,7 @@ from rune_tui.controls.joystick.inbox import Inbox
 from rune_tui.controls.joystick.logical import LogicalJoystick
 from rune_tui.controls.joystick.mappings import Mappings
 from rune_tui.controls.joystick.matching import DeviceInfo, assigned, is_meant, is_particular
-from rune_tui.controls.joystick.rights import RULE_FILE, udev_rule
+from rune_tui.controls.joystick.rights import rule_advice
 from rune_tui.controls.joystick.store import CalibrationStore
 from rune_tui.controls.sources import Devices
 from rune_tui.layout.spec import ControlKind, JoystickSpec
@@ -340,9 +340,7 @@ class Joysticks:
         for seat in self._at(news.path):
             if news.forbidden and seat.device is not None:
                 seat.phase = JoystickPhase.FORBIDDEN
-                seat.why = (
-                    f"no permission to read it; put into {RULE_FILE}: {udev_rule(seat.device)}"
-                )
+                seat.why = f"no permission to read it; {rule_advice(seat.device)}"
             elif news.unsuitable:
                 seat.phase, seat.why = JoystickPhase.UNSUITABLE, news.why
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from contextlib import closing
 from pathlib import Path
 
@@ -11,8 +12,9 @@ from hub.gcm.pad import PadState
 from hub.ipc.central import Central
 from hub.ipc.keyring import Keyring
 from hub.ipc.security import Role
-from rune_tui import cli, pad
+from rune_tui import cli, joytest, pad
 from rune_tui.cli import ExitCode, main
+from rune_tui.controls import hid_reader
 from rune_tui.controls.hid_reader import Gone, News, Opened, Refused, Scanned
 from rune_tui.controls.joystick.matching import DeviceInfo
 from rune_tui.controls.joystick.pad_sender import PadSender
@@ -45,6 +47,17 @@ def test_the_one_that_was_chosen_is_waited_for_and_no_other_of_its_name_taken() 
     again = device("/dev/hidraw9", name="Logitech F710", pid=2, port="2")
     assert choice.of([ONE, again]) == again
     assert Choice("2", [ONE, TWO]).of([ONE]) is None
+
+
+def test_the_numbers_are_those_that_joytest_lists(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(hid_reader, "plugged_in", lambda: (MOUSE, TWO, ONE))
+    monkeypatch.setattr(joytest, "controls_of", lambda _: ())
+    lines = joytest.listed(as_json=False).splitlines()[::2]
+    told = json.loads(joytest.listed(as_json=True))
+    for number, chosen in ((1, TWO), (2, ONE)):
+        assert lines[number - 1].startswith(f"{number}  046d:{chosen.pid:04x} ")
+        assert (told[number - 1]["number"], told[number - 1]["name"]) == (number, chosen.name)
+        assert Choice(str(number), hid_reader.joysticks_here()).of([ONE, TWO]) == chosen
 
 
 @pytest.mark.parametrize("wanted", ["0", "3"])
@@ -105,7 +118,7 @@ def test_a_device_that_falls_silent_again_and_again_is_left_alone_until_it_is_pl
 @pytest.fixture(autouse=True)
 def nothing_plugged_in(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cli, "_log_to_file", lambda: None)
-    monkeypatch.setattr(pad, "plugged_in", lambda: ())
+    monkeypatch.setattr(hid_reader, "plugged_in", lambda: ())
     monkeypatch.setattr(pad, "CONNECT_S", 0.2)
 
 

@@ -19,6 +19,11 @@ def udev_rule(device: DeviceInfo) -> str:
     )
 
 
+def rule_advice(device: DeviceInfo) -> str:
+    """What to do where a device may not be read, in words."""
+    return f"put into {RULE_FILE}: {udev_rule(device)}"
+
+
 def udev_rules(devices: Iterable[DeviceInfo]) -> str:
     """A whole file for these devices, each kind once."""
     lines = [f"# {RULE_FILE}; then: sudo udevadm control --reload && sudo udevadm trigger"]
