@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import enum
+import gc
 import io
 import logging
 import os
@@ -199,6 +200,7 @@ def _run_daemon(options: argparse.Namespace) -> int:
         table = dataclasses.replace(
             table, robot=dataclasses.replace(table.robot, port=options.port)
         )
+    gc.freeze()  # what was loaded stays: no search for rubbish, and no end, goes through it
     return Daemon(table, as_json=options.json).run(stop_with_stdin=options.stop_with_stdin)
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import dataclasses
+import gc
 import json
 import logging
 import os
@@ -70,6 +71,7 @@ def run_module(
     """
     options = _parser(name, purpose).parse_args(arguments)
     start_logging(name, logging.INFO)
+    gc.freeze()  # what was loaded stays: no search for rubbish, and no end, goes through it
     health = _Health()
     try:
         robot, _ = read_description(options.robot)

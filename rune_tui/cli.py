@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import enum
 import functools
+import gc
 import logging
 import logging.handlers
 import os
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
 _DEMO_ROBOT = "magellan"
 _PICTURE_ENDINGS = (".txt", ".svg", ".png")
 _LOG_BYTES = 1_000_000
+_OBJECTS_PER_LOOK = 10_000
+"""So many new objects later, Python looks for rubbish among them; by itself it does after 700."""
 _CONSOLE_LIBRARIES = ("textual", "rich", "PIL", "lxml", "platformdirs")
 
 
@@ -52,6 +55,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run `rune`; returns the exit code."""
     # NumPy's own threads, for products of large matrices, cost each process time at its start.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # Nothing of what a start makes is rubbish: to look for some costs a tenth of it.
+    gc.set_threshold(_OBJECTS_PER_LOOK)
     from hub.errors import CentralUnreachableError, HubError
 
     options = parser().parse_args(arguments)
@@ -228,6 +233,7 @@ def _console(source: LayoutSource, links: RobotLinks, options: argparse.Namespac
     from rune_tui.app import Console
 
     traits, answers, took, _ = _asked_terminal(options)
+    gc.freeze()  # what was loaded stays: no search for rubbish, and no end, goes through it
     return Console(source, links, traits, took if answers.complete else 0.0).run_to_end()
 
 
