@@ -22,8 +22,9 @@ from tests.waiting import until
 # As the commands do: NumPy's own threads cost each process that a test starts time at its start.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-# A busy machine is no failure. `make soak` tries ten times as many examples.
-settings.register_profile("patient", deadline=None, max_examples=40)
+# A busy machine is no failure. Other examples are tried each time, and `make soak` tries twenty
+# times as many.
+settings.register_profile("patient", deadline=None, max_examples=20)
 settings.register_profile("thorough", deadline=None, max_examples=400)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "patient"))
 
