@@ -17,6 +17,7 @@ import psutil
 import pytest
 from hypothesis import settings
 
+from tests.sharing_out import shared_out
 from tests.waiting import until
 
 # As the commands do: NumPy's own threads cost each process that a test starts time at its start.
@@ -38,6 +39,19 @@ def pytest_collection() -> Generator[None, object, object]:
     finally:
         gc.freeze()
         gc.enable()
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Have tests with real processes come first, where several workers share the tests."""
+    workers = getattr(config, "workerinput", {}).get("workercount", 1)
+    if workers > 1:
+        own = [config.rootpath / "tests" / room for room in ("soak", "system")]
+        items[:] = shared_out(
+            items,
+            workers,
+            file_of=lambda item: item.path,
+            waits=lambda item: any(map(item.path.is_relative_to, own)),
+        )
 
 
 _numbers = itertools.count()
