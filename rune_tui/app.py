@@ -10,9 +10,7 @@ import contextlib
 import dataclasses
 import datetime
 import logging
-import os
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 from typing import ClassVar
@@ -32,7 +30,8 @@ from rune_tui.controls.stall_guard import StallGuard
 from rune_tui.dispatch import Dispatch
 from rune_tui.following import LayoutFollower
 from rune_tui.layout.actions import Action, actions_of
-from rune_tui.layout.names import MOUSE
+from rune_tui.layout.key_notes import untold_keys
+from rune_tui.layout.names import MOUSE, WAY_OUT
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.layout.watching import LayoutSource
 from rune_tui.link.robot_links import RobotLinks
@@ -64,24 +63,24 @@ from rune_tui.recorder import Recorder
 from rune_tui.terminal.input_stream import KeyMove
 from rune_tui.terminal.traits import Traits
 from rune_tui.ui.driver_reports import FrameAnswered, KeyMoved, ReleasesTold
+from rune_tui.ui.ending import at_the_systems_end, end_anyway
 from rune_tui.ui.painter import Painter
 from rune_tui.ui.palette import palette_of
 from rune_tui.ui.question import Question
 from rune_tui.ui.terminal import suspend, terminal_driver
 from rune_tui.ui.view_pane import ViewPane, ViewScreen
-from rune_tui.ui.waking import at_the_systems_end, waker
+from rune_tui.ui.waking import waker
 from rune_tui.view import View
 
 _logger = logging.getLogger(__name__)
 
 _FRAME_S = 1.0 / 30.0
 _TICK_S = 0.05
+_SETTLED_S = 4.0
+"""So long after the start the terminal has answered, and less is told of [s]."""
 _BUTTONS = {1: "left", 2: "middle", 3: "right"}
-_LEAVE_S = 3.0
-"""How long the end may take before the process is ended as it is [s]."""
 _SWITCH_S = 0.5e-3
 """How long one thread may compute while another has a stick's report or a command to send [s]."""
-_WAY_OUT = "ctrl+c"
 _NOT_DONE = "what a widget asked for could not be done; the log says why"
 
 
@@ -90,7 +89,7 @@ class Console(App[None], inherit_bindings=False):
 
     ALLOW_SELECT = False  # the mouse drives and marks
     ENABLE_COMMAND_PALETTE = False  # ours opens where the layout does not want its key
-    BINDINGS: ClassVar = [Binding(_WAY_OUT, "quit", priority=True, show=False)]
+    BINDINGS: ClassVar = [Binding(WAY_OUT, "quit", priority=True, show=False)]
     """Whatever the layout says and whatever is open, there is a way out."""
     CSS = "Screen { layers: view; overflow: hidden; }"
 
@@ -166,6 +165,7 @@ class Console(App[None], inherit_bindings=False):
         self.set_interval(_FRAME_S, self._draw)
         self.set_interval(_TICK_S, self._tick)
         self.run_worker(self._layouts.run())
+        self.set_timer(_SETTLED_S, self._miss_keys)
 
     def _come_back(self, _: App[None]) -> None:
         """The terminal was somebody else's for a while."""
@@ -187,6 +187,7 @@ class Console(App[None], inherit_bindings=False):
         self._joysticks.follow(layout.joysticks, time.monotonic())
         self._recorder.tap()
         self._tell(desk.Outcome(text=f"opened {layout.path}"))
+        self._miss_keys()
         self._ask_for_pictures()
         for link in gone:
             await asyncio.to_thread(link.close)
@@ -220,7 +221,7 @@ class Console(App[None], inherit_bindings=False):
             key = name_of_key(event.key, event.character)
         if event.move is KeyMove.RELEASE:
             self._handle(self._keyboard.up(key, now))
-        elif self._covered or key == _WAY_OUT:
+        elif self._covered or key == WAY_OUT:
             self.post_message(events.Key(event.key, event.character))
         else:
             repeat, old = event.move is KeyMove.REPEAT, self._stalls.deaf(now)
@@ -231,6 +232,12 @@ class Console(App[None], inherit_bindings=False):
         if not event.told:
             self._let_go()  # what it has told of would be held for ever
         self._console = dataclasses.replace(self._console, releases_told=event.told)
+
+    def _miss_keys(self) -> None:
+        """Say, once for each layout, what of it this terminal cannot tell."""
+        text = "" if self._console.releases_told else untold_keys(self._shown_layout)
+        if text and all(notice.text != text for notice in self._console.notices):
+            self._tell(desk.Outcome(text=text))
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
         """A button of the mouse went down."""
@@ -259,12 +266,11 @@ class Console(App[None], inherit_bindings=False):
             return
         event.stop()
         now = self._look_up()
-        if not part or self._stalls.deaf(now):
-            return
-        state = self.state
-        if not self._dispatch.waits_for(MOUSE + part):
+        meant = part and self._dispatch.waits_for(MOUSE + part)
+        if not meant or self._stalls.deaf(now):
             return
         # A cell is two pixels high; which of them the mouse is on, terminals do not tell.
+        state = self.state
         hits = self._view.hits(int(event.screen_x), 2 * int(event.screen_y) + 1, state)
         moved = ControlEvent(name=MOUSE + part, pressed=pressed, value=value, hits=hits)
         self._execute(self._dispatch.handle(moved, state))
@@ -348,18 +354,12 @@ class Console(App[None], inherit_bindings=False):
                 self._links[name].shown(robot.picture.number)
 
     def _leave(self) -> None:
-        """End, in order if the terminal lets us.
-
-        Textual waits until the terminal has taken everything, which one that has stopped reading
-        never does.
-        """
+        """End, in order if the terminal lets us."""
         if self._leaving:
             return
         self._leaving = True
         self._let_go()
-        last_resort = threading.Timer(_LEAVE_S, os._exit, (1,))
-        last_resort.daemon = True
-        last_resort.start()
+        end_anyway()
         self.exit()
 
     def _handle(self, control_events: Iterable[ControlEvent]) -> None:

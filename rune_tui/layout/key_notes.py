@@ -2,20 +2,68 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
+
 from rune_tui.layout.names import RARE_KEYS
-from rune_tui.layout.spec import LayoutSpec
+from rune_tui.layout.spec import EventSpec, LayoutSpec, WidgetSpec
+
+_MOST_NAMED = 3
+"""Keys that a notice names."""
 
 
 def key_notes(layout: LayoutSpec) -> tuple[str, ...]:
-    """A sentence for each key that only some terminals tell, in the order of the file."""
-    view = layout.view
-    widgets = (*view.widgets, *(w for viewport in view.viewports for w in viewport.widgets))
-    events = sorted((e for widget in widgets for e in widget.events), key=lambda each: each.line)
-    rare = dict.fromkeys(event.name for event in events if event.name in RARE_KEYS)
-    return tuple(_note(key) for key in rare)
+    """A sentence for each key that only some terminals tell, in the order of the file.
+
+    Not for those for which the layout binds as well what other terminals report.
+    """
+    bound = {event.name for widget in _widgets(layout) for event in widget.events}
+    return tuple(_note(key, bound) for key in _without_another(layout))
 
 
-def _note(key: str) -> str:
+def untold_keys(layout: LayoutSpec) -> str:
+    """A sentence for who uses a terminal that tells none of them; empty if nothing is amiss."""
+    keys = list(_without_another(layout))
+    if not keys:
+        return ""
+    named, more = ", ".join(keys[:_MOST_NAMED]), len(keys) - _MOST_NAMED
+    others = f" and {more} more" if more > 0 else ""
+    return f"this terminal does not tell {named}{others}: rune check says what to bind as well"
+
+
+def _widgets(layout: LayoutSpec) -> Iterator[WidgetSpec]:
+    yield from layout.view.widgets
+    for viewport in layout.view.viewports:
+        yield from viewport.widgets
+
+
+def _without_another(layout: LayoutSpec) -> Mapping[str, None]:
+    """Rare keys that do what no key does that all terminals tell, in the order of the file."""
+    found = (
+        (event.line, event.name)
+        for widget in _widgets(layout)
+        for event in widget.events
+        if event.name in RARE_KEYS and not any(_is_another(e, event) for e in widget.events)
+    )
+    return dict.fromkeys(name for _, name in sorted(found, key=lambda each: each[0]))
+
+
+def _is_another(other: EventSpec, rare: EventSpec) -> bool:
+    """Whether an event of the same widget is what other terminals report, and means the same."""
+    instead = RARE_KEYS[rare.name]
+    reported = other.name == instead if instead else other.name not in RARE_KEYS
+    return reported and _meaning(other) == _meaning(rare)
+
+
+def _meaning(event: EventSpec) -> tuple[str, float, bool]:
+    return event.control, event.value, event.released
+
+
+def _note(key: str, bound: set[str]) -> str:
     others = RARE_KEYS[key]
-    instead = f"others report it as {others}" if others else "others report nothing"
+    if not others:
+        instead = "others report nothing: bind another key as well"
+    elif others in bound:
+        instead = f"others report it as {others}, which means something else here"
+    else:
+        instead = f'others report it as {others}: bind "{others}" as well'
     return f"key {key}: only terminals with the kitty keyboard protocol tell it, {instead}"

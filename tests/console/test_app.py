@@ -339,6 +339,24 @@ def test_a_stop_that_was_typed_while_the_console_was_held_up_is_a_stop_and_nothi
     play(script)
 
 
+def test_keys_of_a_layout_that_the_terminal_does_not_tell_are_named_once(
+    play: Callable[[Script], None], tmp_path: Path
+):
+    async def script(desk: Desk) -> None:
+        assert not [text for text in desk.told if "does not tell" in text]
+        path = tmp_path / "layout.xml"
+        path.write_text(path.read_text().replace('"w" control', '"kp_8" control'))
+        for told in (True, False, False):
+            desk.console.post_message(ReleasesTold(told=told))
+            await desk.until(lambda told=told: desk.console.state.releases_told is told)
+            await desk.console._open(load_layout(path, desk.console._shown_layout.vocabulary))
+        missed = [text for text in desk.told if "does not tell kp_8" in text]
+        assert len(missed) == 1
+        assert desk.told.index(missed[0]) > desk.told.index(f"opened {path}")
+
+    play(script)
+
+
 def test_an_effect_that_cannot_be_done_is_told_once_and_what_comes_after_it_is_done(
     play: Callable[[Script], None],
 ):

@@ -53,8 +53,8 @@ def test_keys_that_not_every_terminal_tells_are_noted(
     only = "only terminals with the kitty keyboard protocol tell it"
     assert capsys.readouterr().out == (
         f"{layout}: ok\n"
-        f"  note: key kp_8: {only}, others report it as 8\n"
-        f"  note: key left_shift: {only}, others report nothing\n"
+        f'  note: key kp_8: {only}, others report it as 8: bind "8" as well\n'
+        f"  note: key left_shift: {only}, others report nothing: bind another key as well\n"
     )
 
 

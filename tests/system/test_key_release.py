@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, closing, contextmanager
+from pathlib import Path
 
 import pytest
 
+from tests.system.conftest import LAYOUT
 from tests.system.harness import STILL, ConsoleProcess, HubProcess, Observer
 
 TELLS_RELEASES = "\x1b[?27u"
@@ -27,6 +29,15 @@ def console(hub: HubProcess, start_console: Callable[..., ConsoleProcess]) -> Co
     started.type(TELLS_RELEASES)
     started.wait(lambda: "release: exact" in started.text, 10.0)
     return started
+
+
+def test_a_terminal_that_does_not_tell_a_key_of_the_layout_is_named_at_the_start(
+    hub: HubProcess, tmp_path: Path, stack: ExitStack
+) -> None:
+    layout = tmp_path / "keypad.xml"
+    layout.write_text(LAYOUT.format(hub=hub.endpoint).replace('key="w"', 'key="kp_8"'))
+    console = stack.enter_context(closing(ConsoleProcess(["run", str(layout)], columns=200)))
+    console.wait(lambda: "this terminal does not tell kp_8" in console.text, 20.0, "not told")
 
 
 def test_a_terminal_that_tells_releases_of_arrows_alone_is_timed(console: ConsoleProcess) -> None:
