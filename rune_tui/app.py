@@ -185,7 +185,7 @@ class Console(App[None], inherit_bindings=False):
         self._console = carried_over(self._console, self._shown_layout, layout)
         self._shown_layout = layout
         self._joysticks.follow(layout.joysticks, time.monotonic())
-        self._recorder.tap()
+        self._recorder.follow(layout)
         self._tell(desk.Outcome(text=f"opened {layout.path}"))
         self._miss_keys()
         self._ask_for_pictures()

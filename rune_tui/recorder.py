@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,7 @@ from rune_tui import desk
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.robot_links import RobotLinks
 from rune_tui.model.display_state import RUNE_DISPLAY, DisplayState
+from rune_tui.model.shown_layout import SHOWN_LAYOUT, ShownLayout
 
 if TYPE_CHECKING:
     from rune_tui.export.recording import Recording
@@ -37,18 +39,25 @@ class Recorder:
         """Begin to record; what became of it."""
         now = datetime.datetime.now().astimezone()
         self._recording, said = desk.begin_recording(layout, operator, now)
-        self.tap()
+        self.follow(layout)
         return said
+
+    def follow(self, layout: LayoutSpec) -> None:
+        """Go on with this layout and all links that there are now; note when that was."""
+        self._tap()
+        if self._recording is not None:
+            shown = ShownLayout(layout=layout.path, run=layout.run_number)
+            self._recording.add(_OWN, SHOWN_LAYOUT, shown, time.monotonic())
 
     def end(self) -> Callable[[], desk.Outcome]:
         """No longer record; what is left to do for that, which takes a while."""
         recording, self._recording = self._recording, None
-        self.tap()
+        self._tap()
         if recording is None:
             return lambda: desk.Outcome(text="nothing was being recorded")
         return lambda: desk.end_recording(recording)
 
-    def tap(self) -> None:
+    def _tap(self) -> None:
         """Have all links, also new ones, hand what comes and goes to the recording."""
         for link in self._links.values():
             link.tap(self._recording.add if self._recording is not None else None)
