@@ -34,11 +34,13 @@ class Part:
         text: What it says.
         weight: Where room is short, parts of the least weight go first.
         mood: How it is meant.
+        short: The same in fewer words, for where room is short; empty if there are none.
     """
 
     text: str
     weight: int
     mood: Mood = Mood.PLAIN
+    short: str = ""
 
 
 def ink_of(mood: Mood, theme: Theme) -> Colour:

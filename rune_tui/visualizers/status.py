@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
@@ -50,8 +51,15 @@ class Status:
 
 
 def fitting(parts: Sequence[Part], columns: int) -> tuple[Part, ...]:
-    """The parts that fit side by side, those of least weight left out; at least one stays."""
+    """The parts that fit side by side; at least one stays.
+
+    Those of least weight are shortened, as far as they can be, and then left out.
+    """
     kept = list(parts)
+    for place in sorted(range(len(kept)), key=lambda place: (kept[place].weight, -place)):
+        part = kept[place]
+        if part.short and _width(kept) > columns:
+            kept[place] = dataclasses.replace(part, text=part.short)
     while len(kept) > 1 and _width(kept) > columns:
         kept.remove(min(reversed(kept), key=lambda part: part.weight))
     return tuple(kept)

@@ -145,7 +145,11 @@ def _joysticks(state: ConsoleState) -> Iterator[Part]:
     for (text, mood), alike in names.items():
         if mood is not Mood.GOOD:
             whose = alike[0] if len(alike) == 1 else f"{len(alike)} joysticks"
-            yield Part(f"{whose} {text}", 1 if mood is Mood.PLAIN else 8, mood)
+            if mood is Mood.PLAIN:
+                short = f"no {alike[0] if len(alike) == 1 else 'joysticks'}"
+                yield Part(f"{whose} {text}", 0, mood, short=short)
+            else:
+                yield Part(f"{whose} {text}", 8, mood)
 
 
 def joystick_words(joystick: JoystickState) -> tuple[str, Mood]:
@@ -184,8 +188,9 @@ def _held(state: ConsoleState) -> Iterator[Part]:
 
 def _release(state: ConsoleState) -> Part:
     """How long a key counts as held."""
-    timed = f"timed {state.hold_s:.2f} s"
-    return Part(f"release: {'exact' if state.releases_told else timed}", 0, Mood.FAINT)
+    if state.releases_told:
+        return Part("release: exact", 0, Mood.FAINT)
+    return Part(f"release: timed {state.hold_s:.2f} s", 0, Mood.FAINT, short="release: timed")
 
 
 def side_of(sensor: int) -> str:

@@ -9,8 +9,10 @@ import pytest
 
 from hub.gcm.navigation import MotionState
 from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.joystick_state import JoystickState
 from rune_tui.model.robot_state import LinkPhase
-from rune_tui.visualizers.status import Status
+from rune_tui.visualizers.status import Status, fitting
+from rune_tui.visualizers.status_words import status_parts
 
 NAME = "visualizeStatus"
 
@@ -141,6 +143,40 @@ def test_where_room_is_short_whole_parts_go_and_the_gravest_stays(made, draw, wi
     assert text
     assert "LINK LOST 3 s".startswith(text) or "LINK LOST 3 s" in text
     assert all(part in line(draw(NAME, robot, (200, 2))) for part in text.split("  "))
+
+
+def least(made, columns: int, names: tuple[str, ...], **changes) -> list[str]:
+    """What is said last, with so much room beside all that is said before."""
+    robot = made.robot(navigation=made.received(made.navigation(), 0.1))
+    before = status_parts(robot, ConsoleState(now=made.now))[:-1]
+    pads = {name: JoystickState(name=name) for name in names}
+    state = ConsoleState(now=made.now, joysticks=pads, hold_s=0.15, **changes)
+    room = sum(len(part.text) + 2 for part in before) + columns
+    return [part.text for part in fitting(status_parts(robot, state), room)[len(before) :]]
+
+
+@pytest.mark.parametrize(
+    ("columns", "said"),
+    [
+        (41, ["pad not plugged in", "release: timed 0.15 s"]),
+        (40, ["pad not plugged in", "release: timed"]),
+        (34, ["pad not plugged in", "release: timed"]),
+        (33, ["no pad", "release: timed"]),
+        (22, ["no pad", "release: timed"]),
+        (21, ["no pad"]),
+        (5, []),
+    ],
+)
+def test_that_no_pad_is_there_and_when_keys_go_up_are_both_said_in_fewer_words_if_need_be(
+    made, columns, said
+) -> None:
+    assert least(made, columns, ("pad",)) == said
+
+
+def test_of_several_pads_that_are_not_there_fewer_words_tell_no_number(made) -> None:
+    pads = ("left", "right")
+    assert least(made, 99, pads, releases_told=True)[0] == "2 joysticks not plugged in"
+    assert least(made, 28, pads, releases_told=True) == ["no joysticks", "release: exact"]
 
 
 def test_the_token_changes_with_the_words_only(made) -> None:
