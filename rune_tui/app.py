@@ -8,11 +8,11 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import dataclasses
-import datetime
 import logging
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
+from functools import partial
 from typing import ClassVar
 
 from textual import events
@@ -28,6 +28,7 @@ from rune_tui.controls.keyboard import KeyboardHold, name_of_key
 from rune_tui.controls.sources import Sources
 from rune_tui.controls.stall_guard import StallGuard
 from rune_tui.dispatch import Dispatch
+from rune_tui.filing import Filing
 from rune_tui.following import LayoutFollower
 from rune_tui.layout.actions import Action, actions_of
 from rune_tui.layout.key_notes import untold_keys
@@ -59,7 +60,6 @@ from rune_tui.model.effects import (
     changed,
 )
 from rune_tui.model.happenings import Watch
-from rune_tui.recorder import Recorder
 from rune_tui.terminal.input_stream import KeyMove
 from rune_tui.terminal.traits import Traits
 from rune_tui.ui.driver_reports import FrameAnswered, KeyMoved, ReleasesTold
@@ -124,7 +124,8 @@ class Console(App[None], inherit_bindings=False):
         self._stalls = StallGuard()
         self._undone: set[type] = set()
         self._leaving = self._drawing = False
-        self._recorder = Recorder(links)
+        beside = partial(self.run_worker, exit_on_error=False)
+        self._filing = Filing(links, beside, self._tell)
         self._pane = ViewPane(traits.glyphs.half)
         self._painter = Painter(self, self._pane, traits, round_trip)
 
@@ -152,8 +153,8 @@ class Console(App[None], inherit_bindings=False):
             self._joysticks.close()
             for link in self._links.values():
                 link.close()
-            if self._recorder.path:
-                self._recorder.end()()
+            if self._filing.recorder.path:
+                self._filing.recorder.end()()
         return 0 if self._leaving and not self.return_code else 1
 
     def on_mount(self) -> None:
@@ -185,7 +186,7 @@ class Console(App[None], inherit_bindings=False):
         self._console = carried_over(self._console, self._shown_layout, layout)
         self._shown_layout = layout
         self._joysticks.follow(layout.joysticks, time.monotonic())
-        self._recorder.follow(layout)
+        self._filing.recorder.follow(layout)
         self._tell(desk.Outcome(text=f"opened {layout.path}"))
         self._miss_keys()
         self._ask_for_pictures()
@@ -248,7 +249,9 @@ class Console(App[None], inherit_bindings=False):
         self._mouse(event, _BUTTONS.get(event.button, ""), pressed=False)
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
-        """The mouse moved."""
+        """The mouse moved; if it says that no button is down, none is, whatever was missed."""
+        if self._dispatch.button_held and not event.button:
+            self._let_go()
         self._mouse(event, "motion")
 
     def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
@@ -309,7 +312,7 @@ class Console(App[None], inherit_bindings=False):
         self._mind_joysticks(now)
         state = self.state
         if state.display is not None:
-            self._recorder.note(now, state.display)
+            self._filing.recorder.note(now, state.display)
         self._execute(Tell(notice=notice) for notice in self._watch.look(state))
         self._execute(self._dispatch.tick(state))
 
@@ -318,7 +321,7 @@ class Console(App[None], inherit_bindings=False):
             self._tell(desk.Outcome(text=text))
         if self._joysticks.unsaved:
             self._joysticks.unsaved = False
-            self._write(lambda: desk.write_calibrations(self._joysticks.store))
+            self._filing.keep_calibrations(self._joysticks.store)
 
     def _look_up(self) -> float:
         """The time now; after a pause of the console itself, nothing counts as held."""
@@ -426,22 +429,13 @@ class Console(App[None], inherit_bindings=False):
             self._tell(outcome)
 
     def _put_on_file(self, effect: ScreenshotEffect | RecordEffect | ExportEffect) -> None:
-        now, cells = datetime.datetime.now().astimezone(), self._pane.cells
         match effect:
             case RecordEffect():
-                self._record_or_not()
-            case ScreenshotEffect() if cells is not None:
-                self._write(lambda: desk.write_screenshot(cells, now))
+                self._filing.record_or_not(self._shown_layout, self.state.operator)
+            case ScreenshotEffect() if self._pane.cells is not None:
+                self._filing.keep_screen(self._pane.cells)
             case ExportEffect(robot=name):
-                robot = self._links[name].state
-                self._write(lambda: desk.write_marks(robot, now))
-
-    def _record_or_not(self) -> None:
-        """Begin to record, or end it."""
-        if self._recorder.path:
-            self._write(self._recorder.end())
-        else:
-            self._tell(self._recorder.begin(self._shown_layout, self.state.operator))
+                self._filing.keep_marks(self._links[name].state)
 
     def _ask(self, effect: AskEffect) -> None:
         self._let_go()
@@ -454,14 +448,6 @@ class Console(App[None], inherit_bindings=False):
 
     def _act(self, action: Action) -> None:
         self._execute(self._dispatch.act(action, self.state))
-
-    def _write(self, job: Callable[[], desk.Outcome]) -> None:
-        """Write files without holding up the robot's commands."""
-
-        async def written() -> None:
-            self._tell(await asyncio.to_thread(job))
-
-        self.run_worker(written(), exit_on_error=False)
 
     def _tell(self, said: desk.Outcome) -> None:
         self._change(Tell.now(self.state, said.text, robot=said.robot, alarm=said.alarm))
@@ -495,6 +481,6 @@ class Console(App[None], inherit_bindings=False):
             hold_s=self._keyboard.hold_s,
             robots={name: link.state for name, link in self._links.items()},
             display=self._painter.display(time.monotonic()),
-            recording=self._recorder.path,
+            recording=self._filing.recorder.path,
             joysticks=self._joysticks.states,
         )

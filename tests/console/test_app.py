@@ -297,6 +297,19 @@ def test_a_button_that_is_held_no_longer_drives_when_what_is_under_it_changes(
     play(script)
 
 
+def test_a_button_drives_no_longer_when_the_mouse_says_that_none_is_down(
+    play: Callable[[Script], None],
+):
+    async def script(desk: Desk) -> None:
+        await desk.pilot.mouse_down(offset=(29, 14), button=2)
+        await desk.until(lambda: desk.robot.speeds[-1] > 0.0)
+        await desk.pilot.hover(offset=(20, 10))  # it went up where the terminal did not see it
+        await desk.until(lambda: desk.robot.speeds[-1] == 0.0)
+        assert set(await desk.commands(3)) == {0.0}
+
+    play(script)
+
+
 def test_a_key_drives_on_while_viewports_come_and_go(play: Callable[[Script], None]):
     async def script(desk: Desk) -> None:
         await desk.drive()
