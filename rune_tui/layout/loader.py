@@ -6,6 +6,7 @@ and a limit on the size.
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import importlib.resources
 import itertools
@@ -80,12 +81,22 @@ def load_layout(
     mistakes += find_mistakes(root, rules, vocabulary)
     files = (*assembly.files, *scripts, *letters)
     if mistakes:
-        raise _error(mistakes, files)
+        raise _error(_traced(mistakes, assembly.given), files)
     builder = SpecBuilder(rules, str(path), vocabulary, fonts)
     layout = builder.layout(root, files)
     if builder.mistakes:
-        raise _error(builder.mistakes, files)
+        raise _error(_traced(builder.mistakes, assembly.given), files)
     return layout
+
+
+def _traced(mistakes: Iterable[Mistake], given: Mapping[Place, str]) -> list[Mistake]:
+    """Mistakes, those said to be of `--set` that stand where it has put a value."""
+    return [
+        dataclasses.replace(each, message=f"{each.message}; that is from --set {source}")
+        if (source := given.get(each.place))
+        else each
+        for each in mistakes
+    ]
 
 
 def _error(mistakes: Iterable[Mistake], files: tuple[Path, ...] = ()) -> LayoutError:

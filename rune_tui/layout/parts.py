@@ -33,10 +33,12 @@ class _Variable:
     Attributes:
         value: What is put in its place.
         declared: Where it was declared, here and in the files that include this one.
+        given: Whether whoever opens the layout says so, and no file.
     """
 
     value: str
     declared: tuple[Place, ...]
+    given: bool = False
 
 
 _Scope = Mapping[str, _Variable]
@@ -48,6 +50,7 @@ class Assembly:
     Attributes:
         mistakes: What is wrong with how they are put together.
         files: The files that were read, or would have been if they were there.
+        given: Which values that were not those of a file went where, such as run=2.
     """
 
     def __init__(self, rules: Rules, read: _Reader, path: Path, *, largest: int) -> None:
@@ -61,6 +64,7 @@ class Assembly:
         """
         self.mistakes: list[Mistake] = []
         self.files: list[Path] = [path]
+        self.given: dict[Place, str] = {}
         self._rules = rules
         self._read = read
         self._folder = path.parent
@@ -79,7 +83,9 @@ class Assembly:
             given: Values of variables that are not those of the file.
         """
         self._room -= size
-        top = {name: _Variable(value=value, declared=()) for name, value in given.items()}
+        top = {
+            name: _Variable(value=value, declared=(), given=True) for name, value in given.items()
+        }
         whole = self._file(root, top, (self.files[0],))
         for name, value in given.items():
             self._plain(name, value, Place(root.place.path))
@@ -151,6 +157,8 @@ class Assembly:
         for name in dict.fromkeys(one[1] for one in found):
             if name in scope:
                 self._used.update(scope[name].declared)
+                if scope[name].given:
+                    self.given[place] = f"{name}={scope[name].value}"
             else:
                 near = hint(name, sorted(scope))
                 self._wrong(place, f"unknown variable {quoted(name)}{near}")

@@ -207,7 +207,8 @@ def test_setting_what_is_no_variable_is_refused(tmp_path: Path) -> None:
         "layout.xml: the value of variable 'run' may not use variables itself"
     )
     assert refused(path, run="x") == [
-        "layout.xml:1:7: run of <rune> is 'x', it must be a whole number from 0 to 999999"
+        "layout.xml:1:7: run of <rune> is 'x', it must be a whole number from 0 to 999999; "
+        "that is from --set run=x"
     ]
 
 
@@ -312,7 +313,10 @@ def test_variables_are_set_on_the_command_line(
     path = str(put(tmp_path, layout=text, status=STATUS))
     assert main(["check", path, "--set", "run=12"]) is ExitCode.OK
     assert main(["check", path, "--set", "run=twelve"]) is ExitCode.USAGE
-    assert "run of <rune> is 'twelve'" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "run of <rune> is 'twelve'" in said
+    assert said.endswith("; that is from --set run=twelve\n")
+    assert said.count("--set") == 1
     with pytest.raises(SystemExit):
         main(["check", path, "--set", "run"])
     assert "'run' is no NAME=VALUE" in capsys.readouterr().err
