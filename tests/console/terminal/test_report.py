@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 from rune_tui.terminal.questions import Answers
 from rune_tui.terminal.report import as_json, report
@@ -26,6 +27,14 @@ def test_people_see_the_sets_of_glyphs_where_they_can_choose() -> None:
     assert specimens() in report(TRAITS, ANSWERS, 0.012, (120, 40))
     plain = traits_of(Answers(), {"NO_COLOR": "1"}, (120, 40))
     assert "\x1b" not in report(plain, Answers(), 2.0, (120, 40))
+
+
+def test_the_guide_shows_each_line_that_is_printed() -> None:
+    guide = (Path(__file__).parents[3] / "docs" / "operator-guide.md").read_text()
+    sample = guide.partition("$ rune terminal\n")[2].partition("```")[0]
+    table = report(TRAITS, ANSWERS, 0.012, (120, 40)).partition("\n\n")[0]
+    names = [[line[:13].rstrip() for line in text.splitlines()] for text in (sample, table)]
+    assert names[0] == names[1]
 
 
 def test_machines_read_the_same() -> None:
