@@ -127,7 +127,7 @@ def parser() -> argparse.ArgumentParser:
             "--operator",
             type=_name,
             metavar="NAME",
-            help="who sits here, if not the login",
+            help="your name as others read it, if not the login; a key's name is another",
         )
     for command in (run, demo, shot, terminal):
         command.add_argument("--glyphs", choices=glyphs, help=glyphs_help)
@@ -188,6 +188,6 @@ def _add_pad(commands: argparse._SubParsersAction[argparse.ArgumentParser], keys
         "--operator",
         type=_name,
         metavar="NAME",
-        help="for the console of this operator only, as it stands in its control pane; "
-        "default: for any at this hub",
+        help="for the console of this operator only: the login there, or its own --operator, "
+        "not the name of a key; default: for any at this hub",
     )
