@@ -8,9 +8,10 @@ import shlex
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -38,39 +39,50 @@ def commands(page: Path) -> Iterator[str]:
                 yield line[2:].partition("  #")[0].strip()
 
 
-EVERY = [(page.name, command) for page in PAGES for command in dict.fromkeys(commands(page))]
+EVERY = {command: page.name for page in reversed(PAGES) for command in commands(page)}
+"""Each command once, however many pages have it, and the first of them."""
 CHANGING = [
     command
-    for command in dict.fromkeys(command for _, command in EVERY)
+    for command in EVERY
     if command.startswith(("rune-hub start ", "rune-hub stop ", "rune-hub restart "))
 ]
 """After these, a hub has other processes than before."""
-ALL = [
-    pytest.param(command, id=f"{page}: {command}")
-    for page, command in EVERY
-    if command not in CHANGING
-]
+ALONE = ("run", "keys", "doctor", "service")
+"""Commands of `rune-hub` that ask no hub."""
+
+
+def asks_a_hub(command: str) -> bool:
+    """Whether a command goes to a hub that runs already."""
+    words = shlex.split(command)
+    return (
+        (words[0] == "rune-hub" and words[1] not in ALONE) or "--hub" in words or "--ssh" in words
+    )
+
+
+def named(found: Iterable[str]) -> list[Any]:
+    return [pytest.param(command, id=f"{EVERY[command]}: {command}") for command in found]
+
+
+ON_A_HUB = [each for each in EVERY if each not in CHANGING and asks_a_hub(each)]
+BY_ITSELF = [each for each in EVERY if not asks_a_hub(each)]
 
 
 def test_there_are_commands() -> None:
-    assert len(ALL) > 10
-    assert len(CHANGING) > 2
+    assert len(BY_ITSELF) > 10
+    assert len(ON_A_HUB) > 10
+    assert sorted([*BY_ITSELF, *ON_A_HUB, *CHANGING]) == sorted(EVERY)
+    assert set(EVERY) == {command for page in PAGES for command in commands(page)}
 
 
 def test_commands_that_change_processes_work(start_hub: Callable[..., HubProcess]) -> None:
-    hub = start_hub(**HUB)
+    hub = start_hub(modules=("driver", *{shlex.split(command)[2] for command in CHANGING}))
     for command in CHANGING:
         done = rune_hub(*shlex.split(command)[1:], "--hub", hub.endpoint)
         assert done.returncode == 0, f"{command}: {done.stderr}"
 
 
-@pytest.mark.parametrize("command", ALL)
-def test_command_works(
-    command: str,
-    lasting_hub: HubProcess,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+@pytest.mark.parametrize("command", named(BY_ITSELF))
+def test_command_works(command: str, tmp_path: Path) -> None:
     words = shlex.split(command)
     if words[0] == "make":
         targets = re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
@@ -79,18 +91,36 @@ def test_command_works(
         pass  # getting Rune is the business of a fresh machine, not of this test
     elif words[:2] == ["rune-hub", "run"]:
         _starts_and_ends(words, tmp_path)
-    elif "--ssh" in words:
-        _goes_through_ssh(words, lasting_hub, tmp_path, monkeypatch)
     elif words[:2] == ["rune", "pad"]:
         _goes_in_by_a_key(words, tmp_path)
     elif words[:2] in (["rune", "demo"], ["rune", "run"]):
-        _shows_a_picture(words, lasting_hub)
+        _shows_a_picture(words)
     elif words[:2] == ["rune", "terminal"]:
         with closing(ConsoleProcess(words[1:])) as asking:
             assert asking.wait_ended() == 0
             assert "acknowledges  yes" in asking.text
     else:
-        _succeeds(words, lasting_hub, tmp_path, monkeypatch)
+        if words[:3] == ["rune-hub", "keys", "remove"]:
+            Keyring(default_folder()).make(words[3], Role.OBSERVE)
+        _succeeds(words, tmp_path)
+
+
+@pytest.mark.parametrize("command", named(ON_A_HUB))
+def test_command_works_on_a_hub(
+    command: str,
+    lasting_hub: HubProcess,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    words = shlex.split(command)
+    if "--ssh" in words:
+        _goes_through_ssh(words, lasting_hub, tmp_path, monkeypatch)
+    elif words[0] == "rune-hub":
+        _asks(words, lasting_hub, tmp_path, monkeypatch)
+    else:
+        assert words[:2] == ["rune", "run"]
+        words[words.index("--hub") + 1] = lasting_hub.endpoint
+        _shows_a_picture(words)
 
 
 def _starts_and_ends(words: list[str], folder: Path) -> None:
@@ -108,10 +138,13 @@ def _starts_and_ends(words: list[str], folder: Path) -> None:
     assert hub.wait(15.0) == 0
 
 
-def _shows_a_picture(words: list[str], hub: HubProcess) -> None:
-    arguments = [str(ROOT / word) if word.endswith(".xml") else word for word in words[1:]]
-    if "--hub" in arguments:
-        arguments[arguments.index("--hub") + 1] = hub.endpoint
+def _arguments(words: list[str]) -> list[str]:
+    """What follows the command, with the layouts where they are."""
+    return [str(ROOT / word) if word.endswith(".xml") else word for word in words[1:]]
+
+
+def _shows_a_picture(words: list[str]) -> None:
+    arguments = _arguments(words)
     with closing(ConsoleProcess(arguments)) as console:
         console.wait_for_picture()
         assert console.quit() == 0
@@ -129,11 +162,11 @@ def _goes_through_ssh(
         # The robot's hub has another port here than the usual one.
         words[place + 1 : place + 1] = [*(["--hub"] if words[1] != "pad" else []), hub.endpoint]
         if words[1] == "run":
-            _shows_a_picture(words, hub)
+            _shows_a_picture(words)
         elif words[1] == "pad":
             _connects_until_ended(words)
         else:
-            _succeeds(words, hub, folder, monkeypatch)
+            _succeeds(words, folder)
         assert server.pids()
 
 
@@ -156,33 +189,31 @@ def _connects_until_ended(words: list[str]) -> None:
         assert agent.wait_ended() == 0
 
 
-def _succeeds(
-    words: list[str], hub: HubProcess, folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    arguments = [str(ROOT / word) if word.endswith(".xml") else word for word in words[1:]]
-    if words[:2] == ["rune-hub", "keys"]:
-        if words[2] == "remove":
-            Keyring(default_folder()).make(words[3], Role.OBSERVE)
-    elif words[0] == "rune-hub" and words[1] not in ("doctor", "service"):
-        arguments += ["--hub", hub.endpoint]
-        if "-r" not in arguments:
-            monkeypatch.chdir(folder)
-            if "order=LOAD" in arguments:
-                rune_hub(*(word.replace("order=LOAD", "order=SAVE") for word in arguments))
-            done = rune_hub(*arguments)
-            assert done.returncode == 0, done.stderr
-            return
+def _asks(words: list[str], hub: HubProcess, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It says something of the hub, until Ctrl-C if it repeats."""
+    words += ["--hub", hub.endpoint]
+    if "-r" in words:
+        _succeeds(words, folder, interrupted=True)
+        return
+    monkeypatch.chdir(folder)
+    if "order=LOAD" in words:
+        rune_hub(*(word.replace("order=LOAD", "order=SAVE") for word in words[1:]))
+    done = rune_hub(*words[1:])
+    assert done.returncode == 0, done.stderr
+
+
+def _succeeds(words: list[str], folder: Path, *, interrupted: bool = False) -> None:
     process = subprocess.Popen(
-        [sys.executable, "-m", MODULES[words[0]], *arguments],
+        [sys.executable, "-m", MODULES[words[0]], *_arguments(words)],
         cwd=folder,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
     )
     try:
-        _, said = process.communicate(timeout=1.5 if "-r" in arguments else 30.0)
+        _, said = process.communicate(timeout=1.5 if interrupted else 30.0)
     except subprocess.TimeoutExpired:
-        assert "-r" in arguments, "it does not end"
+        assert interrupted, "it does not end"
         process.send_signal(signal.SIGINT)
         _, said = process.communicate(timeout=10.0)
     assert process.returncode == 0, said
