@@ -19,31 +19,23 @@ def _hold_on(console: ConsoleProcess, observer: Observer) -> None:
         observer.client.listen(0.01)
 
 
-def test_navigation_hangs_robot_stops(
+def test_whatever_dies_the_robot_stops_and_drives_again_from_neutral(
     hub: HubProcess, console: ConsoleProcess, observer: Observer
 ) -> None:
+    """Navigation hangs, then is killed, then the driver; each begins with a robot that drives."""
     drive(console, observer)
     os.kill(hub.pids["navigation"], signal.SIGSTOP)
     _hold_on(console, observer)
     expect_stop(observer)
     os.kill(hub.pids["navigation"], signal.SIGCONT)
 
-
-def test_navigation_comes_back_and_waits_for_neutral(
-    hub: HubProcess, console: ConsoleProcess, observer: Observer
-) -> None:
     drive(console, observer)
     os.kill(hub.pids["navigation"], signal.SIGKILL)
     _hold_on(console, observer)
     expect_stop(observer)
     console.wait(lambda: "STANDING" in console.text or "WAITING" in console.text, 10.0)
     console.wait(lambda: "STANDING" in console.text, 10.0, "neutral commands do not reach it")
-    drive(console, observer)
 
-
-def test_driver_comes_back_and_waits_for_neutral(
-    hub: HubProcess, console: ConsoleProcess, observer: Observer
-) -> None:
     drive(console, observer)
     os.kill(hub.pids["driver"], signal.SIGKILL)
     until(lambda: "the driver began anew" in hub.log.read_text(), 10.0, meanwhile=console.pump)

@@ -33,12 +33,6 @@ def _nothing_left(hub: HubProcess, processes: list[psutil.Process]) -> None:
         assert probe.connect_ex((host, int(port))) != 0
 
 
-def test_starts_a_process_for_each_module(lasting_hub: HubProcess) -> None:
-    hub = lasting_hub
-    assert set(hub.pids) == set(MODULES)
-    assert len({hub.process.pid, *hub.pids.values()}) == 1 + len(MODULES)
-
-
 @pytest.mark.parametrize("number", [signal.SIGTERM, *in_soak(signal.SIGINT)])
 def test_ends_in_order_on_a_signal(hub: HubProcess, number: signal.Signals) -> None:
     processes = family(hub.process.pid)
@@ -59,19 +53,6 @@ def runtime(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     with tempfile.TemporaryDirectory(dir="/tmp") as folder:
         monkeypatch.setenv("XDG_RUNTIME_DIR", folder)
         yield Path(folder)
-
-
-def test_socket_files_are_removed(tmp_path: Path, runtime: Path) -> None:
-    hub = HubProcess(tmp_path, modules=("driver",))
-    assert list(runtime.rglob("central*"))
-    hub.close()
-    assert not list(runtime.iterdir())
-
-
-def test_modules_end_when_the_daemon_is_killed(hub: HubProcess) -> None:
-    processes = family(hub.process.pid)
-    hub.process.kill()
-    _nothing_left(hub, processes)
 
 
 def test_a_killed_module_is_started_again_and_works(hub: HubProcess, observer: Observer) -> None:
@@ -139,17 +120,6 @@ def test_a_module_that_ignores_sigterm_is_killed(tmp_path: Path) -> None:
     daemon.communicate(timeout=10.0)
     assert time.monotonic() - started >= 0.5
     until(lambda: gone(processes), 5.0, "it lives on")
-
-
-def test_state_comes_at_its_nominal_rate(lasting_hub: HubProcess) -> None:
-    watch = Observer(lasting_hub.endpoint, navigation.ROBOT_STATE)
-    seen = watch.seen[navigation.ROBOT_STATE.name]
-    seen.clear()
-    watch.wait(lambda: len(seen) >= 20, 10.0)
-    watch.close()
-    gaps = [later[0] - earlier[0] for earlier, later in zip(seen, list(seen)[1:], strict=False)]
-    # A loose bound: this machine may be busy. `rune-hub rate` shows the real figure.
-    assert sorted(gaps)[len(gaps) // 2] < 3.0 / navigation.ROBOT_STATE.rate_hz
 
 
 def test_a_module_that_hangs_does_not_keep_the_robot_driving(
@@ -238,9 +208,13 @@ def test_a_log_that_nobody_reads_does_not_stop_the_hub(tmp_path: Path) -> None:
         os.close(log)
 
 
-def test_socket_folders_of_killed_daemons_are_swept(tmp_path: Path, runtime: Path) -> None:
-    first = HubProcess(tmp_path, modules=("driver",))
+def test_of_a_killed_daemon_modules_end_and_socket_folders_are_swept(
+    tmp_path: Path, runtime: Path
+) -> None:
+    first = HubProcess(tmp_path)
+    processes = family(first.process.pid)
     first.process.kill()
+    _nothing_left(first, processes)
     first.close()
     (left,) = runtime.iterdir()
     second = HubProcess(tmp_path, modules=("driver",))
@@ -248,15 +222,36 @@ def test_socket_folders_of_killed_daemons_are_swept(tmp_path: Path, runtime: Pat
     second.close()
 
 
-def test_says_where_holders_of_keys_from_elsewhere_connect(tmp_path: Path) -> None:
+def test_says_where_holders_of_keys_from_elsewhere_connect_and_removes_its_sockets(
+    tmp_path: Path, runtime: Path
+) -> None:
     keys = tmp_path / "keys"
     path = Keyring(keys).make("one", Role.OBSERVE)
     lines = f'gateway = "tcp://127.0.0.1:0"\nkeys = "{keys}"'
     hub = HubProcess(tmp_path, modules=("driver",), gateway=lines)
     try:
+        assert list(runtime.rglob("central*"))
         with contextlib.closing(
             Client("one", hub.listening["gateway"], keys=read_client_keys(path))
         ) as client:
             client.wait_connected(5.0)
     finally:
         hub.close()
+    assert not list(runtime.iterdir())
+
+
+def test_starts_a_process_for_each_module(lasting_hub: HubProcess) -> None:
+    hub = lasting_hub
+    assert set(hub.pids) == set(MODULES)
+    assert len({hub.process.pid, *hub.pids.values()}) == 1 + len(MODULES)
+
+
+def test_state_comes_at_its_nominal_rate(lasting_hub: HubProcess) -> None:
+    watch = Observer(lasting_hub.endpoint, navigation.ROBOT_STATE)
+    seen = watch.seen[navigation.ROBOT_STATE.name]
+    seen.clear()
+    watch.wait(lambda: len(seen) >= 20, 10.0)
+    watch.close()
+    gaps = [later[0] - earlier[0] for earlier, later in zip(seen, list(seen)[1:], strict=False)]
+    # A loose bound: this machine may be busy. `rune-hub rate` shows the real figure.
+    assert sorted(gaps)[len(gaps) // 2] < 3.0 / navigation.ROBOT_STATE.rate_hz

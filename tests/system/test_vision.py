@@ -48,39 +48,6 @@ def dark_hub(start_hub: StartHub, tmp_path: Path) -> HubProcess:
     return start_hub(arena="night.toml")
 
 
-def test_every_coding_gives_the_same_picture(hub: HubProcess, stack: ExitStack) -> None:
-    observer = stack.enter_context(closing(Observer(hub.endpoint, navigation.ROBOT_STATE)))
-    exact = ask(observer)
-    raw = ask(observer, coding=vision.ImageCoding.RAW)
-    assert (exact.coding, raw.coding) == (vision.ImageCoding.RLE, vision.ImageCoding.RAW)
-    assert np.array_equal(raw.data.reshape(48, 64, 3), pixels_of(exact))
-    jpeg = ask(observer, coding=vision.ImageCoding.JPEG, kind=vision.ImageKind.GREY, quality=90)
-    assert (jpeg.channels, jpeg.length) == (1, len(jpeg.data))
-    with PillowImage.open(io.BytesIO(jpeg.data.tobytes())) as file:
-        assert (file.size, file.mode) == ((64, 48), "L")
-    with pytest.raises(HandlerFailedError, match="ask for 1 to 100"):
-        ask(observer, quality=0)
-
-
-def test_pictures_say_when_and_where_they_were_taken(hub: HubProcess, stack: ExitStack) -> None:
-    observer = stack.enter_context(closing(Observer(hub.endpoint, navigation.ROBOT_STATE)))
-    seen: list[vision.Image] = []
-
-    def known() -> bool:
-        seen.append(ask(observer))
-        return math.isfinite(seen[-1].camera.robot_x)
-
-    observer.wait(known, 10.0, "no picture has a pose")
-    camera = seen[-1].camera
-    _, state = observer.seen[navigation.ROBOT_STATE.name][-1]
-    place = (camera.robot_x, camera.robot_y, camera.robot_theta)
-    assert place == pytest.approx((state.x, state.y, state.theta), abs=0.01)
-    assert abs(time.time() - camera.stamp) < 5.0
-    assert camera.mount_height > 0.1
-    narrow = ask(observer, width_px=20, height_px=100).camera
-    assert narrow.horizontal_fov < camera.horizontal_fov / 3
-
-
 def test_at_night_gain_and_headlight_bring_back_the_picture(
     dark_hub: HubProcess, stack: ExitStack
 ) -> None:
@@ -139,3 +106,36 @@ def test_pictures_come_from_the_video_file_that_a_robot_names(
     until(said, 10.0, meanwhile=lambda: observer.client.listen(0.05))
     assert "VIS_VID VIS_NIGHT" in said()
     assert "VIS_PTZ" not in said()
+
+
+def test_every_coding_gives_the_same_picture(hub: HubProcess, stack: ExitStack) -> None:
+    observer = stack.enter_context(closing(Observer(hub.endpoint, navigation.ROBOT_STATE)))
+    exact = ask(observer)
+    raw = ask(observer, coding=vision.ImageCoding.RAW)
+    assert (exact.coding, raw.coding) == (vision.ImageCoding.RLE, vision.ImageCoding.RAW)
+    assert np.array_equal(raw.data.reshape(48, 64, 3), pixels_of(exact))
+    jpeg = ask(observer, coding=vision.ImageCoding.JPEG, kind=vision.ImageKind.GREY, quality=90)
+    assert (jpeg.channels, jpeg.length) == (1, len(jpeg.data))
+    with PillowImage.open(io.BytesIO(jpeg.data.tobytes())) as file:
+        assert (file.size, file.mode) == ((64, 48), "L")
+    with pytest.raises(HandlerFailedError, match="ask for 1 to 100"):
+        ask(observer, quality=0)
+
+
+def test_pictures_say_when_and_where_they_were_taken(hub: HubProcess, stack: ExitStack) -> None:
+    observer = stack.enter_context(closing(Observer(hub.endpoint, navigation.ROBOT_STATE)))
+    seen: list[vision.Image] = []
+
+    def known() -> bool:
+        seen.append(ask(observer))
+        return math.isfinite(seen[-1].camera.robot_x)
+
+    observer.wait(known, 10.0, "no picture has a pose")
+    camera = seen[-1].camera
+    _, state = observer.seen[navigation.ROBOT_STATE.name][-1]
+    place = (camera.robot_x, camera.robot_y, camera.robot_theta)
+    assert place == pytest.approx((state.x, state.y, state.theta), abs=0.01)
+    assert abs(time.time() - camera.stamp) < 5.0
+    assert camera.mount_height > 0.1
+    narrow = ask(observer, width_px=20, height_px=100).camera
+    assert narrow.horizontal_fov < camera.horizontal_fov / 3
