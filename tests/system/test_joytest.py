@@ -113,7 +113,8 @@ def test_what_a_layout_makes_of_it_is_seen_with_its_dead_zone_and_curve(
 def test_a_layout_without_a_joystick_is_refused_by_name(bed: VirtualBed, tmp_path: Path) -> None:
     layout = tmp_path / "layout.xml"
     layout.write_text(re.sub("(?s)<joystick.*</joystick>", "", _LAYOUT))
-    with closing(ConsoleProcess(["joytest", str(layout)], environment=bed.environment)) as shown:
+    command = ["joytest", str(layout)]
+    with closing(ConsoleProcess(command, environment=bed.environment, columns=200)) as shown:
         assert shown.wait_ended() == 2
         assert "has no joystick" in shown.text
 
