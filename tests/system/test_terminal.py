@@ -48,9 +48,8 @@ def test_a_terminal_that_stops_reading_delays_no_stop(
 ) -> None:
     # From here on nobody reads what the console writes, while keys still come.
     drive_unread(console, observer)
-    for _ in range(40):
-        console.type("w")
-        observer.client.listen(0.03)
+    with console.holding("w"):
+        listen(observer, 1.2)
     console.type(" ")
     observer.wait(lambda: observer.truth.commanded_linear == 0.0, 5.0, "the stop did not come")
     console.pump(1.0)
@@ -64,14 +63,19 @@ def drive_unread(console: ConsoleProcess, observer: Observer) -> None:
     """
 
     def held() -> bool:
-        end = time.monotonic() + 2.5
-        while time.monotonic() < end and observer.truth.linear <= 0.2:
-            console.type("w")
-            observer.client.listen(0.03)
+        with console.holding("w"):
+            listen(observer, 2.5, lambda: observer.truth.linear > 0.2)
         return observer.truth.linear > 0.2
 
-    let_go = partial(observer.client.listen, 1.0)
+    let_go = partial(listen, observer, 1.0)
     until(held, 20.0, "keys do not reach the robot", meanwhile=let_go)
+
+
+def listen(observer: Observer, seconds: float, enough: Callable[[], bool] = lambda: False) -> None:
+    """Let the observer see what happens for a while, or until that is enough."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end and not enough():
+        observer.client.listen(0.03)
 
 
 def test_the_emergency_key_ends_it_even_under_the_list_of_actions(console: ConsoleProcess) -> None:
