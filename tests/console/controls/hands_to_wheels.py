@@ -92,8 +92,7 @@ class Console:
 
     def key(self, key: str, now: float) -> None:
         self._look_up(now)
-        if not self._stalls.deaf(now):
-            self._handle(self._keyboard.press(key, now), now)
+        self._handle(self._keyboard.press(key, now, old=self._stalls.deaf(now)), now)
 
     def moved(self, now: float) -> None:
         """The pad has something to tell."""
