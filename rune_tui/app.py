@@ -78,6 +78,8 @@ _FRAME_S = 1.0 / 30.0
 _TICK_S = 0.05
 _SETTLED_S = 4.0
 """So long after the start the terminal has answered, and less is told of [s]."""
+_UNHEARD_S = 1.0
+"""So long a button of the mouse is held while nothing is heard of a terminal that answers [s]."""
 _BUTTONS = {1: "left", 2: "middle", 3: "right"}
 _SWITCH_S = 0.5e-3
 """How long one thread may compute while another has a stick's report or a command to send [s]."""
@@ -124,6 +126,7 @@ class Console(App[None], inherit_bindings=False):
         self._stalls = StallGuard()
         self._undone: set[type] = set()
         self._leaving = self._drawing = False
+        self._heard = 0.0
         beside = partial(self.run_worker, exit_on_error=False)
         self._filing = Filing(links, beside, self._tell)
         self._pane = ViewPane(traits.glyphs.half)
@@ -268,7 +271,7 @@ class Console(App[None], inherit_bindings=False):
         if self._covered:
             return
         event.stop()
-        now = self._look_up()
+        now = self._heard = self._look_up()
         meant = part and self._dispatch.waits_for(MOUSE + part)
         if not meant or self._stalls.deaf(now):
             return
@@ -309,6 +312,9 @@ class Console(App[None], inherit_bindings=False):
         for link in self._links.values():
             link.attend()
         self._handle(self._keyboard.expire(now))
+        unheard = self._painter.answers and now - self._heard > _UNHEARD_S
+        if self._dispatch.button_held and unheard:
+            self._let_go()  # no release comes over a line that is cut
         self._mind_joysticks(now)
         state = self.state
         if state.display is not None:
@@ -335,6 +341,7 @@ class Console(App[None], inherit_bindings=False):
         waited = not self._painter.ready(event.when)
         self._painter.answered(event.when, event.report)
         self._keyboard.heard(event.when)
+        self._heard = event.when
         if waited:
             await self._draw()
 
@@ -343,7 +350,7 @@ class Console(App[None], inherit_bindings=False):
         if self._drawing or not self._painter.ready(time.monotonic()):
             return
         state, view = self.state, self._view
-        if self._keyboard.waits_for_releases:
+        if self._keyboard.waits_for_releases or self._dispatch.button_held:
             self._painter.ask(state.now)
         cells = view.render(state)
         self._drawing = cells is not None

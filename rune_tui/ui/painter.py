@@ -76,6 +76,11 @@ class Painter:
         self._asked = self._moved = -math.inf
         self._sent: deque[tuple[float, int]] = deque()
 
+    @property
+    def answers(self) -> bool:
+        """Whether the terminal says how far it has got, so that its silence means something."""
+        return self._pacer.answers
+
     def ready(self, now: float) -> bool:
         """Whether a frame may follow; if not, there will be a newer one when it may."""
         if output_is_pending(self._app) or not self._pacer.may_send(now):
