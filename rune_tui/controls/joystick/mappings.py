@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 
 from rune_tui.controls.hid.device_controls import PhysicalControl
@@ -12,6 +14,8 @@ from rune_tui.controls.joystick.user_files import read_user_file, user_file
 FILE_NAME = "gamecontrollerdb.txt"
 """As SDL_GameControllerDB and the games that take it call it."""
 _LARGEST_FILE = 1 << 22
+_MOST_LINES = 64
+"""Of one device; a real database has a few."""
 
 
 class Mappings:
@@ -41,4 +45,16 @@ class Mappings:
                 "used without them"
             )
             return controls
-        return roles_from_sdl(text.splitlines(), controls, device.vid, device.pid, device.bus)
+        lines = islice(_lines_of(device, text), _MOST_LINES)
+        return roles_from_sdl(lines, controls, device.vid, device.pid, device.bus)
+
+
+def _lines_of(device: DeviceInfo, text: str) -> Iterator[str]:
+    """Lines in which its numbers are; to look at each line of a large file would hold up hands."""
+    numbers = b"".join(number.to_bytes(4, "little") for number in (device.vid, device.pid)).hex()
+    at = text.find(numbers)
+    while at >= 0:
+        begin, end = text.rfind("\n", 0, at) + 1, text.find("\n", at)
+        end = len(text) if end < 0 else end
+        yield text[begin:end]
+        at = text.find(numbers, end)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from pathlib import Path
 
 import pytest
@@ -85,3 +86,13 @@ def test_any_places_give_no_role_twice(places: list[tuple[str, str, str, str]]) 
     found = roles_from_sdl([f"{SWAPPED.partition('leftx')[0]}{pairs}"], PAD, 0x046D, 0xC216, 3)
     given_roles = [each.role for each in found if each.role]
     assert len(given_roles) == len(set(given_roles))
+
+
+@pytest.mark.parametrize("line", ["", "a,", SWAPPED])
+def test_a_file_of_any_lines_does_not_hold_up_hands(path: Path, line: str) -> None:
+    path.write_text(f"{SWAPPED}\n" + f"{line}\n" * ((1 << 22) // (len(line) + 1) - 1024))
+    mappings = Mappings()
+    start = time.thread_time()
+    assert mappings.applied(device(), PAD) != PAD
+    assert not mappings.trouble
+    assert time.thread_time() - start < 0.2
