@@ -48,7 +48,7 @@ class PadDevice:
         pid: The product's number.
         serial: Its serial number; empty if it tells none.
         port: Where at that machine it is plugged in; empty if that is not known.
-        bus: 1 for USB, 2 for Bluetooth, else something else.
+        bus: As Linux counts: 3 for USB, 5 for Bluetooth, 0 if it is not known.
         count: Length of its report descriptor [bytes].
         descriptor: The report descriptor, from which follows what controls it has, shape (count,).
     """
