@@ -485,6 +485,7 @@ class Console(App[None], inherit_bindings=False):
             now=time.monotonic(),
             clock=time.strftime("%H:%M:%S"),
             held=self._keyboard.held,
+            waiting=tuple(filter(self._dispatch.waits_for_hold, self._keyboard.waiting)),
             hold_s=self._keyboard.hold_s,
             robots={name: link.state for name, link in self._links.items()},
             display=self._painter.display(time.monotonic()),

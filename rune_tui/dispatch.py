@@ -101,6 +101,10 @@ class Dispatch:
         """Whether an input of this name can have an effect."""
         return name in self._by_input
 
+    def waits_for_hold(self, name: str) -> bool:
+        """Whether something is done for as long as an input of this name is held."""
+        return any(each.widget.rule.held for each in self._by_input.get(name, ()))
+
     def handle(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
         """Effects of an event, from every widget that it matches."""
         return (*self._heed(state), *self._handled(event, state))

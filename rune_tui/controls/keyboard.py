@@ -91,6 +91,11 @@ class KeyboardHold:
         """Keys that count as held, in the order they were pressed."""
         return tuple(key for key, hold in self._holds.items() if not hold.stayed)
 
+    @property
+    def waiting(self) -> tuple[str, ...]:
+        """Keys that are down and drive only when they are pressed anew."""
+        return tuple(key for key, hold in self._holds.items() if hold.stayed)
+
     def press(
         self, key: str, now: float, *, read: float | None = None, old: bool = False
     ) -> tuple[ControlEvent, ...]:

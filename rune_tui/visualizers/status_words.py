@@ -139,17 +139,19 @@ def _picture_age(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
 
 def _joysticks(state: ConsoleState) -> Iterator[Part]:
     """Those that do not work, of several that are alike how many."""
-    names: dict[tuple[str, Mood], list[str]] = {}
+    alike: dict[tuple[str, Mood, bool], list[str]] = {}
     for joystick in state.joysticks.values():
-        names.setdefault(joystick_words(joystick), []).append(joystick.name)
-    for (text, mood), alike in names.items():
-        if mood is not Mood.GOOD:
-            whose = alike[0] if len(alike) == 1 else f"{len(alike)} joysticks"
-            if mood is Mood.PLAIN:
-                short = f"no {alike[0] if len(alike) == 1 else 'joysticks'}"
-                yield Part(f"{whose} {text}", 0, mood, short=short)
-            else:
-                yield Part(f"{whose} {text}", 8, mood)
+        lacks = joystick.phase is JoystickPhase.CONNECTED and bool(joystick.why)
+        alike.setdefault((*joystick_words(joystick), lacks), []).append(joystick.name)
+    for (text, mood, lacks), names in alike.items():
+        whose = names[0] if len(names) == 1 else f"{len(names)} joysticks"
+        if lacks:
+            yield Part(f"{whose} {text}", 2, mood, short=f"{whose} LACKS CONTROLS")
+        elif mood is Mood.PLAIN:
+            short = f"no {names[0] if len(names) == 1 else 'joysticks'}"
+            yield Part(f"{whose} {text}", 0, mood, short=short)
+        elif mood is not Mood.GOOD:
+            yield Part(f"{whose} {text}", 8, mood)
 
 
 def joystick_words(joystick: JoystickState) -> tuple[str, Mood]:
@@ -178,10 +180,12 @@ def _absence(joystick: JoystickState) -> str:
 
 def _recording(state: ConsoleState) -> Iterator[Part]:
     if state.recording:
-        yield Part("REC", 5)
+        yield Part("REC", 8)
 
 
 def _held(state: ConsoleState) -> Iterator[Part]:
+    if state.waiting:
+        yield Part(f"LET GO OF {' '.join(state.waiting)} FIRST", 8, Mood.WARNING)
     if state.held:
         yield Part(f"keys {' '.join(state.held)}", 1)
 

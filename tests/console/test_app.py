@@ -297,6 +297,21 @@ def test_a_button_that_is_held_no_longer_drives_when_what_is_under_it_changes(
     play(script)
 
 
+def test_a_key_that_was_let_go_of_for_the_operator_has_to_go_up_first(
+    play: Callable[[Script], None],
+):
+    async def script(desk: Desk) -> None:
+        await desk.drive()
+        desk.console.on_app_blur()
+        await desk.press("w")
+        assert desk.console.state.held == ()
+        assert desk.console.state.waiting == ("w",)
+        await desk.until(lambda: not desk.console.state.waiting)
+        await desk.drive()
+
+    play(script)
+
+
 def test_a_button_drives_no_longer_when_the_mouse_says_that_none_is_down(
     play: Callable[[Script], None],
 ):

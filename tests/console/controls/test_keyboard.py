@@ -433,3 +433,17 @@ def test_a_key_that_came_as_text_is_timed_whatever_the_terminal_tells_of_others(
     keyboard.heard(0.5)
     assert not keyboard.waits_for_releases
     assert_held_until(keyboard, 0.6, "w")
+
+
+def test_a_key_that_comes_late_and_all_at_once_is_waited_for_to_go_up():
+    keyboard = KeyboardHold()
+    last = hold_down(keyboard, "w", 0.0, 5, RATE)
+    keyboard.expire(last + 0.3)
+    for number in range(8):
+        keyboard.press("w", last + 0.3 + number * 1e-3)
+    assert keyboard.held == ()
+    assert keyboard.waiting == ("w",)
+    keyboard.expire(last + 2.0)
+    assert keyboard.waiting == ()
+    keyboard.press("w", last + 3.0)
+    assert keyboard.held == ("w",)

@@ -9,8 +9,9 @@ import pytest
 
 from hub.gcm.navigation import MotionState
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.joystick_state import JoystickState
+from rune_tui.model.joystick_state import JoystickPhase, JoystickState
 from rune_tui.model.robot_state import LinkPhase
+from rune_tui.visualizers.mood import Mood
 from rune_tui.visualizers.status import Status, fitting
 from rune_tui.visualizers.status_words import status_parts
 
@@ -190,6 +191,24 @@ def test_the_token_changes_with_the_words_only(made) -> None:
     robot = made.robot()
     held = ConsoleState(now=made.now, held=("w",))
     assert shown.source(robot, state) != shown.source(robot, held)
+
+
+def test_keys_that_must_go_up_first_are_named(made) -> None:
+    state = ConsoleState(now=made.now, waiting=("w", "d"))
+    parts = {part.text: part for part in status_parts(made.robot(), state)}
+    assert parts["LET GO OF w d FIRST"].mood is Mood.WARNING
+
+
+def test_what_a_pad_lacks_takes_no_room_from_what_matters_more(made) -> None:
+    lacking = JoystickState(
+        name="pad", phase=JoystickPhase.CONNECTED, why="it has no b, rightx, righty, dpad, x, y"
+    )
+    state = ConsoleState(now=made.now, joysticks={"pad": lacking}, recording="run1.mcap")
+    words = [part.text for part in fitting(status_parts(made.robot(), state), 80)]
+    assert "REC" in words
+    assert not [each for each in words if "rightx" in each]
+    wide = [part.text for part in fitting(status_parts(made.robot(), state), 400)]
+    assert "pad it has no b, rightx, righty, dpad, x, y" in wide
 
 
 def test_a_label_says_its_text_wrapped_and_lets_the_rest_be_seen(made, draw, golden) -> None:
