@@ -37,6 +37,7 @@ from rune_tui.layout.spec import LayoutSpec
 from rune_tui.layout.watching import LayoutSource
 from rune_tui.link.robot_links import RobotLinks
 from rune_tui.model.console_state import ConsoleState, carried_over
+from rune_tui.model.control import hinders_driving_on
 from rune_tui.model.effects import (
     AskEffect,
     CalibrateEffect,
@@ -317,6 +318,8 @@ class Console(App[None], inherit_bindings=False):
             self._let_go()  # no release comes over a line that is cut
         self._mind_joysticks(now)
         state = self.state
+        if any(map(hinders_driving_on, state.robots.values())):
+            self._keyboard.resume_none()
         if state.display is not None:
             self._filing.recorder.note(now, state.display)
         self._execute(Tell(notice=notice) for notice in self._watch.look(state))

@@ -4,7 +4,9 @@ Most terminals repeat a held key and say nothing when it goes up. So a key count
 repeats stay away: after the first press for as long as keyboards wait before they repeat, then
 for a few repeat intervals. No keyboard repeats at once: repeats that come together with their press
 were held back on the way. Such a key was pressed some time ago, and drives only when it is pressed
-anew.
+anew. But where a key was held until the line paused, for a second at most, and goes on to repeat as
+fast as it did, the finger has been on it all the time: it drives on, unless the robot was stopped
+or changed hands meanwhile.
 
 Where the terminal tells of releases a key is held until its own, but only as long as anything is
 heard of the terminal: over a line that is cut, no release comes. Nor does one come that somebody
@@ -19,6 +21,7 @@ key that window managers take, Super or Cmd, ends all holds when it goes down.
 from __future__ import annotations
 
 import math
+import statistics
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -41,6 +44,13 @@ _GRABS = "super"
 """Part of the names of keys with which window managers, and macOS with Cmd, take what follows."""
 _OLD_REPEATS = 2
 """So many of them right behind the press tell that it is old; two quick taps look like one."""
+
+_RESUMES_S = 1.0
+"""The longest pause of the line after which a key that is still down drives on [s]."""
+_LIVE_REPEATS = 3
+"""So many in a row, none sooner than keyboards have them, tell that a finger is on the key now."""
+_LIVE_SHARE = 0.6
+"""The share of the repeat interval from which on a repeat counts as no sooner."""
 
 
 def name_of_key(key: str, character: str | None) -> str:
@@ -69,6 +79,10 @@ class _Hold:
     """When it has been silent for so long that its release was lost, if it would be told [s]."""
     ended: bool = False
     """Whether its release has been told, or is nobody's as its press was none."""
+    live_from: float = math.inf
+    """After a pause of the line: how far apart repeats are that are no sooner than before [s]."""
+    live: int = 0
+    """So many of those came in a row."""
 
 
 class KeyboardHold:
@@ -84,6 +98,7 @@ class KeyboardHold:
     def __init__(self) -> None:
         self._holds: dict[str, _Hold] = {}
         self._let_go: dict[str, float] = {}
+        self._paused: dict[str, tuple[float, float]] = {}
         self._intervals: deque[float] = deque(maxlen=_REPEATS_MEASURED)
 
     @property
@@ -114,11 +129,18 @@ class KeyboardHold:
         hold = self._holds.get(key)
         if hold is None:
             stayed = now < self._let_go.pop(key, now) or old
-            self._holds[key] = _Hold(
-                last=read, deadline=now + _FIRST_HOLD_S, stayed=stayed, ended=old
-            )
+            hold = _Hold(last=read, deadline=now + _FIRST_HOLD_S, stayed=stayed, ended=old)
+            until, live_from = self._paused.pop(key, (read, math.inf))
+            hold.live_from = math.inf if stayed or read > until else live_from
+            self._holds[key] = hold
             return (*due, ControlEvent(name=key, pressed=True, stayed=stayed, old=old))
+        resumes = self._is_live(hold, read)
         self._repeated(hold, read)
+        if hold.stayed and resumes:
+            hold.stayed = hold.ended = False
+            hold.at_once, hold.live_from = 0, math.inf
+            hold.deadline = now + self._repeat_hold()
+            return (*due, ControlEvent(name=key, pressed=True))
         if hold.at_once >= _OLD_REPEATS and not hold.stayed:
             hold.stayed = hold.ended = True
             due.append(ControlEvent(name=key, pressed=False))
@@ -188,12 +210,29 @@ class KeyboardHold:
         """Releases that are due, the earliest first."""
         ends = ((min(hold.deadline, hold.silent_at), key) for key, hold in self._holds.items())
         due = sorted((end, key) for end, key in ends if end <= now)
+        for _, key in due:
+            hold = self._holds[key]
+            if self._intervals and hold.repeats and not (hold.told or hold.stayed):
+                usual = statistics.median(self._intervals)
+                self._paused[key] = hold.last + _RESUMES_S, _LIVE_SHARE * usual
         return self._ended(key for _, key in due)
 
     def release_all(self, now: float) -> tuple[ControlEvent, ...]:
         """Everything is let go: the terminal lost the focus, was suspended, or the console ends."""
         self._let_go |= dict.fromkeys(self._holds, now + _FIRST_HOLD_S)
+        self.resume_none()
         return self._ended(tuple(self._holds))
+
+    def resume_none(self) -> None:
+        """A robot was stopped or changed hands: nothing that was held drives on after a pause."""
+        self._paused.clear()
+        for hold in self._holds.values():
+            hold.live_from = math.inf
+
+    def _is_live(self, hold: _Hold, read: float) -> bool:
+        """Whether a key that was held before a pause of the line is seen to be down now."""
+        hold.live = hold.live + 1 if read - hold.last >= hold.live_from else 0
+        return hold.live >= _LIVE_REPEATS
 
     def _lost(self) -> tuple[ControlEvent, ...]:
         """Keys whose releases may be told to somebody else from here on go up now."""
@@ -220,7 +259,8 @@ class KeyboardHold:
 
     def _repeated(self, hold: _Hold, read: float) -> None:
         """Measure how fast the keyboard repeats, and what came all at once."""
-        together = read - hold.last < _BURST_S
+        # Behind a pause of the line, all that comes faster than keys repeat was held back.
+        together = read - hold.last < (hold.live_from if hold.live_from < math.inf else _BURST_S)
         if together and hold.at_once == hold.repeats:
             hold.at_once += 1
         # From press to first repeat is the keyboard's delay, which says nothing of its rate.

@@ -447,3 +447,49 @@ def test_a_key_that_comes_late_and_all_at_once_is_waited_for_to_go_up():
     assert keyboard.waiting == ()
     keyboard.press("w", last + 3.0)
     assert keyboard.held == ("w",)
+
+
+def after_a_pause(
+    pause: float, *, lifted: bool = False, apart: float = 1e-3, meanwhile: str = ""
+) -> KeyboardHold:
+    """A key was held, and its line paused; what came late, and then, unless it was lifted, live."""
+    keyboard = KeyboardHold()
+    last = hold_down(keyboard, "w", 0.0, 30, RATE)
+    came = last
+    for number in range(1, 60):
+        sent = last + number * RATE
+        if lifted and sent > last + pause:
+            break
+        came = max(sent, last + pause, came + apart)
+        if number == 1:
+            assert keyboard.expire(came) == (release("w"),)
+        if number == 1 and meanwhile == "stopped":
+            keyboard.resume_none()
+        if number == 1 and meanwhile == "let go":
+            keyboard.release_all(came)
+        keyboard.press("w", came)
+        if lifted:
+            assert number < 3 or keyboard.held == ()
+    return keyboard
+
+
+@pytest.mark.parametrize("pause", [0.2, 0.3, 0.5, 0.9])
+def test_a_key_that_is_down_drives_on_after_its_line_paused(pause: float):
+    assert after_a_pause(pause).held == ("w",)
+
+
+@pytest.mark.parametrize("apart", [1e-3, 5e-3, 0.011, 0.018])
+@pytest.mark.parametrize("pause", [0.2, 0.5, 0.9])
+def test_a_key_that_went_up_while_its_line_paused_does_not_however_slowly_the_rest_comes(
+    pause: float, apart: float
+):
+    assert after_a_pause(pause, lifted=True, apart=apart).held == ()
+
+
+@pytest.mark.parametrize(("pause", "meanwhile"), [(1.2, ""), (0.5, "stopped"), (0.5, "let go")])
+def test_a_key_that_is_down_has_to_go_up_after_a_long_pause_or_when_its_robot_was_stopped(
+    pause: float, meanwhile: str
+):
+    keyboard = after_a_pause(pause, meanwhile=meanwhile)
+    assert keyboard.held == ()
+    assert keyboard.waiting == ("w",)
