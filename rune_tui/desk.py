@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 _logger = logging.getLogger(__name__)
 
 _FOLDER = "Rune"
+_MOST_AT_ONCE = 100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -124,18 +125,23 @@ def begin_recording(
     except ModuleNotFoundError:
         text = "recording needs mcap; install it with pip install 'robot-user-nexus[record]'"
         return None, Outcome(text=text, alarm=True)
-    path = (
-        platformdirs.user_documents_path()
-        / _FOLDER
-        / f"run{layout.run_number}-{now:%Y%m%d-%H%M%S}.mcap"
-    )
+    folder = platformdirs.user_documents_path() / _FOLDER
+    name = f"run{layout.run_number}-{now:%Y%m%d-%H%M%S}"
     about = {"layout": layout.path, "run": str(layout.run_number), "operator": operator}
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
+        path = _free(folder, name, ".mcap")
         recording = Recording(path, about)
     except OSError as error:
         return None, _not_written("the recording", error)
     return recording, Outcome(text=f"recording into {path}")
+
+
+def _free(folder: Path, name: str, suffix: str) -> Path:
+    """A file that is not there yet; two are begun in one second now and then."""
+    numbered = (f"{name}-{number}" for number in range(2, _MOST_AT_ONCE))
+    paths = [folder / f"{each}{suffix}" for each in (name, *numbered)]
+    return next((path for path in paths if not path.exists()), paths[0])
 
 
 def end_recording(recording: Recording) -> Outcome:

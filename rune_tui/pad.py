@@ -246,6 +246,8 @@ def run(
         client = Client(name, endpoint, keys=own_keys, near=tunnel is None)
         stack.callback(client.close)
         client.define(*pad.MESSAGES)
+        if sys.stderr.isatty():
+            sys.stderr.write(f"connecting to {f'ssh {ssh}' if ssh else hub}; Ctrl-C ends it\n")
         _wait_connected(client, "" if tunnel is None else f"{hub} of ssh {tunnel.destination}")
         client.wait_defined(CONNECT_S)
         sender = PadSender(

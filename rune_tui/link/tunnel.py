@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import re
 import shutil
+import signal
 import subprocess
 import tempfile
 import threading
@@ -142,6 +143,9 @@ class Tunnel:
         for path in self._sockets():
             path.unlink(missing_ok=True)
         with (self._folder / "ssh.log").open("wb") as log:
+            # The shell has this thread's signals, and hears of no end of ssh if they are blocked.
+            if hasattr(signal, "pthread_sigmask"):
+                signal.pthread_sigmask(signal.SIG_UNBLOCK, signal.valid_signals())
             self._process = subprocess.Popen(
                 ["sh", "-c", _GUARD, str(self._folder), *self._command, *options, *self._target],
                 stdin=subprocess.PIPE,

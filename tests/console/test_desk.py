@@ -10,8 +10,10 @@ import pytest
 from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Stop, Twist
 from rune_tui import desk
 from rune_tui.compositor.blend import compose
+from rune_tui.layout.spec import ViewSpec
 from rune_tui.model.effects import SendEffect
 from rune_tui.model.robot_state import LinkPhase
+from tests.console.states import layout_of
 from tests.console.visualizers.conftest import Made
 from tests.console.widgets.presses import marked, seeing
 
@@ -55,6 +57,17 @@ def test_a_folder_that_cannot_be_made_is_an_alarm_and_no_fault(home: Path):
         (home / name).write_text("no folder")
     assert desk.write_screenshot(compose(20, 5, (9, 9, 9), []), NOW).alarm
     assert desk.write_marks(seeing(marked(1)).robots["magellan"], NOW).alarm
+
+
+def test_two_recordings_of_one_second_have_files_of_their_own(home: Path):
+    layout = layout_of(ViewSpec(xsize=9, ysize=9, background=(0, 0, 0), viewports=(), widgets=()))
+    begun = [desk.begin_recording(layout, "alice", NOW) for _ in range(2)]
+    for recording, said in begun:
+        assert not said.alarm
+        assert recording is not None
+        recording.close()
+    names = sorted(path.name for path in (home / "documents" / "Rune").iterdir())
+    assert names == ["run0-20050318-015831-2.mcap", "run0-20050318-015831.mcap"]
 
 
 @pytest.mark.parametrize("phase", [LinkPhase.LOST, LinkPhase.CONNECTING])

@@ -19,6 +19,7 @@ import pytest
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.navigation import GROUND_TRUTH, GroundTruth
 from tests.fake_hid import VirtualBed, VirtualDevice, needs_virtual_devices
+from tests.ports import free_port
 from tests.system.gamepads import NAME, PAD, console_at, drive, expect_no_driving, forward, report
 from tests.system.harness import STILL, ConsoleProcess, HubProcess, Observer, expect_stop
 
@@ -245,3 +246,10 @@ def test_of_two_consoles_that_use_one_pad_only_the_one_in_control_drives_and_fro
     observer.wait(lambda: control(observer).operator != operator, 10.0, "it keeps control")
     expect_a_held_stick_drives_nothing(desk, bob, observer)
     drive(desk.pad, observer, bob)
+
+
+def test_who_waits_for_a_hub_is_told_for_which(bed: VirtualBed) -> None:
+    command = ["pad", f"127.0.0.1:{free_port()}"]
+    with closing(ConsoleProcess(command, environment=bed.environment)) as sending:
+        sending.wait(lambda: f"connecting to tcp://{command[1]}" in sending.text, 15.0, "no word")
+        assert sending.wait_ended() == 3

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path
@@ -110,6 +111,24 @@ def test_the_way_is_made_again_when_ssh_ends_and_meanwhile_is_told_why(
         lambda: link.state.link.phase is LinkPhase.CONNECTED, 30.0, lambda: link.state.link.detail
     )
     until(lambda: not tunnels[0].trouble, 10.0)
+
+
+def test_the_way_is_made_again_also_by_who_has_signals_blocked(server: SshServer) -> None:
+    def opened_and_killed() -> None:
+        signal.pthread_sigmask(signal.SIG_BLOCK, signal.valid_signals())
+        with closing(Tunnel(server.target)) as tunnel:
+            tunnel.open()
+            (first,) = server.running()
+            os.kill(first, signal.SIGKILL)
+            until(lambda: [pid for pid in server.running() if pid != first], 15.0)
+            until(lambda: not tunnel.trouble, 15.0)
+            made.append(first)
+
+    made: list[int] = []
+    blocked = threading.Thread(target=opened_and_killed)
+    blocked.start()
+    blocked.join()
+    assert made
 
 
 def test_two_robots_have_a_way_each(server: SshServer, tmp_path: Path, stack: ExitStack) -> None:
