@@ -201,7 +201,7 @@ def made_of(seat: Seat, position: int, name: str) -> str:
     if axis is None:
         return told
     about = f"dead zone {axis.shape.dead_zone:.2f}, expo {axis.shape.expo:.2f}"
-    return f"{told} of {axis.share:+.2f}  {curve(axis.shape)}  {about}"
+    return f"{told} of {axis.share + 0.0:+.2f}  {curve(axis.shape)}  {about}"  # no -0.00
 
 
 def curve(shape: Shape) -> str:
