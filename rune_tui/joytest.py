@@ -235,6 +235,11 @@ class Bench:
         self._store = CalibrationStore()
         self._mappings = Mappings()
 
+    @property
+    def trouble(self) -> str:
+        """What is wrong with the user's own roles, in one sentence; empty if nothing is."""
+        return self._mappings.trouble
+
     def turn(self, now: float) -> None:
         """Take what has come."""
         for news in self._reader.news():
@@ -286,6 +291,7 @@ class _Pictures:
     def show(self, bench: Bench) -> None:
         columns, rows = shutil.get_terminal_size()
         lines = [line for seat in bench.seats.values() for line in lines_of(seat)]
+        lines += [bench.trouble] if bench.trouble else []
         lines = [*(lines or [f"{NOTHING}; waiting for one"]), "", "ctrl+c ends this"][:rows]
         whole = "\n".join(f"{line[:columns]}{_REST_OF_LINE}" for line in lines)
         sys.stdout.write(f"{_HOME}{whole}{_BELOW}")

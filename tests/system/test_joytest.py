@@ -68,6 +68,16 @@ def test_roles_are_those_of_the_users_own_file(bed: VirtualBed) -> None:
     assert {each["usage"]: each["role"] for each in told["controls"]}["y"] == "rightx"
 
 
+@pytest.mark.usefixtures("pad")
+def test_a_file_of_roles_that_cannot_be_read_is_told_of(bed: VirtualBed) -> None:
+    user_file("gamecontrollerdb.txt").mkdir(parents=True)
+    with closing(ConsoleProcess(["joytest"], environment=bed.environment, columns=200)) as shown:
+        shown.wait(lambda: "it is no regular file" in shown.text, 20.0, "it is not told")
+        assert "reports a second" in shown.text
+        shown.type("\x03")
+        assert shown.wait_ended() == 0
+
+
 def test_nothing_that_is_plugged_in_is_said_to_be_so(bed: VirtualBed) -> None:
     assert joytest(bed, "--list") == "no joystick is plugged in\n"
     assert json.loads(joytest(bed, "--json")) == []

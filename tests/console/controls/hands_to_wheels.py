@@ -178,7 +178,7 @@ class World:
         """Somebody starts a console."""
         now = self.now + self.ahead
         elsewhere = self._elsewhere and not self.consoles
-        reader = HeardPads(lambda: self.now + self.ahead) if elsewhere else FakeReader()
+        reader = HeardPads(clock=lambda: self.now + self.ahead) if elsewhere else FakeReader()
         made = Console(self._layout, self._way(), self.chance.random(), now, reader)
         self.consoles.append(made)
         return made

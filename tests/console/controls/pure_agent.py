@@ -19,9 +19,6 @@ _CONTROLS = _F310.decoder().controls
 class HeardPads(FarPads):
     """As the console has them, but for the thread that waits: here it is asked all the time."""
 
-    def __init__(self, clock: Callable[[], float]) -> None:
-        super().__init__("", clock)
-
     def start(self, notify: Callable[[], None]) -> None:
         """Time passes where it is asked."""
 

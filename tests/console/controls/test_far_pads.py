@@ -35,6 +35,7 @@ from tests.console.controls.hid.fixtures import device as recorded
 from tests.console.controls.joystick import pads
 from tests.console.controls.joystick.pads import control, joystick, told
 from tests.console.controls.joystick.test_joysticks import FakeReader
+from tests.console.controls.pure_agent import HeardPads
 from tests.waiting import until
 
 F310 = recorded("logitech_f310_dinput")
@@ -65,11 +66,9 @@ class Far:
     def __init__(self, spec: JoystickSpec = SPEC, operator: str = "bob") -> None:
         self.now = 100.0
         self.near = FakeReader()
-        self.pads = FarPads(operator, lambda: self.now)
+        self.pads = HeardPads(operator, lambda: self.now)
         self.sources = Sources(self.near, self.pads)
         self.joysticks = Joysticks((spec,), self.sources, CalibrationStore())
-        # Time goes by as the test wants, so nothing watches for silence but `take`.
-        self.pads.start = lambda _: None  # type: ignore[method-assign]
         self.joysticks.start(lambda: None)
         self.row = Row(CONTROLS)
 
