@@ -142,7 +142,9 @@ def _check(options: argparse.Namespace) -> int:
             code = ExitCode.USAGE
         else:
             sys.stdout.write(f"{path}: ok\n")
-            sys.stdout.writelines(f"  note: {note}\n" for note in key_notes(layout))
+            sys.stdout.writelines(
+                f"  note: {note}\n" for note in (*layout.notes, *key_notes(layout))
+            )
     return code
 
 

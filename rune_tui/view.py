@@ -13,12 +13,14 @@ import numpy as np
 
 from rune_tui.compositor.blend import Layer, compose, tinted, urgencies_of
 from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.contrast import make_legible
 from rune_tui.controls.events import Hit
 from rune_tui.help_layer import HelpLayer
 from rune_tui.layout.rules import Vocabulary
 from rune_tui.layout.spec import LayoutSpec, ViewportSpec, ViewSpec
 from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.robot_state import RobotState
+from rune_tui.model.theme import DARK, Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgencies, Urgency
 from rune_tui.visualizers.camera_image import CameraImage
@@ -240,7 +242,8 @@ class View:
             layers.append(self._told(passing, state))
         layers += self._help.layers
         self._urgencies = urgencies_of(self._columns, self._rows, layers)
-        cells = compose(self._columns, self._rows, self._spec.background, layers)
+        cells = compose(self._columns, self._rows, self._ground(state.theme), layers)
+        make_legible(cells, state.theme.tint)
         return tinted(cells, state.theme.tint)
 
     def hits(self, x: int, y: int, state: ConsoleState) -> tuple[Hit, ...]:
@@ -302,6 +305,11 @@ class View:
         whose = f"{notice.robot}: " if notice.robot else ""
         write_notice(canvas, f"{sign}{whose}{notice.text}", state.theme)
         return Layer(canvas=canvas, x=0, y=0, zpos=self._nearest + 1, urgency=Urgency.ALARM)
+
+    def _ground(self, theme: Theme) -> tuple[int, int, int]:
+        """What is behind all viewports: a layout's colour suits the theme it was made for only."""
+        given = self._spec.background if theme is DARK else None
+        return given or theme.ground[:3]
 
     @property
     def _nearest(self) -> int:

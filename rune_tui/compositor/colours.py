@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from rune_tui.compositor.blend import mean
 from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.contrast import contrast, luminance
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.palettes import (
     LUMA,
@@ -20,11 +21,10 @@ from rune_tui.compositor.palettes import (
     nearest_of_16,
     nearest_of_256,
 )
+from rune_tui.model.theme import LEAST_CONTRAST
 
 Bytes = npt.NDArray[np.uint8]
 
-_LEAST_CONTRAST = 60
-"""Of a character with its ground, in brightness of 0 to 255."""
 _STRONG = 96
 """From this difference between its channels on, of 255, a colour is strong."""
 _SHADE_BITS = 5
@@ -74,10 +74,8 @@ def at_depth(cells: Cells, depth: ColourDepth) -> Cells:
         numbers, glyphs = nearest_pixels(cells.pixels), cells.glyphs
         ground = nearest(behind)
         ink = nearest(cells.ink[written])
-        brightness = _brightness(palette)
-        faint = np.abs(brightness[ink] - brightness[ground]) < _LEAST_CONTRAST
-        black, white = nearest(_BLACK_AND_WHITE)
-        ink[faint] = np.where(brightness[ground] < 128, white, black)[faint]
+        faint = _faint_pairs(depth)[ink, ground]
+        ink[faint] = _extremes(depth)[ground[faint]]
     numbers[0::2][written] = ground
     numbers[1::2][written] = ground
     inks = (glyphs != 0).astype(np.uint8)
@@ -118,6 +116,25 @@ def _turned(behind: Bytes, ink: Bytes) -> npt.NDArray[np.bool_]:
     strong = channels.max(axis=1) - channels.min(axis=1) >= _STRONG
     turned: npt.NDArray[np.bool_] = strong | (_brightness(behind) > _brightness(ink))
     return turned
+
+
+@cache
+def _faint_pairs(depth: ColourDepth) -> npt.NDArray[np.bool_]:
+    """Whether an ink does not stand out from a ground, by the numbers of both."""
+    light = luminance(_INDEXED[depth][0])
+    faint: npt.NDArray[np.bool_] = contrast(light[:, None], light) < LEAST_CONTRAST
+    return faint
+
+
+@cache
+def _extremes(depth: ColourDepth) -> Bytes:
+    """Number of black or white, whichever stands out more from a ground, by its number."""
+    palette, nearest, _ = _INDEXED[depth]
+    black, white = nearest(_BLACK_AND_WHITE)
+    light = luminance(palette)
+    brighter = contrast(light, light[white]) >= contrast(light, light[black])
+    extremes: Bytes = np.where(brighter, white, black).astype(np.uint8)
+    return extremes
 
 
 def _brightness(colours: Bytes) -> npt.NDArray[np.int32]:

@@ -35,6 +35,7 @@ class SpecBuilder:
 
     Attributes:
         mistakes: Visualizers and widgets that refuse to be made of what the layout says of them.
+        notes: What the author should change one day, a sentence each.
     """
 
     def __init__(
@@ -47,6 +48,7 @@ class SpecBuilder:
         self._robots: tuple[str, ...] = ()
         self._joysticks = Joysticks((), rules)
         self.mistakes: list[Mistake] = []
+        self.notes: list[str] = []
 
     def layout(self, root: Node, files: tuple[Path, ...]) -> LayoutSpec:
         """The whole layout, which these files make up."""
@@ -66,6 +68,7 @@ class SpecBuilder:
                 event for widget in widgets for event in widget.of("event")
             ),
             files=files,
+            notes=tuple(self.notes),
             vocabulary=self._vocabulary,
         )
 
@@ -111,14 +114,20 @@ class SpecBuilder:
         return CapabilitySpec(name=name, interval_s=milliseconds / 1000)
 
     def _view(self, node: Node) -> ViewSpec:
-        red, green, blue = bytes.fromhex(self._text(node, "background").removeprefix("#"))
         return ViewSpec(
             xsize=self._whole(node, "xsize"),
             ysize=self._whole(node, "ysize"),
-            background=(red, green, blue),
+            background=self._background(node),
             viewports=tuple(map(self._viewport, node.of("viewport"))),
             widgets=tuple(map(self._widget, node.of("widget"))),
         )
+
+    def _background(self, node: Node) -> tuple[int, int, int] | None:
+        given = self._text(node, "background")
+        if not given:
+            return None
+        red, green, blue = bytes.fromhex(given.removeprefix("#"))
+        return red, green, blue
 
     def _viewport(self, node: Node) -> ViewportSpec:
         name = self._text(node, "name")
@@ -185,6 +194,10 @@ class SpecBuilder:
 
     def _options(self, node: Node, rules: Mapping[str, Option]) -> Options:
         given = {self._text(each, "name"): self._text(each, "value") for each in node.of("option")}
+        for name, text in given.items():
+            if text != (now := rules[name].value(text)) and isinstance(now, str):
+                where = f"line {node.place.line}: the {name} {text}"
+                self.notes.append(f'{where} is now called {now}; write value="{now}"')
         return Options.of(rules, {name: rules[name].value(text) for name, text in given.items()})
 
     def _event(self, node: Node, wanted: Input, rule: HandlerRule) -> EventSpec:

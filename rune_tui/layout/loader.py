@@ -10,6 +10,7 @@ import dataclasses
 import functools
 import importlib.resources
 import itertools
+import logging
 import re
 import stat
 from collections.abc import Iterable, Mapping
@@ -27,6 +28,8 @@ from rune_tui.layout.parts import Assembly
 from rune_tui.layout.places import Place, start_tags
 from rune_tui.layout.rules import Vocabulary
 from rune_tui.layout.spec import LayoutSpec
+
+_logger = logging.getLogger(__name__)
 
 LARGEST_FILE = 1024 * 1024
 """Bytes of a layout file, and of it and its parts together; a large one has a few thousand."""
@@ -84,6 +87,8 @@ def load_layout(
         raise _error(_traced(mistakes, assembly.given), files)
     builder = SpecBuilder(rules, str(path), vocabulary, fonts)
     layout = builder.layout(root, files)
+    for note in builder.notes:
+        _logger.warning("%s: %s", path, note)
     if builder.mistakes:
         raise _error(_traced(builder.mistakes, assembly.given), files)
     return layout

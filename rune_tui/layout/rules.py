@@ -59,11 +59,13 @@ class ChoiceOption:
         default: Its value where the layout is silent.
         choices: All that are allowed.
         meaning: What it does, for the reference.
+        renamed: What older spellings are called now; they are still allowed.
     """
 
     default: str
     choices: tuple[str, ...]
     meaning: str
+    renamed: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def allowed(self) -> str:
@@ -72,11 +74,11 @@ class ChoiceOption:
 
     def accepts(self, text: str) -> bool:
         """Whether a layout may give this."""
-        return text in self.choices
+        return text in self.choices or text in self.renamed
 
     def value(self, text: str) -> str:
         """What a text that is accepted means."""
-        return text
+        return self.renamed.get(text, text)
 
     def shown(self, value: str) -> str:
         """A value as a layout would give it."""

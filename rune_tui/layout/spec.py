@@ -233,14 +233,14 @@ class ViewSpec:
     Attributes:
         xsize: Design width in pixels; a terminal cell is one pixel wide.
         ysize: Design height in pixels; a terminal cell is two pixels high.
-        background: Red, green, blue behind all viewports.
+        background: Red, green, blue behind all viewports in the theme "dark"; None: the theme's.
         viewports: In file order.
         widgets: Global widgets.
     """
 
     xsize: int
     ysize: int
-    background: tuple[int, int, int]
+    background: tuple[int, int, int] | None
     viewports: tuple[ViewportSpec, ...]
     widgets: tuple[WidgetSpec, ...]
 
@@ -256,6 +256,7 @@ class LayoutSpec:
         joysticks: Joysticks, in file order.
         view: The whole picture.
         files: The file itself, the parts that it includes, its extensions and its fonts.
+        notes: Old spellings in it that still work, a sentence each.
         vocabulary: The visualizers and widgets that it names, and all others there are.
     """
 
@@ -265,6 +266,7 @@ class LayoutSpec:
     view: ViewSpec
     joysticks: tuple[JoystickSpec, ...] = ()
     files: tuple[Path, ...] = ()
+    notes: tuple[str, ...] = ()
     vocabulary: Vocabulary = field(compare=False, repr=False)
 
     def robot(self, name: str) -> RobotSpec:

@@ -1,7 +1,7 @@
 """The colours of everything that is drawn; whatever a colour says is also said by a word or a mark.
 
-Warnings are orange, and alarms white on red: blue against orange stays distinct for people who do
-not tell red from green.
+Cautions are orange, and alarms white on red: blue against orange stays distinct for people who do
+not tell red from green. Every text has a contrast of at least `LEAST_CONTRAST` with what is behind.
 """
 
 from __future__ import annotations
@@ -13,6 +13,9 @@ from typing import Final
 Colour = tuple[int, int, int, int]
 """Red, green, blue, alpha; 0 to 255 each."""
 
+LEAST_CONTRAST: Final = 4.5
+"""Of text with its ground: WCAG 2.2, success criterion 1.4.3 (AA)."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Theme:
@@ -20,73 +23,113 @@ class Theme:
 
     Attributes:
         name: Its name.
-        ink: Of words.
-        faint: Of words and lines that matter less.
-        ground: Behind pictures.
+        ink: Of what counts: values and words that change.
+        soft: Of titles, labels and units.
+        faint: Of hints, and of lines and rules.
+        ground: Behind pictures, and between panes.
         panel: Behind words and gauges.
+        track: The empty part of a gauge.
         accent: Of what moves in a gauge.
         good: Of words that all is well.
         warning: Of words and marks of what needs a look.
         alarm: Behind words of what needs a hand.
         alarm_ink: Of such words where nothing is behind them.
         on_alarm: Of words on `alarm`.
+        wall: Of a map, what is in the way.
+        floor: Of a map, where there is room.
+        unknown: Of a map, what nobody has seen.
+        robot: Of a map, the robot.
+        cone: Of a map, what the camera sees.
+        picture: How bright the camera's picture is shown, 0 to 255.
         tint: What is left of red, green and blue of the whole picture, 0 to 255 each.
     """
 
     name: str
     ink: Colour
+    soft: Colour
     faint: Colour
     ground: Colour
     panel: Colour
+    track: Colour
     accent: Colour
     good: Colour
     warning: Colour
     alarm: Colour
     alarm_ink: Colour
     on_alarm: Colour
+    wall: Colour
+    floor: Colour
+    unknown: Colour
+    robot: Colour
+    cone: Colour
+    picture: int = 255
     tint: tuple[int, int, int] = (255, 255, 255)
 
 
 DARK: Final = Theme(
     name="dark",
-    ink=(240, 240, 240, 255),
-    faint=(140, 150, 160, 255),
+    ink=(244, 244, 244, 255),
+    soft=(184, 194, 204, 255),
+    faint=(142, 152, 162, 255),
     ground=(0, 0, 0, 255),
     panel=(24, 28, 34, 255),
+    track=(58, 66, 76, 255),
     accent=(80, 160, 220, 255),
     good=(120, 200, 255, 255),
     warning=(255, 176, 0, 255),
     alarm=(200, 24, 24, 255),
-    alarm_ink=(255, 120, 110, 255),
-    on_alarm=(240, 240, 240, 255),
+    alarm_ink=(255, 130, 120, 255),
+    on_alarm=(255, 255, 255, 255),
+    wall=(236, 232, 220, 255),
+    floor=(74, 84, 98, 255),
+    unknown=(16, 19, 24, 255),
+    robot=(90, 200, 255, 255),
+    cone=(150, 170, 90, 255),
 )
 LIGHT: Final = Theme(
     name="light",
-    ink=(16, 18, 22, 255),
-    faint=(92, 98, 106, 255),
+    ink=(12, 14, 18, 255),
+    soft=(58, 64, 72, 255),
+    faint=(88, 94, 102, 255),
     ground=(255, 255, 255, 255),
-    panel=(232, 235, 238, 255),
+    panel=(234, 237, 240, 255),
+    track=(196, 203, 210, 255),
     accent=(20, 100, 170, 255),
     good=(0, 84, 150, 255),
-    warning=(150, 84, 0, 255),
+    warning=(140, 76, 0, 255),
     alarm=(190, 16, 16, 255),
-    alarm_ink=(176, 12, 12, 255),
+    alarm_ink=(168, 10, 10, 255),
     on_alarm=(255, 255, 255, 255),
+    wall=(20, 22, 26, 255),
+    floor=(255, 255, 255, 255),
+    unknown=(176, 182, 190, 255),
+    robot=(0, 96, 190, 255),
+    cone=(214, 180, 60, 255),
 )
-NIGHT: Final = Theme(
-    name="night",
-    ink=(240, 240, 240, 255),
-    faint=(150, 150, 150, 255),
+RED: Final = Theme(
+    name="red",
+    ink=(255, 255, 255, 255),
+    soft=(242, 242, 242, 255),
+    faint=(228, 228, 228, 255),
     ground=(0, 0, 0, 255),
-    panel=(18, 18, 18, 255),
-    accent=(180, 180, 180, 255),
-    good=(210, 210, 210, 255),
-    warning=(255, 220, 160, 255),
+    panel=(20, 20, 20, 255),
+    track=(72, 72, 72, 255),
+    accent=(200, 200, 200, 255),
+    good=(240, 240, 240, 255),
+    warning=(255, 255, 255, 255),
     alarm=(255, 255, 255, 255),
     alarm_ink=(255, 255, 255, 255),
     on_alarm=(0, 0, 0, 255),
-    tint=(150, 34, 22),
+    wall=(255, 255, 255, 255),
+    floor=(96, 96, 96, 255),
+    unknown=(14, 14, 14, 255),
+    robot=(255, 255, 255, 255),
+    cone=(150, 150, 150, 255),
+    picture=150,
+    tint=(255, 76, 52),
 )
 """Red keeps eyes that are used to the dark; in it nothing is told by hue."""
 
-THEMES: Final[Mapping[str, Theme]] = {theme.name: theme for theme in (DARK, LIGHT, NIGHT)}
+THEMES: Final[Mapping[str, Theme]] = {theme.name: theme for theme in (DARK, LIGHT, RED)}
+RENAMED: Final[Mapping[str, str]] = {"night": RED.name}
+"""Older spellings, which layouts may still use: night is what the camera's night mode is called."""

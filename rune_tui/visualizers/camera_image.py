@@ -8,6 +8,8 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import ClassVar, Final, Self
 
+import numpy as np
+
 from hub.gcm.vision import CameraState
 from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
@@ -26,6 +28,7 @@ from rune_tui.visualizers.picture_frame import FIT, FIT_OPTION, PictureFrame
 from rune_tui.visualizers.staleness import age_look, mark_age, weather
 
 _ASIDE_DEG: Final = 5.0
+_BRIGHT: Final = 255
 _CROSS: Final = (2, 4, 6)
 """From the middle of the crosshair to where its colours begin and end [pixels]."""
 
@@ -86,6 +89,7 @@ class CameraImage:
             age = robot.picture.age(state.now)
             frame = self._frame(picture, (canvas.width, canvas.height), state)
             _paste(canvas, picture, frame)
+            _darken(canvas, state.theme.picture)
             weather(canvas, age)
             if self.crosshair:
                 _mark_middle(canvas, frame, state.theme)
@@ -194,6 +198,15 @@ def _paste(canvas: Canvas, picture: Picture, frame: PictureFrame) -> None:
     else:
         fine = resized(picture.pixels, 2 * (right - left), bottom - top, part)
         canvas.paste_fine(fine, left, top)
+
+
+def _darken(canvas: Canvas, brightness: int) -> None:
+    """Leave so much of the picture's brightness, of 255."""
+    if brightness == _BRIGHT:
+        return
+    for pixels in (canvas.pixels, canvas.fine):
+        if pixels is not None:
+            pixels[..., :3] = pixels[..., :3] * np.uint16(brightness) // np.uint16(_BRIGHT)
 
 
 def _mark_middle(canvas: Canvas, frame: PictureFrame, theme: Theme) -> None:

@@ -21,7 +21,7 @@ from rune_tui.model.effects import (
     ToggleHelp,
     Zoom,
 )
-from rune_tui.model.theme import THEMES
+from rune_tui.model.theme import RENAMED, THEMES
 from rune_tui.widgets.stepping import SteppingWidget
 from rune_tui.widgets.widget import PressWidget
 
@@ -144,7 +144,10 @@ class ThemeWidget(_Showing):
         meaning="Takes other colours.",
         options={
             "theme": ChoiceOption(
-                default=_NEXT, choices=(_NEXT, *THEMES), meaning="which; or the next of them"
+                default=_NEXT,
+                choices=(_NEXT, *THEMES),
+                meaning="which; or the next of them",
+                renamed=RENAMED,
             )
         },
         needs_robot=False,

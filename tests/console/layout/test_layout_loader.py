@@ -165,7 +165,7 @@ def test_what_a_file_leaves_out_has_its_default(tmp_path: Path):
     (robot,) = layout.robots
     assert robot.hub == "tcp://127.0.0.1:1381"
     assert [capability.interval_s for capability in robot.capabilities] == [0.01, 0.0]
-    assert layout.view.background == (0, 0, 0)
+    assert layout.view.background is None
     (viewport,) = layout.view.viewports
     assert (viewport.robot, viewport.visible, viewport.transparency) == ("magellan", True, 0)
     assert (viewport.zpos, viewport.scaled) == (0, True)
@@ -425,3 +425,14 @@ def test_the_memory_that_a_file_takes_is_bounded_by_its_size(tmp_path: Path, con
 def test_a_file_of_very_many_elements_is_refused_as_a_whole(tmp_path: Path):
     (problem,) = problems(tmp_path, "<rune>" + "<a/>" * 20_000 + "</rune>")
     assert "more than 20000 elements" in problem.message
+
+
+def test_an_older_spelling_works_and_is_noted(tmp_path: Path):
+    widget = """<widget handler="widgetTheme"><option name="theme" value="night"/>
+      <event key="n"/></widget>"""
+    layout = load(
+        tmp_path, SHORT.replace("<view ", "<view ", 1).replace("</view>", f"{widget}</view>")
+    )
+    assert layout.view.widgets[-1].options.word("theme") == "red"
+    (note,) = layout.notes
+    assert 'the theme night is now called red; write value="red"' in note

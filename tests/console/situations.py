@@ -1,0 +1,363 @@
+"""What an operator may meet, as states that any layout can be drawn of.
+
+    python -m tests.console.situations FOLDER [LAYOUT]
+
+writes a picture of each in three sizes, to be looked at.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from hub.gcm.autonomy import AUTONOMY_STATE, AutonomyState, Behaviour, Pilot
+from hub.gcm.control import CONTROL_STATE, ControlState
+from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints, PointKind
+from hub.gcm.navigation import (
+    NAVIGATION_STATUS,
+    MotionState,
+    NavigationStatus,
+    Point,
+    Task,
+)
+from hub.plane import Pose
+from hub.robots.magellan import SimulatedCamera
+from hub.sim.arena import load_arena
+from hub.sim.range_sensors import RangeSensors
+from rune_tui.compositor import picture as picture_files
+from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.colours import at_depth
+from rune_tui.compositor.depth import ColourDepth
+from rune_tui.layout.spec import LayoutSpec
+from rune_tui.model.console_state import ConsoleState, Notice
+from rune_tui.model.robot_state import (
+    LinkPhase,
+    LinkState,
+    OccupancyMap,
+    Picture,
+    Received,
+    RobotState,
+)
+from rune_tui.model.theme import DARK, Theme
+from rune_tui.opening import open_layout
+from rune_tui.view import View
+from tests.console.states import robot_of
+from tests.messages import robot_state
+
+ROOT: Final = Path(__file__).parents[2]
+NOW: Final = 1000.0
+SIZES: Final = ((80, 24), (120, 40), (160, 48))
+CORRIDOR: Final = Pose(x=5.2, y=2.4, theta=math.pi / 2.0)
+"""Where the robot is unless a situation says otherwise."""
+AT_THE_WALL: Final = Pose(x=5.1, y=8.0, theta=math.pi * 0.62)
+
+_ME, _OTHER = 7, 9
+_RESOLUTION: Final = 0.05
+
+
+@functools.cache
+def _seen(pose: Pose) -> Picture:
+    camera = SimulatedCamera(load_arena("yellow"), seed=0)
+    camera.place(pose.x, pose.y, pose.theta)
+    taken = camera.take(320, 240, 0.0)
+    state = dataclasses.replace(
+        camera.camera_state(0.0), robot_x=pose.x, robot_y=pose.y, robot_theta=pose.theta
+    )
+    return Picture(pixels=taken.pixels, camera=state)
+
+
+@functools.cache
+def _ranges(pose: Pose) -> tuple[Any, Any]:
+    sensors = RangeSensors(load_arena("yellow").footprints, np.random.SeedSequence(0))
+    return sensors.sonar(pose), sensors.infrared(pose)
+
+
+@functools.cache
+def _map() -> OccupancyMap:
+    """The southern half of the arena, as a robot would have mapped it from the middle."""
+    footprints = load_arena("yellow").footprints
+    size = round(12.0 / _RESOLUTION)
+    edges = -1.0 + _RESOLUTION * (np.arange(size) + 0.5)
+    cells = np.full((size, size), -1, np.int8)
+    for row, y in enumerate(edges.tolist()):
+        for column, x in enumerate(edges.tolist()):
+            away = math.hypot(x - 4.6, y - 3.0)
+            if away > 4.2 + 0.6 * math.sin(5.0 * math.atan2(y - 3.0, x - 4.6)):
+                continue
+            if not (0.0 <= x <= 10.0 and 0.0 <= y <= 10.0):
+                continue
+            cells[row, column] = 100 if footprints.distances(x, y).min() < 0.5 * _RESOLUTION else 5
+    return OccupancyMap(cells=cells, resolution=_RESOLUTION, origin_x=-1.0, origin_y=-1.0)
+
+
+def _known(value: Any, age: float, number: int = 1) -> Received[Any]:
+    return Received(value=value, measured=NOW - age, number=number)
+
+
+def _mark(number: int, kind: PointKind, x: float, y: float, note: str) -> InterestPoint:
+    return InterestPoint(
+        number=number,
+        kind=kind,
+        x=x,
+        y=y,
+        stamp=0.0,
+        by="ada",
+        note=note,
+        thumbnail=np.zeros(0, np.uint8),
+        uncertainty=0.12,
+        distance=2.4,
+    )
+
+
+MARKS: Final = InterestPoints(
+    count=2,
+    points=(
+        _mark(1, PointKind.VICTIM, 2.2, 1.4, "by the table"),
+        _mark(2, PointKind.LANDMARK, 6.6, 3.2, "exit"),
+    ),
+)
+HOLDS: Final = AutonomyState(
+    behaviour=Behaviour.HOLD,
+    pilot=Pilot.OPERATOR,
+    x=math.nan,
+    y=math.nan,
+    frontier_m=math.nan,
+    why="",
+)
+MINE: Final = ControlState(owner=_ME, operator="ada", held_s=200.0, commander_name="ada")
+
+
+def robot(
+    name: str,
+    *,
+    at: Pose = CORRIDOR,
+    age: float = 0.1,
+    picture_age: float | None = None,
+    control: ControlState = MINE,
+    autonomy: AutonomyState = HOLDS,
+    task: NavigationStatus | None = None,
+    phase: LinkPhase = LinkPhase.CONNECTED,
+    since: float = NOW - 300.0,
+    **motion: Any,
+) -> RobotState:
+    """A robot in the yellow arena, all that it reports `age` seconds old [s]."""
+    seen, (sonar, infrared) = _seen(at), _ranges(at)
+    navigation = robot_state(
+        **{
+            "x": at.x,
+            "y": at.y,
+            "theta": at.theta,
+            "sonar": sonar,
+            "infrared": infrared,
+            "battery_fraction": 0.74,
+            "battery_voltage": 24.8,
+        }
+        | motion
+    )
+    messages = {
+        CONTROL_STATE.name: _known(control, age),
+        INTEREST_POINTS.name: _known(MARKS, age),
+        AUTONOMY_STATE.name: _known(autonomy, age),
+    }
+    if task is not None:
+        messages[NAVIGATION_STATUS.name] = _known(task, age)
+    return robot_of(
+        name=name,
+        link=LinkState(
+            phase=phase,
+            since=since,
+            endpoint="tcp://127.0.0.1:1381",
+            number=_ME,
+            owned_since="14:03",
+            round_trip=0.012,
+            bytes_per_s=61_000.0,
+            messages_per_s=84.0,
+            detail="" if phase is LinkPhase.CONNECTED else "the hub does not answer",
+        ),
+        picture=_known(seen, age if picture_age is None else picture_age),
+        camera=_known(seen.camera, age),
+        map=_known(_map(), age + 1.0),
+        navigation=_known(navigation, age),
+        messages=messages,
+    )
+
+
+@dataclasses.dataclass(frozen=True, slots=True, kw_only=True)
+class Situation:
+    """Something that an operator may meet.
+
+    Attributes:
+        first: What has to be seen first.
+        robot: The robot of this name in it.
+        state: What of the console's state is special.
+    """
+
+    first: str
+    robot: Callable[[str], RobotState]
+    state: dict[str, Any] = dataclasses.field(default_factory=dict)
+
+
+_DRIVES: Final[dict[str, Any]] = {
+    "linear": 0.42,
+    "angular": 0.1,
+    "commanded_linear": 0.5,
+    "commanded_angular": 0.1,
+    "motion": MotionState.MOVING,
+}
+_ROUTE: Final = tuple(
+    Point(x=x, y=y) for x, y in ((5.2, 2.4), (5.1, 3.2), (4.7, 4.2), (4.2, 4.6), (3.2, 4.6))
+)
+
+
+def _told(text: str, seconds: float, *, alarm: bool = False) -> Notice:
+    return Notice(text=text, when=NOW - seconds, clock="14:06:40", robot="magellan", alarm=alarm)
+
+
+_HISTORY: Final = (
+    _told("you have control", 200.0),
+    _told("victim 1 is marked", 120.0),
+    _told("landmark 2 is marked", 90.0),
+)
+
+SITUATIONS: Final[dict[str, Situation]] = {
+    "driving": Situation(
+        first="the video and where the robot goes",
+        robot=lambda name: robot(name, **_DRIVES),
+        state={"held": ("w",)},
+    ),
+    "near-wall": Situation(
+        first="something is about to touch, and on which side",
+        robot=lambda name: robot(name, at=AT_THE_WALL, **(_DRIVES | {"linear": 0.1})),
+        state={"held": ("w",)},
+    ),
+    "stale-picture": Situation(
+        first="the picture is old",
+        robot=lambda name: robot(name, picture_age=4.2, **_DRIVES),
+        state={"held": ("w",)},
+    ),
+    "lost-link": Situation(
+        first="the link is lost, and since when; nothing else is known",
+        robot=lambda name: robot(
+            name, age=30.0, phase=LinkPhase.LOST, since=NOW - 30.0, motion=MotionState.STANDING
+        ),
+    ),
+    "asked-for-control": Situation(
+        first="who asks, and which keys answer",
+        robot=lambda name: robot(
+            name,
+            control=dataclasses.replace(
+                MINE, asker=_OTHER, asker_name="console", asker_operator="bob", left_s=8.0
+            ),
+            **_DRIVES,
+        ),
+    ),
+    "exploring": Situation(
+        first="the robot drives by itself, and where to",
+        robot=lambda name: robot(
+            name,
+            autonomy=AutonomyState(
+                behaviour=Behaviour.EXPLORE,
+                pilot=Pilot.AUTONOMY,
+                x=3.2,
+                y=4.6,
+                frontier_m=6.4,
+                why="6.4 m of the map's edge are left",
+            ),
+            task=NavigationStatus(
+                number=4,
+                task=Task.GOING,
+                sender=3,
+                driver=3,
+                points_left=1,
+                distance_left=3.1,
+                why="",
+                count=len(_ROUTE),
+                path=_ROUTE,
+            ),
+            **(_DRIVES | {"motion": MotionState.GOING}),
+        ),
+    ),
+    "goal-blocked": Situation(
+        first="the robot gave its goal up, and why",
+        robot=lambda name: robot(
+            name,
+            autonomy=AutonomyState(
+                behaviour=Behaviour.HOLD,
+                pilot=Pilot.NOBODY,
+                x=math.nan,
+                y=math.nan,
+                frontier_m=math.nan,
+                why="the goal is blocked",
+            ),
+            task=NavigationStatus(
+                number=5,
+                task=Task.BLOCKED,
+                sender=_ME,
+                driver=0,
+                points_left=1,
+                distance_left=2.0,
+                why="no way around the table",
+                count=0,
+                path=(),
+            ),
+        ),
+        state={
+            "notices": (*_HISTORY, _told("goal blocked: no way around the table", 2.0, alarm=True))
+        },
+    ),
+    "mark-refused": Situation(
+        first="the mark was not taken, and why",
+        robot=robot,
+        state={
+            "notices": (
+                *_HISTORY,
+                _told("victim refused: the place is above the horizon", 1.0, alarm=True),
+            )
+        },
+    ),
+    "low-battery": Situation(
+        first="the battery is nearly empty",
+        robot=lambda name: robot(name, battery_fraction=0.08, battery_voltage=21.9, **_DRIVES),
+        state={"held": ("w",)},
+    ),
+}
+
+
+def scene(
+    layout: LayoutSpec, situation: Situation, size: tuple[int, int], theme: Theme = DARK
+) -> Cells:
+    """What a console of this size [cells] shows."""
+    view = View(layout)
+    view.resize(*size)
+    state = dataclasses.replace(
+        ConsoleState.at_start(layout, NOW, "ada"),
+        **{"theme": theme, "notices": _HISTORY, "releases_told": True} | situation.state,
+        robots={each.name: situation.robot(each.name) for each in layout.robots},
+    )
+    cells = view.render(state)
+    assert cells is not None
+    return cells
+
+
+def main() -> None:
+    folder, name = Path(sys.argv[1]), (*sys.argv[2:], "search")[0]
+    folder.mkdir(exist_ok=True)
+    layout = open_layout(ROOT / "layouts" / f"{name}.xml")
+    for title, situation in SITUATIONS.items():
+        for size in SIZES:
+            cells = scene(layout, situation, size)
+            picture_files.save(
+                at_depth(cells, ColourDepth.TRUECOLOUR),
+                folder / f"{name}-{title}-{size[0]}x{size[1]}.png",
+            )
+
+
+if __name__ == "__main__":
+    main()
