@@ -182,7 +182,7 @@ def flat_coding() -> None:
     """A command as one struct, the way a client packs it."""
     twist, definition = navigation.Twist.planar(0.5, 0.2), navigation.VELOCITY_COMMAND
     packer = struct.Struct(f"<4x{definition.flat_letters}")
-    take, make = definition.flat_values, definition.build_flat
+    take, make = definition.flat_values, definition.receive_flat
     payload = packer.pack(*take(twist))
     there, back = microseconds(
         lambda: packer.pack(*take(twist)), lambda: make(packer.unpack(payload))

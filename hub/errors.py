@@ -3,6 +3,7 @@
     HubError
     ├── MessageFormatError (ValueError)        a format string that is not one: "{int,"
     ├── CodecError (ValueError)                values or bytes that do not fit their format
+    │   └── RangeError                         a value outside what its message declares
     ├── FrameError (ValueError)                bytes from the wire that are no frame of ours
     ├── UndefinedMessageError (LookupError)    a message nobody has defined at this central
     ├── RedefinedMessageError (ValueError)     the same name defined with another format
@@ -53,6 +54,10 @@ class MessageFormatError(HubError, ValueError):
 
 class CodecError(HubError, ValueError):
     """Values that do not fit a format, or bytes that no values of it make."""
+
+
+class RangeError(CodecError):
+    """A value that is not within what its message declares."""
 
 
 class FrameError(HubError, ValueError):

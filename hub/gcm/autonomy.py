@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
+from typing import Annotated
 
-from hub.gcm.navigation import Point
+from hub.gcm.fields import LengthIfKnown, MetresIfKnown, Sentence
+from hub.gcm.navigation import MOST_POINTS, Point
 from hub.ipc.definition import Keep, MessageDefinition, Plane
+from hub.ipc.ranges import Most
 
 
 class Behaviour(enum.IntEnum):
@@ -41,7 +44,7 @@ class AutonomyCommand:
 
     behaviour: Behaviour = Behaviour.HOLD
     count: int = 0
-    points: tuple[Point, ...] = ()
+    points: Annotated[tuple[Point, ...], Most(MOST_POINTS)] = ()
 
 
 AUTONOMY_COMMAND = MessageDefinition(
@@ -77,10 +80,10 @@ class AutonomyState:
 
     behaviour: Behaviour
     pilot: Pilot
-    x: float
-    y: float
-    frontier_m: float
-    why: str
+    x: MetresIfKnown
+    y: MetresIfKnown
+    frontier_m: LengthIfKnown
+    why: Sentence
 
 
 AUTONOMY_STATE = MessageDefinition(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import enum
 from dataclasses import dataclass
 
+from hub.gcm.fields import Flag, Name, Sentence
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 
 
@@ -38,9 +39,9 @@ class CommonCommand:
         argument: As the command says; empty otherwise.
     """
 
-    module: str = ""
+    module: Name = ""
     command: CommonCommandKind = CommonCommandKind.STATUS
-    argument: str = ""
+    argument: Sentence = ""
 
 
 COMMON_COMMAND = MessageDefinition(
@@ -61,7 +62,7 @@ class RequestData:
         message: Its name.
     """
 
-    message: str = ""
+    message: Name = ""
 
 
 REQUEST_DATA = MessageDefinition(
@@ -83,8 +84,8 @@ class CommonResult:
         text: What was done, or why not.
     """
 
-    done: int
-    text: str
+    done: Flag
+    text: Sentence
 
 
 COMMON_RESULT = MessageDefinition(

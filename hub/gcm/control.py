@@ -6,10 +6,10 @@ import enum
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
 from hub.gcm import autonomy, navigation, vision
 from hub.gcm.autonomy import Pilot
+from hub.gcm.fields import Count, Flag, Name, Number, Numbers, Seconds, Sentence
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 
 HEARTBEAT_HZ = 5.0
@@ -75,7 +75,7 @@ class ControlRequest:
     """
 
     action: ControlAction = ControlAction.TAKE
-    operator: str = ""
+    operator: Sentence = ""
 
 
 CONTROL_REQUEST = MessageDefinition(
@@ -94,7 +94,7 @@ class ConsoleHeartbeat:
         holds: 1 if it knows that it has control, and so keeps it; else 0.
     """
 
-    holds: int = 0
+    holds: Flag = 0
 
 
 CONSOLE_HEARTBEAT = MessageDefinition(
@@ -129,21 +129,21 @@ class ControlState:
         modules: Numbers of the robot's own modules, whose commands always count, shape (count,).
     """
 
-    owner: int = 0
-    owner_name: str = ""
-    operator: str = ""
-    held_s: float = 0.0
-    silent_s: float = 0.0
-    asker: int = 0
-    asker_name: str = ""
-    asker_operator: str = ""
-    left_s: float = 0.0
-    waiting: int = 0
+    owner: Number = 0
+    owner_name: Name = ""
+    operator: Name = ""
+    held_s: Seconds = 0.0
+    silent_s: Seconds = 0.0
+    asker: Number = 0
+    asker_name: Name = ""
+    asker_operator: Name = ""
+    left_s: Seconds = 0.0
+    waiting: Count = 0
     commander: Pilot = Pilot.NOBODY
-    commander_name: str = ""
-    why: str = ""
+    commander_name: Name = ""
+    why: Sentence = ""
     count: int = 0
-    modules: npt.NDArray[np.uint32] = field(default_factory=lambda: np.zeros(0, np.uint32))
+    modules: Numbers = field(default_factory=lambda: np.zeros(0, np.uint32))
 
 
 CONTROL_STATE = MessageDefinition(
@@ -167,11 +167,11 @@ class ControlRefusal:
         refused: How many commands the module has refused since it started.
     """
 
-    sender: int
-    message: str
-    owner: int
-    operator: str
-    refused: int
+    sender: Number
+    message: Name
+    owner: Number
+    operator: Name
+    refused: Number
 
 
 CONTROL_REFUSAL = MessageDefinition(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from hub.gcm.fields import MetresIfKnown, Radians, RadiansIfKnown, SpeedIfKnown, Stamp
 from hub.ipc.definition import MessageDefinition
 
 
@@ -23,10 +24,10 @@ class Attitude:
         yaw: About z [rad], in (-pi, pi], counter-clockwise; NaN when not measured.
     """
 
-    stamp: float
-    roll: float
-    pitch: float
-    yaw: float = math.nan
+    stamp: Stamp
+    roll: Radians
+    pitch: Radians
+    yaw: RadiansIfKnown = math.nan
 
 
 ATTITUDE = MessageDefinition(
@@ -47,11 +48,11 @@ class Altitude:
         climb: Vertical velocity [m/s], positive up; NaN when not measured.
     """
 
-    stamp: float
-    height: float = math.nan
-    above_ground: float = math.nan
-    depth: float = math.nan
-    climb: float = math.nan
+    stamp: Stamp
+    height: MetresIfKnown = math.nan
+    above_ground: MetresIfKnown = math.nan
+    depth: MetresIfKnown = math.nan
+    climb: SpeedIfKnown = math.nan
 
 
 ALTITUDE = MessageDefinition(

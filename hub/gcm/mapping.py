@@ -4,11 +4,25 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
+from typing import Annotated
 
-import numpy as np
-import numpy.typing as npt
-
+from hub.gcm.fields import (
+    MOST_REPORTS,
+    Length,
+    LengthIfKnown,
+    Metres,
+    MetresIfKnown,
+    Name,
+    Number,
+    Octets,
+    Sentence,
+    Stamp,
+)
 from hub.ipc.definition import Keep, MessageDefinition, Plane
+from hub.ipc.ranges import Most, Range
+
+MOST_CELLS = 1 << 13
+"""Longest side of a map [cells]; at 5 cm a cell it is 400 m."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -22,10 +36,10 @@ class MapRequest:
         height: Extent of the window along y [m].
     """
 
-    x: float = float("nan")
-    y: float = float("nan")
-    width: float = 10.0
-    height: float = 10.0
+    x: MetresIfKnown = float("nan")
+    y: MetresIfKnown = float("nan")
+    width: Length = 10.0
+    height: Length = 10.0
 
 
 MAP_REQUEST = MessageDefinition(
@@ -49,14 +63,14 @@ class Map:
             y; -1 unknown, 0 free to 100 occupied.
     """
 
-    stamp: float
-    resolution: float
-    width_cells: int
-    height_cells: int
-    origin_x: float
-    origin_y: float
+    stamp: Stamp
+    resolution: Annotated[float, Range(1e-3, 1e3, unit="m")]
+    width_cells: Annotated[int, Range(1, MOST_CELLS)]
+    height_cells: Annotated[int, Range(1, MOST_CELLS)]
+    origin_x: Metres
+    origin_y: Metres
     length: int
-    data: npt.NDArray[np.uint8]
+    data: Octets
 
 
 MAP = MessageDefinition(
@@ -94,17 +108,17 @@ class InterestPoint:
         thumbnail: A small picture of it as JPEG; none if empty. Shape (length,).
     """
 
-    number: int = 0
+    number: Number = 0
     kind: PointKind
-    x: float
-    y: float
-    uncertainty: float = float("nan")
-    distance: float = float("nan")
-    stamp: float = 0.0
-    by: str = ""
-    note: str = ""
+    x: Metres
+    y: Metres
+    uncertainty: LengthIfKnown = float("nan")
+    distance: LengthIfKnown = float("nan")
+    stamp: Stamp = 0.0
+    by: Name = ""
+    note: Sentence = ""
     length: int = 0
-    thumbnail: npt.NDArray[np.uint8]
+    thumbnail: Octets
 
 
 _POINT = "{uint,{enum:1},double,double,double,double,double,string,string,uint,<ubyte:10>}"
@@ -154,7 +168,7 @@ class InterestPoints:
     """
 
     count: int
-    points: tuple[InterestPoint, ...]
+    points: Annotated[tuple[InterestPoint, ...], Most(MOST_REPORTS)]
 
 
 INTEREST_POINTS = MessageDefinition(
@@ -189,7 +203,7 @@ class MapCommand:
     """
 
     order: MapOrder = MapOrder.SAVE
-    name: str = ""
+    name: Name = ""
 
 
 MAP_COMMAND = MessageDefinition(

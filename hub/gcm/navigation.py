@@ -9,11 +9,33 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
+from typing import Annotated, TypeAlias
 
-import numpy as np
-import numpy.typing as npt
-
+from hub.gcm.fields import (
+    Count,
+    Flag,
+    LengthIfKnown,
+    Metres,
+    Number,
+    Radians,
+    RadiansIfKnown,
+    Ranges,
+    Seconds,
+    Sentence,
+    Share,
+    ShareIfKnown,
+    Speed,
+    Stamp,
+    TurnRate,
+)
 from hub.ipc.definition import Keep, MessageDefinition, Plane
+from hub.ipc.ranges import Most, Range
+
+MOST_POINTS = 1000
+"""Points of the longest way."""
+
+Axis: TypeAlias = Annotated[float, Range(-100.0, 100.0, unit="m/s or rad/s")]
+"""A velocity along or about one axis [m/s or rad/s]."""
 
 SENSOR_COUNT = 16
 """Sonars, infrared sensors and bumpers of a Magellan Pro, one of each every 22.5 degrees.
@@ -32,9 +54,9 @@ class Vector3:
         z: Along z [m/s or rad/s].
     """
 
-    x: float = 0.0
-    y: float = 0.0
-    z: float = 0.0
+    x: Axis = 0.0
+    y: Axis = 0.0
+    z: Axis = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -147,23 +169,23 @@ class RobotState:
         held_back: How much of the commanded velocity is held back now, 0 (nothing) to 1.
     """
 
-    stamp: float
-    x: float
-    y: float
-    theta: float
-    linear: float
-    angular: float
-    commanded_linear: float
-    commanded_angular: float
-    sonar: npt.NDArray[np.float32]
-    infrared: npt.NDArray[np.float32]
-    bumpers: int
-    battery_voltage: float
-    battery_fraction: float
+    stamp: Stamp
+    x: Metres
+    y: Metres
+    theta: Radians
+    linear: Speed
+    angular: TurnRate
+    commanded_linear: Speed
+    commanded_angular: TurnRate
+    sonar: Ranges
+    infrared: Ranges
+    bumpers: Number
+    battery_voltage: Annotated[float, Range(-1000.0, 1000.0, unit="V", nan=True)]
+    battery_fraction: ShareIfKnown
     motion: MotionState
-    refused: int
+    refused: Number
     assistance: Assistance = Assistance.ON
-    held_back: float = 0.0
+    held_back: Share = 0.0
 
 
 ROBOT_STATE = MessageDefinition(
@@ -195,19 +217,19 @@ class DriveState:
         battery_fraction: Charge left, 0 to 1; NaN when not known.
     """
 
-    stamp: float
-    x: float
-    y: float
-    theta: float
-    linear: float
-    angular: float
-    commanded_linear: float
-    commanded_angular: float
-    sonar: npt.NDArray[np.float32]
-    infrared: npt.NDArray[np.float32]
-    bumpers: int
-    battery_voltage: float
-    battery_fraction: float
+    stamp: Stamp
+    x: Metres
+    y: Metres
+    theta: Radians
+    linear: Speed
+    angular: TurnRate
+    commanded_linear: Speed
+    commanded_angular: TurnRate
+    sonar: Ranges
+    infrared: Ranges
+    bumpers: Number
+    battery_voltage: Annotated[float, Range(-1000.0, 1000.0, unit="V", nan=True)]
+    battery_fraction: ShareIfKnown
 
 
 DRIVE_STATE = MessageDefinition(
@@ -227,11 +249,16 @@ class Stop:
         reason: Who stops and why, for the log.
     """
 
-    reason: str = ""
+    reason: Sentence = ""
 
 
 STOP = MessageDefinition(
-    name="GCM_Stop", format="{string}", type=Stop, keep=Keep.ALL, plane=Plane.COMMAND
+    name="GCM_Stop",
+    format="{string}",
+    type=Stop,
+    keep=Keep.ALL,
+    plane=Plane.COMMAND,
+    unreadable=Stop(reason="somebody, in a message that cannot be read"),
 )
 
 
@@ -244,8 +271,8 @@ class Point:
         y: In `map` [m].
     """
 
-    x: float
-    y: float
+    x: Metres
+    y: Metres
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -260,9 +287,9 @@ class GoalCommand:
     """
 
     count: int = 0
-    points: tuple[Point, ...] = ()
-    theta: float = float("nan")
-    linear_limit: float = float("nan")
+    points: Annotated[tuple[Point, ...], Most(MOST_POINTS)] = ()
+    theta: RadiansIfKnown = float("nan")
+    linear_limit: Annotated[float, Range(0.0, 100.0, unit="m/s", nan=True)] = float("nan")
 
 
 GOAL_COMMAND = MessageDefinition(
@@ -283,7 +310,7 @@ class TurnCommand:
         angle: By how much [rad], positive counter-clockwise; more than a whole turn is allowed.
     """
 
-    angle: float = 0.0
+    angle: Annotated[float, Range(-100.0, 100.0, unit="rad")] = 0.0
 
 
 TURN_COMMAND = MessageDefinition(
@@ -324,10 +351,10 @@ class LandmarkCorrection:
         seen_y: Where it is seen from the robot, in `base_link` [m].
     """
 
-    x: float
-    y: float
-    seen_x: float
-    seen_y: float
+    x: Metres
+    y: Metres
+    seen_x: Metres
+    seen_y: Metres
 
 
 LANDMARK_CORRECTION = MessageDefinition(
@@ -376,15 +403,15 @@ class NavigationStatus:
         path: The planned way in `map`, from the robot to the goal; none if it has no map.
     """
 
-    number: int
+    number: Number
     task: Task
-    sender: int
-    driver: int
-    points_left: int
-    distance_left: float
-    why: str
+    sender: Number
+    driver: Number
+    points_left: Count
+    distance_left: LengthIfKnown
+    why: Sentence
     count: int
-    path: tuple[Point, ...]
+    path: Annotated[tuple[Point, ...], Most(MOST_POINTS)]
 
 
 NAVIGATION_STATUS = MessageDefinition(
@@ -412,16 +439,16 @@ class GroundTruth:
         touching: Whether it touches something now (0 or 1).
     """
 
-    time: float
-    x: float
-    y: float
-    theta: float
-    linear: float
-    angular: float
-    commanded_linear: float
-    commanded_angular: float
-    contacts: int
-    touching: int
+    time: Seconds
+    x: Metres
+    y: Metres
+    theta: Radians
+    linear: Speed
+    angular: TurnRate
+    commanded_linear: Speed
+    commanded_angular: TurnRate
+    contacts: Number
+    touching: Flag
 
 
 GROUND_TRUTH = MessageDefinition(

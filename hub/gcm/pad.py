@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
 import numpy.typing as npt
 
+from hub.gcm.fields import Flag, Name, Number, Numbers, Octets, Sentence
 from hub.ipc.definition import MessageDefinition, Plane
+from hub.ipc.ranges import Most
 
 STATE_HZ = 50.0
 """How often a pad that is being used says its state [Hz]."""
@@ -19,8 +22,13 @@ CONSOLE_HZ = 1.0
 """How often a console that takes pads says whose it uses [Hz]."""
 OLDEST_S = 0.25
 """Older states are dropped, and so long a silence of a pad that is being used lets go of it [s]."""
+MOST_CONTROLS = 10_000
+"""Axes, buttons, hats and balls of one pad."""
 NO_VALUE = -(1 << 31)
 """Of an axis or a hat that has none: nothing has come yet, or a hat's centre."""
+
+
+_Values = Annotated[npt.NDArray[np.int32], Most(MOST_CONTROLS)]
 
 
 def _no_bytes() -> npt.NDArray[np.uint8]:
@@ -53,17 +61,17 @@ class PadDevice:
         descriptor: The report descriptor, from which follows what controls it has, shape (count,).
     """
 
-    session: int
-    operator: str = ""
-    machine: str = ""
-    name: str = ""
-    vid: int = 0
-    pid: int = 0
-    serial: str = ""
-    port: str = ""
-    bus: int = 0
+    session: Number
+    operator: Name = ""
+    machine: Name = ""
+    name: Sentence = ""
+    vid: Number = 0
+    pid: Number = 0
+    serial: Sentence = ""
+    port: Sentence = ""
+    bus: Number = 0
     count: int = 0
-    descriptor: npt.NDArray[np.uint8] = field(default_factory=_no_bytes)
+    descriptor: Octets = field(default_factory=_no_bytes)
 
 
 PAD_DEVICE = MessageDefinition(
@@ -92,10 +100,10 @@ class PadState:
             counts, modulo 2^32.
     """
 
-    session: int
-    active: int = 0
+    session: Number
+    active: Flag = 0
     count: int = 0
-    values: npt.NDArray[np.int32] = field(default_factory=_no_values)
+    values: _Values = field(default_factory=_no_values)
 
 
 PAD_STATE = MessageDefinition(
@@ -118,9 +126,9 @@ class PadConsole:
         taken: The numbers at central of their senders, shape (count,).
     """
 
-    operator: str = ""
+    operator: Name = ""
     count: int = 0
-    taken: npt.NDArray[np.uint32] = field(default_factory=_no_numbers)
+    taken: Numbers = field(default_factory=_no_numbers)
 
 
 PAD_CONSOLE = MessageDefinition(

@@ -4,8 +4,21 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
+from typing import Annotated
 
+from hub.gcm.fields import (
+    MOST_REPORTS,
+    Flag,
+    Lines,
+    Name,
+    Names,
+    Number,
+    ProcessId,
+    Seconds,
+    Sentence,
+)
 from hub.ipc.definition import MessageDefinition, Plane
+from hub.ipc.ranges import Most, Range
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,12 +34,12 @@ class ModuleInfo:
         errors: Exceptions its loop has logged since it started.
     """
 
-    name: str
-    pid: int
-    state: str
-    capabilities: str
-    needs: str = ""
-    errors: int = 0
+    name: Name
+    pid: ProcessId
+    state: Name
+    capabilities: Names
+    needs: Names = ""
+    errors: Number = 0
 
 
 MODULE_INFO = MessageDefinition(
@@ -76,18 +89,18 @@ class ModuleReport:
         why: Why it is in this phase, for people, after its name; empty where it simply runs.
     """
 
-    name: str
+    name: Name
     phase: ModulePhase
-    pid: int
-    capabilities: str
-    needs: str
-    asked: int
-    always: int
-    starts: int
-    processor: float
-    memory_mb: float
-    age_s: float
-    why: str
+    pid: ProcessId
+    capabilities: Names
+    needs: Names
+    asked: Flag
+    always: Flag
+    starts: Annotated[int, Range(0, 0x7FFF_FFFF)]
+    processor: Annotated[float, Range(0.0, 1e4, nan=True)]
+    memory_mb: Annotated[float, Range(0.0, 1e9, unit="MB", nan=True)]
+    age_s: Seconds
+    why: Sentence
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,9 +113,9 @@ class ModuleReports:
         modules: One each, in the order of the robot file.
     """
 
-    robot: str
+    robot: Name
     count: int
-    modules: tuple[ModuleReport, ...]
+    modules: Annotated[tuple[ModuleReport, ...], Most(MOST_REPORTS)]
 
 
 MODULE_REPORTS = MessageDefinition(
@@ -142,11 +155,11 @@ class CapabilityReport:
         wanted_by: Who wants it, separated by spaces.
     """
 
-    name: str
+    name: Name
     phase: CapabilityPhase
-    module: str
-    modules: str
-    wanted_by: str
+    module: Name
+    modules: Names
+    wanted_by: Names
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -159,9 +172,9 @@ class CapabilityReports:
         capabilities: One each, in alphabetical order.
     """
 
-    robot: str
+    robot: Name
     count: int
-    capabilities: tuple[CapabilityReport, ...]
+    capabilities: Annotated[tuple[CapabilityReport, ...], Most(MOST_REPORTS)]
 
 
 CAPABILITY_REPORTS = MessageDefinition(
@@ -186,9 +199,9 @@ class CapabilityWants:
         lease_s: How long it holds unless it is repeated [s].
     """
 
-    holder: str
-    capabilities: str
-    lease_s: float = LEASE_S
+    holder: Name
+    capabilities: Names
+    lease_s: Annotated[float, Range(0.0, 86_400.0, unit="s")] = LEASE_S
 
 
 CAPABILITY_WANTS = MessageDefinition(
@@ -218,7 +231,7 @@ class ModuleCommand:
         order: What to do.
     """
 
-    module: str = ""
+    module: Name = ""
     order: ModuleOrder = ModuleOrder.START
 
 
@@ -240,9 +253,9 @@ class LogRequest:
         most: How many lines at most.
     """
 
-    module: str = ""
-    first: int = 0
-    most: int = 100
+    module: Name = ""
+    first: Number = 0
+    most: Annotated[int, Range(0, 0x7FFF_FFFF)] = 100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -255,9 +268,9 @@ class LogLines:
         text: The lines, each with its end.
     """
 
-    first: int
-    next: int
-    text: str
+    first: Number
+    next: Number
+    text: Lines
 
 
 LOG_REQUEST = MessageDefinition(name="GCM_Log_Request", format="{string,uint,int}", type=LogRequest)

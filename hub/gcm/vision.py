@@ -5,11 +5,25 @@ from __future__ import annotations
 import enum
 import math
 from dataclasses import dataclass
+from typing import Annotated, TypeAlias
 
-import numpy as np
-import numpy.typing as npt
-
+from hub.gcm.fields import (
+    Flag,
+    MetresIfKnown,
+    Octets,
+    Radians,
+    RadiansIfKnown,
+    Share,
+    ShareIfKnown,
+    Stamp,
+)
 from hub.ipc.definition import Keep, MessageDefinition, Plane
+from hub.ipc.ranges import Range
+
+FieldOfView: TypeAlias = Annotated[float, Range(0.001, 3.1, unit="rad")]
+"""What a flat picture can show from one edge to the other [rad]."""
+Mount: TypeAlias = Annotated[float, Range(-1000.0, 1000.0, unit="m")]
+Limit: TypeAlias = Annotated[float, Range(0.0, math.tau, unit="rad")]
 
 
 class ImageKind(enum.IntEnum):
@@ -49,9 +63,9 @@ class ImageRequest:
     """
 
     kind: ImageKind = ImageKind.COLOUR
-    width_px: int = 160
-    height_px: int = 120
-    quality: int = 60
+    width_px: Annotated[int, Range(1, 1 << 16)] = 160
+    height_px: Annotated[int, Range(1, 1 << 16)] = 120
+    quality: Annotated[int, Range(1, 100)] = 60
     coding: ImageCoding = ImageCoding.RLE
 
 
@@ -83,22 +97,22 @@ class CameraState:
         headlight: Brightness of the headlight, 0 to 1; NaN where there is none.
     """
 
-    stamp: float
-    pan: float
-    tilt: float
-    zoom: float
-    horizontal_fov: float
-    vertical_fov: float
-    mount_forward: float
-    mount_height: float
-    pan_limit: float
-    tilt_limit: float
-    slewing: int
-    robot_x: float = math.nan
-    robot_y: float = math.nan
-    robot_theta: float = math.nan
-    gain: float = 1.0
-    headlight: float = math.nan
+    stamp: Stamp
+    pan: Radians
+    tilt: Radians
+    zoom: Share
+    horizontal_fov: FieldOfView
+    vertical_fov: FieldOfView
+    mount_forward: Mount
+    mount_height: Mount
+    pan_limit: Limit
+    tilt_limit: Limit
+    slewing: Flag
+    robot_x: MetresIfKnown = math.nan
+    robot_y: MetresIfKnown = math.nan
+    robot_theta: RadiansIfKnown = math.nan
+    gain: Annotated[float, Range(0.0, 1e6)] = 1.0
+    headlight: ShareIfKnown = math.nan
 
 
 _CAMERA_STATE = (
@@ -127,11 +141,11 @@ class Image:
 
     camera: CameraState
     coding: ImageCoding
-    width_px: int
-    height_px: int
-    channels: int
+    width_px: Annotated[int, Range(1, 1 << 16)]
+    height_px: Annotated[int, Range(1, 1 << 16)]
+    channels: Annotated[int, Range(1, 3)]
     length: int
-    data: npt.NDArray[np.uint8]
+    data: Octets
 
 
 IMAGE = MessageDefinition(
@@ -167,9 +181,9 @@ class CameraCommand:
     """
 
     motion: CameraMotion = CameraMotion.RELATIVE
-    pan: float = 0.0
-    tilt: float = 0.0
-    zoom: float = 0.0
+    pan: RadiansIfKnown = 0.0
+    tilt: RadiansIfKnown = 0.0
+    zoom: Annotated[float, Range(-1.0, 1.0, nan=True)] = 0.0
 
 
 CAMERA_COMMAND = MessageDefinition(
@@ -191,8 +205,8 @@ class NightCommand:
         headlight: Brightness of the headlight while on, 0 to 1; NaN leaves it.
     """
 
-    on: int = 0
-    headlight: float = math.nan
+    on: Flag = 0
+    headlight: ShareIfKnown = math.nan
 
 
 NIGHT_COMMAND = MessageDefinition(

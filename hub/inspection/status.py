@@ -44,8 +44,11 @@ def status(client: Client, *, as_json: bool) -> int:
             for peer in peers
         ],
     )
-    heads = ("message", "plane", "1/s", "kB/s", "messages", "missed", "too old", "oldest", "last")
-    table(heads, [_row(flow) for flow in flows])
+    counted = ("messages", "missed", "too old", "refused")
+    table(
+        ("message", "plane", "1/s", "kB/s", *counted, "oldest", "last"),
+        [_row(flow) for flow in flows],
+    )
     for count in now.dropped:
         put(f"dropped: {count.reason}: {count.count}")
     return 0
@@ -121,6 +124,7 @@ def _flows(now: control.Listing) -> list[dict[str, str | float]]:
             "bytes": entry.bytes,
             "missed": entry.lost,
             "expired": entry.expired,
+            "refused": entry.refused,
             "oldest_s": entry.oldest_s,
             "silent_s": entry.silent_s if entry.messages else -1.0,
         }
@@ -139,6 +143,7 @@ def _row(flow: dict[str, str | float]) -> tuple[str, ...]:
         str(flow["messages"]),
         str(flow["missed"]),
         str(flow["expired"]),
+        str(flow["refused"]),
         f"{float(flow['oldest_s']) * 1e3:.0f} ms",
         "never" if silent < 0.0 else f"{span(silent)} ago",
     )

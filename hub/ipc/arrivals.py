@@ -8,7 +8,7 @@ from typing import Any
 
 import zmq
 
-from hub.errors import CodecError, FrameError
+from hub.errors import CodecError, FrameError, RangeError
 from hub.ipc import frames, ring, sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.hub_time import HubTime
@@ -302,12 +302,9 @@ class Arrivals:
             inlet.expired += 1
             self._complaints.count("too old", f"{inlet.definition.name} is {age:.2f} s old")
             return
-        if message.__class__ is tuple and inlet.build is not None:
-            value = inlet.build(message)
-        else:
-            message, value = self._decoded(inlet, kind, message)
-            if message is None:
-                return
+        message, value = self._decoded(inlet, kind, message)
+        if message is None:
+            return
         missed = sequence - source.handed_on - 1 if source.handed_on else 0
         source.handed_on = sequence
         inlet.received += 1
@@ -320,9 +317,23 @@ class Arrivals:
 
     def _decoded(self, inlet: Inlet, kind: int, message: Any) -> tuple[Any, Any]:
         """The payload and its value; None twice if it is not there or is none."""
+
+        def note(text: str) -> None:
+            inlet.unfit = inlet.unfit or text
+            self._complaints.count("value changed", text)
+
         try:
+            if message.__class__ is tuple and inlet.receive is not None:
+                return message, inlet.receive(message, note)
             payload = self._payload(inlet, kind, message)
-            return payload, None if payload is None else inlet.definition.decode(payload)
+            if payload is None:
+                return None, None
+            return payload, inlet.definition.decode(payload, note)
+        except RangeError as error:
+            inlet.refused += 1
+            inlet.unfit = inlet.unfit or str(error)
+            self._complaints.count("out of range", str(error))
+            return None, None
         except (CodecError, FrameError) as error:
             self._complaints.count("wrong format", str(error))
             return None, None

@@ -269,6 +269,11 @@ class Client:
         """Messages that did not come, of those we subscribe to; what newer ones overtook did."""
         return self._inlets.lost
 
+    @property
+    def unfit(self) -> dict[str, str]:
+        """What was wrong first with values of each message, in a sentence by its name."""
+        return self._inlets.unfit
+
     def unsubscribe(
         self,
         definition: MessageDefinition[T],

@@ -91,6 +91,7 @@ class Define:
         expired: Broadcasts that subscribers dropped because they were too old.
         oldest_s: Largest age at a subscriber in the last seconds [s].
         silent_s: Time since the last broadcast [s]; infinite if there was none.
+        refused: Broadcasts that subscribers refused because a value was out of its range.
     """
 
     name: str
@@ -109,6 +110,7 @@ class Define:
     expired: int = 0
     oldest_s: float = 0.0
     silent_s: float = math.inf
+    refused: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -363,6 +365,7 @@ class Received:
         lost: Messages that did not come, by the sequence numbers.
         expired: Messages that came too old.
         oldest_s: Largest age [s].
+        refused: Messages with a value out of its range.
     """
 
     name: str
@@ -370,6 +373,7 @@ class Received:
     lost: int
     expired: int
     oldest_s: float
+    refused: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

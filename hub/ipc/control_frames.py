@@ -21,7 +21,7 @@ _MAGIC = b"RUNE"
 
 _DEFINE = (
     "{string,string,string,string,string,double,double,"
-    "string,ulong,ulong,double,double,ulong,ulong,double,double}"
+    "string,ulong,ulong,double,double,ulong,ulong,double,double,ulong}"
 )
 _PEER = "{string,int,uint,string,double,string,string,string}"
 _CHANGE = "{enum " + ",".join(change.name for change in control.Change) + "}"
@@ -64,7 +64,8 @@ KINDS: tuple[MessageDefinition[Any], ...] = (
     _kind("PRESENCE", f"{{{_CHANGE},string,int,string,uint}}", control.Presence),
     _kind(
         "REPORT",
-        "{uint,<{string,ulong,ulong,ulong,double}:1>,uint,<{string,ulong,ulong,double,double}:3>}",
+        "{uint,<{string,ulong,ulong,ulong,double,ulong}:1>,"
+        "uint,<{string,ulong,ulong,double,double}:3>}",
         control.Report,
     ),
     _kind("CLOSE", "{string,string}", control.Close),

@@ -17,6 +17,7 @@ from hub.errors import CodecError, MessageFormatError
 from hub.ipc import codec
 from hub.ipc import format as formats
 from hub.ipc.codegen import Buffer
+from hub.ipc.ranges import Note, unnoted
 from hub.ipc.records import FAULTS, Record
 
 T = TypeVar("T")
@@ -54,6 +55,7 @@ class MessageDefinition(Generic[T]):
         rate_hz: Nominal rate of a stream [Hz]; 0 for what is sent on demand.
         lifespan_s: Age beyond which a receiver drops it [s].
         ros_type: ROS 2 type with the same layout, if there is one.
+        unreadable: What a payload counts as that cannot be read; None: it is dropped.
     """
 
     name: str
@@ -64,6 +66,7 @@ class MessageDefinition(Generic[T]):
     rate_hz: float = 0.0
     lifespan_s: float = math.inf
     ros_type: str = ""
+    unreadable: T | None = None
     tree: formats.Format = field(init=False, repr=False)
     _codec: codec.Codec = field(init=False, repr=False)
     _record: Record = field(init=False, repr=False)
@@ -76,7 +79,9 @@ class MessageDefinition(Generic[T]):
             raise MessageFormatError(self.format, 0, "a typed message is a struct: {...}")
         object.__setattr__(self, "tree", tree)
         object.__setattr__(self, "_codec", compiled)
-        object.__setattr__(self, "_record", Record.of(self.type, tree, self.name))
+        strict = self.plane is Plane.COMMAND
+        record = Record.of(self.type, tree, self.name, strict=strict)
+        object.__setattr__(self, "_record", record)
 
     @property
     def fingerprint(self) -> int:
@@ -120,19 +125,19 @@ class MessageDefinition(Generic[T]):
         return self._record.flat_values()
 
     @functools.cached_property
-    def build_flat(self) -> Callable[[tuple[Any, ...]], T]:
+    def receive_flat(self) -> Callable[..., T]:
         """The function from all numbers, in wire order, to the value, if the format is flat.
 
-        The function raises CodecError where `build` would.
+        It bounds them as `decode` does, and takes a `Note` as `decode` does.
 
         Raises:
             CodecError: The format is not flat.
         """
         self._refuse_unless_flat()
-        return self._record.flat_builder()
+        return self._record.flat_receiver()
 
     def build(self, values: Sequence[Any]) -> T:
-        """The value whose members are `values`, structs as sequences.
+        """The value whose members are `values`, structs as sequences; nothing is bounded.
 
         Raises:
             CodecError: An enum member has no such value, or the type refuses a value.
@@ -158,16 +163,30 @@ class MessageDefinition(Generic[T]):
             raise CodecError(text) from error
         return self._codec.encode(values)
 
-    def decode(self, payload: Buffer) -> T:
-        """The value in `payload`; arrays are read-only views of it.
+    def decode(self, payload: Buffer, note: Note = unnoted) -> T:
+        """The value in `payload`, within what its fields declare; arrays are read-only views.
 
+        This is the one place where what others sent becomes a value; `hub.ipc.ranges` says how.
         A linked list comes as its first node and is nested as deep as it is long, up to
         `format.MAX_NODES`: follow it in a loop, because its repr and == are recursive.
 
+        Args:
+            payload: The bytes.
+            note: Gets a sentence on each value that is changed.
+
         Raises:
+            RangeError: A value is not what its field declares, and nothing can be taken for it.
             CodecError: The bytes are no message of this definition.
         """
-        value: T = self._record.build(self._codec.decode(payload))
+        value: T
+        if self.unreadable is None:
+            value = self._record.receive(self._codec.decode(payload), note)
+            return value
+        try:
+            value = self._record.receive(self._codec.decode(payload), note)
+        except CodecError as error:
+            note(f"{self.name} cannot be read, and counts all the same: {error}")
+            return self.unreadable
         return value
 
     def _refuse_unless_flat(self) -> None:

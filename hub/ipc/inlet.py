@@ -84,6 +84,8 @@ class Inlet:
         received: Messages handed on.
         lost: Messages that did not come, by the sequence numbers.
         expired: Messages that came too old.
+        refused: Messages with a value out of its range.
+        unfit: What was wrong first with a value of it, in a sentence; empty: nothing was.
         oldest: Largest age since the last report [s].
         flat: Reads a flat format from a neighbour; None of any other.
     """
@@ -95,11 +97,12 @@ class Inlet:
         self.priority = 0
         self.in_ring = False
         self.token = ""
-        self.received = self.lost = self.expired = 0
+        self.received = self.lost = self.expired = self.refused = 0
+        self.unfit = ""
         self.oldest = 0.0
         self.lifespan_s = definition.lifespan_s
         self._sources: dict[int, Source] = {}
-        self._told = (0, 0, 0)
+        self._told = (0, 0, 0, 0)
         self._fingerprint = definition.fingerprint
         self._name = definition.name
         self._start = len(frames.prefix(definition.name))
@@ -107,7 +110,7 @@ class Inlet:
             kind[0]: len(frames.prefix(definition.name, kind)) for kind in (frames.FAR, frames.RING)
         }
         self.flat: frames.FlatFrames | None = None
-        self.build: Callable[[tuple[Any, ...]], Any] | None = None
+        self.receive: Callable[..., Any] | None = None
 
     def add(self, handler: Handler, *, raw: bool) -> None:
         """Hand it to this one too."""
@@ -118,7 +121,7 @@ class Inlet:
         else:
             prefix = frames.prefix(self._name)
             self.flat = frames.FlatFrames(prefix, self._fingerprint, letters)
-            self.build = self.definition.build_flat
+            self.receive = self.definition.receive_flat
 
     def forget(self) -> None:
         """The publishers' numbers mean others now."""
@@ -157,7 +160,7 @@ class Inlet:
                 or (kind in frames.RING_KINDS) != in_ring
             ):
                 frames.unpack(raw)  # says what is wrong
-        if fingerprint != self._fingerprint:
+        if fingerprint != self._fingerprint and self.definition.unreadable is None:
             text = f"{self._name} came in another format"
             raise CodecError(text)
         if kind == frames.INLINE:
@@ -175,7 +178,7 @@ class Inlet:
 
     def report(self) -> control.Received | None:
         """What came since the last time; None if nothing."""
-        now = (self.received, self.lost, self.expired)
+        now = (self.received, self.lost, self.expired, self.refused)
         if now == self._told:
             return None
         before, self._told = self._told, now
@@ -185,5 +188,6 @@ class Inlet:
             received=now[0] - before[0],
             lost=now[1] - before[1],
             expired=now[2] - before[2],
+            refused=now[3] - before[3],
             oldest_s=oldest,
         )

@@ -23,6 +23,7 @@ def definition(entry: control.Define, traffic: Traffic, now: float) -> control.D
         bytes_per_s=bytes_per_s,
         lost=traffic.lost,
         expired=traffic.expired,
+        refused=traffic.refused,
         oldest_s=traffic.oldest,
         silent_s=traffic.silent(now),
     )

@@ -11,6 +11,7 @@ import dataclasses
 import difflib
 import enum
 import functools
+import re
 import types
 import typing
 from collections.abc import Callable, Mapping, Sequence
@@ -19,11 +20,15 @@ from typing import Any
 
 from hub.errors import CodecError, MessageFormatError
 from hub.ipc import format as formats
+from hub.ipc import ranges
+from hub.ipc.ranges import Note
 
 FAULTS = (TypeError, ValueError, IndexError, KeyError, AttributeError)
 """What a value of the wrong kind may raise on its way."""
 
 _Converter = Callable[[Any], Any]
+_Reader = Callable[[Any, Note | None], Any]
+"""From what a codec knows to a field's value; without a Note nothing is checked."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,6 +41,7 @@ class Member:
         inline: Whether it is that struct itself, no array of it, pointer to it or list.
         outward: What turns the field's value into the member's, if anything has to.
         inward: The way back.
+        checks: What is checked of the value that a codec knows.
         shown: Its inner names, for people: "[]" for each array, "*" for each pointer around them.
     """
 
@@ -43,7 +49,8 @@ class Member:
     record: Record | None = None
     inline: bool = False
     outward: _Converter | None = None
-    inward: _Converter | None = None
+    inward: _Reader | None = None
+    checks: tuple[ranges.Check, ...] = ()
     shown: str = ""
 
 
@@ -64,8 +71,14 @@ class Record:
     next_place: int | None
 
     @classmethod
-    def of(cls, kind: Any, tree: formats.Struct, where: str) -> Record:
+    def of(cls, kind: Any, tree: formats.Struct, where: str, *, strict: bool = False) -> Record:
         """The record of a dataclass and a struct.
+
+        Args:
+            kind: The dataclass.
+            tree: The struct.
+            where: What they are of, for people.
+            strict: Whether a number outside its range always refuses the message.
 
         Raises:
             MessageFormatError: They do not fit each other.
@@ -78,7 +91,7 @@ class Record:
             raise MessageFormatError(str(tree), 0, f"{reason}, the format {len(tree.members)}")
         hints = _hints(kind, tree, where)
         members = tuple(
-            _member(field.name, hints[field.name], node, f"{where}.{field.name}")
+            _member(field.name, hints[field.name], node, f"{where}.{field.name}", strict=strict)
             for field, node in zip(fields, tree.members, strict=True)
         )
         adapt = _adapter(kind, [member.name for member in members], where)
@@ -94,9 +107,20 @@ class Record:
         return values if self.next_place is None else _list_taker_apart(values, self.next_place)
 
     @functools.cached_property
-    def build(self) -> _Converter:
-        """The way back."""
-        build = _Builder(flat=False).function(self.kind, self.members)
+    def build(self) -> Callable[..., Any]:
+        """The way back, of values that are trusted."""
+        return self._builder(checked=False)
+
+    @functools.cached_property
+    def receive(self) -> Callable[..., Any]:
+        """The way back, of values from elsewhere: each field within its declaration.
+
+        The function raises RangeError if a value cannot be taken, and tells of each it changes.
+        """
+        return self._builder(checked=True)
+
+    def _builder(self, *, checked: bool) -> Callable[..., Any]:
+        build = _Builder(flat=False, checked=checked).function(self.kind, self.members)
         if self.next_place is None:
             return build
         return _list_builder(build, self.next_place, self.kind.__name__)
@@ -110,14 +134,14 @@ class Record:
         """The function from a dataclass to the numbers in it and in its inner ones, in order."""
         return _TakerApart(flat=True).function(self.kind, self.members, self.adapt)
 
-    def flat_builder(self) -> Callable[[tuple[Any, ...]], Any]:
-        """The function from those numbers to the dataclass."""
-        return _Builder(flat=True).function(self.kind, self.members)
+    def flat_receiver(self) -> Callable[..., Any]:
+        """The function from those numbers to the dataclass, as `receive` does it."""
+        return _Builder(flat=True, checked=True).function(self.kind, self.members)
 
 
 def _hints(kind: type[Any], tree: formats.Struct, where: str) -> dict[str, Any]:
     try:
-        return typing.get_type_hints(kind)
+        return typing.get_type_hints(kind, include_extras=True)
     except (NameError, TypeError) as error:
         reason = f"{where}: the types of {kind.__name__}'s fields cannot be found: {error}"
         raise MessageFormatError(str(tree), 0, reason) from error
@@ -170,9 +194,9 @@ class _Generator:
     def variable(self) -> str:
         return self.constant(None).replace("constant", "value")
 
-    def finished(self, head: str) -> Callable[[Any], Any]:
+    def finished(self, head: str) -> Callable[..., Any]:
         exec(compile("\n    ".join([head, *self.lines]), "<records>", "exec"), self.known)
-        function: Callable[[Any], Any] = self.known["generated"]
+        function: Callable[..., Any] = self.known["generated"]
         return function
 
 
@@ -227,12 +251,10 @@ def _list_taker_apart(
     return values
 
 
-def _list_builder(
-    build_node: Callable[[Sequence[Any]], Any], next_place: int, kind: str
-) -> Callable[[Sequence[Any] | None], Any]:
+def _list_builder(build_node: _Reader, next_place: int, kind: str) -> Callable[..., Any]:
     """The function that turns nested members into the first node of a list."""
 
-    def build(members: Sequence[Any] | None) -> Any:
+    def build(members: Sequence[Any] | None, note: Note | None = None) -> Any:
         nodes: list[Sequence[Any]] = []
         first: Any = None
         try:
@@ -241,7 +263,7 @@ def _list_builder(
                 nodes.append(members)
                 members = members[next_place]
             for node in reversed(nodes):
-                first = build_node((*node[:next_place], first, *node[next_place + 1 :]))
+                first = build_node((*node[:next_place], first, *node[next_place + 1 :]), note)
         except FAULTS as error:
             _refuse(kind, error)
         if first is None:
@@ -265,14 +287,19 @@ class _Builder(_Generator):
     class, with the same slots, and then becomes frozen.
     """
 
-    def function(self, kind: type[Any], members: Sequence[Member]) -> Callable[[Any], Any]:
+    def __init__(self, *, flat: bool, checked: bool) -> None:
+        super().__init__(flat=flat)
+        self.checked = checked
+
+    def function(self, kind: type[Any], members: Sequence[Member]) -> Callable[..., Any]:
         self.known |= {"new": object.__new__, "refuse": _refuse, "faults": FAULTS}
+        self.known["unnoted"] = ranges.unnoted if self.checked else None
         pattern, made = self.struct(kind, members)
         pattern = f"[{pattern}]" if self.flat else pattern
         body = [f"    {line}" for line in (f"{pattern} = values", *self.lines)]
         self.lines = ["try:", *body, "except faults as error:"]
         self.lines += [f"    refuse({kind.__name__!r}, error)", f"return {made}"]
-        return self.finished("def generated(values):")
+        return self.finished("def generated(values, note=unnoted):")
 
     def struct(self, kind: type[Any], members: Sequence[Member]) -> tuple[str, str]:
         """Generate the making of one dataclass.
@@ -286,8 +313,9 @@ class _Builder(_Generator):
                 pattern, given = self.struct(member.record.kind, member.record.members)
             else:
                 pattern = given = self.variable()
+                self.check(member, given)
                 if member.inward is not None:
-                    given = f"{self.constant(member.inward)}({given})"
+                    given = f"{self.constant(member.inward)}({given}, note)"
             patterns.append(pattern)
             arguments.append((member.name, given))
         made, twin = self.variable(), _open_twin(kind, [member.name for member in members])
@@ -301,6 +329,14 @@ class _Builder(_Generator):
         if self.flat:
             return ", ".join(filter(None, patterns)), made
         return f"[{', '.join(patterns)}]", made
+
+    def check(self, member: Member, value: str) -> None:
+        """Generate the checks of one member."""
+        for check in member.checks if self.checked else ():
+            outside = check.outside.replace("{value}", value)
+            for name, known in check.known.items():
+                outside = re.sub(rf"\b{name}\b", self.constant(known), outside)
+            self.lines.append(f"if {outside}: {value} = {self.constant(check.fix)}({value}, note)")
 
 
 def _refuse(kind: str, error: Exception) -> typing.NoReturn:
@@ -318,37 +354,45 @@ def _open_twin(kind: type[Any], names: Sequence[str]) -> type[Any] | None:
     return type(kind.__name__, (), {"__slots__": tuple(names)})
 
 
-def _member(name: str, hint: Any, node: formats.Format, where: str) -> Member:
+def _member(name: str, hint: Any, node: formats.Format, where: str, *, strict: bool) -> Member:
+    hint, declared = ranges.bare(hint), ranges.declared(hint)
+    try:
+        checks = ranges.checks(declared, node, where, strict=strict)
+    except TypeError as error:
+        raise MessageFormatError(str(node), 0, str(error)) from error
     if isinstance(node, formats.Struct):
-        record = Record.of(hint, node, where)
+        record = Record.of(hint, node, where, strict=strict)
         return Member(
             name=name,
             record=record,
             inline=node.next_place is None,
-            outward=_late(record, "values"),
-            inward=_late(record, "build"),
+            outward=_late(record),
+            inward=_late_reader(record),
             shown="{" + record.fields + "}",
         )
     if isinstance(node, formats.Pointer):
-        inner = _member(name, _without_none(hint), node.target, where)
-        return _around(inner, "*", _through_pointer)
+        inner = _member(name, _without_none(hint), node.target, where, strict=strict)
+        return _around(inner, "*", _writing_pointer, _reading_pointer)
     if isinstance(node, (formats.FixedArray, formats.VariableArray)):
-        inner = _member(name, next(iter(typing.get_args(hint)), hint), node.element, where)
         if isinstance(node.element, formats.Primitive):
-            return Member(name=name)
-        return _around(inner, "[]", _through_array)
+            return Member(name=name, checks=checks)
+        entry = next(iter(typing.get_args(hint)), hint)
+        inner = _member(name, entry, node.element, where, strict=strict)
+        inner = _around(inner, "[]", _writing_array, _reading_array)
+        return dataclasses.replace(inner, checks=checks)
     if isinstance(hint, type) and issubclass(hint, enum.IntEnum):
         return Member(name=name, inward=_enum_reader(hint, where))
-    return Member(name=name)
+    return Member(name=name, checks=checks)
 
 
-def _late(record: Record, function: str) -> _Converter:
-    """One of a record's functions, which is generated when this one is first called."""
+def _late(record: Record) -> _Converter:
+    """A record's way out, which is generated when it is first called."""
+    return lambda value: record.values(value)  # noqa: PLW0108 - generated when it is looked up
 
-    def convert(value: Any) -> Any:
-        return getattr(record, function)(value)
 
-    return convert
+def _late_reader(record: Record) -> _Reader:
+    """A record's way in, which is generated when it is first called."""
+    return lambda value, note: record.build(value) if note is None else record.receive(value, note)
 
 
 def _without_none(hint: Any) -> Any:
@@ -359,31 +403,46 @@ def _without_none(hint: Any) -> Any:
 
 
 def _around(
-    inner: Member, sign: str, through: Callable[[_Converter, type[Any]], _Converter]
+    inner: Member,
+    sign: str,
+    writing: Callable[[_Converter], _Converter],
+    reading: Callable[[Member], _Reader | None],
 ) -> Member:
     """The member that is an array of what `inner` is, or a pointer to it."""
     return dataclasses.replace(
         inner,
         inline=False,
-        outward=inner.outward and through(inner.outward, list),
-        inward=inner.inward and through(inner.inward, tuple),
+        outward=inner.outward and writing(inner.outward),
+        inward=reading(inner),
+        checks=(),
         shown=inner.shown and sign + inner.shown,
     )
 
 
-def _through_pointer(convert: _Converter, _: type[Any]) -> _Converter:
+def _writing_pointer(convert: _Converter) -> _Converter:
     return lambda value: None if value is None else convert(value)
 
 
-def _through_array(convert: _Converter, kind: type[Any]) -> _Converter:
-    return lambda items: kind(map(convert, items))
+def _reading_pointer(inner: Member) -> _Reader | None:
+    read = inner.inward
+    return read and (lambda value, note: None if value is None else read(value, note))
 
 
-def _enum_reader(kind: type[enum.IntEnum], where: str) -> Callable[[Any], enum.IntEnum]:
+def _writing_array(convert: _Converter) -> _Converter:
+    return lambda items: list(map(convert, items))
+
+
+def _reading_array(inner: Member) -> _Reader | None:
+    read = inner.inward
+    return read and (lambda items, note: tuple([read(item, note) for item in items]))
+
+
+def _enum_reader(kind: type[enum.IntEnum], where: str) -> _Reader:
     # A dict finds a member several times faster than a call of the enum.
     members = {member.value: member for member in kind}
 
-    def read(value: int) -> enum.IntEnum:
+    def read(value: int, note: Note | None) -> enum.IntEnum:
+        del note
         try:
             return members[value]
         except KeyError as error:

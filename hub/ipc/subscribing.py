@@ -65,6 +65,11 @@ class Inlets:
         return sum(inlet.lost for inlet in self._inlets.values())
 
     @property
+    def unfit(self) -> dict[str, str]:
+        """What was wrong first with values of each message, in a sentence by its name."""
+        return {name: inlet.unfit for name, inlet in self._inlets.items() if inlet.unfit}
+
+    @property
     def standing(self) -> bool:
         """Whether every subscription has reached everybody who publishes its message."""
         return not self._under_way

@@ -32,12 +32,14 @@ class Traffic:
         bytes: Of their payloads.
         lost: How many subscribers missed, by the sequence numbers.
         expired: How many subscribers dropped because they were too old.
+        refused: How many subscribers refused because a value was out of its range.
     """
 
     messages: int = 0
     bytes: int = 0
     lost: int = 0
     expired: int = 0
+    refused: int = 0
     _seen: float = -math.inf
     _rates: dict[int, _Rate] = field(default_factory=dict)
     _oldest: deque[float] = field(default_factory=lambda: deque(maxlen=_RECENT_REPORTS))
@@ -59,10 +61,12 @@ class Traffic:
 
     def received(self, entry: control.Received) -> None:
         """A subscriber told what it has had; nonsense is left out."""
-        if max(entry.lost, entry.expired) > _MAX_JUMP or not 0.0 <= entry.oldest_s < math.inf:
+        most = max(entry.lost, entry.expired, entry.refused)
+        if most > _MAX_JUMP or not 0.0 <= entry.oldest_s < math.inf:
             return
         self.lost += entry.lost
         self.expired += entry.expired
+        self.refused += entry.refused
         self._oldest.append(entry.oldest_s)
 
     def rate(self, now: float) -> tuple[float, float]:

@@ -12,17 +12,12 @@ from hub.errors import CodecError
 from hub.gcm import map_coding, rle
 from hub.gcm.mapping import Map
 from hub.gcm.vision import Image, ImageCoding
-from rune_tui.link.bounds import LARGEST, bounded
 from rune_tui.model.robot_state import OccupancyMap, Picture
 
 MOST_PIXELS = 1 << 22
 """Pixels of the largest picture that is decoded; no terminal shows half as many."""
 LONGEST_SIDE = 1 << 13
 """Longest side of a picture [pixels]."""
-MOST_CELLS = 1 << 13
-"""Longest side of a map [cells]; at 5 cm a cell it is 400 m."""
-FINEST_M, COARSEST_M = 1e-3, 1e3
-"""Edge of a map's cell [m]."""
 _CHANNELS = (1, 3)
 _FILES = frozenset({ImageCoding.JPEG, ImageCoding.WEBP})
 
@@ -50,7 +45,7 @@ def picture_of(image: Image) -> Picture:
         pixels = rle.decode(image.data, *shape)
     if image.channels == 1:
         pixels = pixels.repeat(3, axis=2)
-    return Picture(pixels=pixels, camera=bounded(image.camera))
+    return Picture(pixels=pixels, camera=image.camera)
 
 
 def map_of(coded: Map) -> OccupancyMap:
@@ -59,13 +54,6 @@ def map_of(coded: Map) -> OccupancyMap:
     Raises:
         CodecError: It is not what it says.
     """
-    placed = abs(coded.origin_x) <= LARGEST and abs(coded.origin_y) <= LARGEST
-    if not placed or not FINEST_M <= coded.resolution <= COARSEST_M:
-        text = f"a map of cells of {coded.resolution} m at ({coded.origin_x}, {coded.origin_y})"
-        raise CodecError(text)
-    if max(coded.width_cells, coded.height_cells) > MOST_CELLS:
-        text = f"a map of {coded.width_cells}x{coded.height_cells} cells; at most {MOST_CELLS}"
-        raise CodecError(text)
     return OccupancyMap(
         cells=map_coding.decode(coded.data, coded.height_cells, coded.width_cells),
         resolution=coded.resolution,

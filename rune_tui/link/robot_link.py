@@ -37,7 +37,6 @@ from hub.ipc.security import Action, may
 from rune_tui.controls.far_pads import FarPads
 from rune_tui.layout.names import CAPABILITY_INTERVALS_MS
 from rune_tui.layout.spec import RobotSpec
-from rune_tui.link.bounds import MOST_LETTERS, bounded
 from rune_tui.link.control_line import ControlLine
 from rune_tui.link.pad_line import PadLine
 from rune_tui.link.picture_stream import PictureStream
@@ -64,6 +63,7 @@ _REPEATED = 2
 """What is newly wanted is said so often again, each second: the robot may be starting too."""
 _LEASE_INTERVALS = 2.5
 """What is wanted holds for so many intervals between two keep-alives; one of them may be lost."""
+_MOST_LETTERS = 1000
 _ANSWERS = frozenset({vision.IMAGE.name, mapping.MAP.name})
 """What comes on request only."""
 _PHASE_WORDS = {
@@ -267,16 +267,13 @@ class RobotLink:
         if self._too_soon(name, reception.measured):
             return
         self._record(BY_NAME[name], value, reception.measured)
-        taken = bounded(value)
-        if taken is not value and name not in self._state.link.cut:
-            self._change_link(cut=self._state.link.cut | {name})
-        received = self._received(taken, reception)
+        received = self._received(value, reception)
         self._note_number()
         self._state = self._state.with_(messages={**self._state.messages, name: received})
-        if isinstance(taken, CapabilityReports):
-            self._note_lacking(taken)
-        elif isinstance(taken, ControlState):
-            self._note_owner(taken)
+        if isinstance(value, CapabilityReports):
+            self._note_lacking(value)
+        elif isinstance(value, ControlState):
+            self._note_owner(value)
 
     def _too_soon(self, name: str, measured: float) -> bool:
         """Whether the layout wants no message of this kind yet, as one has just come."""
@@ -335,7 +332,7 @@ class RobotLink:
     def _say(self, text: str) -> None:
         """Have the operator told that something was refused."""
         link = self._state.link
-        self._change_link(said=text[:MOST_LETTERS], said_count=link.said_count + 1)
+        self._change_link(said=text[:_MOST_LETTERS], said_count=link.said_count + 1)
 
     def _why_not(self) -> str:
         """What is known of why there is no connection."""
@@ -343,7 +340,7 @@ class RobotLink:
         return tunnel or str(self._client.refusal or "")
 
     def _set_link(self, phase: LinkPhase, detail: str) -> None:
-        link, detail = self._state.link, detail[:MOST_LETTERS]
+        link, detail = self._state.link, detail[:_MOST_LETTERS]
         if (phase, detail) != (link.phase, link.detail):
             since = link.since if phase is link.phase else self._clock()
             self._change_link(phase=phase, since=since, detail=detail)
@@ -373,6 +370,7 @@ class RobotLink:
                 bytes_per_s=(self._bytes - size) / (now - then),
                 round_trip=self._pictures.round_trip,
                 missed=self._client.lost,
+                unfit=self._client.unfit,
                 pictures=self._pictures.flow(now - then),
             )
         self._counted = (now, self._messages, self._bytes)

@@ -37,7 +37,7 @@ class Watch:
     """Compares what is known of each robot and joystick with what was known before.
 
     Links that are lost and found, control that changes hands, what a robot refuses, wanted
-    capabilities that a robot does not provide, and messages that say more than the console takes;
+    capabilities that a robot does not provide, and messages with values out of their range;
     joysticks that come, go or cannot be used.
     """
 
@@ -46,7 +46,7 @@ class Watch:
         self._lacking: dict[str, Mapping[str, str]] = {}
         self._had: dict[str, set[str]] = {}
         self._since: dict[tuple[str, str], float] = {}
-        self._cut: dict[str, frozenset[str]] = {}
+        self._unfit: dict[str, frozenset[str]] = {}
         self._control: dict[str, ControlState] = {}
         self._said: dict[str, int] = {}
         self._joysticks: dict[str, tuple[JoystickPhase, str]] = {}
@@ -85,10 +85,9 @@ class Watch:
                 again = " again" if before is LinkPhase.LOST else ""
                 notice = state.notice(f"linked{again}", robot=name)
                 yield dataclasses.replace(notice, quiet=not again)
-        for message in sorted(link.cut - self._cut.get(name, frozenset())):
-            text = f"{message} says more than can be shown: only part of it is"
-            yield state.notice(text, robot=name, alarm=True)
-        self._cut[name] = link.cut
+        for message in sorted(link.unfit.keys() - self._unfit.get(name, frozenset())):
+            yield state.notice(link.unfit[message], robot=name, alarm=True)
+        self._unfit[name] = frozenset(link.unfit)
         if link.said_count != self._said.get(name, 0):
             self._said[name] = link.said_count
             yield state.notice(link.said, robot=name, alarm=True)

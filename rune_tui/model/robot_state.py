@@ -119,7 +119,7 @@ class LinkState:
         messages_per_s: How many messages come in; NaN before a second of them was counted.
         missed: How many messages did not come, of those that should have.
         lacking: Wanted capabilities that the robot does not provide now, in words by name.
-        cut: Messages of which some was too much to be taken, by name.
+        unfit: What was wrong first with values of each message, in a sentence by its name.
         number: This console's number at the robot's hub, as in frame headers; 0: none yet.
         owned_since: The time of day since when its owner has control of it, such as "14:03".
         said: Why the robot or its hub refused something last; empty before.
@@ -137,7 +137,7 @@ class LinkState:
     messages_per_s: float = math.nan
     missed: int = 0
     lacking: Mapping[str, str] = field(default_factory=dict)
-    cut: frozenset[str] = frozenset()
+    unfit: Mapping[str, str] = field(default_factory=dict)
     number: int = 0
     owned_since: str = ""
     said: str = ""

@@ -81,17 +81,17 @@ def test_a_lost_link_says_nothing_of_capabilities():
     assert "link" in lost.text
 
 
-def test_a_message_that_says_too_much_is_told_once():
+def test_a_message_with_a_value_out_of_its_range_is_told_once():
     watch = Watch()
 
-    def look(*cut: str) -> list[tuple[str, bool]]:
-        robot = Made().robot(link=Made.link(cut=frozenset(cut)))
+    def look(unfit: dict[str, str]) -> list[tuple[str, bool]]:
+        robot = Made().robot(link=Made.link(unfit=unfit))
         return texts(list(watch.look(ConsoleState(now=1.0, robots={"magellan": robot}))))
 
-    look()
-    text = "GCM_Modules says more than can be shown: only part of it is"
-    assert look("GCM_Modules") == [(text, True)]
-    assert look("GCM_Modules") == []
+    look({})
+    text = "GCM_RobotState.x is 1e+308, not -1e+06 to 1e+06 m"
+    assert look({"GCM_RobotState": text}) == [(text, True)]
+    assert look({"GCM_RobotState": text}) == []
 
 
 def told_of(

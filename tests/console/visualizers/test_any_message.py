@@ -11,11 +11,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hub.gcm.fields import FARTHEST_M as LARGEST
 from hub.gcm.flight import ALTITUDE, ATTITUDE
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoints
 from hub.gcm.navigation import NAVIGATION_STATUS, NavigationStatus, Point, Task
 from hub.gcm.supervision import CAPABILITY_REPORTS, MODULE_REPORTS
-from rune_tui.link.bounds import LARGEST
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import OccupancyMap, Picture, RobotState
 from rune_tui.raster.canvas import Canvas

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from hub.gcm.catalog import BY_NAME, MESSAGES
+from hub.ipc import codec
 from hub.ipc import format as formats
 from hub.ipc.codegen import DTYPES
 from hub.ipc.definition import MessageDefinition
@@ -74,7 +75,7 @@ def test_message_has_the_bytes_of_its_golden_file(definition: MessageDefinition[
     payload = b"".join(definition.encode(value_of(definition)))
     wire = f"{definition.format}\n{_hex_lines(payload)}"
     assert (_GOLDEN / f"{definition.name}.txt").read_text() == wire
-    back = definition.decode(payload)
+    back = definition.build(codec.compiled(definition.format).decode(payload))  # not bounded
     assert b"".join(definition.encode(back)) == payload
 
 

@@ -51,4 +51,4 @@ def test_what_cannot_be_done_is_shown_and_complained_of(
     assert ask(client, "nowhere", as_json=True) == 1
     said = capsys.readouterr()
     assert json.loads(said.out)["done"] == 0
-    assert said.err == "rune-hub: there is no map?of that name\n"
+    assert said.err == "rune-hub: there is no map\\nof that name\n"

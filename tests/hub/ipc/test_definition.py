@@ -356,13 +356,13 @@ def test_flat_message_is_one_struct_of_its_numbers(
     assert definition.flat_letters == letters
     body = struct.pack("<" + definition.flat_letters, *numbers)
     assert _payload(definition, value) == b"\0\1\0\0" + body
-    back = definition.build_flat(struct.unpack("<" + definition.flat_letters, body))
+    back = definition.receive_flat(struct.unpack("<" + definition.flat_letters, body))
     assert back == value
     assert type(back) is type(value)
 
 
 def test_flat_message_is_frozen_and_knows_its_enums_like_any_other() -> None:
-    back = JOURNEY.build_flat((1, 2, 3, 2, 0.5))
+    back = JOURNEY.receive_flat((1, 2, 3, 2, 0.5))
     assert type(back.turn.mode) is Mode
     with pytest.raises(dataclasses.FrozenInstanceError):
         back.start.x = 3
@@ -371,7 +371,7 @@ def test_flat_message_is_frozen_and_knows_its_enums_like_any_other() -> None:
 @pytest.mark.parametrize("numbers", [(), (1, 2, 3, 2), (1, 2, 3, 2, 0.5, 6), (1, 2, 3, 1, 0.5)])
 def test_wrong_numbers_of_a_flat_message_are_refused(numbers: tuple[Any, ...]) -> None:
     with pytest.raises(CodecError):
-        JOURNEY.build_flat(numbers)
+        JOURNEY.receive_flat(numbers)
 
 
 @pytest.mark.parametrize(
@@ -394,7 +394,7 @@ def test_numbers_of_a_flat_message_can_come_from_a_mapping() -> None:
 
 def test_number_that_the_type_of_a_flat_message_refuses_is_a_codec_error() -> None:
     with pytest.raises(CodecError, match="odd"):
-        _define(Even, "{int}").build_flat((3,))
+        _define(Even, "{int}").receive_flat((3,))
 
 
 @pytest.mark.parametrize(
@@ -408,7 +408,7 @@ def test_message_with_more_than_numbers_is_not_flat(text: str) -> None:
         with pytest.raises(CodecError, match="not of a flat format"):
             _ = definition.flat_values
         with pytest.raises(CodecError, match="not of a flat format"):
-            _ = definition.build_flat
+            _ = definition.receive_flat
 
 
 def _plain(value: Any) -> Any:

@@ -1,0 +1,41 @@
+"""Text of others made safe to show: a terminal must not obey what a robot, a file or ssh says."""
+
+from __future__ import annotations
+
+import functools
+import unicodedata
+from typing import Final
+
+_HIDDEN: Final = frozenset({"Cc", "Cf", "Cs", "Zl", "Zp"})
+"""Control characters, what turns the direction of writing or is not seen, halves of pairs, and the
+ends of lines and paragraphs."""
+_KEPT: Final = frozenset("\n\t")
+
+
+def is_plain(text: str, *, lines: bool = False) -> bool:
+    """Whether a text is shown as it is; see `plain`."""
+    if text.isprintable():
+        return True
+    return all(
+        one.isprintable() or (lines and one in _KEPT) or unicodedata.category(one) not in _HIDDEN
+        for one in set(text)
+    )
+
+
+def plain(text: str, *, lines: bool = False) -> str:
+    r"""A text with its control characters as Python writes them, such as \x1b.
+
+    Args:
+        text: Of anybody.
+        lines: Whether ends of lines and tabs stay.
+    """
+    if text.isprintable():
+        return text
+    return "".join(one if lines and one in _KEPT else _shown(one) for one in text)
+
+
+@functools.lru_cache(maxsize=4096)
+def _shown(one: str) -> str:
+    if unicodedata.category(one) not in _HIDDEN:
+        return one
+    return one.encode("unicode_escape").decode()
