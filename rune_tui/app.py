@@ -187,7 +187,7 @@ class Console(App[None], inherit_bindings=False):
         self.title = f"Rune {layout.path}"
         self._view, self._dispatch = view, dispatch
         self._actions = actions_of(layout)
-        self._console = carried_over(self._console, self._shown_layout, layout)
+        self._console = carried_over(self._console, layout)
         self._shown_layout = layout
         self._joysticks.follow(layout.joysticks, time.monotonic())
         self._filing.recorder.follow(layout)
@@ -203,7 +203,9 @@ class Console(App[None], inherit_bindings=False):
 
     async def on_resize(self, event: events.Resize) -> None:
         """Follow the terminal's size; from now on, ask for no larger pictures than it shows."""
-        self._view.resize(event.size.width, event.size.height)
+        moved = self._view.resize(event.size.width, event.size.height)
+        if moved and self._dispatch.button_held:
+            self._let_go()  # what the mouse holds stands elsewhere now
         self._ask_for_pictures()
         await self._draw()
 
@@ -486,6 +488,7 @@ class Console(App[None], inherit_bindings=False):
         return dataclasses.replace(
             self._console,
             now=time.monotonic(),
+            places=self._view.places,
             clock=time.strftime("%H:%M:%S"),
             held=self._keyboard.held,
             waiting=tuple(filter(self._dispatch.waits_for_hold, self._keyboard.waiting)),

@@ -131,6 +131,7 @@ def _source(
 
 def _check(options: argparse.Namespace) -> int:
     from rune_tui.errors import LayoutError
+    from rune_tui.layout.arrangement_notes import arrangement_notes
     from rune_tui.layout.key_notes import key_notes
 
     code = ExitCode.OK
@@ -142,6 +143,7 @@ def _check(options: argparse.Namespace) -> int:
             code = ExitCode.USAGE
         else:
             sys.stdout.write(f"{path}: ok\n")
+            sys.stdout.writelines(f"  {line}\n" for line in arrangement_notes(layout))
             sys.stdout.writelines(
                 f"  note: {note}\n" for note in (*layout.notes, *key_notes(layout))
             )

@@ -16,8 +16,9 @@ from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.contrast import make_legible
 from rune_tui.controls.events import Hit
 from rune_tui.help_layer import HelpLayer
+from rune_tui.layout.placing import Area, Placed, arrangement_for, filled, placed
 from rune_tui.layout.rules import Vocabulary
-from rune_tui.layout.spec import LayoutSpec, ViewportSpec, ViewSpec
+from rune_tui.layout.spec import LayoutSpec, PlaceSpec, ViewportSpec
 from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import DARK, Theme
@@ -32,6 +33,8 @@ _logger = logging.getLogger(__name__)
 
 MIN_COLUMNS = 16
 MIN_ROWS = 4
+_INVISIBLE = 255
+"""The transparency of what cannot be seen."""
 _PASSING_S = 5.0
 """How long a notice is shown where there is no event log [s]."""
 _COMPLAINT_ROWS = 4
@@ -45,23 +48,14 @@ _REST = 10.0
 """How much longer than such a drawing took its viewport rests."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Place:
-    """Where a viewport lies on the terminal's pixel grid (columns, 2 * rows) [pixels]."""
-
-    x: int
-    y: int
-    width: int
-    height: int
-
-
 @dataclass(slots=True, kw_only=True)
 class _Pane:
     """A viewport, its visualizer, and what was drawn last."""
 
     spec: ViewportSpec
     visualizer: Visualizer
-    place: Place
+    how: PlaceSpec
+    place: Area
     clock: Callable[[], float]
     fine: bool = False
     rests_until: float = -math.inf
@@ -73,8 +67,7 @@ class _Pane:
 
     def visible(self, state: ConsoleState) -> bool:
         """Whether it is to be seen."""
-        shown = state.shown.get(self.spec.name, self.spec.visible)
-        return shown or state.full == self.spec.name
+        return is_shown(self.how, state) or state.full == self.spec.name
 
     def refresh(self, state: ConsoleState) -> bool:
         """Draw again if that would show something else; whether it did."""
@@ -106,8 +99,8 @@ class _Pane:
             canvas=canvas,
             x=self.place.x,
             y=self.place.y,
-            zpos=self.spec.zpos,
-            transparency=self.spec.transparency,
+            zpos=self.how.zpos,
+            transparency=self.how.transparency,
             urgency=getattr(self.visualizer, "urgency", Urgency.OTHER),
         )
         return True
@@ -158,7 +151,12 @@ class _Pane:
 
 
 class View:
-    """Turns the states of robots into cells; nothing is drawn until `resize` was called."""
+    """Turns the states of robots into cells; nothing is drawn until `resize` was called.
+
+    Attributes:
+        fine: Whether the terminal shows cameras' pictures with two pixels across a cell.
+        places: Viewports that have a place at this size, and whether they are shown there at first.
+    """
 
     def __init__(
         self,
@@ -183,9 +181,13 @@ class View:
         self._rows = 0
         self._panes: list[_Pane] = []
         # Some remember what they have seen, so they outlive the size of the terminal.
-        self._visualizers: dict[int, Visualizer] = {}
+        self._visualizers: dict[str, Visualizer] = {}
+        self._viewports = {each.name: each for each in self._spec.viewports if each.visualizer}
         self._complete = False
         self._full = ""
+        self._vital: tuple[str, ...] = ()
+        self._arrangement = self._spec.arrangements[0]
+        self.places: Mapping[str, bool] = {}
         self._help = HelpLayer(layout)
         self._urgencies: Urgencies = np.zeros((0, 0), np.uint8)
 
@@ -194,28 +196,53 @@ class View:
         """What each cell of the newest picture shows."""
         return self._urgencies
 
-    def resize(self, columns: int, rows: int) -> None:
-        """Place everything on a terminal of this size [cells]; the next frame is drawn anew."""
+    def resize(self, columns: int, rows: int) -> bool:
+        """Place everything on a terminal of this size [cells]; the next frame is drawn anew.
+
+        Returns:
+            Whether another arrangement of the layout is taken.
+        """
         self._columns = max(0, columns)
         self._rows = max(0, rows)
         self._complete = False
         self._panes = []
         if self._too_small:
-            return
-        for number, viewport in enumerate(self._spec.viewports):
-            if _is_drawn(viewport) and self._full in {"", viewport.name}:
-                known = self._visualizers.get(number)
-                shown = known or _made(viewport, self._vocabulary)
-                self._visualizers[number] = shown
-                place = placed(viewport, self._spec, columns, rows, whole_cells=shown.whole_cells)
-                if self._full:
-                    place = Place(x=0, y=0, width=columns, height=2 * rows)
-                fine = self.fine and isinstance(shown, CameraImage)
-                self._panes.append(
-                    _Pane(
-                        spec=viewport, visualizer=shown, place=place, clock=self._clock, fine=fine
-                    )
+            return False
+        before = self._arrangement
+        self._arrangement = arrangement_for(self._spec.arrangements, columns, rows)
+        self.places = {each.viewport: each.visible for each in self._arrangement.places}
+        for place in self._places():
+            viewport = self._viewports.get(place.spec.viewport)
+            if viewport is None or place.spec.transparency == _INVISIBLE:
+                continue
+            shown = self._visualizer(viewport)
+            fine = self.fine and isinstance(shown, CameraImage)
+            self._panes.append(
+                _Pane(
+                    spec=viewport,
+                    visualizer=shown,
+                    how=place.spec,
+                    place=place.area,
+                    clock=self._clock,
+                    fine=fine,
                 )
+            )
+        return self._arrangement is not before
+
+    def _places(self) -> tuple[Placed, ...]:
+        """Where viewports stand on this terminal."""
+        free = {
+            name for name, each in self._viewports.items() if not self._visualizer(each).whole_cells
+        }
+        size = self._columns, self._rows
+        if self._full:
+            return filled(self._arrangement, self._full, self._vital, *size, free=free)
+        return placed(self._arrangement, *size, free=free)
+
+    def _visualizer(self, viewport: ViewportSpec) -> Visualizer:
+        if viewport.name not in self._visualizers:
+            self._visualizers[viewport.name] = _made(viewport, self._vocabulary)
+        return self._visualizers[viewport.name]
 
     def render(self, state: ConsoleState) -> Cells | None:
         """The picture as it is now, or None when it is the one returned last."""
@@ -250,7 +277,7 @@ class View:
         """The viewports at a pixel of the terminal (column, 2 * row), the nearest first."""
         if state.help:
             return ()
-        panes = sorted(self._panes, key=lambda pane: pane.spec.zpos)
+        panes = sorted(self._panes, key=lambda pane: pane.how.zpos)
         found = (pane.hit(x, y, state) for pane in reversed(panes))
         return tuple(hit for hit in found if hit is not None)
 
@@ -272,11 +299,22 @@ class View:
 
     def _arrange(self, state: ConsoleState) -> None:
         """Place the viewports anew if one of them begins to fill the view, or ends to."""
-        known = {viewport.name for viewport in self._spec.viewports if _is_drawn(viewport)}
-        full = state.full if state.full in known else ""
-        if full != self._full:
-            self._full = full
+        full = state.full if state.full in self._viewports else ""
+        vital = tuple(self._watched(full, state)) if full else ()
+        if (full, vital) != (self._full, self._vital):
+            self._full, self._vital = full, vital
             self.resize(self._columns, self._rows)
+
+    def _watched(self, full: str, state: ConsoleState) -> list[str]:
+        """The vital viewports that are shown, those of the robot that fills the view first."""
+        robot = self._viewports[full].robot
+        shown = [
+            self._viewports[place.viewport]
+            for place in self._arrangement.places
+            if place.viewport in self._viewports and is_shown(place, state)
+        ]
+        vital = [each for each in shown if self._visualizer(each).rule.vital]
+        return [each.name for each in sorted(vital, key=lambda each: each.robot != robot)]
 
     @property
     def _too_small(self) -> bool:
@@ -313,7 +351,7 @@ class View:
 
     @property
     def _nearest(self) -> int:
-        return max((viewport.zpos for viewport in self._spec.viewports), default=0)
+        return max((place.zpos for place in self._arrangement.places), default=0)
 
     def _apology(self, state: ConsoleState) -> Layer:
         canvas = Canvas.blank(self._columns, 2 * self._rows)
@@ -326,8 +364,9 @@ def _asked(state: ConsoleState) -> str:
     return next((each.prompt for each in state.joysticks.values() if each.prompt), "")
 
 
-def _is_drawn(viewport: ViewportSpec) -> bool:
-    return viewport.visualizer is not None and viewport.transparency < 255
+def is_shown(place: PlaceSpec, state: ConsoleState) -> bool:
+    """Whether a viewport is shown: as the operator wants it, else as its arrangement says."""
+    return state.shown.get(place.viewport, place.visible)
 
 
 def _made(viewport: ViewportSpec, vocabulary: Vocabulary) -> Visualizer:
@@ -336,52 +375,3 @@ def _made(viewport: ViewportSpec, vocabulary: Vocabulary) -> Visualizer:
         text = f"viewport {viewport.name} has no visualizer"
         raise ValueError(text)
     return cast("Visualizer", vocabulary.visualizers[spec.function].from_spec(spec))
-
-
-def placed(
-    viewport: ViewportSpec, view: ViewSpec, columns: int, rows: int, *, whole_cells: bool
-) -> Place:
-    """Where a viewport of the design lies on a terminal.
-
-    Edges scale, so viewports that touch in the design touch on the terminal; unscaled viewports
-    keep their size and scale their upper left corner. What lies wholly inside the design is kept
-    wholly inside the terminal, if it fits.
-
-    Args:
-        viewport: What to place.
-        view: The design.
-        columns: Width of the terminal [cells].
-        rows: Height of the terminal [cells].
-        whole_cells: Whether it must be made of whole cells, so that text in it is not cut.
-    """
-    x, width = _span(
-        viewport.xpos, viewport.xsize, view.xsize, columns, step=1, scaled=viewport.scaled
-    )
-    y, height = _span(
-        viewport.ypos,
-        viewport.ysize,
-        view.ysize,
-        2 * rows,
-        step=2 if whole_cells else 1,
-        scaled=viewport.scaled,
-    )
-    return Place(x=x, y=y, width=width, height=height)
-
-
-def _span(
-    start: int, size: int, design: int, actual: int, *, step: int, scaled: bool
-) -> tuple[int, int]:
-    """First pixel and length on the terminal, both multiples of `step`."""
-    first = _scaled(start, design, actual, step)
-    length = _scaled(start + size, design, actual, step) - first
-    if not scaled:
-        length = -(-size // step) * step
-    length = max(step, length)
-    if start >= 0 and start + size <= design:
-        first = max(0, min(first, actual - length))
-    return first, length
-
-
-def _scaled(position: int, design: int, actual: int, step: int) -> int:
-    """round(position * actual / design) to a multiple of `step`, halves up."""
-    return (2 * position * actual + design * step) // (2 * design * step) * step

@@ -14,10 +14,12 @@ from rune_tui.layout.joysticks import Input, Joysticks
 from rune_tui.layout.rules import LOCAL_MESSAGES, HandlerRule, Option, Options, Vocabulary
 from rune_tui.layout.spec import (
     CHOSEN,
+    ArrangementSpec,
     CapabilitySpec,
     EventSpec,
     FontSpec,
     LayoutSpec,
+    PlaceSpec,
     RobotSpec,
     ViewportSpec,
     ViewSpec,
@@ -114,12 +116,56 @@ class SpecBuilder:
         return CapabilitySpec(name=name, interval_s=milliseconds / 1000)
 
     def _view(self, node: Node) -> ViewSpec:
+        viewports = {self._text(each, "name"): each for each in node.of("viewport")}
+        own = (
+            ArrangementSpec(
+                xsize=self._whole(node, "xsize"),
+                ysize=self._whole(node, "ysize"),
+                places=tuple(self._place(each, name, each) for name, each in viewports.items()),
+                line=node.place.line,
+            )
+            if not node.of("arrangement")
+            else None
+        )
         return ViewSpec(
+            background=self._background(node),
+            viewports=tuple(map(self._viewport, viewports.values())),
+            widgets=tuple(map(self._widget, node.of("widget"))),
+            arrangements=(own,)
+            if own
+            else tuple(self._arrangement(each, viewports) for each in node.of("arrangement")),
+        )
+
+    def _arrangement(self, node: Node, viewports: Mapping[str, Node]) -> ArrangementSpec:
+        names_of = ((place, self._text(place, "viewport")) for place in node.of("place"))
+        return ArrangementSpec(
+            name=self._text(node, "name"),
+            min_columns=self._whole(node, "min-columns"),
+            min_rows=self._whole(node, "min-rows"),
             xsize=self._whole(node, "xsize"),
             ysize=self._whole(node, "ysize"),
-            background=self._background(node),
-            viewports=tuple(map(self._viewport, node.of("viewport"))),
-            widgets=tuple(map(self._widget, node.of("widget"))),
+            places=tuple(self._place(each, name, viewports[name]) for each, name in names_of),
+            line=node.place.line,
+        )
+
+    def _place(self, node: Node, viewport: str, otherwise: Node) -> PlaceSpec:
+        """Where a viewport stands; what the place does not say of how, the viewport says."""
+
+        def how(attribute: str) -> str:
+            given = self._rules.value(node, attribute)
+            return self._text(otherwise, attribute) if given is None else given
+
+        return PlaceSpec(
+            viewport=viewport,
+            visible=how("visible") == "true",
+            transparency=int(how("transparency")),
+            xpos=self._whole(node, "xpos"),
+            ypos=self._whole(node, "ypos"),
+            zpos=int(how("zpos")),
+            xsize=self._whole(node, "xsize"),
+            ysize=self._whole(node, "ysize"),
+            scaled=how("fit") == "scale",
+            line=node.place.line,
         )
 
     def _background(self, node: Node) -> tuple[int, int, int] | None:
@@ -136,14 +182,6 @@ class SpecBuilder:
         return ViewportSpec(
             name=name,
             robot=robot,
-            visible=self._text(node, "visible") == "true",
-            transparency=self._whole(node, "transparency"),
-            xpos=self._whole(node, "xpos"),
-            ypos=self._whole(node, "ypos"),
-            zpos=self._whole(node, "zpos"),
-            xsize=self._whole(node, "xsize"),
-            ysize=self._whole(node, "ysize"),
-            scaled=self._text(node, "fit") == "scale",
             visualizer=visualizers[0] if visualizers else None,
             widgets=tuple(self._widget(child, robot, name) for child in node.of("widget")),
             line=node.place.line,

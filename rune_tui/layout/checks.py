@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from hub.gcm.catalog import BY_NAME
 from rune_tui.layout import names
+from rune_tui.layout.arrangement_checks import arrangement_mistakes
 from rune_tui.layout.grammar import Mistake, Node, Rules, hint, quoted, tag
 from rune_tui.layout.inputs import TakenInputs, input_mistakes
 from rune_tui.layout.joystick_checks import handler_mistakes, joystick_mistakes
@@ -42,10 +43,12 @@ def find_mistakes(root: Node, rules: Rules, vocabulary: Vocabulary) -> Iterator[
     yield from _joystick_mistakes(root, rules)
     inputs, wants = TakenInputs(rules, joysticks), Wants(robots, rules)
     for view in root.of("view"):
+        yield from arrangement_mistakes(view, rules)
+        yield from _duplicates(view.of("arrangement"), "arrangement", rules)
         for child in view.children:
             if child.tag == "viewport":
                 robot_name = viewport_robot(child, known, rules)
-                yield from _viewport_mistakes(child, view, known, rules)
+                yield from _viewport_mistakes(child, known, rules)
                 for visualizer in child.of("visualizer"):
                     yield from _visualizer_mistakes(visualizer, rules, vocabulary)
                     yield from _font_mistakes(visualizer, letters, rules, vocabulary)
@@ -119,9 +122,7 @@ def _is_endpoint(text: str) -> bool:
     return _IPC.fullmatch(text) is not None
 
 
-def _viewport_mistakes(
-    viewport: Node, view: Node, robots: tuple[str, ...], rules: Rules
-) -> Iterator[Mistake]:
+def _viewport_mistakes(viewport: Node, robots: tuple[str, ...], rules: Rules) -> Iterator[Mistake]:
     name = quoted(viewport.attributes.get("name", ""))
     robot = rules.value(viewport, "robot")
     if robot is not None and robots and robot not in {*robots, CHOSEN}:
@@ -130,22 +131,6 @@ def _viewport_mistakes(
     if "robot" not in viewport.attributes and len(robots) > 1:
         message = f"viewport {name} needs the attribute robot{hint('', robots)}"
         yield Mistake(viewport.place, message)
-    for axis in "xy":
-        length = _number(view, f"{axis}size", rules)
-        start = _number(viewport, f"{axis}pos", rules)
-        size = _number(viewport, f"{axis}size", rules)
-        if length is None or start is None or size is None:
-            continue
-        if start >= length or start + size <= 0:
-            place = f"it covers {axis} {start:g} to {start + size:g}, the view 0 to {length:g}"
-            message = f"viewport {name} lies wholly outside the view: {place}"
-            yield Mistake(viewport.at(f"{axis}pos"), message)
-            break
-
-
-def _number(node: Node, attribute: str, rules: Rules) -> float | None:
-    text = rules.value(node, attribute)
-    return None if text is None else float(text)
 
 
 def _visualizer_mistakes(

@@ -59,16 +59,8 @@ def _mouse_mistakes(event: Node, rules: Rules, viewport: Node | None) -> Iterato
     if viewport is None:
         message = "an event of the mouse belongs into a viewport: it is meant where that is"
         yield Mistake(event.at("mouse"), message)
-    elif _unseen(viewport, rules):
-        message = "the mouse cannot meet this viewport: give it a visualizer that can be seen"
-        yield Mistake(event.at("mouse"), message)
     if mouse in {"wheel", "motion"} and rules.value(event, "when") == "released":
         yield Mistake(event.at("when"), f"the mouse's {mouse} is never released, leave when out")
-
-
-def _unseen(viewport: Node, rules: Rules) -> bool:
-    """Whether nothing of a viewport is ever on the screen."""
-    return not viewport.of("visualizer") or rules.value(viewport, "transparency") == "255"
 
 
 def _unknown_key(key: str) -> str:

@@ -167,6 +167,8 @@ class VisualizerRule:
         font: Whether it can show that in a font of the layout.
         option: Its numeric option, if it has one.
         options: Its other options, by name.
+        vital: Whether it shows what keeps people and robots safe: its drawing never rests, and it
+            stays to be seen while another viewport fills the view.
     """
 
     meaning: str
@@ -177,6 +179,7 @@ class VisualizerRule:
     font: bool = False
     option: NumberOption | None = None
     options: Mapping[str, Option] = field(default_factory=dict)
+    vital: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -193,37 +193,73 @@ class VisualizerSpec:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ViewportSpec:
-    """A placed rectangle of the view.
+    """Something to see, and what keys, mouse and joysticks do there; arrangements place it.
 
     Attributes:
         name: Name in messages to the operator.
         robot: Robot whose messages it shows, or `CHOSEN`.
-        visible: Whether it is drawn at the start.
-        transparency: 0 is opaque, 255 cannot be seen.
-        xpos: Left edge in design pixels of the view; may be negative.
-        ypos: Top edge in design pixels of the view; may be negative.
-        zpos: Larger is nearer to the eye.
-        xsize: Width in design pixels.
-        ysize: Height in design pixels.
-        scaled: Whether place and size follow the terminal's; if not, a design pixel is a pixel.
         visualizer: What draws into it, if anything.
-        widgets: What listens while it is there.
+        widgets: What its inputs wake.
         line: Line in the layout file.
     """
 
     name: str
     robot: str
-    visible: bool
-    transparency: int
-    xpos: int
-    ypos: int
-    zpos: int
-    xsize: int
-    ysize: int
-    scaled: bool
     visualizer: VisualizerSpec | None
     widgets: tuple[WidgetSpec, ...]
     line: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlaceSpec:
+    """Where and how an arrangement shows a viewport.
+
+    Attributes:
+        viewport: The viewport's name.
+        visible: Whether it is drawn until the operator wants it otherwise.
+        transparency: 0 is opaque, 255 cannot be seen.
+        xpos: Left edge in design pixels of the arrangement; may be negative.
+        ypos: Top edge in design pixels of the arrangement; may be negative.
+        zpos: Larger is nearer to the eye.
+        xsize: Width in design pixels.
+        ysize: Height in design pixels.
+        scaled: Whether place and size follow the terminal's; if not, a design pixel is a pixel.
+        line: Line in the layout file.
+    """
+
+    viewport: str
+    visible: bool = True
+    transparency: int = 0
+    xpos: int
+    ypos: int
+    zpos: int = 0
+    xsize: int
+    ysize: int
+    scaled: bool = True
+    line: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ArrangementSpec:
+    """Where viewports stand on terminals that are large enough for it.
+
+    Attributes:
+        name: Name in messages to the operator; empty for the only one of a view.
+        min_columns: Least width of the terminal [cells].
+        min_rows: Least height of the terminal [cells].
+        xsize: Design width in pixels; a terminal cell is one pixel wide.
+        ysize: Design height in pixels; a terminal cell is two pixels high.
+        places: In file order.
+        line: Line in the layout file.
+    """
+
+    name: str = ""
+    min_columns: int = 1
+    min_rows: int = 1
+    xsize: int
+    ysize: int
+    places: tuple[PlaceSpec, ...]
+    line: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -231,18 +267,16 @@ class ViewSpec:
     """The whole picture.
 
     Attributes:
-        xsize: Design width in pixels; a terminal cell is one pixel wide.
-        ysize: Design height in pixels; a terminal cell is two pixels high.
         background: Red, green, blue behind all viewports in the theme "dark"; None: the theme's.
         viewports: In file order.
         widgets: Global widgets.
+        arrangements: One or more, in file order.
     """
 
-    xsize: int
-    ysize: int
     background: tuple[int, int, int] | None
     viewports: tuple[ViewportSpec, ...]
     widgets: tuple[WidgetSpec, ...]
+    arrangements: tuple[ArrangementSpec, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -72,7 +72,9 @@ class ConsoleState:
         run_number: The layout's run number.
         robots: All that is known of each robot, by name.
         chosen: The robot that viewports of `CHOSEN` show and command.
-        shown: Which viewports are shown (True) or hidden (False).
+        shown: Which viewports the operator has shown (True) or hidden (False).
+        places: Viewports that have a place at this size of the terminal, and whether they are shown
+            there until the operator wants it otherwise.
         zooms: How many times larger than its layout says a viewport shows the world, by name.
         wishes: What pictures somebody wants of a robot, by the robot's name.
         night: Robots whose night mode somebody switched on, by name.
@@ -99,6 +101,7 @@ class ConsoleState:
     robots: Mapping[str, RobotState] = field(default_factory=dict)
     chosen: str = ""
     shown: Mapping[str, bool] = field(default_factory=dict)
+    places: Mapping[str, bool] = field(default_factory=dict)
     zooms: Mapping[str, float] = field(default_factory=dict)
     wishes: Mapping[str, PictureWish] = field(default_factory=dict)
     night: frozenset[str] = frozenset()
@@ -122,7 +125,6 @@ class ConsoleState:
             now=now,
             run_number=layout.run_number,
             chosen=layout.robots[0].name,
-            shown={viewport.name: viewport.visible for viewport in layout.view.viewports},
             operator=operator,
             inputs=inputs_of(layout),
             joysticks={
@@ -150,22 +152,18 @@ class ConsoleState:
         return Notice(text=text, when=self.now, clock=self.clock, robot=robot, alarm=alarm)
 
 
-def carried_over(state: ConsoleState, before: LayoutSpec, layout: LayoutSpec) -> ConsoleState:
+def carried_over(state: ConsoleState, layout: LayoutSpec) -> ConsoleState:
     """The state of a console that goes on with another layout.
 
     What the operator did to viewports and robots that are there again holds.
     """
     robots = {robot.name for robot in layout.robots}
-    by_layout = {viewport.name: viewport.visible for viewport in before.view.viewports}
-    by_hand = {
-        name: shown for name, shown in state.shown.items() if by_layout.get(name, shown) != shown
-    }
-    viewports = {viewport.name: viewport.visible for viewport in layout.view.viewports}
+    viewports = {viewport.name for viewport in layout.view.viewports}
     return dataclasses.replace(
         state,
         run_number=layout.run_number,
         chosen=state.chosen if state.chosen in robots else layout.robots[0].name,
-        shown={name: by_hand.get(name, visible) for name, visible in viewports.items()},
+        shown={name: shown for name, shown in state.shown.items() if name in viewports},
         full=state.full if state.full in viewports else "",
         zooms={name: zoom for name, zoom in state.zooms.items() if name in viewports},
         wishes={name: wish for name, wish in state.wishes.items() if name in robots},

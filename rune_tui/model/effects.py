@@ -257,9 +257,8 @@ Effect = DeedEffect | StateEffect
 def changed(state: ConsoleState, effect: StateEffect) -> ConsoleState:
     """The console's state after an effect that concerns nothing else."""
     match effect:
-        case ShowViewport(viewport=name, shown=shown):
-            wanted = not state.shown.get(name, True) if shown is None else shown
-            return dataclasses.replace(state, shown=_with(state.shown, name, wanted))
+        case ShowViewport():
+            return _showing(state, effect)
         case FillView(viewport=name):
             return dataclasses.replace(state, full="" if state.full == name else name)
         case ChooseRobot(robot=name):
@@ -282,6 +281,17 @@ def changed(state: ConsoleState, effect: StateEffect) -> ConsoleState:
         case Tell(notice=notice):
             notices = (*state.notices[1 - MOST_NOTICES :], notice)
             return dataclasses.replace(state, notices=notices)
+
+
+def _showing(state: ConsoleState, effect: ShowViewport) -> ConsoleState:
+    """The state with a viewport shown or hidden; what cannot be seen at this size is said."""
+    name = effect.viewport
+    if state.places and name not in state.places:
+        text = f"{name} has no place on a terminal of this size"
+        return changed(state, Tell.now(state, text))
+    now = state.shown.get(name, state.places.get(name, True))
+    wanted = not now if effect.shown is None else effect.shown
+    return dataclasses.replace(state, shown=_with(state.shown, name, wanted))
 
 
 def _with(mapping: Mapping[str, T], name: str, value: T) -> Mapping[str, T]:

@@ -31,6 +31,7 @@ class Alarms:
         meaning="what is wrong now, the worst first; all well if nothing is",
         message=ROBOT_STATE.name,
         others=("GCM_CameraState", "GCM_Control_State"),
+        vital=True,
     )
     whole_cells: ClassVar[bool] = True
     urgency: ClassVar[Urgency] = Urgency.ALARM

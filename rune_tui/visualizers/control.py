@@ -28,6 +28,7 @@ class Control:
         meaning="who has control of the robot, who asks for it and for how long, who moves it, "
         "and which keys take and hand over control",
         message=CONTROL_STATE.name,
+        vital=True,
     )
     whole_cells: ClassVar[bool] = True
     urgency: ClassVar[Urgency] = Urgency.ALARM

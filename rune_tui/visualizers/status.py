@@ -27,6 +27,7 @@ class Status:
         meaning="one line: link, who has control, speed, battery, motion",
         message="GCM_RobotState",
         others=("GCM_CameraState", "GCM_Control_State"),
+        vital=True,
     )
     whole_cells: ClassVar[bool] = True
     urgency: ClassVar[Urgency] = Urgency.ALARM

@@ -4,13 +4,20 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 from hub.gcm.navigation import ROBOT_STATE
 from hub.gcm.vision import CAMERA_STATE
 from rune_tui.compositor.cells import Cells
 from rune_tui.layout.rules import Options
-from rune_tui.layout.spec import LayoutSpec, ViewSpec, VisualizerSpec
+from rune_tui.layout.spec import (
+    ArrangementSpec,
+    LayoutSpec,
+    PlaceSpec,
+    ViewportSpec,
+    ViewSpec,
+    VisualizerSpec,
+)
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import Received, RobotState
 from rune_tui.opening import BUILT_IN
@@ -31,6 +38,45 @@ def robot_of(
     if camera is not None:
         known[CAMERA_STATE.name] = camera
     return RobotState(messages=known, **parts)
+
+
+class Standing(NamedTuple):
+    """A viewport and where it stands."""
+
+    spec: ViewportSpec
+    place: PlaceSpec
+
+
+def standing(
+    name: str,
+    visualizer: VisualizerSpec | None,
+    place: tuple[int, int, int, int],
+    *,
+    robot: str = "magellan",
+    **how: Any,
+) -> Standing:
+    """A viewport at a place: left, top, width and height [pixels]."""
+    x, y, width, height = place
+    return Standing(
+        ViewportSpec(name=name, robot=robot, visualizer=visualizer, widgets=(), line=1),
+        PlaceSpec(viewport=name, xpos=x, ypos=y, xsize=width, ysize=height, **how),
+    )
+
+
+def view_of(
+    *viewports: Standing,
+    xsize: int = 160,
+    ysize: int = 96,
+    background: tuple[int, int, int] = (0, 0, 0),
+) -> ViewSpec:
+    """A view of viewports that stand in the same places whatever the terminal's size."""
+    places = tuple(each.place for each in viewports)
+    return ViewSpec(
+        background=background,
+        viewports=tuple(each.spec for each in viewports),
+        widgets=(),
+        arrangements=(ArrangementSpec(xsize=xsize, ysize=ysize, places=places),),
+    )
 
 
 def layout_of(view: ViewSpec) -> LayoutSpec:

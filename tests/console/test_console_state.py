@@ -21,7 +21,6 @@ def layout_of(folder: Path, run: int, robots: str, viewports: str) -> LayoutSpec
 
 
 def test_what_the_operator_did_to_what_is_there_again_holds(tmp_path: Path) -> None:
-    before = layout_of(tmp_path, 1, "ab", "vwy")
     state = ConsoleState(
         now=1.0,
         run_number=1,
@@ -33,9 +32,9 @@ def test_what_the_operator_did_to_what_is_there_again_holds(tmp_path: Path) -> N
         night=frozenset("ab"),
         trouble="1 problem",
     )
-    kept = carried_over(state, before, layout_of(tmp_path, 2, "bc", "wxy"))
+    kept = carried_over(state, layout_of(tmp_path, 2, "bc", "wxy"))
     assert (kept.run_number, kept.chosen, kept.trouble, kept.full) == (2, "b", "", "")
-    assert kept.shown == {"w": False, "x": True, "y": True}
+    assert kept.shown == {"w": False, "y": True}
     assert kept.zooms == {"w": 3.0}
     assert (kept.wishes, kept.night) == ({"b": PictureWish(quality=2)}, frozenset("b"))
 
@@ -43,4 +42,4 @@ def test_what_the_operator_did_to_what_is_there_again_holds(tmp_path: Path) -> N
 def test_a_chosen_robot_that_is_gone_gives_way_to_the_first(tmp_path: Path) -> None:
     before = layout_of(tmp_path, 4, "ab", "")
     state = ConsoleState.at_start(before, 1.0)
-    assert carried_over(state, before, layout_of(tmp_path, 5, "cd", "")).chosen == "c"
+    assert carried_over(state, layout_of(tmp_path, 5, "cd", "")).chosen == "c"

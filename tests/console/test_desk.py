@@ -10,10 +10,9 @@ import pytest
 from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Stop, Twist
 from rune_tui import desk
 from rune_tui.compositor.blend import compose
-from rune_tui.layout.spec import ViewSpec
 from rune_tui.model.effects import SendEffect
 from rune_tui.model.robot_state import LinkPhase
-from tests.console.states import layout_of
+from tests.console.states import layout_of, view_of
 from tests.console.visualizers.conftest import Made
 from tests.console.widgets.presses import marked, seeing
 
@@ -60,7 +59,7 @@ def test_a_folder_that_cannot_be_made_is_an_alarm_and_no_fault(home: Path):
 
 
 def test_two_recordings_of_one_second_have_files_of_their_own(home: Path):
-    layout = layout_of(ViewSpec(xsize=9, ysize=9, background=(0, 0, 0), viewports=(), widgets=()))
+    layout = layout_of(view_of(xsize=9, ysize=9))
     begun = [desk.begin_recording(layout, "alice", NOW) for _ in range(2)]
     for recording, said in begun:
         assert not said.alarm

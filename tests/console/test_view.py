@@ -12,12 +12,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rune_tui.compositor.ansi import encoded_rows
+from rune_tui.layout.placing import area_of
 from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.joystick_state import JoystickState
 from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, RobotState
 from rune_tui.raster.canvas import Canvas, halved
 from rune_tui.raster.urgency import Urgency
-from rune_tui.view import MIN_COLUMNS, MIN_ROWS, View, placed
+from rune_tui.view import MIN_COLUMNS, MIN_ROWS, View
 from tests.console.states import layout_of, rendered
 from tests.console.view_scenes import (
     CAMERA,
@@ -32,6 +33,8 @@ from tests.console.view_scenes import (
     viewport,
     words,
 )
+
+DESIGN = (160, 96)
 
 
 @pytest.mark.parametrize("columns", range(1, 61))
@@ -113,7 +116,7 @@ def test_hidden_viewports_are_neither_drawn_nor_asked_for(monkeypatch: pytest.Mo
     counted = _Counted(monkeypatch)
     hidden = view(
         viewport("visualizeCameraImage", (0, 0, 160, 96), visible=False),
-        viewport("visualizeCameraImage", (0, 0, 160, 96), transparency=255),
+        viewport("visualizeCameraImage", (0, 0, 160, 96), transparency=255, name="unseen"),
         viewport("visualizeStatus", (0, 0, 160, 2), visualizer=None),
     )
     screen = View(layout_of(hidden))
@@ -178,15 +181,15 @@ def test_a_plot_keeps_its_history_when_the_terminal_changes_its_size() -> None:
 
 
 def test_the_nearer_viewport_covers_the_farther() -> None:
-    front = viewport("visualizeLabel", (0, 0, 160, 2), text="front", zpos=2)
-    back = viewport("visualizeLabel", (0, 0, 160, 2), text="behind", zpos=1)
+    front = viewport("visualizeLabel", (0, 0, 160, 2), text="front", zpos=2, name="front")
+    back = viewport("visualizeLabel", (0, 0, 160, 2), text="behind", zpos=1, name="back")
     assert words(shown(view(front, back), 80, 24)).startswith("frontd")
 
 
 def test_viewports_of_several_robots_show_each_its_own() -> None:
     spec = view(
         viewport("visualizeStatus", (0, 0, 160, 2)),
-        viewport("visualizeStatus", (0, 2, 160, 2), robot="blimp"),
+        viewport("visualizeStatus", (0, 2, 160, 2), robot="blimp", name="other"),
     )
     screen = View(layout_of(spec))
     screen.resize(160, 48)
@@ -201,30 +204,30 @@ def test_places_scale_and_touching_viewports_keep_touching() -> None:
     left = viewport("visualizePanData", (0, 0, 53, 96))
     right = viewport("visualizePanData", (53, 0, 107, 96))
     for columns in range(1, 200, 7):
-        one = placed(left, view(), columns, 30, whole_cells=False)
-        two = placed(right, view(), columns, 30, whole_cells=False)
+        one = area_of(left.place, DESIGN, columns, 30, whole_cells=False)
+        two = area_of(right.place, DESIGN, columns, 30, whole_cells=False)
         assert one.x == 0
         assert one.x + one.width in {two.x, two.x + 1}  # one pixel is the least there is
         assert two.x + two.width == columns
         assert (one.y, one.height) == (0, 60)
-    assert placed(left, view(), 320, 96, whole_cells=False).width == 106
+    assert area_of(left.place, DESIGN, 320, 96, whole_cells=False).width == 106
 
 
 def test_unscaled_viewports_keep_their_size_and_scale_their_corner() -> None:
     spec = viewport("visualizePanData", (40, 24, 30, 10), scaled=False)
-    place = placed(spec, view(), 80, 24, whole_cells=False)
+    place = area_of(spec.place, DESIGN, 80, 24, whole_cells=False)
     assert (place.x, place.y, place.width, place.height) == (20, 12, 30, 10)
 
 
 def test_an_unscaled_viewport_inside_the_design_stays_inside_the_terminal() -> None:
     spec = viewport("visualizePanData", (120, 56, 40, 40), scaled=False)
-    place = placed(spec, view(), 80, 24, whole_cells=False)
+    place = area_of(spec.place, DESIGN, 80, 24, whole_cells=False)
     assert (place.x, place.y, place.width, place.height) == (40, 8, 40, 40)
 
 
 def test_a_viewport_partly_outside_the_design_stays_partly_outside() -> None:
     spec = viewport("visualizePanData", (-20, -12, 40, 24))
-    place = placed(spec, view(), 80, 24, whole_cells=False)
+    place = area_of(spec.place, DESIGN, 80, 24, whole_cells=False)
     assert (place.x, place.y, place.width, place.height) == (-10, -6, 20, 12)
     cells = shown(view(viewport("visualizeCameraImage", (80, 0, 400, 96))), 80, 24)
     assert (cells.pixels[:, :40, 0] == 1).all()
@@ -241,7 +244,7 @@ def test_text_viewports_are_made_of_whole_cells(
 ) -> None:
     columns, rows = terminal
     spec = viewport("visualizeStatus", (*corner, *size), scaled=scaled)
-    place = placed(spec, view(), columns, rows, whole_cells=True)
+    place = area_of(spec.place, DESIGN, columns, rows, whole_cells=True)
     assert place.width >= 1
     assert place.height >= 2
     assert place.y % 2 == place.height % 2 == 0
@@ -252,8 +255,8 @@ def test_text_viewports_are_made_of_whole_cells(
 def test_the_picture_size_is_the_largest_shown_of_each_robot() -> None:
     spec = view(
         viewport("visualizeCameraImage", (0, 0, 80, 60)),
-        viewport("visualizeCameraImage", (80, 0, 40, 30)),
-        viewport("visualizeCameraImage", (0, 60, 8, 6), robot="blimp"),
+        viewport("visualizeCameraImage", (80, 0, 40, 30), name="small"),
+        viewport("visualizeCameraImage", (0, 60, 8, 6), robot="blimp", name="blimp"),
     )
     screen = View(layout_of(spec))
     screen.resize(160, 48)
@@ -303,7 +306,7 @@ def test_a_fault_in_one_viewport_takes_no_other_from_the_operator(
     assert "failed" not in words(mended)
 
 
-def test_a_viewport_that_fills_the_view_hides_the_others_and_gets_larger_pictures() -> None:
+def test_a_viewport_that_fills_the_view_gets_larger_pictures_and_leaves_room_for_safety() -> None:
     shown = two_panes()
     shown.resize(100, 20)
     robots = {"magellan": robot(), "blimp": robot("blimp")}
@@ -312,11 +315,12 @@ def test_a_viewport_that_fills_the_view_hides_the_others_and_gets_larger_picture
     before = shown.render(usual)
     assert before is not None
     assert shown.picture_sizes(usual) == {"magellan": (50, 38)}
-    assert shown.picture_sizes(full) == {"magellan": (53, 40)}
+    assert shown.picture_sizes(full) == {"magellan": (48, 36)}
     cells = shown.render(full)
     assert cells is not None
-    assert not cells.glyphs.any()
-    assert (cells.pixels[:, 30:70, 0] == 200).all()
+    assert not cells.glyphs[:18].any()
+    assert "blimp" in words(cells).splitlines()[18]
+    assert (cells.pixels[:36, 30:70, 0] == 200).all()
     assert [hit.viewport for hit in shown.hits(99, 0, full)] == ["visualizeCameraImage"]
     again = shown.render(usual)
     assert again is not None

@@ -10,11 +10,12 @@ import pytest
 
 from rune_tui.compositor.cells import Cells
 from rune_tui.layout.rules import Options, VisualizerRule, Vocabulary
-from rune_tui.layout.spec import LayoutSpec, ViewportSpec, ViewSpec, VisualizerSpec
+from rune_tui.layout.spec import LayoutSpec, VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.view import View
+from tests.console.states import standing, view_of
 from tests.console.visualizers.conftest import Made
 
 SHOWN = ConsoleState(now=1.0, robots={"magellan": Made().robot()})
@@ -65,26 +66,11 @@ def view(monkeypatch: pytest.MonkeyPatch) -> View:
         options=Options.of({}, {}),
         line=1,
     )
-    viewport = ViewportSpec(
-        name="foreign",
-        robot="magellan",
-        visible=True,
-        transparency=0,
-        xpos=0,
-        ypos=0,
-        xsize=40,
-        ysize=20,
-        zpos=0,
-        scaled=True,
-        visualizer=spec,
-        widgets=(),
-        line=1,
-    )
     layout = LayoutSpec(
         path="",
         run_number=0,
         robots=(),
-        view=ViewSpec(xsize=40, ysize=20, background=(0, 0, 0), viewports=(viewport,), widgets=()),
+        view=view_of(standing("foreign", spec, (0, 0, 40, 20)), xsize=40, ysize=20),
         vocabulary=Vocabulary(visualizers={"visualizeForeign": Foreign}, widgets={}),
     )
     made = View(layout, clock=lambda: Clock.now)

@@ -8,11 +8,19 @@ import numpy as np
 
 from hub.gcm.navigation import MotionState
 from rune_tui.compositor.cells import Cells
-from rune_tui.layout.spec import ViewportSpec, ViewSpec
+from rune_tui.layout.spec import ViewSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
 from rune_tui.view import View
-from tests.console.states import layout_of, rendered, robot_of, visualizer_spec
+from tests.console.states import (
+    Standing,
+    layout_of,
+    rendered,
+    robot_of,
+    standing,
+    view_of,
+    visualizer_spec,
+)
 from tests.messages import camera_state, robot_state
 
 STATE = ConsoleState(now=100.0)
@@ -45,25 +53,13 @@ def robot(name: str = "magellan", shade: int = 200, number: int = 1, **changes: 
 
 def viewport(
     function: str, place: tuple[int, int, int, int], *, text: str = "", **changes: Any
-) -> ViewportSpec:
+) -> Standing:
     shown = visualizer_spec(function, text=text)
-    values: dict[str, Any] = {
-        "name": function,
-        "robot": "magellan",
-        "visible": True,
-        "transparency": 0,
-        "zpos": 0,
-        "scaled": True,
-        "visualizer": shown,
-        "widgets": (),
-        "line": 1,
-    }
-    x, y, width, height = place
-    return ViewportSpec(xpos=x, ypos=y, xsize=width, ysize=height, **values | changes)
+    return standing(changes.pop("name", function), **{"visualizer": shown} | changes, place=place)
 
 
-def view(*viewports: ViewportSpec, xsize: int = 160, ysize: int = 96) -> ViewSpec:
-    return ViewSpec(xsize=xsize, ysize=ysize, background=(1, 2, 3), viewports=viewports, widgets=())
+def view(*viewports: Standing, xsize: int = 160, ysize: int = 96) -> ViewSpec:
+    return view_of(*viewports, xsize=xsize, ysize=ysize, background=(1, 2, 3))
 
 
 EVERYTHING = view(

@@ -141,9 +141,11 @@ def test_every_value_of_a_file_arrives(tmp_path: Path):
     )
     assert layout.view.background == (0x20, 0xC0, 0x40)
     (viewport,) = layout.view.viewports
-    assert (viewport.robot, viewport.visible, viewport.transparency) == ("blimp", False, 255)
-    assert (viewport.xpos, viewport.ypos, viewport.zpos) == (-10, 90, -3)
-    assert (viewport.xsize, viewport.ysize, viewport.scaled) == (40, 20, False)
+    (arrangement,) = layout.view.arrangements
+    (place,) = arrangement.places
+    assert (viewport.robot, place.visible, place.transparency) == ("blimp", False, 255)
+    assert (place.xpos, place.ypos, place.zpos) == (-10, 90, -3)
+    assert (place.xsize, place.ysize, place.scaled) == (40, 20, False)
     assert viewport.line == 8
     assert viewport.visualizer is not None
     assert (viewport.visualizer.option, viewport.visualizer.line) == (2.5, 14)
@@ -167,8 +169,10 @@ def test_what_a_file_leaves_out_has_its_default(tmp_path: Path):
     assert [capability.interval_s for capability in robot.capabilities] == [0.01, 0.0]
     assert layout.view.background is None
     (viewport,) = layout.view.viewports
-    assert (viewport.robot, viewport.visible, viewport.transparency) == ("magellan", True, 0)
-    assert (viewport.zpos, viewport.scaled) == (0, True)
+    (arrangement,) = layout.view.arrangements
+    (place,) = arrangement.places
+    assert (viewport.robot, place.visible, place.transparency) == ("magellan", True, 0)
+    assert (place.zpos, place.scaled) == (0, True)
     assert viewport.visualizer is not None
     assert (viewport.visualizer.message, viewport.visualizer.option) == ("GCM_Common_Image", 0.0)
     assert viewport.visualizer.text == ""
@@ -186,7 +190,8 @@ def test_the_demo_drives_with_letters_arrows_and_a_stick_and_says_its_keys():
     keys = ["w", "s", "a", "d", "up", "down", "left", "right"]
     assert bound["widgetSetSpeed"] == [*keys, "joystick pad lefty", "joystick pad leftx"]
     assert bound["widgetStop"] == ["space", "joystick pad b"]
-    status = next(one for one in layout.view.viewports if one.name == "status")
+    (arrangement,) = layout.view.arrangements
+    status = next(one for one in arrangement.places if one.viewport == "status")
     assert (status.xpos, status.ypos, status.xsize, status.ysize) == (0, 94, 160, 2)
     label = next(one for one in layout.view.viewports if one.name == "help").visualizer
     assert label is not None

@@ -52,8 +52,8 @@ def test_the_example_of_the_page_differs_in_one_attribute(tmp_path: Path) -> Non
     one, three = open_layout(tmp_path / "one.xml"), open_layout(tmp_path / "three.xml")
     assert (one.run_number, three.run_number) == (0, 3)
     assert one.robots == three.robots
-    assert [viewport.transparency for viewport in one.view.viewports] == [0, 96]
-    assert [viewport.transparency for viewport in three.view.viewports] == [0, 200]
+    assert [place.transparency for place in one.view.arrangements[0].places] == [0, 96]
+    assert [place.transparency for place in three.view.arrangements[0].places] == [0, 200]
     assert three.files == (tmp_path / "three.xml", tmp_path / "experiment.xml")
 
 

@@ -77,7 +77,7 @@ def test_a_layout_or_its_part_that_is_saved_is_opened_once(layouts: list[str]) -
     assert opened(looked(found)).run_number == 7
     assert found.look() is None
     save(Path(layouts[0]).with_name("view.xml"), PART.format(size=90))
-    assert opened(looked(found)).view.xsize == 90
+    assert opened(looked(found)).view.arrangements[0].xsize == 90
     assert found.look() is None
 
 
@@ -109,7 +109,7 @@ def test_a_part_that_was_missing_is_waited_for(layouts: list[str]) -> None:
     save(layouts[0], TEXT.format(run=2).replace("view.xml", "other.xml"))
     assert "there is no such file" in str(refused(looked(found)))
     save(Path(layouts[0]).with_name("other.xml"), PART.format(size=70))
-    assert opened(looked(found)).view.xsize == 70
+    assert opened(looked(found)).view.arrangements[0].xsize == 70
 
 
 def test_a_file_that_is_taken_away_and_put_back_is_opened_again(layouts: list[str]) -> None:

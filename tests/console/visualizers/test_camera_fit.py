@@ -10,7 +10,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rune_tui.layout.spec import ViewportSpec, ViewSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.pose import Pose
 from rune_tui.model.robot_state import Picture
@@ -18,7 +17,7 @@ from rune_tui.view import View
 from rune_tui.visualizers.camera_image import CameraImage
 from rune_tui.visualizers.picture_frame import PictureFrame
 from tests.console.model.simulated_views import FEET_HIGH, FEET_LOW, VICTIM, aimed, take
-from tests.console.states import layout_of, rendered, visualizer_spec
+from tests.console.states import Standing, layout_of, rendered, standing, view_of, visualizer_spec
 from tests.console.visualizers.conftest import words
 
 NAME = "visualizeCameraImage"
@@ -162,16 +161,12 @@ def test_without_a_picture_there_is_no_place(made) -> None:
     assert CameraImage().locate((8.0, 9.0), (10, 10), robot, STATE) is None
 
 
-def viewport(name: str, function: str, place: tuple[int, int, int, int], **changes) -> ViewportSpec:
-    values = {"robot": "magellan", "visible": True, "transparency": 0, "zpos": 0, "scaled": True}
-    values |= {"visualizer": visualizer_spec(function), "widgets": (), "line": 1}
-    x, y, width, height = place
-    spot = {"xpos": x, "ypos": y, "xsize": width, "ysize": height}
-    return ViewportSpec(name=name, **spot, **values | changes)
+def viewport(name: str, function: str, place: tuple[int, int, int, int], **changes) -> Standing:
+    return standing(name, **{"visualizer": visualizer_spec(function)} | changes, place=place)
 
 
-def screen_of(*viewports: ViewportSpec) -> View:
-    spec = ViewSpec(xsize=160, ysize=96, background=(0, 0, 0), viewports=viewports, widgets=())
+def screen_of(*viewports: Standing) -> View:
+    spec = view_of(*viewports)
     screen = View(layout_of(spec))
     screen.resize(160, 48)
     return screen

@@ -10,14 +10,13 @@ import pytest
 
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints, PointKind
 from hub.gcm.navigation import NAVIGATION_STATUS, NavigationStatus, Point, Task
-from rune_tui.layout.spec import ViewportSpec, ViewSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase, OccupancyMap
 from rune_tui.model.theme import DARK, LIGHT
 from rune_tui.raster.canvas import Canvas
 from rune_tui.view import View
 from rune_tui.visualizers.map_data import MapData
-from tests.console.states import layout_of, rendered, visualizer_spec
+from tests.console.states import layout_of, rendered, standing, view_of, visualizer_spec
 from tests.console.visualizers.conftest import made_by, words
 
 NAME = "visualizeMapData"
@@ -308,11 +307,8 @@ def test_the_token_changes_only_with_what_is_drawn(made) -> None:
 
 def screen_of(**changes) -> View:
     """A map that fills a view of 100x80 pixels."""
-    values = {"robot": "magellan", "visible": True, "transparency": 0, "zpos": 0, "scaled": True}
     shown = dataclasses.replace(visualizer_spec(NAME, **changes), viewport="map")
-    place = {"xpos": 0, "ypos": 0, "xsize": 100, "ysize": 80}
-    spec = ViewportSpec(name="map", visualizer=shown, widgets=(), line=1, **place, **values)
-    view = ViewSpec(xsize=100, ysize=80, background=(0, 0, 0), viewports=(spec,), widgets=())
+    view = view_of(standing("map", shown, (0, 0, 100, 80)), xsize=100, ysize=80)
     screen = View(layout_of(view))
     screen.resize(100, 40)
     return screen

@@ -1,0 +1,228 @@
+"""Which arrangement a terminal takes, and where viewports stand on it; pure."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from rune_tui.layout.spec import ArrangementSpec, PlaceSpec
+
+_SHARE_OF_STRIP = 4
+"""One row in so many is the most that full screen leaves for vital viewports."""
+_NARROW_ROWS = 2
+"""Rows of a vital viewport in full screen that is not a line over the whole view."""
+_LEAST_COLUMNS = 24
+"""Vital viewports in full screen that are narrower say nothing of use [cells]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Area:
+    """A rectangle of the terminal's pixel grid (columns, 2 * rows) [pixels]."""
+
+    x: int
+    y: int
+    width: int
+    height: int
+
+    def meets(self, other: Area) -> bool:
+        """Whether both have a pixel in common."""
+        across = self.x < other.x + other.width and other.x < self.x + self.width
+        down = self.y < other.y + other.height and other.y < self.y + self.height
+        return across and down
+
+    def touches(self, other: Area) -> bool:
+        """Whether they stand side by side, or one on the other, with nothing between."""
+        if self.meets(other):
+            return False
+        across = self.x <= other.x + other.width and other.x <= self.x + self.width
+        down = self.y < other.y + other.height and other.y < self.y + self.height
+        along = self.x < other.x + other.width and other.x < self.x + self.width
+        below = self.y <= other.y + other.height and other.y <= self.y + self.height
+        return (across and down) or (along and below)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Placed:
+    """A viewport on the terminal.
+
+    Attributes:
+        spec: What the arrangement says of it.
+        area: Where it is.
+    """
+
+    spec: PlaceSpec
+    area: Area
+
+
+def arrangement_for(
+    arrangements: Iterable[ArrangementSpec], columns: int, rows: int
+) -> ArrangementSpec:
+    """The largest arrangement that a terminal has room for, else the smallest.
+
+    Args:
+        arrangements: One or more.
+        columns: Width of the terminal [cells].
+        rows: Height of the terminal [cells].
+    """
+    ordered = sorted(arrangements, key=lambda each: (each.min_columns, each.min_rows))
+    fitting = (
+        each for each in reversed(ordered) if each.min_columns <= columns and each.min_rows <= rows
+    )
+    return next(fitting, ordered[0])
+
+
+def area_of(
+    place: PlaceSpec, design: tuple[int, int], columns: int, rows: int, *, whole_cells: bool
+) -> Area:
+    """Where a place of a design lies on a terminal.
+
+    Edges scale, so viewports that touch in the design touch on the terminal; unscaled viewports
+    keep their size and scale their upper left corner. What lies wholly inside the design is kept
+    wholly inside the terminal, if it fits.
+
+    Args:
+        place: What to place.
+        design: Width and height of the design [pixels].
+        columns: Width of the terminal [cells].
+        rows: Height of the terminal [cells].
+        whole_cells: Whether it must be made of whole cells, so that text in it is not cut.
+    """
+    x, width = _span(place.xpos, place.xsize, design[0], columns, step=1, scaled=place.scaled)
+    y, height = _span(
+        place.ypos,
+        place.ysize,
+        design[1],
+        2 * rows,
+        step=2 if whole_cells else 1,
+        scaled=place.scaled,
+    )
+    return Area(x=x, y=y, width=width, height=height)
+
+
+def placed(
+    arrangement: ArrangementSpec, columns: int, rows: int, *, free: Collection[str] = ()
+) -> tuple[Placed, ...]:
+    """Where all viewports of an arrangement stand.
+
+    Args:
+        arrangement: What is placed where.
+        columns: Width of the terminal [cells].
+        rows: Height of the terminal [cells].
+        free: Viewports that need not be made of whole cells.
+    """
+    return _on_design(
+        arrangement.places, (arrangement.xsize, arrangement.ysize), columns, rows, free
+    )
+
+
+def filled(
+    arrangement: ArrangementSpec,
+    full: str,
+    vital: Sequence[str],
+    columns: int,
+    rows: int,
+    *,
+    free: Collection[str] = (),
+) -> tuple[Placed, ...]:
+    """Where viewports stand while one of them fills the view.
+
+    What lies over it goes on lying over it. The vital viewports that do not lie over it get a strip
+    at the lower edge; nothing else is shown.
+
+    Args:
+        arrangement: What is placed where otherwise.
+        full: The viewport that fills the view.
+        vital: Viewports that the operator must see, the most important first.
+        columns: Width of the terminal [cells].
+        rows: Height of the terminal [cells].
+        free: Viewports that need not be made of whole cells.
+    """
+    known = {place.viewport: place for place in arrangement.places}
+    whole = PlaceSpec(
+        viewport=full, xpos=0, ypos=0, xsize=arrangement.xsize, ysize=arrangement.ysize
+    )
+    ground = known.get(full, whole)
+    over = tuple(_lying_over(ground, arrangement.places)) if full in known else ()
+    kept = {place.viewport for place in over}
+    apart = [known[name] for name in vital if name in known and name not in {*kept, full}]
+    strip = tuple(_strip(apart, arrangement.xsize, columns, rows))
+    left = min((each.area.y // 2 for each in strip), default=rows)
+    moved = tuple(
+        dataclasses.replace(each, xpos=each.xpos - ground.xpos, ypos=each.ypos - ground.ypos)
+        for each in over
+    )
+    filling = Placed(spec=ground, area=Area(x=0, y=0, width=columns, height=2 * left))
+    above = _on_design(moved, (ground.xsize, ground.ysize), columns, left, free)
+    return (filling, *above, *strip)
+
+
+def _on_design(
+    places: Iterable[PlaceSpec],
+    design: tuple[int, int],
+    columns: int,
+    rows: int,
+    free: Collection[str],
+) -> tuple[Placed, ...]:
+    return tuple(
+        Placed(
+            spec=place,
+            area=area_of(place, design, columns, rows, whole_cells=place.viewport not in free),
+        )
+        for place in places
+    )
+
+
+def _lying_over(ground: PlaceSpec, places: Sequence[PlaceSpec]) -> Iterator[PlaceSpec]:
+    """The places nearer to the eye whose middle lies over another place."""
+    behind = places.index(ground)
+    for number, place in enumerate(places):
+        nearer = (place.zpos, number) > (ground.zpos, behind)
+        across = 2 * place.xpos + place.xsize - 2 * ground.xpos
+        down = 2 * place.ypos + place.ysize - 2 * ground.ypos
+        inside = 0 <= across < 2 * ground.xsize and 0 <= down < 2 * ground.ysize
+        if nearer and inside:
+            yield place
+
+
+def _strip(
+    places: Sequence[PlaceSpec], design_width: int, columns: int, rows: int
+) -> Iterator[Placed]:
+    """Places in rows at the lower edge, the most important at the bottom and to the left."""
+    room = max(1, rows // _SHARE_OF_STRIP)
+    lines = [place for place in places if 2 * place.xsize > design_width]
+    narrow = [place for place in places if 2 * place.xsize <= design_width]
+    bottom = rows
+    for place in lines[:room]:
+        bottom -= 1
+        room -= 1
+        yield Placed(spec=place, area=Area(x=0, y=2 * bottom, width=columns, height=2))
+    abreast = max(1, columns // _LEAST_COLUMNS)
+    while narrow and room:
+        taken, narrow = narrow[:abreast], narrow[abreast:]
+        height = min(_NARROW_ROWS, room)
+        bottom -= height
+        room -= height
+        for number, place in enumerate(taken):
+            left, right = (columns * edge // len(taken) for edge in (number, number + 1))
+            area = Area(x=left, y=2 * bottom, width=right - left, height=2 * height)
+            yield Placed(spec=place, area=area)
+
+
+def _span(
+    start: int, size: int, design: int, actual: int, *, step: int, scaled: bool
+) -> tuple[int, int]:
+    """First pixel and length on the terminal, both multiples of `step`."""
+    first = _scaled(start, design, actual, step)
+    length = _scaled(start + size, design, actual, step) - first
+    if not scaled:
+        length = -(-size // step) * step
+    length = max(step, length)
+    if start >= 0 and start + size <= design:
+        first = max(0, min(first, actual - length))
+    return first, length
+
+
+def _scaled(position: int, design: int, actual: int, step: int) -> int:
+    """round(position * actual / design) to a multiple of `step`, halves up."""
+    return (2 * position * actual + design * step) // (2 * design * step) * step
