@@ -43,9 +43,9 @@ MIN_PICTURE = (16, 12)
 
 
 SLOW_S = 0.25
-"""A drawing that takes longer holds up the hands [s]."""
+"""A drawing that takes more of the processor's time holds up the hands [s]."""
 _REST = 10.0
-"""How much longer than such a drawing took its viewport rests."""
+"""How many times as long as such a drawing took its viewport rests."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -56,7 +56,7 @@ class _Pane:
     visualizer: Visualizer
     how: PlaceSpec
     place: Area
-    clock: Callable[[], float]
+    spent: Callable[[], float]
     fine: bool = False
     rests_until: float = -math.inf
     layer: Layer | None = None
@@ -75,9 +75,9 @@ class _Pane:
             gone, self.layer = self.layer is not None, None
             return gone
         robot = self.robot(state)
-        if robot is None or (self.layer is not None and self.clock() < self.rests_until):
+        if robot is None or (self.layer is not None and state.now < self.rests_until):
             return False
-        began = self.clock()
+        began = self.spent()
         try:
             source = self.visualizer.source(robot, state)
             if self.layer is not None and source == self.source:
@@ -92,7 +92,7 @@ class _Pane:
             _logger.exception("viewport %s: %s failed", self.spec.name, function)
             source, canvas = object(), Canvas.blank(self.place.width, self.place.height)
             write_notice(canvas, f"{function} failed; the log says why", state.theme)
-        self._mind_time(canvas, self.clock() - began, state)
+        self._rest_after(self.spent() - began, canvas, state)
         self.source = source
         self.drawn_of = robot
         self.layer = Layer(
@@ -105,10 +105,10 @@ class _Pane:
         )
         return True
 
-    def _mind_time(self, canvas: Canvas, took: float, state: ConsoleState) -> None:
-        """Have it rest after a drawing that took too long [s], and say so on it."""
-        if took > SLOW_S:
-            self.rests_until = self.clock() + _REST * took
+    def _rest_after(self, took: float, canvas: Canvas, state: ConsoleState) -> None:
+        """Rest after a drawing that took too long [s], and say so on it; never what is vital."""
+        if took > SLOW_S and not self.visualizer.rule.vital:
+            self.rests_until = state.now + _REST * took
             canvas.text(
                 0, 0, f"slow: drawn every {(1.0 + _REST) * took:.0f} s", state.theme.alarm_ink
             )
@@ -161,7 +161,7 @@ class View:
     def __init__(
         self,
         layout: LayoutSpec,
-        clock: Callable[[], float] = time.perf_counter,
+        spent: Callable[[], float] = time.thread_time,
         *,
         fine: bool = False,
     ) -> None:
@@ -169,11 +169,12 @@ class View:
 
         Args:
             layout: What there is to see.
-            clock: Tells how long drawings take [s].
+            spent: The processor's time that this thread has used so far [s]. A busy machine makes
+                drawings late, and that must not make them rest as well.
             fine: Whether the terminal shows cameras' pictures with two pixels across a cell.
         """
         self.fine = fine
-        self._clock = clock
+        self._spent = spent
         self._spec = layout.view
         self._vocabulary = layout.vocabulary
         self._said: tuple[str, str, Notice | None] = ("", "", None)
@@ -223,7 +224,7 @@ class View:
                     visualizer=shown,
                     how=place.spec,
                     place=place.area,
-                    clock=self._clock,
+                    spent=self._spent,
                     fine=fine,
                 )
             )

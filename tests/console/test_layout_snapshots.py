@@ -146,7 +146,7 @@ LOST = RobotState(
 @pytest.mark.parametrize("state", ["live", "stale", "lost"])
 def test_layout_looks_as_it_did(layout: str, size: tuple[int, int], state: str) -> None:
     opened = open_layout(ROOT / "layouts" / f"{layout}.xml")
-    view = View(opened)
+    view = View(opened, spent=lambda: 0.0)
     view.resize(*size)
     shown = {"live": robot(0.05), "stale": robot(4.2), "lost": LOST}[state]
     robots = {each.name: dataclasses.replace(shown, name=each.name) for each in opened.robots}

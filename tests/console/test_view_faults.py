@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import inspect
+import time
 from collections.abc import Hashable
 from typing import Any, ClassVar, Self
 
@@ -15,16 +17,17 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.view import View
+from rune_tui.visualizers.registry import VISUALIZERS
 from tests.console.states import standing, view_of
 from tests.console.visualizers.conftest import Made
 
 SHOWN = ConsoleState(now=1.0, robots={"magellan": Made().robot()})
 
 
-class Clock:
-    """A clock that goes on by what drawing takes."""
+class Processor:
+    """The processor's time, which goes on by what drawing takes."""
 
-    now = 0.0
+    spent = 0.0
 
 
 class Foreign:
@@ -43,7 +46,7 @@ class Foreign:
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         del robot
         Foreign.drawn += 1
-        Clock.now += self.takes
+        Processor.spent += self.takes
         canvas.text(0, 1, f"drawing {self.drawn}", state.theme.ink)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
@@ -56,7 +59,7 @@ class Foreign:
 
 @pytest.fixture
 def view(monkeypatch: pytest.MonkeyPatch) -> View:
-    monkeypatch.setattr(Clock, "now", 0.0)
+    monkeypatch.setattr(Processor, "spent", 0.0)
     monkeypatch.setattr(Foreign, "drawn", 0)
     spec = VisualizerSpec(
         function="visualizeForeign",
@@ -73,7 +76,7 @@ def view(monkeypatch: pytest.MonkeyPatch) -> View:
         view=view_of(standing("foreign", spec, (0, 0, 40, 20)), xsize=40, ysize=20),
         vocabulary=Vocabulary(visualizers={"visualizeForeign": Foreign}, widgets={}),
     )
-    made = View(layout, clock=lambda: Clock.now)
+    made = View(layout, spent=lambda: Processor.spent)
     made.resize(40, 10)
     return made
 
@@ -88,14 +91,34 @@ def test_a_viewport_whose_drawing_holds_up_the_console_rests_and_says_so(
 ) -> None:
     monkeypatch.setattr(Foreign, "takes", 0.5)
     assert "slow: drawn every 6 s" in words(view.render(SHOWN))
-    Clock.now += 4.9
-    assert view.render(SHOWN) is None
+    assert view.render(dataclasses.replace(SHOWN, now=SHOWN.now + 4.9)) is None
     monkeypatch.setattr(Foreign, "takes", 0.01)
-    Clock.now += 0.2
-    again = words(view.render(SHOWN))
+    later = dataclasses.replace(SHOWN, now=SHOWN.now + 5.1)
+    again = words(view.render(later))
     assert "drawing 2" in again
     assert "slow" not in again
-    assert "drawing 3" in words(view.render(SHOWN))
+    assert "drawing 3" in words(view.render(later))
+
+
+def test_what_is_vital_never_rests_however_long_its_drawing_takes(
+    view: View, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Foreign, "takes", 0.5)
+    monkeypatch.setattr(Foreign, "rule", dataclasses.replace(Foreign.rule, vital=True))
+    for number in range(1, 4):
+        shown = words(view.render(SHOWN))
+        assert f"drawing {number}" in shown
+        assert "slow" not in shown
+
+
+def test_a_drawing_that_waits_for_a_busy_processor_does_not_make_its_viewport_rest() -> None:
+    """What counts is what this thread computes, not how long it has to wait for its turn."""
+    assert inspect.signature(View).parameters["spent"].default is time.thread_time
+
+
+def test_status_alarms_and_control_are_vital() -> None:
+    vital = {name for name, kind in VISUALIZERS.items() if kind.rule.vital}
+    assert vital == {"visualizeStatus", "visualizeAlarms", "visualizeControl"}
 
 
 def test_a_viewport_that_is_hidden_and_shown_again_is_not_kept_waiting_by_its_rest(
