@@ -10,7 +10,7 @@ from __future__ import annotations
 import errno
 import functools
 import logging
-import socket as socket_module
+import math
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -21,7 +21,17 @@ from typing import Any
 import zmq
 
 from hub.errors import CodecError, EndpointError, FrameError, HubError, NotAllowedError
-from hub.ipc import control, control_frames, descriptors, frames, memory, security, sockets
+from hub.ipc import (
+    control,
+    control_frames,
+    descriptors,
+    frames,
+    listening,
+    memory,
+    security,
+    sockets,
+)
+from hub.ipc.admission import Admission
 from hub.ipc.complaints import Complaints
 from hub.ipc.definition import Plane
 from hub.ipc.floods import FloodWatch
@@ -29,15 +39,20 @@ from hub.ipc.gateway import Gateway
 from hub.ipc.keyring import Keyring
 from hub.ipc.loop import Loop
 from hub.ipc.peers import Caller, Outgoing, Peer
+from hub.ipc.quotas import Accounts
 from hub.ipc.registry import Registry
-from hub.ipc.security import LOCAL, parse_bearer
+from hub.ipc.security import LOCAL
 
 _logger = logging.getLogger(__name__)
 
 _LISTEN_S = 1.0
 _BATCH = 256
+_GATEWAY_TURN_S = 2e-3
+"""How long control messages of the gateway are taken before clients of this machine again [s]."""
 _CONTROL_QUEUE, _CONTROL_BACKLOG = 1000, 20_000
 """Control messages that wait from one peer and for one: a new one is told much at once."""
+_FAR_QUEUE, _FAR_BACKLOG = 100, 5000
+"""The same at the gateway, where a peer may send long ones, or read none."""
 _LOOK_S = 0.1
 _TRIM_S = 5.0
 _LOOKING_S, _LOOKING_CLOSER_S = 1e-3, 20e-3
@@ -111,6 +126,14 @@ class Central:
         self._threads: list[threading.Thread] = []
         self._steering: list[sockets.Socket] = []
         self._gateway: Gateway | None = None
+        self._accounts = Accounts()
+        self._admission = Admission(
+            self._accounts,
+            clock=clock,
+            complaints=self.complaints,
+            answer=lambda to, said: self._send([Outgoing(identity=to, message=said)]),
+            hang_up=self._hang_up,
+        )
         try:
             self._bind([security.parse_endpoint(endpoint) for endpoint in endpoints])
             if gateway:
@@ -182,7 +205,10 @@ class Central:
             text = "central listens at one tcp:// and one ipc:// endpoint; name only one of each"
             raise EndpointError(text)
         for endpoint in wanted:
-            bound = [_bind(end, _sibling(endpoint, index)) for index, end in enumerate(ends)]
+            bound = [
+                listening.bind(end, listening.sibling(endpoint, index))
+                for index, end in enumerate(ends)
+            ]
             self.endpoints.append(bound[0])
             rest = [address.partition("://")[2] for address in bound[1:]]
             if isinstance(endpoint, security.TcpEndpoint):
@@ -234,11 +260,22 @@ class Central:
 
         def make(kind: int, plane: str) -> sockets.Socket:
             if plane == security.CONTROL:
-                return self._control_socket(kind)
+                made = self._control_socket(kind)
+                made.rcvhwm, made.sndhwm = _FAR_QUEUE, _FAR_BACKLOG
+                return made
             return sockets.make_plane(self._context, kind, Plane(plane))
 
         inner = {plane.value: _inner(plane) for plane in sockets.PLANES}
-        self._gateway = Gateway(self._context, endpoint, keyring, inner, self.complaints, make=make)
+        self._gateway = Gateway(
+            self._context,
+            endpoint,
+            keyring,
+            inner,
+            self.complaints,
+            make=make,
+            accounts=self._accounts,
+            clock=self._clock,
+        )
         self._gateway.control.router_mandatory = True
         self.endpoints.append(str(self._gateway.endpoint))
         self._doors.append(
@@ -308,10 +345,11 @@ class Central:
                 self._send(self._registry.disconnected(descriptor))
 
     def _look_for_floods(self) -> None:
+        now = self._clock()
         for watch in self._floods.values():
-            watch.look()
+            watch.look(now)
         if self._gateway is not None:
-            self._gateway.look()
+            self._gateway.look(self._registry.has_connection)
 
     def _told_to_end(self) -> bool:
         # Looking at it also clears what ZeroMQ itself signals through its descriptor.
@@ -338,34 +376,54 @@ class Central:
         return bool(int(polled.getsockopt(zmq.EVENTS)) & zmq.POLLIN)
 
     def _answer(self, number: int) -> bool:
-        """Take the control messages at a door; whether there may be more."""
+        """Take the control messages at a door; whether there may be more.
+
+        The loop comes to the door of this machine first in each turn, and a turn at the gateway is
+        short. ZeroMQ takes a message from each connection in turn.
+        """
         door = self._doors[number]
+        end = self._clock() + _GATEWAY_TURN_S if door.guarded else math.inf
         for _ in range(_BATCH):
             try:
                 parts = door.router.recv_multipart(zmq.NOBLOCK, copy=False)
             except zmq.Again:
                 return False
-            body = parts[1:]
-            if not 1 <= len(body) <= 2:
-                self.complaints.count("malformed control frame", f"{len(body)} parts")
-                continue
-            try:
-                message = control_frames.unpack(body[0].buffer)
-                bearer = parse_bearer(str(body[0].get("User-Id"))) if door.guarded else LOCAL
-            except (FrameError, CodecError, NotAllowedError) as error:
-                self.complaints.count("malformed control frame", str(error))
-                continue
-            if isinstance(message, control.Hello):
-                self._see_who_left()  # or this one is taken for who had its descriptor before
-            attached = body[1].buffer if len(body) == 2 else None
-            # Two routers may give two connections the same identity.
-            identity = bytes([number]) + parts[0].bytes
-            caller = Caller(identity, _descriptor(body[0]), bearer, door.ports, door.paths)
-            self._send(self._registry.handle(caller, message, attached))
+            self._take(number, parts[0].bytes, parts[1:])
             if not sockets.readable(door.router):
                 self._loop.settle(self._routers[number])
                 return False
+            if self._clock() > end:
+                break
         return True
+
+    def _take(self, number: int, sender: bytes, body: Sequence[zmq.Frame]) -> None:
+        """Serve one control message, if its sender has not asked too much."""
+        door = self._doors[number]
+        # Two routers may give two connections the same identity.
+        identity = bytes([number]) + sender
+        bearer = LOCAL
+        try:
+            if door.guarded and body:
+                bearer = self._admission.bearer(body[0])
+                if not self._admission.admits(bearer, identity, body):
+                    return
+            if not 1 <= len(body) <= 2:
+                text = f"a control message has {len(body)} parts"
+                raise FrameError(text)
+            message = control_frames.unpack(body[0].buffer)
+        except (FrameError, CodecError, NotAllowedError) as error:
+            self.complaints.count("malformed control frame", str(error))
+            return
+        if isinstance(message, control.Hello):
+            self._see_who_left()  # or this one is taken for who had its descriptor before
+        attached = body[1].buffer if len(body) == 2 else None
+        caller = Caller(identity, _descriptor(body[0]), bearer, door.ports, door.paths)
+        self._send(self._registry.handle(caller, message, attached))
+
+    def _hang_up(self, frame: zmq.Frame) -> None:
+        """End the connection of the gateway that a control frame came in on."""
+        if self._gateway is not None:
+            self._gateway.hang_up(_descriptor(frame))
 
     def _look(self) -> None:
         """Count what is wrong with the broadcasts that pass.
@@ -420,47 +478,3 @@ def _descriptor(frame: zmq.Frame) -> int:
         return int(frame.get("__fd"))
     except (zmq.ZMQError, ValueError, TypeError):
         return -1
-
-
-def _sibling(
-    endpoint: security.TcpEndpoint | security.IpcEndpoint, index: int
-) -> security.TcpEndpoint | security.IpcEndpoint:
-    """The address of the socket with this number next to central's own."""
-    if index == 0:
-        return endpoint
-    if isinstance(endpoint, security.TcpEndpoint):
-        port = endpoint.port + index if endpoint.port else 0
-        return security.TcpEndpoint(endpoint.host, port)
-    return security.IpcEndpoint(f"{endpoint.path}.{index}")
-
-
-def _bind(socket: sockets.Socket, endpoint: security.TcpEndpoint | security.IpcEndpoint) -> str:
-    """Bind; the address with its real port."""
-    if isinstance(endpoint, security.IpcEndpoint):
-        _refuse_taken(endpoint)
-    try:
-        sockets.bind(socket, str(endpoint))
-    except zmq.ZMQError as error:
-        reason = f"{error}; choose another endpoint"
-        if error.errno == errno.EADDRINUSE:
-            reason = "another program uses it; stop that program or choose another port"
-        text = f"cannot listen at {endpoint}: {reason}"
-        raise EndpointError(text) from error
-    return socket.getsockopt_string(zmq.LAST_ENDPOINT).rstrip("\0")
-
-
-def _refuse_taken(endpoint: security.IpcEndpoint) -> None:
-    """Refuse the path of a live socket or of somebody's file: ZeroMQ would delete either."""
-    path = Path(endpoint.path)
-    if endpoint.path.startswith("@") or not path.exists():
-        return
-    if not path.is_socket():
-        text = f"cannot listen at {endpoint}: a file is there; choose another path"
-        raise EndpointError(text)
-    with socket_module.socket(socket_module.AF_UNIX) as probe:
-        try:
-            probe.connect(endpoint.path)
-        except OSError:
-            return  # left behind by a program that ended
-    text = f"cannot listen at {endpoint}: another program uses it; stop it or choose another path"
-    raise EndpointError(text)

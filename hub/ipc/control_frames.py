@@ -85,6 +85,13 @@ def pack(message: Any) -> bytes:
     return b"".join((preamble, *KINDS[number - 1].encode(message)))
 
 
+def peek(raw: Buffer) -> type | None:
+    """What kind of control message a frame says it is, by its preamble alone; None if none."""
+    view = memoryview(raw)
+    number = view[5] if len(view) >= _PREAMBLE.size else 0
+    return KINDS[number - 1].type if 1 <= number <= len(KINDS) else None
+
+
 def unpack(raw: Buffer) -> Any:
     """The control message in a frame.
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import socket
+import struct
 
 from hub.ipc.complaints import Complaints
 
@@ -22,6 +23,10 @@ LOCAL, BEYOND = 1 / 2, 3 / 8
 another one, is taken. ZeroMQ's thread takes those that wait before ours can turn one away. It may
 be ahead by the 1000 events that each of the seven sockets queues for us at each end; with as many
 descriptors as we want, half of them has room for most of that."""
+
+_TCP_INFO = 11
+_TCP_INFO_SIZE, _RECEIVED_AT, _RECEIVED = 192, 128, struct.Struct("=Q")
+"""tcp_info of Linux (tcp(7)) and where tcpi_bytes_received stands in it."""
 
 
 def allow_many() -> None:
@@ -45,6 +50,30 @@ def hang_up(descriptor: int) -> None:
             connection.shutdown(socket.SHUT_RD)
         finally:
             connection.detach()
+
+
+def ends_of(descriptor: int) -> tuple[int, str] | None:
+    """The TCP port here and the address there of a connection; None if it is none any more."""
+    with contextlib.suppress(OSError):
+        connection = socket.socket(fileno=descriptor)
+        try:
+            if connection.family in (socket.AF_INET, socket.AF_INET6):
+                return connection.getsockname()[1], connection.getpeername()[0]
+        finally:
+            connection.detach()
+    return None
+
+
+def received(descriptor: int) -> int:
+    """Bytes that have come in on a TCP connection since it was made; 0 if the system cannot say."""
+    with contextlib.suppress(OSError, struct.error):  # it has gone by itself
+        connection = socket.socket(fileno=descriptor)
+        try:
+            known = connection.getsockopt(socket.IPPROTO_TCP, _TCP_INFO, _TCP_INFO_SIZE)
+            return int(_RECEIVED.unpack_from(known, _RECEIVED_AT)[0])
+        finally:
+            connection.detach()
+    return 0
 
 
 class Reserve:

@@ -11,24 +11,59 @@ from __future__ import annotations
 import array
 import contextlib
 import fcntl
+import math
 import termios
+from dataclasses import dataclass
 
 import zmq
 
 from hub.ipc import sockets
 from hub.ipc.complaints import Complaints
-from hub.ipc.descriptors import hang_up
+from hub.ipc.descriptors import hang_up, received
+from hub.ipc.quotas import Bucket
 
 _SUSPICIOUS = 200
 """So many more subscriptions from one look to the next are looked into."""
 MOST = 3 * 4096
 """What one connection may add in one go: its 4096 messages, a mark for each, and some more."""
+_LOOK_CLOSELY_S = 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bounds:
+    """What subscribers with keys may do.
+
+    Attributes:
+        topics: Different topics that all of them together subscribe to.
+        bytes_per_s: What one connection may send, which is nothing but subscriptions [B/s].
+        bytes_at_once: The same, in one burst after a rest [B].
+        modest: Who has sent no more is not ended for the number of topics [B].
+    """
+
+    topics: int = 16_384
+    bytes_per_s: float = float(4 << 10)
+    bytes_at_once: float = float(1 << 20)
+    modest: int = 128 << 10
+
+
+@dataclass(slots=True)
+class _Sender:
+    """What one connection has sent: bytes in all, and what it may send now."""
+
+    allowance: Bucket
+    sent: int = 0
 
 
 class FloodWatch:
     """Watches the connections of one socket that subscribers connect to."""
 
-    def __init__(self, outward: sockets.Socket, where: str, complaints: Complaints) -> None:
+    def __init__(
+        self,
+        outward: sockets.Socket,
+        where: str,
+        complaints: Complaints,
+        bounds: Bounds | None = None,
+    ) -> None:
         """Watch from now on.
 
         Args:
@@ -36,23 +71,38 @@ class FloodWatch:
                 lets any thread do. It has to be open as long as `look` is called.
             where: What it is called in the log.
             complaints: Where floods are counted.
+            bounds: What a connection may do in the long run; None for no such limit.
         """
         self._outward = outward
         self._where = where
         self._complaints = complaints
         self._known = 0
         self._added: dict[int, float] = {}
+        self._bounds = bounds
+        self._senders: dict[int, _Sender] = {}
+        self._next_look = -math.inf
 
     def connected(self, descriptor: int) -> None:
         """A connection has come."""
         self._added[descriptor] = 0.0
+        if self._bounds is not None:
+            allowance = Bucket(self._bounds.bytes_per_s, self._bounds.bytes_at_once)
+            self._senders[descriptor] = _Sender(allowance)
 
     def disconnected(self, descriptor: int) -> None:
         """A connection has ended."""
         self._added.pop(descriptor, None)
+        self._senders.pop(descriptor, None)
 
-    def look(self) -> None:
-        """See what was added; to be called ten times a second or so."""
+    def look(self, now: float) -> None:
+        """See what was added; to be called ten times a second or so.
+
+        Args:
+            now: The time [s].
+        """
+        if self._bounds is not None and now >= self._next_look:
+            self._next_look = now + _LOOK_CLOSELY_S
+            self._look_closely(self._bounds, now)
         known = int(self._outward.getsockopt(zmq.TOPICS_COUNT))
         new, self._known = known - self._known, known
         if new < _SUSPICIOUS:
@@ -66,12 +116,25 @@ class FloodWatch:
         }
         for descriptor in waiting:
             if self._added[descriptor] > MOST:
-                self._complaints.count(
-                    "flood of subscriptions",
-                    f"a connection to {self._where} is ended after about {MOST} in one go",
-                )
-                del self._added[descriptor]
-                hang_up(descriptor)
+                self._end(descriptor, f"after about {MOST} in one go")
+
+    def _look_closely(self, bounds: Bounds, now: float) -> None:
+        """End who sends too much, and while there are too many topics who has sent the most."""
+        for descriptor, sender in list(self._senders.items()):
+            sent = received(descriptor)
+            new, sender.sent = sent - sender.sent, sent
+            if new > 0 and not sender.allowance.take(new, now):
+                self._end(descriptor, f"after {sent >> 10} KiB of subscriptions")
+        if self._known > bounds.topics and self._senders:
+            most = max(self._senders, key=lambda each: self._senders[each].sent)
+            if self._senders[most].sent > bounds.modest:
+                self._end(most, f"as {bounds.topics} topics are the most, and it sent the most")
+
+    def _end(self, descriptor: int, why: str) -> None:
+        text = f"a connection to {self._where} is ended {why}"
+        self._complaints.count("flood of subscriptions", text)
+        self.disconnected(descriptor)
+        hang_up(descriptor)
 
 
 def _unread(descriptor: int) -> int:

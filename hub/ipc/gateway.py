@@ -17,16 +17,18 @@ import zmq
 from hub.errors import EndpointError
 from hub.ipc import sockets
 from hub.ipc.complaints import Complaints
-from hub.ipc.descriptors import BEYOND, Reserve
-from hub.ipc.floods import FloodWatch
+from hub.ipc.descriptors import BEYOND, Reserve, ends_of, hang_up
+from hub.ipc.floods import Bounds, FloodWatch
 from hub.ipc.keyring import Keyring
 from hub.ipc.keys import KeyPair
+from hub.ipc.quotas import Accounts
 from hub.ipc.security import CONTROL, TcpEndpoint
+from hub.ipc.sources import Sources
 from hub.ipc.zap import Gatekeeper
 
 _FAILED = zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL | zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL
 _WATCHED = _FAILED | zmq.EVENT_ACCEPTED | zmq.EVENT_DISCONNECTED
-_BATCH = 256
+_BATCH = 64
 _RELAY_QUEUE = 200
 """Room between two proxies of this process, which only fills while one of them gets no time."""
 
@@ -54,6 +56,8 @@ class Gateway:
         complaints: Complaints,
         *,
         make: Callable[[int, str], _Socket],
+        accounts: Accounts,
+        clock: Callable[[], float],
     ) -> None:
         """Bind and start.
 
@@ -65,12 +69,16 @@ class Gateway:
             planes: By name, the inproc addresses of central's XSUB and XPUB, which are bound.
             complaints: Counts the refused.
             make: A socket with the bus's options: ZeroMQ type, plane or `security.CONTROL`.
+            accounts: What each key has used; who connects too often is refused for a while.
+            clock: Monotonic time [s].
 
         Raises:
             EndpointError: A port is busy, or this context has a gateway already.
             KeyFileError: The hub's keys cannot be used.
         """
         self._complaints = complaints
+        self._clock = clock
+        self._sources = Sources(complaints, self.hang_up)
         self._reserve = Reserve(complaints, part=BEYOND)  # strangers leave some to local modules
         self._made: list[_Socket] = []
         self._steering: list[_Socket] = []
@@ -80,7 +88,7 @@ class Gateway:
         keys = keyring.hub_keys()
         keyring.holders()  # a list that cannot be read is said now, not at the first handshake
         # First of all: there is no moment in which a secure socket has nobody to ask.
-        self._gatekeeper = Gatekeeper(context, keyring, complaints)
+        self._gatekeeper = Gatekeeper(context, keyring, complaints, accounts=accounts, clock=clock)
         self._affinity = 2 if context.get(zmq.IO_THREADS) > 1 else 0
         try:
             self._open(context, endpoint, keys, planes, make)
@@ -119,10 +127,22 @@ class Gateway:
                 ended += self._watch(monitor, place)
         return ended
 
-    def look(self) -> None:
-        """Look for floods of subscriptions; to be called ten times a second or so."""
+    def look(self, known: Callable[[int], bool]) -> None:
+        """Look for floods of subscriptions and for silent connections, ten times a second or so.
+
+        Args:
+            known: Whether a connected client has this descriptor.
+        """
+        now = self._clock()
         for flood in self._floods.values():
-            flood.look()
+            flood.look(now)
+        self._sources.look(known, now)
+
+    def hang_up(self, descriptor: int) -> None:
+        """End a connection of ours; one of somebody else who has its descriptor now goes on."""
+        ends = ends_of(descriptor)
+        if ends is not None and ends[0] in self._all_ports:
+            hang_up(descriptor)
 
     def close(self) -> None:
         """End the relays, and free the ports."""
@@ -164,12 +184,13 @@ class Gateway:
                 outer = secure(outer_kind, plane, place)
                 if outer_kind == zmq.XPUB:
                     where = f"the gateway's {place}"
-                    self._floods[place] = FloodWatch(outer, where, self._complaints)
+                    self._floods[place] = FloodWatch(outer, where, self._complaints, Bounds())
                 ends.append(outer)
                 relays.append((place, outer, inner(inner_kind, plane, address)))
         ports = _bind_in_a_row(ends, endpoint)
         self.endpoint = TcpEndpoint(endpoint.host, ports[0])
         self.ports = tuple(ports[1:])
+        self._all_ports = frozenset(ports)
         for place, outer, partner in relays:
             self._threads.append(self._relay(context, place, outer, partner))
 
@@ -209,12 +230,16 @@ class Gateway:
             event, descriptor = sockets.parse_event(raw)
             flood = self._floods.get(place)
             if event == zmq.EVENT_DISCONNECTED:
+                self._sources.ended(descriptor)
                 if flood is not None:
                     flood.disconnected(descriptor)
                 elif place == CONTROL:
                     ended.append(descriptor)
             elif event == zmq.EVENT_ACCEPTED:
                 self._reserve.admit(descriptor, f"the gateway's {place}")
+                ends = ends_of(descriptor)
+                if ends is not None:
+                    self._sources.accepted(descriptor, ends[1], place, self._clock())
                 if flood is not None:
                     flood.connected(descriptor)
             else:

@@ -18,6 +18,7 @@ _ASKED = {
     control.Close: Action.CLOSE_MODULE,
     control.LogLevel: Action.SET_LOG_LEVEL,
 }
+_NAMED = (control.Define, control.Advertise, control.Subscribe, control.Close)
 
 
 def asked(message: Any, plane: Callable[[str], str | None]) -> Action:
@@ -38,9 +39,9 @@ def asked(message: Any, plane: Callable[[str], str | None]) -> Action:
 
 def refusal(message: Any, text: str) -> Any:
     """What the sender of a control message that is not allowed is told; None if nothing."""
-    if isinstance(message, control.Query):
+    if isinstance(message, (control.Query, control.Last)):
         return control.Failure(number=message.number, error="HandlerFailedError", text=text)
-    if isinstance(message, (control.Define, control.Advertise, control.Close)):
+    if isinstance(message, _NAMED):
         error = NotAllowedError.__name__
         return control.Refused(subject=message.name, error=error, text=text)
     return None

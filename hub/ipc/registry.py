@@ -7,37 +7,35 @@ from __future__ import annotations
 
 import itertools
 import logging
+import math
 import secrets
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
 from typing import Any
 
-from hub.errors import FrameError, HubError, NotAllowedError
+from hub.errors import FrameError, NotAllowedError
 from hub.ipc import control, frames, listing, permissions
-from hub.ipc.codec import compiled
 from hub.ipc.codegen import Buffer
 from hub.ipc.complaints import Complaints
 from hub.ipc.confirmations import Confirmations
 from hub.ipc.control import Change
 from hub.ipc.definition import MAX_NAME_LENGTH
-from hub.ipc.description import from_listing
+from hub.ipc.definitions import Definitions
 from hub.ipc.hub_time import this_machine, this_neighbourhood
 from hub.ipc.neighbours import Neighbours
 from hub.ipc.peers import Caller, Crowd, Outgoing, Peer
+from hub.ipc.quotas import counts_with, quota_of
 from hub.ipc.routes import Routes
-from hub.ipc.security import LOCAL, demand
+from hub.ipc.security import LOCAL, Bearer, demand
 from hub.ipc.shortcuts import Shortcuts
-from hub.ipc.traffic import Traffic
 
 _logger = logging.getLogger(__name__)
 
 MAX_PEERS = 512
-MAX_DEFINITIONS = 4096
 MAX_NAMES = 4096
 """Messages one peer may publish, subscribe to or answer."""
 MAX_TOKEN = 160
-MAX_LISTED = 1 << 20
-"""All definitions' texts together [characters]; the list of them must fit into one frame."""
+LISTING_S = 0.25
+"""A LISTING goes to all who have keys for so long before it is made anew [s]."""
 SILENCE_S = 1.7
 """A peer that has not been heard for this long is gone [s]."""
 LEVELS = {
@@ -47,13 +45,6 @@ LEVELS = {
     "error": logging.ERROR,
 }
 """Log levels by their names on the wire."""
-
-
-@dataclass(slots=True, kw_only=True)
-class _Definition:
-    entry: control.Define
-    fingerprint: int
-    traffic: Traffic = field(default_factory=Traffic)
 
 
 _Action = Callable[[Peer, Any, Buffer | None], list[Outgoing]]
@@ -74,8 +65,9 @@ class Registry:
         self._complaints = complaints
         self._peers: dict[bytes, Peer] = {}
         self._names: dict[str, Peer] = {}
-        self._definitions: dict[str, _Definition] = {}
-        self._listed = 0
+        self._definitions = Definitions()
+        self._listing: control.Listing | None = None
+        self._listing_made = -math.inf
         self._publishing, self._subscribing, self._handling = Crowd(), Crowd(), Crowd()
         self._confirmations = Confirmations()
         self._routes = Routes(self._candidates, complaints)
@@ -157,6 +149,10 @@ class Registry:
         gone = [peer for peer in self._peers.values() if peer.descriptor == descriptor >= 0]
         return [message for peer in gone for message in self._drop(peer, "its connection ended")]
 
+    def has_connection(self, descriptor: int) -> bool:
+        """Whether a control connection is that of a peer."""
+        return any(peer.descriptor == descriptor for peer in self._peers.values())
+
     def unreachable(self, identity: bytes) -> list[Outgoing]:
         """A message could not be delivered."""
         peer = self._peers.get(identity)
@@ -178,7 +174,7 @@ class Registry:
             earlier = self._names.get(message.name)
             if earlier is not None and earlier.client == message.client != 0:
                 outgoing = self._drop(earlier, "it connects anew")
-            refusal = self._refusal(message.name)
+            refusal = self._refusal(message.name, caller.bearer)
             if refusal:
                 self._complaints.count("refused connection", refusal.text)
                 return [*outgoing, Outgoing(identity=identity, message=refusal)]
@@ -209,7 +205,7 @@ class Registry:
         )
         return [Outgoing(identity=identity, message=welcome), *outgoing]
 
-    def _refusal(self, name: str) -> control.Refused | None:
+    def _refusal(self, name: str, bearer: Bearer) -> control.Refused | None:
         error = "CentralUnreachableError"
         if not 0 < len(name) <= 64 or not name.isprintable():
             text = "a module's name is 1 to 64 printable characters"
@@ -220,15 +216,33 @@ class Registry:
             pid = self._names[name].pid
             text = f"a module named {name!r} is connected already (pid {pid}); end it first"
         else:
-            return None
-        return control.Refused(subject=name, error=error, text=text)
+            text = self._too_many(bearer)
+        return control.Refused(subject=name, error=error, text=text) if text else None
+
+    def _too_many(self, bearer: Bearer) -> str:
+        """Why nobody else connects with this key now; empty if there is a place."""
+        quota = quota_of(bearer)
+        if quota is None:
+            return ""
+        known = [peer.bearer for peer in self._peers.values()]
+        if known.count(bearer) >= quota.connections:
+            return (
+                f"{quota.connections} clients are connected with the key {bearer.name!r}, its "
+                "limit; end one of them"
+            )
+        if sum(counts_with(each, bearer.role) for each in known) >= quota.connections_together:
+            return (
+                f"{quota.connections_together} clients are connected with keys that may do no "
+                f"more than {bearer.role.value}, their limit; end one of them"
+            )
+        return ""
 
     def _define(
         self, peer: Peer, message: control.Define, attached: Buffer | None
     ) -> list[Outgoing]:
         del attached
         new = message.name not in self._definitions
-        refusal = self._definition_refusal(peer, message)
+        refusal = self._definitions.define(peer, message)
         if refusal:
             self._complaints.count("refused definition", refusal.text)
             return [Outgoing(identity=peer.identity, message=refusal)]
@@ -236,57 +250,11 @@ class Registry:
         defined = control.Defined(name=message.name)
         return [Outgoing(identity=peer.identity, message=defined), *told]
 
-    def _definition_refusal(self, peer: Peer, message: control.Define) -> control.Refused | None:
-        known = self._definitions.get(message.name)
-        if known is not None:
-            return self._redefinition_refusal(peer, known, message)
-        error, text = "RedefinedMessageError", ""
-        if len(self._definitions) >= MAX_DEFINITIONS or self._listed > MAX_LISTED:
-            text = f"{len(self._definitions)} messages are defined, no more are taken"
-        else:
-            try:
-                fingerprint = from_listing(message).fingerprint
-            except HubError as problem:
-                error, text = type(problem).__name__, str(problem)
-        if text:
-            return control.Refused(subject=message.name, error=error, text=text)
-        entry = replace(message, definer=peer.name)
-        self._listed += len(message.format) + len(message.fields)
-        self._definitions[message.name] = _Definition(entry=entry, fingerprint=fingerprint)
-        return None
-
-    def _redefinition_refusal(
-        self, peer: Peer, known: _Definition, message: control.Define
-    ) -> control.Refused | None:
-        """Why a message that is defined cannot be defined like this; None if it is the same."""
-        entry = known.entry
-        text = ""
-        if message.format != entry.format:  # the same format may be spelt with other blanks
-            try:
-                same = compiled(message.format).fingerprint == known.fingerprint
-            except HubError as problem:
-                text = str(problem)
-            else:
-                if not same:
-                    text = (
-                        f"{message.name} is defined as {entry.format} by {entry.definer}; "
-                        f"{peer.name} wants {message.format}"
-                    )
-        if not text and message.plane != entry.plane:
-            # They would never meet: each plane has sockets of its own.
-            text = (
-                f"{message.name} travels on plane {entry.plane} as {entry.definer} defined it; "
-                f"{peer.name} wants plane {message.plane}"
-            )
-        if not text:
-            return None
-        return control.Refused(subject=message.name, error="RedefinedMessageError", text=text)
-
     def _advertise(
         self, peer: Peer, message: control.Advertise, attached: Buffer | None
     ) -> list[Outgoing]:
         del attached
-        if not self._admit(peer, message.name, peer.publishes):
+        if self._obstacle(peer, message.name, peer.publishes):
             return []
         name = message.name
         told = self._join(self._publishing, Change.PUBLISHERS, peer, name)
@@ -300,8 +268,10 @@ class Registry:
     ) -> list[Outgoing]:
         del attached
         # Who may not define subscribes to what a module will define.
-        if not self._admit(peer, message.name, peer.subscribes, undefined=True):
-            return []
+        text = self._obstacle(peer, message.name, peer.subscribes, undefined=True)
+        if text:
+            answer = permissions.refusal(message, text)
+            return [Outgoing(identity=peer.identity, message=answer)]
         told = self._join(self._subscribing, Change.SUBSCRIBERS, peer, message.name)
         publishers = list(self._publishing.of(message.name))
         told += self._neighbours.subscribe(peer, message, publishers)
@@ -330,21 +300,24 @@ class Registry:
         if not message.on:
             closed = self._shortcuts.close(peer, message.name)
             return closed + self._leave(self._handling, Change.HANDLERS, peer, message.name)
-        if not self._admit(peer, message.name, peer.handles):
+        if self._obstacle(peer, message.name, peer.handles):
             return []
         told = self._shortcuts.close_all(self._handling.of(message.name), message.name)
         told += self._join(self._handling, Change.HANDLERS, peer, message.name)
         self._shortcuts.open(peer, message)
         return told
 
-    def _admit(self, peer: Peer, name: str, names: set[str], *, undefined: bool = False) -> bool:
-        """Whether `peer` may do something with one more message."""
+    def _obstacle(self, peer: Peer, name: str, names: set[str], *, undefined: bool = False) -> str:
+        """Why `peer` may not do something with one more message; empty if it may."""
         known = name in self._definitions or (undefined and len(name) <= MAX_NAME_LENGTH)
-        if known and len(names) < MAX_NAMES:
-            return True
-        reason = "one too many" if known else "it is not defined"
-        self._complaints.count("refused name", f"{peer.name} wants {name[:80]!r}: {reason}")
-        return False
+        quota = quota_of(peer.bearer)
+        most = MAX_NAMES if quota is None else quota.names
+        if known and (len(names) < most or name in names):
+            return ""
+        reason = f"it has {most} already, its limit" if known else "it is not defined"
+        text = f"{peer.name} wants {name[:80]!r}: {reason}"
+        self._complaints.count("refused name", text)
+        return text
 
     def _join(self, crowd: Crowd, change: Change, peer: Peer, name: str) -> list[Outgoing]:
         self._own(crowd, peer).add(name)
@@ -446,16 +419,21 @@ class Registry:
     def _list(self, peer: Peer, message: control.List, attached: Buffer | None) -> list[Outgoing]:
         del message, attached
         now = self._clock()
+        old = peer.bearer is LOCAL or now - self._listing_made >= LISTING_S
+        if old or self._listing is None:
+            self._listing, self._listing_made = self._listed_at(now), now
+        return [Outgoing(identity=peer.identity, message=self._listing)]
+
+    def _listed_at(self, now: float) -> control.Listing:
         definitions = tuple(
-            listing.definition(known.entry, known.traffic, now)
-            for known in self._definitions.values()
+            listing.definition(known.entry, known.traffic, now) for known in self._definitions
         )
         peers = tuple(listing.peer(other, now) for other in self._peers.values())
         dropped = tuple(
             control.Count(reason=reason, count=count)
             for reason, count in self._complaints.counts.items()
         )
-        answer = control.Listing(
+        return control.Listing(
             uptime_s=now - self._begun,
             level=logging.getLevelName(_logger.getEffectiveLevel()).lower(),
             definition_count=len(definitions),
@@ -465,7 +443,6 @@ class Registry:
             dropped_count=len(dropped),
             dropped=dropped,
         )
-        return [Outgoing(identity=peer.identity, message=answer)]
 
     def _ping(self, peer: Peer, message: control.Ping, attached: Buffer | None) -> list[Outgoing]:
         del attached

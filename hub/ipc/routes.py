@@ -11,6 +11,7 @@ from hub.ipc import control
 from hub.ipc.codegen import Buffer
 from hub.ipc.complaints import Complaints
 from hub.ipc.peers import Outgoing, Peer
+from hub.ipc.shares import QueryShares
 
 _logger = logging.getLogger(__name__)
 
@@ -61,6 +62,7 @@ class Routes:
         self._routes: dict[int, _Route] = {}
         self._busy: Counter[Peer] = Counter()
         self._owed: dict[Peer, set[int]] = {}
+        self._shares = QueryShares()
         self._last = 0
 
     def ask(self, asker: Peer, query: Asked, attached: Buffer | None, now: float) -> list[Outgoing]:
@@ -76,6 +78,11 @@ class Routes:
         handler = self._choose(query)
         if handler is None:
             return [_failure(asker, query.number, *_nobody(query))]
+        refusal = self._shares.refusal(asker, handler, now)
+        if refusal:
+            self._complaints.count("query over quota", f"{asker.name}: {refusal}")
+            text = f"{refusal}; {query.name[:80]} is not asked, try again later"
+            return [_failure(asker, query.number, "HandlerFailedError", text)]
         self._last = self._last % 0xFFFF_FFFF + 1
         wait = query.timeout_s if 0.0 < query.timeout_s < MAX_QUERY_S else MAX_QUERY_S
         keep = attached is not None and len(attached) <= _MAX_KEPT
@@ -122,6 +129,7 @@ class Routes:
                 outgoing.append(self._take_over(route, now))
         del self._busy[peer]
         self._owed.pop(peer, None)
+        self._shares.drop(peer)
         return outgoing
 
     def _take_over(self, route: _Route, now: float) -> Outgoing:
@@ -143,6 +151,7 @@ class Routes:
     def _send(self, route: _Route, attached: Buffer | None) -> Outgoing:
         self._routes[route.query.number] = route
         self._busy[route.handler] += 1
+        self._shares.begin(route.asker, route.handler)
         _logger.debug(
             "query %s {%d}: %s --> %s",
             route.query.name,
@@ -155,6 +164,7 @@ class Routes:
     def _end(self, route: _Route) -> None:
         del self._routes[route.query.number]
         self._busy[route.handler] -= 1
+        self._shares.end(route.asker, route.handler)
 
 
 def _nobody(query: Asked) -> tuple[str, str]:

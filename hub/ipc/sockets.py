@@ -32,6 +32,8 @@ _PICTURE_BUFFER = 64 << 10
 _SUBSCRIPTIONS = 1 << 16
 """Subscriptions that may be under way at once; they are messages too and must not be dropped."""
 _TAKEN_AT_ONCE = 16
+_LONGEST_SUBSCRIPTION = 512
+"""A topic, a token and what encryption adds; nothing else comes in where broadcasts go out [B]."""
 _CONNECTING = 1024
 """Publishers that may wait to be taken by an inbox: more than central has clients."""
 _NEIGHBOURS_THREAD = 0b10
@@ -75,6 +77,7 @@ def make_plane(context: Context, kind: int, plane: Plane, keys: ClientKeys | Non
         made.sndhwm = _SUBSCRIPTIONS
     else:
         made.rcvhwm = _TAKEN_AT_ONCE
+        made.maxmsgsize = _LONGEST_SUBSCRIPTION
     if plane is Plane.PICTURE:
         made.sndbuf = made.rcvbuf = _PICTURE_BUFFER
     return made

@@ -6,7 +6,7 @@ a key is let in or refused place by place, before a single message of its holder
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import zmq
@@ -15,6 +15,7 @@ from zmq.utils import z85
 from hub.errors import EndpointError, KeyFileError
 from hub.ipc.complaints import Complaints
 from hub.ipc.keyring import Keyring
+from hub.ipc.quotas import Accounts
 from hub.ipc.security import may_enter
 
 _ADDRESS = "inproc://zeromq.zap.01"
@@ -29,8 +30,8 @@ class Verdict:
     """The answer to a handshake.
 
     Attributes:
-        status: "200" let in, "400" refused, "500" cannot tell. After 400 and 500 the client's
-            socket stays away; it takes a new one to try again.
+        status: "200" let in, "300" not now, "400" refused, "500" cannot tell. After 300 the
+            client's socket tries again; after 400 and 500 it stays away, and it takes a new one.
         reason: Why not; empty if let in.
         detail: More of it, for the log.
         user_id: Role and name, which ZeroMQ then adds to every frame of the connection.
@@ -50,15 +51,30 @@ class Gatekeeper:
     """
 
     def __init__(
-        self, context: zmq.Context[zmq.Socket[bytes]], keyring: Keyring, complaints: Complaints
+        self,
+        context: zmq.Context[zmq.Socket[bytes]],
+        keyring: Keyring,
+        complaints: Complaints,
+        *,
+        accounts: Accounts,
+        clock: Callable[[], float],
     ) -> None:
         """Start to be asked.
+
+        Args:
+            context: Whose secure sockets ask.
+            keyring: Who may connect.
+            complaints: Counts the refused.
+            accounts: Says whether a key has connected too often.
+            clock: Monotonic time [s].
 
         Raises:
             EndpointError: This process has another gatekeeper in the same ZeroMQ context.
         """
         self._keyring = keyring
         self._complaints = complaints
+        self._accounts = accounts
+        self._clock = clock
         self.socket = context.socket(zmq.ROUTER)
         self.socket.linger = 0
         try:
@@ -93,6 +109,9 @@ class Gatekeeper:
             return Verdict(status="400", reason="unknown key")
         if not may_enter(holder.role, domain):
             return Verdict(status="400", reason=f"role {holder.role.value}")
+        if not self._accounts.of(holder.bearer).may_enter(domain, self._clock()):
+            detail = f"{holder.name} connects too often, or asked too much; "
+            return Verdict(status="300", reason="over quota", detail=detail)
         return Verdict(status="200", reason="", user_id=str(holder.bearer))
 
     def _answer(self, parts: Sequence[bytes]) -> None:

@@ -15,6 +15,7 @@ from hub.ipc.complaints import Complaints
 from hub.ipc.gateway import Gateway
 from hub.ipc.keyring import Keyring
 from hub.ipc.keys import ClientKeys, read_client_keys
+from hub.ipc.quotas import Accounts
 from hub.ipc.security import Role, TcpEndpoint
 
 PLANES = ("state", "command", "picture")
@@ -66,6 +67,8 @@ class StandIn:
             {plane: (f"inproc://{plane}-in", f"inproc://{plane}-out") for plane in PLANES},
             self.complaints,
             make=lambda kind, _: self.bare(self.context, kind),
+            accounts=Accounts(),
+            clock=lambda: self.now,
         )
 
     def socket(self, context: zmq.Context[_Socket], kind: int) -> _Socket:

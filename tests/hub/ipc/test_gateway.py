@@ -342,6 +342,7 @@ def test_wrong_handshakes_take_no_memory_and_no_descriptors(hub: StandIn, handsh
 
     def knock(times: int) -> None:
         for number in range(times):
+            hub.now += 0.05  # not so often that their address is turned away
             place = places[number % len(places)]
             assert hub.outcome(zmq.PUB, place, wrong[number % len(wrong)]) == "refused"
 

@@ -11,6 +11,7 @@ from hub.gcm.catalog import MESSAGES
 from hub.ipc import (
     connection,
     control_frames,
+    definitions,
     description,
     frames,
     listing,
@@ -69,7 +70,8 @@ def test_every_primitive_is_in_the_table_of_formats() -> None:
         f"not heard central for {connection.LOST_S:g} s",
         f"silent for {registry.SILENCE_S:g} s",
         f"| connected clients | {registry.MAX_PEERS} |",
-        f"| definitions | {registry.MAX_DEFINITIONS:,}, with {registry.MAX_LISTED:,} characters",
+        f"| definitions | {definitions.MAX_DEFINITIONS:,}, "
+        f"with {definitions.MAX_LISTED:,} characters",
         f"| queries under way | {routes.MAX_QUERIES:,} |",
         f"answers, each | {registry.MAX_NAMES:,} |",
         f"| time central remembers a query | {routes.MAX_QUERY_S:g} s |",

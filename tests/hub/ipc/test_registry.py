@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from hub.errors import NameTakenError
-from hub.ipc import control, control_frames, frames, registry, routes
+from hub.ipc import control, control_frames, definitions, frames, registry, routes
 from hub.ipc.codec import compiled
 from hub.ipc.complaints import Complaints
 from hub.ipc.control import Failure, Query, Refused, Response, Stranger, Welcome
@@ -333,7 +333,7 @@ def test_peers_beyond_the_limit_are_refused(bench: Bench, monkeypatch: pytest.Mo
 def test_definitions_beyond_the_limit_are_refused(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(registry, "MAX_DEFINITIONS", 2)
+    monkeypatch.setattr(definitions, "MAX_DEFINITIONS", 2)
     bench.connect("a")
     bench.define("a", "M1")
     bench.define("a", "M2")

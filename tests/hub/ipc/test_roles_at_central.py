@@ -11,7 +11,7 @@ from hub.errors import EndpointError, HandlerFailedError, NotAllowedError
 from hub.ipc.central import Central
 from hub.ipc.client import Client
 from hub.ipc.keyring import Keyring
-from hub.ipc.keys import read_client_keys
+from hub.ipc.keys import ClientKeys, read_client_keys
 from hub.ipc.security import Role
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Peer
@@ -31,9 +31,11 @@ class Hub:
         self.local = Peer("local", self.central.endpoints[0]).connect()
         self._peers.append(self.local)
 
+    def keys(self, name: str, role: Role) -> ClientKeys:
+        return read_client_keys(self._keyring.make(name, role))
+
     def client(self, name: str, role: Role) -> Peer:
-        keys = read_client_keys(self._keyring.make(name, role))
-        peer = Peer(name, self.central.endpoints[1], keys).connect()
+        peer = Peer(name, self.central.endpoints[1], self.keys(name, role)).connect()
         self._peers.append(peer)
         return peer
 
