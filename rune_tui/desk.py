@@ -63,9 +63,9 @@ def undelivered(effect: SendEffect | ControlEffect, robot: RobotState) -> Outcom
     else:
         return None
     if not robot.link.may_command:
-        text = f"{what} not sent: your key may watch {robot.name}, not command it"
+        text = f"{what} not sent: your key may watch {robot.title}, not command it"
     elif robot.link.phase is not LinkPhase.CONNECTED:
-        text = f"{what} not sent: there is no link to {robot.name}"
+        text = f"{what} not sent: there is no link to {robot.title}"
     else:
         return None
     return Outcome(text=text, alarm=True, robot=robot.name)
@@ -88,15 +88,15 @@ def write_marks(robot: RobotState, now: datetime.datetime) -> Outcome:
     newest = robot.newest(INTEREST_POINTS)
     points = newest.value.points if newest is not None else ()
     if not points:
-        return Outcome(text=f"nothing is marked on the map of {robot.name}", robot=robot.name)
+        return Outcome(text=f"nothing is marked on the map of {robot.title}", robot=robot.name)
     grid = robot.map.value if robot.map is not None else None
     files = {
         "csv": csv_table(points),
-        "geojson": geojson(points, robot.name),
-        "html": html_page(robot.name, points, grid, f"{now:%Y-%m-%d %H:%M}"),
+        "geojson": geojson(points, robot.title),
+        "html": html_page(robot.title, points, grid, f"{now:%Y-%m-%d %H:%M}"),
     }
     folder = platformdirs.user_documents_path() / _FOLDER
-    base = folder / f"{_as_file_name(robot.name)}-{now:%Y%m%d-%H%M%S}"
+    base = folder / f"{_as_file_name(robot.title)}-{now:%Y%m%d-%H%M%S}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for suffix, text in files.items():

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import datetime
+import functools
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
+from hub.gcm.body import ROBOT_DESCRIPTION
 from rune_tui import desk
 from rune_tui.layout.spec import LayoutSpec
+from rune_tui.link.robot_link import RobotLink
 from rune_tui.link.robot_links import RobotLinks
 from rune_tui.model.display_state import RUNE_DISPLAY, DisplayState
 from rune_tui.model.shown_layout import SHOWN_LAYOUT, ShownLayout
@@ -40,6 +43,10 @@ class Recorder:
         now = datetime.datetime.now().astimezone()
         self._recording, said = desk.begin_recording(layout, operator, now)
         self.follow(layout)
+        for link in self._links.values():
+            described = link.state.newest(ROBOT_DESCRIPTION)
+            if described is not None:  # it came before, and does not come again
+                link.record(ROBOT_DESCRIPTION, described.value, described.measured)
         return said
 
     def follow(self, layout: LayoutSpec) -> None:
@@ -59,11 +66,23 @@ class Recorder:
 
     def _tap(self) -> None:
         """Have all links, also new ones, hand what comes and goes to the recording."""
-        for link in self._links.values():
-            link.tap(self._recording.add if self._recording is not None else None)
+        names = _names(self._links.values())
+        for link, name in zip(self._links.values(), names, strict=True):
+            add = self._recording.add if self._recording is not None else None
+            link.tap(functools.partial(add, name) if add is not None else None)
 
     def note(self, now: float, display: DisplayState) -> None:
         """Record once a second how pictures reach the operator's eyes."""
         if self._recording is not None and now - self._noted >= _DISPLAY_S:
             self._noted = now
             self._recording.add(_OWN, RUNE_DISPLAY, display, now)
+
+
+def _names(links: Iterable[RobotLink]) -> list[str]:
+    """What a recording calls the robots: their own names, or roles where two names are alike."""
+    robots = [link.state for link in links]
+    own = [robot.title for robot in robots]
+    return [
+        robot.title if own.count(robot.title) == 1 and "/" not in robot.title else robot.name
+        for robot in robots
+    ]

@@ -341,7 +341,7 @@ class View:
         """A notice, over the upper edge of everything for a while."""
         canvas = Canvas.blank(self._columns, 2 * min(_COMPLAINT_ROWS, self._rows))
         sign = "! " if notice.alarm else ""
-        whose = f"{notice.robot}: " if notice.robot else ""
+        whose = f"{state.title(notice.robot)}: " if notice.robot else ""
         write_notice(canvas, f"{sign}{whose}{notice.text}", state.theme)
         return Layer(canvas=canvas, x=0, y=0, zpos=self._nearest + 1, urgency=Urgency.ALARM)
 

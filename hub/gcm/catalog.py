@@ -4,11 +4,23 @@ from __future__ import annotations
 
 from typing import Any
 
-from hub.gcm import autonomy, common, control, flight, mapping, navigation, pad, supervision, vision
+from hub.gcm import (
+    autonomy,
+    body,
+    common,
+    control,
+    flight,
+    mapping,
+    navigation,
+    pad,
+    supervision,
+    vision,
+)
 from hub.ipc.definition import MessageDefinition
 
 MESSAGES: tuple[MessageDefinition[Any], ...] = (
     *common.MESSAGES,
+    *body.MESSAGES,
     *navigation.MESSAGES,
     *flight.MESSAGES,
     *vision.MESSAGES,

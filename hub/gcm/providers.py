@@ -4,7 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from hub.gcm import autonomy, common, control, flight, mapping, navigation, pad, supervision, vision
+from hub.gcm import (
+    autonomy,
+    body,
+    common,
+    control,
+    flight,
+    mapping,
+    navigation,
+    pad,
+    supervision,
+    vision,
+)
 from hub.gcm.capability import Capability
 
 PROVIDED_BY: Mapping[str, tuple[Capability, ...]] = {
@@ -54,6 +65,7 @@ ALWAYS_THERE: frozenset[str] = frozenset(
     definition.name
     for definition in (
         *common.MESSAGES,
+        *body.MESSAGES,
         *supervision.MESSAGES,
         *control.MESSAGES,
         *pad.MESSAGES,

@@ -8,6 +8,7 @@ from typing import Annotated
 
 from hub.gcm.fields import (
     MOST_REPORTS,
+    Count,
     Flag,
     Lines,
     Name,
@@ -170,16 +171,18 @@ class CapabilityReports:
         robot: Name of the robot.
         count: Number of capabilities.
         capabilities: One each, in alphabetical order.
+        undeclared: Number of modules that have not said yet what they can do.
     """
 
     robot: Name
     count: int
     capabilities: Annotated[tuple[CapabilityReport, ...], Most(MOST_REPORTS)]
+    undeclared: Count = 0
 
 
 CAPABILITY_REPORTS = MessageDefinition(
     name="GCM_Common_Capabilities",
-    format="{string,int,<{string,{enum:3},string,string,string}:2>}",
+    format="{string,int,<{string,{enum:3},string,string,string}:2>,int}",
     type=CapabilityReports,
     rate_hz=1.0,
 )

@@ -100,7 +100,7 @@ class Daemon:
             description_arguments=robot_arguments(robot_file),
             changed=lambda: self._changed(reporting),
         )
-        reporting = Reporting(client, keeper, outputs, self._table.robot.name)
+        reporting = Reporting(client, keeper, outputs, self._table.robot.body)
         ready = False
         try:
             keeper.look()

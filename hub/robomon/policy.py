@@ -180,6 +180,11 @@ class Supervisor:
             for name in sorted(known.union(unknown))
         }
 
+    @property
+    def undeclared(self) -> int:
+        """Number of modules that have not said what they can do, and have no hint of it."""
+        return sum(not (life.asked or life.provides) for life in self.lives.values())
+
     def _view(self, capability: str, wanted_by: tuple[str, ...]) -> CapabilityView:
         others = [n for n, one in self.strangers.items() if capability in one.provides]
         owners = [n for n, life in self.lives.items() if capability in life.provides]

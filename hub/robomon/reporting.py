@@ -6,6 +6,7 @@ import time
 
 from hub.errors import HandlerFailedError
 from hub.gcm import supervision
+from hub.gcm.body import ROBOT_DESCRIPTION, RobotBody
 from hub.gcm.common import (
     COMMON_COMMAND,
     COMMON_RESULT,
@@ -29,14 +30,15 @@ _MOST_TEXT = 262_144
 class Reporting:
     """Connects the policy with the bus."""
 
-    def __init__(self, client: Client, keeper: Keeper, outputs: Outputs, robot: str) -> None:
+    def __init__(self, client: Client, keeper: Keeper, outputs: Outputs, body: RobotBody) -> None:
         self._client = client
         self._keeper = keeper
         self._supervisor = keeper.supervisor
         self._outputs = outputs
-        self._robot = robot
+        self._robot = body.name
         self._clock = time.monotonic
         client.define(supervision.MODULE_REPORTS, supervision.CAPABILITY_REPORTS, COMMON_COMMAND)
+        client.publish(ROBOT_DESCRIPTION, body)  # central keeps it for those who come later
         client.subscribe(supervision.MODULE_INFO, self._announced)
         client.subscribe(supervision.CAPABILITY_WANTS, self._wanted)
         client.subscribe(COMMON_COMMAND, self._commanded)
@@ -163,6 +165,9 @@ class Reporting:
         self._client.publish(
             supervision.CAPABILITY_REPORTS,
             supervision.CapabilityReports(
-                robot=self._robot, count=len(reports), capabilities=reports
+                robot=self._robot,
+                count=len(reports),
+                capabilities=reports,
+                undeclared=self._supervisor.undeclared,
             ),
         )

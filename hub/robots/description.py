@@ -10,6 +10,7 @@ from typing import Any
 
 from hub import toml_tables as toml
 from hub.errors import CameraError, RobotFileError
+from hub.gcm.body import MOST_CORNERS, Point32, RobotBody
 from hub.ipc.security import DEFAULT_PORT
 from hub.robots.left_alone import SURFACE_AFTER_S, LeftAlone
 from hub.robots.video_source import video_source
@@ -42,6 +43,7 @@ class RobotDescription:
         linear_acceleration: Fastest change of the forward velocity, braking [m/s^2].
         angular_acceleration: Fastest change of the turn rate, braking [rad/s^2].
         radius: Of the circle around the robot's centre in which all of it lies [m].
+        footprint: Corners of the ground that it covers [m, m], counter-clockwise; none: the circle.
         margin: How far it keeps from obstacles besides [m].
         camera_source: Where pictures come from: "robot" for the robot's own camera, or a device,
             file or network address.
@@ -74,6 +76,7 @@ class RobotDescription:
     linear_acceleration: float
     angular_acceleration: float
     radius: float
+    footprint: tuple[tuple[float, float], ...]
     margin: float
     camera_source: str
     camera_fov: float
@@ -90,9 +93,41 @@ class RobotDescription:
     modules: dict[str, Any]
 
     @property
+    def body(self) -> RobotBody:
+        """What the hub tells about the robot."""
+        return RobotBody(
+            name=self.name,
+            kind=self.kind,
+            radius=self.radius,
+            count=len(self.footprint),
+            footprint=tuple(Point32(x=x, y=y) for x, y in self.footprint),
+        )
+
+    @property
     def simulated(self) -> bool:
         """Whether its hardware is a simulation."""
         return bool(self.kind) and self.kind.startswith("simulated-")
+
+
+_RADIUS = toml.number(0.02, 5.0)
+_USUAL_RADIUS = 0.205
+"""Of a robot whose file says nothing of its body: a Magellan Pro's [m]."""
+_SAME_LENGTH = 1e-3
+"""Lengths that differ by less are the same [m]."""
+_LEAST_AREA = 1e-4
+"""A surface that is smaller is none [m^2]."""
+
+
+def _corners(value: object) -> tuple[tuple[float, float], ...]:
+    """The corners of a body, put in counter-clockwise order."""
+    corners: tuple[tuple[float, float], ...]
+    corners = toml.several(toml.numbers(2, -5.0, 5.0), MOST_CORNERS)(value)
+    following = (*corners[1:], corners[0])
+    area = sum(x * v - u * y for (x, y), (u, v) in zip(corners, following, strict=True)) / 2.0
+    if len(corners) < 3 or abs(area) < _LEAST_AREA:
+        reason = f"{toml.shorten(value)} is not a list of the corners [x, y] of a surface"
+        raise toml.RefusedError(reason)
+    return corners if area > 0.0 else corners[::-1]
 
 
 def _source(value: object) -> str:
@@ -122,7 +157,8 @@ _TABLES = {
         "angular_acceleration": toml.Key(toml.number(0.1, 50.0), 4.0),
     },
     "body": {
-        "radius": toml.Key(toml.number(0.02, 5.0), 0.205),
+        "radius": toml.Key(_RADIUS, None),
+        "footprint": toml.Key(_corners, ()),
         "margin": toml.Key(toml.number(0.0, 1.0), 0.05),
     },
     "safety": {
@@ -196,6 +232,7 @@ def read_description(path: Path) -> tuple[RobotDescription, toml.Problems]:
     fields = toml.read_table(_TOP, data, toml.TOP, problems, tables=[*_TABLES, "modules"])
     for name, keys in _TABLES.items():
         fields |= toml.read_table(keys, data.get(name, {}), f"[{name}]", problems)
+    fields["radius"] = _enclosing(fields["radius"], fields["footprint"], problems)
     modules = data.get("modules", {})
     if not isinstance(modules, dict):
         problems.append("modules has to be tables: [modules.NAME]")
@@ -219,6 +256,22 @@ def settings(module: str) -> str:
         for name, key in keys.items()
     ]
     return f"its table [{module}] has: {'; '.join(told)}" if told else ""
+
+
+def _enclosing(
+    radius: float | None, corners: tuple[tuple[float, float], ...] | None, problems: toml.Problems
+) -> float:
+    """The radius of the circle in which all of the body lies [m]."""
+    farthest = max((math.hypot(x, y) for x, y in corners or ()), default=0.0)
+    if radius is None:
+        return farthest or _USUAL_RADIUS
+    if radius < farthest - _SAME_LENGTH:
+        text = (
+            f"[body], key 'radius': {radius:g} m does not enclose the footprint, whose farthest "
+            f"corner is {farthest:.3f} m off; leave the radius out"
+        )
+        problems.add("[body]", text, "radius")
+    return radius
 
 
 def _located(named: str, folder: Path) -> str:

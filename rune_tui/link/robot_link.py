@@ -17,6 +17,7 @@ from typing import Any, TypeVar
 
 from hub.errors import HubError
 from hub.gcm import mapping, vision
+from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.capability import Capability
 from hub.gcm.catalog import BY_NAME
 from hub.gcm.control import CONTROL_STATE, ControlAction, ControlState
@@ -45,13 +46,20 @@ from rune_tui.link.requests import Requester
 from rune_tui.link.streams import Streams
 from rune_tui.link.tunnel import Tunnel
 from rune_tui.model.console_state import PictureWish
-from rune_tui.model.robot_state import LinkPhase, LinkState, Received, RobotState
+from rune_tui.model.robot_state import (
+    Lack,
+    LackKind,
+    LinkPhase,
+    LinkState,
+    Received,
+    RobotState,
+)
 
 _logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
-Tap = Callable[[str, MessageDefinition[Any], object, float], None]
-"""Gets the robot's name, a message, its value, and when it was measured [s]."""
+Tap = Callable[[MessageDefinition[Any], object, float], None]
+"""Gets a message, its value, and when it was measured [s]."""
 
 _LISTEN_S = 0.2
 _REQUEST_CHECK_S = 0.01
@@ -64,13 +72,17 @@ _REPEATED = 2
 _LEASE_INTERVALS = 2.5
 """What is wanted holds for so many intervals between two keep-alives; one of them may be lost."""
 _MOST_LETTERS = 1000
+_ALWAYS = frozenset({ROBOT_DESCRIPTION.name, CAPABILITY_REPORTS.name, CONTROL_STATE.name})
+"""What is followed whatever the layout shows."""
 _ANSWERS = frozenset({vision.IMAGE.name, mapping.MAP.name})
 """What comes on request only."""
-_PHASE_WORDS = {
-    CapabilityPhase.AVAILABLE: "not started yet",
-    CapabilityPhase.STARTING: "starting",
-    CapabilityPhase.UNAVAILABLE: "its modules cannot be started",
+_LACKS = {
+    CapabilityPhase.AVAILABLE: Lack(kind=LackKind.COMING, why="not started yet"),
+    CapabilityPhase.STARTING: Lack(kind=LackKind.COMING, why="starting"),
+    CapabilityPhase.UNAVAILABLE: Lack(kind=LackKind.BROKEN, why="its modules cannot be started"),
 }
+_ABSENT = Lack(kind=LackKind.ABSENT, why="this robot has no module for it")
+_UNDECLARED = Lack(kind=LackKind.COMING, why="its modules have not said yet what they can do")
 
 
 class RobotLink:
@@ -184,7 +196,7 @@ class RobotLink:
         """
         if self._state.link.may_command:
             measured = self._clock()
-            self._record(definition, value, measured)
+            self.record(definition, value, measured)
             self._client.post(lambda: self._client.publish(definition, value, measured=measured))
 
     def control(self, action: ControlAction, *, by_driving: bool = False) -> None:
@@ -204,10 +216,11 @@ class RobotLink:
         """Hand everything that comes and goes to somebody else as well; None: to nobody."""
         self._tap = tap
 
-    def _record(self, definition: MessageDefinition[Any], value: object, measured: float) -> None:
+    def record(self, definition: MessageDefinition[Any], value: object, measured: float) -> None:
+        """Hand a message that was measured then [s] to whom `tap` named."""
         tap = self._tap
         if tap is not None:
-            tap(self._state.name, definition, value, measured)
+            tap(definition, value, measured)
 
     def want_pictures(self, size: tuple[int, int] | None, wish: PictureWish | None = None) -> None:
         """Ask for pictures of this width and height [pixels], None for none, and of this kind."""
@@ -235,7 +248,7 @@ class RobotLink:
             for capability in capabilities[:1]
             if capability in wanted
         }
-        messages = (spec.messages | {CAPABILITY_REPORTS.name, CONTROL_STATE.name}) - _ANSWERS
+        messages = (spec.messages | _ALWAYS) - _ANSWERS
         kept = {n: r for n, r in self._state.messages.items() if n in messages}
         self._state = self._state.with_(messages=kept)
         self._streams.follow(messages)
@@ -266,7 +279,7 @@ class RobotLink:
         self._messages += 1
         if self._too_soon(name, reception.measured):
             return
-        self._record(BY_NAME[name], value, reception.measured)
+        self.record(BY_NAME[name], value, reception.measured)
         received = self._received(value, reception)
         self._note_number()
         self._state = self._state.with_(messages={**self._state.messages, name: received})
@@ -351,12 +364,13 @@ class RobotLink:
 
     def _note_lacking(self, reports: CapabilityReports) -> None:
         known = {report.name: report for report in reports.capabilities if report.modules}
-        lacking = {
-            name: _PHASE_WORDS.get(known[name].phase, "") if name in known else "no module has it"
+        unknown = _UNDECLARED if reports.undeclared else _ABSENT
+        lacks = {
+            name: _LACKS.get(known[name].phase) if name in known else unknown
             for name in sorted(self._wanted)
             if name != Capability.CON_REAL
         }
-        lacking = {name: why for name, why in lacking.items() if why}
+        lacking = {name: lack for name, lack in lacks.items() if lack is not None}
         if lacking != self._state.link.lacking:
             self._change_link(lacking=lacking)
 
@@ -378,7 +392,7 @@ class RobotLink:
     def _take_picture(self, image: vision.Image, reception: Reception) -> int:
         self._messages += 1
         self._bytes += image.length
-        self._record(vision.IMAGE, image, reception.measured)
+        self.record(vision.IMAGE, image, reception.measured)
         received = self._received(picture_of(image), reception)
         self._state = self._state.with_(picture=received)
         return received.number
@@ -394,6 +408,6 @@ class RobotLink:
     def _take_map(self, coded: mapping.Map, reception: Reception) -> int:
         self._messages += 1
         self._bytes += coded.length
-        self._record(mapping.MAP, coded, reception.measured)
+        self.record(mapping.MAP, coded, reception.measured)
         self._state = self._state.with_(map=self._received(map_of(coded), reception))
         return 0

@@ -142,6 +142,11 @@ class ConsoleState:
         """The robot of this name, which may be `CHOSEN`; None if there is none."""
         return self.robots.get(self.chosen if name == CHOSEN else name)
 
+    def title(self, robot: str) -> str:
+        """The name by which people know the robot of a role; empty for no robot."""
+        known = self.robots.get(robot)
+        return known.title if known is not None else robot
+
     def input_of(self, handler: str, robot: str) -> str:
         """The input that wakes a handler for a robot, in words; empty if none does."""
         chosen = self.inputs.get((handler, CHOSEN), "") if robot == self.chosen else ""

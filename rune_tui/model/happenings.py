@@ -18,10 +18,7 @@ from rune_tui.model.control import (
     standing,
 )
 from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
-from rune_tui.model.robot_state import LinkPhase, RobotState
-
-_TRANSIENT = frozenset({"starting", "not started yet"})
-"""Why a capability is not there yet, of which nothing needs to be said at the start."""
+from rune_tui.model.robot_state import LackKind, LinkPhase, RobotState
 
 _GONE = {
     Absence.UNPLUGGED: "is unplugged: {} is gone",
@@ -134,14 +131,14 @@ class Watch:
         since = {each: self._since.get((name, each), state.now) for each in now}
         self._since = {key: at for key, at in self._since.items() if key[0] != name}
         self._since |= {(name, each): at for each, at in since.items()}
-        for capability, why in now.items():
+        for capability, lack in now.items():
+            why, absent = lack.why, lack.kind is LackKind.ABSENT
             new = told.get(capability) != why
-            lasting = why not in _TRANSIENT and state.now - since[capability] >= GRACE_S
+            lasting = lack.kind is not LackKind.COMING and state.now - since[capability] >= GRACE_S
             if new and (lasting or capability in had):
                 told[capability] = why
-                reason = f": {why}" if why else ""
-                text = f"it does not provide {capability}{reason}"
-                yield state.notice(text, robot=name, alarm=True)
+                text = f"it does not provide {capability}: {why}"
+                yield state.notice(text, robot=name, alarm=not absent or capability in had)
         for capability in [known for known in told if known not in now]:
             del told[capability]
             yield state.notice(f"it provides {capability} again", robot=name)

@@ -12,6 +12,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from hub.gcm.body import ROBOT_DESCRIPTION, RobotBody
 from hub.gcm.navigation import ROBOT_STATE
 from hub.gcm.navigation import RobotState as NavigationState
 from hub.gcm.vision import CAMERA_STATE, CameraState, ImageCoding
@@ -104,6 +105,33 @@ class PictureFlow:
     per_s: float
 
 
+class LackKind(enum.Enum):
+    """Why a robot does not provide a capability.
+
+    Attributes:
+        ABSENT: It has no module for it: that is how the robot is made.
+        COMING: Its module is not ready yet.
+        BROKEN: Its module cannot run.
+    """
+
+    ABSENT = "absent"
+    COMING = "coming"
+    BROKEN = "broken"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lack:
+    """A capability that the layout wants and the robot does not provide now.
+
+    Attributes:
+        kind: What that means.
+        why: The same for people.
+    """
+
+    kind: LackKind
+    why: str
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinkState:
     """How the connection stands.
@@ -118,7 +146,7 @@ class LinkState:
         bytes_per_s: How much comes in; NaN before a second of it was counted.
         messages_per_s: How many messages come in; NaN before a second of them was counted.
         missed: How many messages did not come, of those that should have.
-        lacking: Wanted capabilities that the robot does not provide now, in words by name.
+        lacking: Wanted capabilities that the robot does not provide now, by name.
         unfit: What was wrong first with values of each message, in a sentence by its name.
         number: This console's number at the robot's hub, as in frame headers; 0: none yet.
         owned_since: The time of day since when its owner has control of it, such as "14:03".
@@ -136,7 +164,7 @@ class LinkState:
     bytes_per_s: float = math.nan
     messages_per_s: float = math.nan
     missed: int = 0
-    lacking: Mapping[str, str] = field(default_factory=dict)
+    lacking: Mapping[str, Lack] = field(default_factory=dict)
     unfit: Mapping[str, str] = field(default_factory=dict)
     number: int = 0
     owned_since: str = ""
@@ -150,7 +178,7 @@ class RobotState:
     """What the console knows of one robot.
 
     Attributes:
-        name: The robot's name in the layout.
+        name: Its role: the robot's name in the layout.
         link: How the connection stands.
         picture: Newest camera image.
         map: Newest map.
@@ -166,6 +194,18 @@ class RobotState:
     def newest(self, definition: MessageDefinition[T]) -> Received[T] | None:
         """The newest message of a kind; None if none came, or no viewport asked for it."""
         return self.messages.get(definition.name)
+
+    @property
+    def body(self) -> RobotBody | None:
+        """What its hub says of the robot's body; None if it has not said anything."""
+        described = self.newest(ROBOT_DESCRIPTION)
+        return described.value if described is not None else None
+
+    @property
+    def title(self) -> str:
+        """The name by which people know it: its own, or its role while that is not known."""
+        body = self.body
+        return body.name if body is not None and body.name else self.name
 
     @property
     def navigation(self) -> Received[NavigationState] | None:

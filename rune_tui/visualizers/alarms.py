@@ -10,7 +10,7 @@ from hub.gcm.navigation import ROBOT_STATE, Assistance
 from rune_tui.layout.rules import VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.robot_state import RobotState
+from rune_tui.model.robot_state import LackKind, RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
@@ -20,6 +20,8 @@ from rune_tui.visualizers.range_data import pressed_bumpers
 from rune_tui.visualizers.rows import Row, cut, wrapped
 from rune_tui.visualizers.status_words import side_of, status_parts
 
+START_S = 10.0
+"""Modules that are not ready yet are no alarm for this time after a link began [s]."""
 _SIGNS = {Mood.ALARM: "!! ", Mood.WARNING: "! "}
 
 
@@ -47,7 +49,7 @@ class Alarms:
         canvas.fill(theme.panel)
         parts = _troubles(robot, state)
         if not parts:
-            canvas.text(0, 0, f"{robot.name}: all well", theme.faint)
+            canvas.text(0, 0, f"{robot.title}: all well", theme.faint)
             return
         blocks = [_block(part, canvas.width) for part in parts]
         shown = _fitting(blocks, canvas.rows)
@@ -59,17 +61,17 @@ class Alarms:
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with any word of it."""
-        return robot.name, _troubles(robot, state), state.theme.name
+        return robot.title, _troubles(robot, state), state.theme.name
 
 
 def _troubles(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     parts = [part for part in status_parts(robot, state) if part.mood in _SIGNS]
-    parts += _more(robot)
+    parts += _more(robot, state)
     # Python's sort keeps the order of equals.
     return tuple(sorted(parts, key=lambda part: (part.mood is not Mood.ALARM, -part.weight)))
 
 
-def _more(robot: RobotState) -> Iterator[Part]:
+def _more(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     """What the status line has no room for."""
     if robot.navigation is not None:
         navigation = robot.navigation.value
@@ -78,8 +80,10 @@ def _more(robot: RobotState) -> Iterator[Part]:
             yield Part(f"BUMPER PRESSED {' and '.join(sides)}", 8, Mood.ALARM)
         if navigation.assistance is Assistance.OFF:
             yield Part("ASSISTANCE OFF: it drives into walls", 5, Mood.WARNING)
-    for name, why in sorted(robot.link.lacking.items()):
-        yield Part(f"{name} MISSING: {why}" if why else f"{name} MISSING", 4, Mood.WARNING)
+    starts = state.now - robot.link.since < START_S
+    for name, lack in sorted(robot.link.lacking.items()):
+        if lack.kind is LackKind.BROKEN or (lack.kind is LackKind.COMING and not starts):
+            yield Part(f"{name} MISSING: {lack.why}", 4, Mood.WARNING)
 
 
 def _block(part: Part, columns: int) -> list[Row]:

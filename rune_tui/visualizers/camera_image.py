@@ -223,5 +223,5 @@ def _mark_middle(canvas: Canvas, frame: PictureFrame, theme: Theme) -> None:
 def _explanation(robot: RobotState, now: float) -> str:
     trouble = link_trouble(robot, now)
     if not trouble and robot.picture is None:
-        trouble = f"waiting for the first picture from {robot.name}"
+        trouble = f"waiting for the first picture from {robot.title}"
     return f"{trouble}; {robot.link.detail}" if trouble and robot.link.detail else trouble

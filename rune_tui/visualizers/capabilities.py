@@ -12,7 +12,7 @@ from hub.gcm.supervision import (
     CapabilityReports,
 )
 from rune_tui.layout.rules import VisualizerRule
-from rune_tui.model.robot_state import RobotState
+from rune_tui.model.robot_state import Lack, LackKind, RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.mood import Mood
@@ -53,8 +53,8 @@ class Capabilities(Reading[CapabilityReports, tuple[Entry, ...]]):
         reports = [each for each in value.capabilities if each.name != Capability.CON_REAL]
         known = {report.name for report in reports}
         unknown = [
-            Entry((name, _PHASES[CapabilityPhase.UNAVAILABLE], "for this console"), why, Mood.ALARM)
-            for name, why in sorted(robot.link.lacking.items())
+            _lacking(name, lack)
+            for name, lack in sorted(robot.link.lacking.items())
             if name not in known
         ]
         return *unknown, *map(_entry, sorted(reports, key=_order))
@@ -63,6 +63,12 @@ class Capabilities(Reading[CapabilityReports, tuple[Entry, ...]]):
         """The list."""
         rows = [*entry_rows(reading, _WEIGHTS, canvas.width)]
         write_rows(canvas, rows or [Row("the robot can do nothing")], theme)
+
+
+def _lacking(name: str, lack: Lack) -> Entry:
+    absent = lack.kind is LackKind.ABSENT
+    phase = "none" if absent else _PHASES[CapabilityPhase.UNAVAILABLE]
+    return Entry((name, phase, "for this console"), lack.why, Mood.FAINT if absent else Mood.ALARM)
 
 
 def _order(report: CapabilityReport) -> tuple[bool, int, str]:

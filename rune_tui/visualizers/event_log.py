@@ -55,7 +55,7 @@ class EventLog:
         canvas.fill(state.theme.panel)
         rows: list[Row] = []
         for notice in reversed(self._notices(robot, state)):
-            lines = [*_rows(notice, canvas.width)]
+            lines = [*_rows(notice, state.title(notice.robot), canvas.width)]
             if not rows:
                 lines = lines[: canvas.rows]
             rows += lines if self.newest_at_top else reversed(lines)
@@ -69,7 +69,8 @@ class EventLog:
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with the notices."""
-        return self._notices(robot, state), state.theme.name
+        notices = self._notices(robot, state)
+        return notices, tuple(state.title(each.robot) for each in notices), state.theme.name
 
     def _notices(self, robot: RobotState, state: ConsoleState) -> tuple[Notice, ...]:
         if self.of_all:
@@ -77,9 +78,9 @@ class EventLog:
         return tuple(each for each in state.notices if each.robot in {"", robot.name})
 
 
-def _rows(notice: Notice, columns: int) -> Iterator[Row]:
+def _rows(notice: Notice, robot: str, columns: int) -> Iterator[Row]:
     clock = notice.clock if columns >= _NARROW else notice.clock[: len("14:03")]
-    whom = f"{notice.robot}:" if notice.robot else ""
+    whom = f"{robot}:" if robot else ""
     words = (clock, "!" if notice.alarm else "", whom, notice.text)
     row = Row(" ".join(filter(None, words)), Mood.ALARM if notice.alarm else Mood.PLAIN)
     return wrapped(row, columns, _INDENT)

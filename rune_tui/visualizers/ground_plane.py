@@ -12,6 +12,7 @@ import numpy as np
 from hub.gcm.vision import CameraState
 from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.model.body import largest_radius
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.geometry import PictureGeometry
 from rune_tui.model.ground_lines import visible_lines
@@ -231,7 +232,12 @@ def _course(robot: RobotState, ground: _Ground, state: ConsoleState) -> Course |
     step, _ = age_look(robot.navigation, state.now)
     if step is Staleness.STALE:
         return None
-    return Course.of(robot.navigation.value, then=ground.pose, old=step is Staleness.OLD)
+    return Course.of(
+        robot.navigation.value,
+        radius=largest_radius(robot.body),
+        then=ground.pose,
+        old=step is Staleness.OLD,
+    )
 
 
 def _draw_lines(pen: Pen, pieces: list[Floats], colour: Colour, width: float = 1.0) -> None:

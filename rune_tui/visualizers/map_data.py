@@ -181,7 +181,7 @@ class MapData:
             if pose is not None and robot.camera is not None:
                 map_marks.draw_cone(pen, window, pose, robot.camera.value, theme)
         if pose is not None:
-            map_marks.draw_robot(canvas, window, pose, theme)
+            map_marks.draw_robot(canvas, window, pose, robot.body, theme)
         map_marks.write_goal(canvas, window, route, theme)
         map_marks.write_points(canvas, window, _points(robot), theme)
         map_marks.write_north(canvas, window, theme)
@@ -322,7 +322,7 @@ def _explanation(robot: RobotState, now: float) -> str:
         return f"{trouble}; {robot.link.detail}" if robot.link.detail else trouble
     if robot.map is not None:
         return ""
-    why = robot.link.lacking.get(Capability.PRO_MAP)
-    if why is None:
-        return f"waiting for the first map from {robot.name}"
-    return f"no map from {robot.name}: {Capability.PRO_MAP} {why}".rstrip()
+    lack = robot.link.lacking.get(Capability.PRO_MAP)
+    if lack is None:
+        return f"waiting for the first map from {robot.title}"
+    return f"no map from {robot.title}: {Capability.PRO_MAP}: {lack.why}"

@@ -8,15 +8,16 @@ from typing import Final
 
 import numpy as np
 
+from hub.gcm.body import RobotBody
 from hub.gcm.mapping import InterestPoint, PointKind
 from hub.gcm.vision import CameraState
+from rune_tui.model.body import corners, largest_radius
 from rune_tui.model.map_window import MapWindow
 from rune_tui.model.pose import Pose
 from rune_tui.model.sightings import Floats
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas, Colour
 from rune_tui.raster.shapes import Pen, Point, drawing
-from rune_tui.visualizers.range_data import BODY_RADIUS_M
 
 _CONE_M: Final = 2.0
 _SMOOTHING: Final = 4
@@ -51,10 +52,12 @@ def draw_cone(pen: Pen, window: MapWindow, pose: Pose, camera: CameraState, them
         pen.dashes(_points(edge), theme.ink, dash=1.0, gap=2.0)
 
 
-def draw_robot(canvas: Canvas, window: MapWindow, pose: Pose, theme: Theme) -> None:
-    """A disc as large as the robot with an arrow on it, or an arrow where that is small."""
+def draw_robot(
+    canvas: Canvas, window: MapWindow, pose: Pose, body: RobotBody | None, theme: Theme
+) -> None:
+    """The ground that the robot covers with an arrow on it, or an arrow where that is small."""
     x, y = _point(window.pixels((pose.x, pose.y)))
-    radius = BODY_RADIUS_M / window.metres_per_pixel
+    radius = largest_radius(body) / window.metres_per_pixel
     reach = max(radius, _LEAST_ROBOT)
     left, top = (max(0, math.floor(at - reach - 1.0)) for at in (x, y))
     right, bottom = (max(0, math.ceil(at + reach + 1.0)) for at in (x, y))
@@ -67,7 +70,13 @@ def draw_robot(canvas: Canvas, window: MapWindow, pose: Pose, theme: Theme) -> N
     centre = x - left, y - top
     with drawing(patch, smoothing=_SMOOTHING) as pen:
         if radius > _LEAST_ROBOT:
-            pen.circle(centre, radius, fill=theme.panel, rim=theme.ink)
+            footprint = corners(body)
+            if len(footprint):
+                edge = _points(window.pixels(pose.to_map(footprint)) - (left, top))
+                pen.polygon(edge, theme.panel)
+                pen.line([*edge, edge[0]], theme.ink)
+            else:
+                pen.circle(centre, radius, fill=theme.panel, rim=theme.ink)
         pen.arrow(centre, reach, pose.theta - window.up, theme.accent)
     around[...] = patch.pixels
 

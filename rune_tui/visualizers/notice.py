@@ -17,8 +17,8 @@ def link_trouble(robot: RobotState, now: float) -> str:
     if link.phase is LinkPhase.CONNECTED:
         return ""
     if link.phase is LinkPhase.CONNECTING:
-        return f"connecting to {robot.name} at {link.endpoint}: {seconds} s"
-    return f"no link to {robot.name} at {link.endpoint}: retrying, {seconds} s"
+        return f"connecting to {robot.title} at {link.endpoint}: {seconds} s"
+    return f"no link to {robot.title} at {link.endpoint}: retrying, {seconds} s"
 
 
 def write_notice(canvas: Canvas, text: str, theme: Theme) -> None:

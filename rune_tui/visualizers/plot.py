@@ -97,7 +97,7 @@ class Plot:
         history = self._note(robot)
         received = robot.newest(self._definition)
         if received is None:
-            write_notice(canvas, f"no {self._definition.name} from {robot.name}", state.theme)
+            write_notice(canvas, f"no {self._definition.name} from {robot.title}", state.theme)
             return
         newest = number_at(received.value, self._field)
         if newest is None:

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import enum
 import math
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Final, Self
 
 import numpy as np
 import numpy.typing as npt
 
+from hub.gcm.body import ROBOT_DESCRIPTION, RobotBody
 from hub.gcm.navigation import SENSOR_COUNT
 from hub.gcm.navigation import RobotState as NavigationState
 from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.model.body import corners, largest_radius, rim
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
@@ -24,13 +26,14 @@ from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.notice import write_notice
 from rune_tui.visualizers.staleness import age_look, mark_age, weather
 
-BODY_RADIUS_M: Final = 0.203
 NEAR_M: Final = 0.5
 CLOSE_M: Final = 0.15
 DEFAULT_RIM_M: Final = 3.0
 
 _OPENING = 2.0 * math.pi / SENSOR_COUNT
 _SMOOTHING = 3
+_LEAST_ROOM: Final = 2.0
+"""The drawing reaches at least so many radii of the body."""
 _FREE_ALPHA, _UNBOUNDED_ALPHA, _NEAR_ALPHA = 130, 50, 210
 
 
@@ -42,12 +45,14 @@ class _Plan:
         centre: The robot's centre.
         rim: Length of `rim_m`.
         rim_m: Range at the rim [m].
-        body: Radius of the body.
+        outline: Corners of the body; none: a circle.
+        body: Radius of the circle around the body.
     """
 
     centre: Point
     rim: float
     rim_m: float
+    outline: Sequence[Point]
     body: float
 
     def length(self, range_m: float) -> float:
@@ -95,6 +100,7 @@ class RangeData:
     rule: ClassVar = VisualizerRule(
         meaning="the robot and a pie for each range sensor",
         message="GCM_RobotState",
+        others=(ROBOT_DESCRIPTION.name,),
         option=NumberOption(
             default=0.0, least=0.0, most=100.0, unit="m", meaning="range at the rim; 0 means 3 m"
         ),
@@ -127,7 +133,7 @@ class RangeData:
     @classmethod
     def from_spec(cls, spec: VisualizerSpec) -> Self:
         """The visualizer that a layout asks for; its option is the range at the rim [m]."""
-        sensible = math.isfinite(spec.option) and spec.option > BODY_RADIUS_M
+        sensible = math.isfinite(spec.option) and spec.option > 0.0
         return cls(
             rim_m=spec.option if sensible else DEFAULT_RIM_M,
             sensors=spec.options.word("sensors"),
@@ -138,22 +144,16 @@ class RangeData:
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Draw the newest ranges and their age."""
         if robot.navigation is None:
-            write_notice(canvas, f"no ranges from {robot.name} yet", state.theme)
+            write_notice(canvas, f"no ranges from {robot.title} yet", state.theme)
             return
         navigation = robot.navigation.value
         age = robot.navigation.age(state.now)
-        rim = max(1.0, min(canvas.width, canvas.height) / 2.0 - 0.5)
-        plan = _Plan(
-            centre=(canvas.width / 2.0, canvas.height / 2.0),
-            rim=rim,
-            rim_m=self.rim_m,
-            body=max(BODY_RADIUS_M / self.rim_m * rim, min(2.0, rim / 3.0)),
-        )
+        plan = self._plan(canvas, robot.body)
         with drawing(canvas, smoothing=_SMOOTHING) as pen:
-            self._draw_ranges(pen, plan, navigation, state.theme)
+            self._draw_ranges(pen, plan, navigation, robot.body, state.theme)
             _draw_body(pen, plan, navigation, state.theme)
         weather(canvas, age)
-        self._write_marks(canvas, plan, navigation, state.theme)
+        self._write_marks(canvas, plan, navigation, robot.body, state.theme)
         mark_age(canvas, age, state.theme)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
@@ -166,6 +166,7 @@ class RangeData:
             pies,
             arcs,
             navigation.bumpers,
+            robot.body,
             age_look(robot.navigation, state.now),
             state.theme.name,
         )
@@ -182,19 +183,37 @@ class RangeData:
         """The range of each direction that has an arc besides [m], shape (16,) or (0,)."""
         return navigation.infrared if self.sensors == "both" else np.empty(0, np.float32)
 
-    def _nearness(self, range_m: float) -> Nearness:
-        room = range_m - BODY_RADIUS_M
+    def _plan(self, canvas: Canvas, body: RobotBody | None) -> _Plan:
+        # A robot that would fill the drawing gets a larger one.
+        radius = largest_radius(body)
+        rim_m = max(self.rim_m, _LEAST_ROOM * radius)
+        rim = max(1.0, min(canvas.width, canvas.height) / 2.0 - 0.5)
+        centre = (canvas.width / 2.0, canvas.height / 2.0)
+        drawn = max(radius / rim_m * rim, min(2.0, rim / 3.0))
+        # On the canvas, ahead is up and left is left.
+        around = corners(body) * (drawn / radius if radius else 0.0)
+        points = [(centre[0] - left, centre[1] - ahead) for ahead, left in around.tolist()]
+        return _Plan(centre=centre, rim=rim, rim_m=rim_m, outline=points, body=drawn)
+
+    def _nearness(self, room: float) -> Nearness:
+        """How near something is that is so far from the body [m]."""
         if room < self.close_m:
             return Nearness.CLOSE
         return Nearness.NEAR if room < self.near_m else Nearness.FAR
 
     def _draw_ranges(
-        self, pen: Pen, plan: _Plan, navigation: NavigationState, theme: Theme
+        self,
+        pen: Pen,
+        plan: _Plan,
+        navigation: NavigationState,
+        body: RobotBody | None,
+        theme: Theme,
     ) -> None:
-        for sensor, reading in enumerate(self._pies(navigation).tolist()):
+        pies = self._pies(navigation)
+        for sensor, (reading, room) in enumerate(_with_room(pies, body)):
             if math.isnan(reading):
                 continue
-            reach, nearness = plan.length(reading), self._nearness(reading)
+            reach, nearness = plan.length(reading), self._nearness(room)
             colour = _colour(nearness, theme)
             alpha = _NEAR_ALPHA if nearness else _FREE_ALPHA
             if math.isinf(reading):
@@ -209,12 +228,17 @@ class RangeData:
                 pen.arc(plan.centre, reach, _direction(sensor), _OPENING / 2.0, theme.ink)
 
     def _write_marks(
-        self, canvas: Canvas, plan: _Plan, navigation: NavigationState, theme: Theme
+        self,
+        canvas: Canvas,
+        plan: _Plan,
+        navigation: NavigationState,
+        body: RobotBody | None,
+        theme: Theme,
     ) -> None:
         pies, arcs = self._pies(navigation), self._arcs(navigation)
         nearest = np.fmin(pies, arcs) if len(arcs) else pies
-        for sensor, reading in enumerate(nearest.tolist()):
-            nearness = self._nearness(reading)
+        for sensor, (reading, room) in enumerate(_with_room(nearest, body)):
+            nearness = self._nearness(room)
             if nearness:
                 reach = max(plan.length(reading), plan.body) + 1.5
                 spot = toward(plan.centre, reach, _direction(sensor))
@@ -225,9 +249,12 @@ class RangeData:
             _write_at(canvas, spot, "B", theme.on_alarm)
 
 
-def is_near(range_m: float) -> bool:
-    """Whether something at this range from the robot's centre [m] is close to its body."""
-    return range_m - BODY_RADIUS_M < NEAR_M
+def _with_room(
+    ranges: npt.NDArray[np.float32], body: RobotBody | None
+) -> Iterator[tuple[float, float]]:
+    """Each range from the robot's centre, and what of it is room beside its body [m]."""
+    rooms = ranges - rim(body, len(ranges)) if len(ranges) else ranges
+    return zip(ranges.tolist(), rooms.tolist(), strict=True)
 
 
 def pressed_bumpers(navigation: NavigationState) -> list[int]:
@@ -247,7 +274,11 @@ def _colour(nearness: Nearness, theme: Theme) -> Colour:
 def _draw_body(pen: Pen, plan: _Plan, navigation: NavigationState, theme: Theme) -> None:
     for sensor in pressed_bumpers(navigation):
         pen.pie(plan.centre, plan.body + 2.0, _direction(sensor), _OPENING, theme.alarm)
-    pen.circle(plan.centre, plan.body, fill=theme.panel, rim=theme.ink)
+    if plan.outline:
+        pen.polygon(plan.outline, theme.panel)
+        pen.line([*plan.outline, plan.outline[0]], theme.ink)
+    else:
+        pen.circle(plan.centre, plan.body, fill=theme.panel, rim=theme.ink)
     pen.line([plan.centre, toward(plan.centre, plan.body + 1.0, 0.0)], theme.ink)
 
 

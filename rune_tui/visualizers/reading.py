@@ -77,4 +77,4 @@ class Reading(ABC, Generic[T, R]):
         return self.reading(received.value, robot), look, state.theme.name
 
     def _missing(self, robot: RobotState) -> str:
-        return f"no {self.subject} from {robot.name}"
+        return f"no {self.subject} from {robot.title}"

@@ -7,14 +7,16 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from hub.gcm.body import RobotBody
 from hub.gcm.navigation import SENSOR_COUNT, MotionState
 from hub.gcm.navigation import RobotState as NavigationState
+from rune_tui.model.body import rim
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
 from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.visualizers.control_words import control_parts
 from rune_tui.visualizers.mood import Mood, Part
-from rune_tui.visualizers.range_data import BODY_RADIUS_M, is_near
+from rune_tui.visualizers.range_data import NEAR_M
 from rune_tui.visualizers.staleness import (
     ALARM_AFTER_S,
     MENTION_AFTER_S,
@@ -45,7 +47,7 @@ _UNHINDERED = frozenset(
 def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     """All that there is to say now, in the order in which it is shown."""
     return (
-        Part(robot.name, 8),
+        Part(robot.title, 8),
         _link(robot, state.now),
         *_permission(robot),
         *control_parts(robot, state),
@@ -87,7 +89,7 @@ def _motion(robot: RobotState, now: float) -> Iterator[Part]:
         f"{signed(navigation.linear, 2)} m/s {signed(math.degrees(navigation.angular), 0)}°/s", 6
     )
     yield from _battery(navigation)
-    yield from _nearest(navigation)
+    yield from _nearest(navigation, robot.body)
 
 
 def _battery(navigation: NavigationState) -> Iterator[Part]:
@@ -104,18 +106,18 @@ def _battery(navigation: NavigationState) -> Iterator[Part]:
     yield Part(text, 6 if low else 3, Mood.ALARM if low else Mood.PLAIN)
 
 
-def _nearest(navigation: NavigationState) -> Iterator[Part]:
-    """The nearest thing seen and its distance from the robot's rim."""
+def _nearest(navigation: NavigationState, body: RobotBody | None) -> Iterator[Part]:
+    """The nearest thing seen and its distance from the robot's rim, or its centre."""
     ranges = np.fmin(navigation.sonar, navigation.infrared)
-    ranges = np.where(np.isnan(ranges), np.inf, ranges)
-    sensor = int(ranges.argmin())
-    if not math.isfinite(ranges[sensor]):
+    rooms = np.where(np.isnan(ranges), np.inf, ranges) - rim(body, len(ranges))
+    sensor = int(rooms.argmin())
+    room = max(0.0, float(rooms[sensor]))
+    if not math.isfinite(room):
         return
-    side = side_of(sensor)
-    distance = max(0.0, float(ranges[sensor]) - BODY_RADIUS_M)
-    near = is_near(float(ranges[sensor]))
-    word = "NEAR" if near else "nearest"
-    yield Part(f"{word} {distance:.2f} m {side}", 5, Mood.WARNING if near else Mood.PLAIN)
+    near = room < NEAR_M
+    origin = "" if body is not None else " of its centre"
+    text = f"{'NEAR' if near else 'nearest'} {room:.2f} m {side_of(sensor)}{origin}"
+    yield Part(text, 5, Mood.WARNING if near else Mood.PLAIN)
 
 
 def _camera(robot: RobotState) -> Iterator[Part]:

@@ -12,7 +12,6 @@ from hub.gcm.navigation import RobotState as NavigationState
 from rune_tui.model.pose import Pose
 from rune_tui.model.sightings import Floats
 from rune_tui.model.sweep import swept_edges
-from rune_tui.visualizers.range_data import BODY_RADIUS_M
 
 REACTION_S: Final = 0.3
 """How long navigation follows the last command when no other one comes [s]."""
@@ -50,6 +49,7 @@ class Course:
     Attributes:
         linear: Speed forward [m/s].
         angular: Turn rate [rad/s], counter-clockwise.
+        radius: Of the circle in which all of the robot lies [m].
         now: Where the robot is; None: that does not matter.
         then: Where it was when it had the frame that is wanted; None: the frame is its own.
         old: Whether it may have been told something else since.
@@ -57,21 +57,24 @@ class Course:
 
     linear: float
     angular: float
+    radius: float
     now: Pose | None
     then: Pose | None
     old: bool
 
     @classmethod
-    def of(cls, navigation: NavigationState, *, then: Pose | None, old: bool) -> Self | None:
+    def of(
+        cls, navigation: NavigationState, *, radius: float, then: Pose | None, old: bool
+    ) -> Self | None:
         """What a robot is told; None if that is to stand, or nobody knows."""
         linear, angular = navigation.commanded_linear, navigation.commanded_angular
         moves = abs(linear) >= _SLOWEST or abs(angular) >= _SLOWEST
         if not moves or not math.isfinite(linear + angular):
             return None
-        now = Pose(x=navigation.x, y=navigation.y, theta=navigation.theta)
-        if then is None or not all(map(math.isfinite, (now.x, now.y, now.theta))):
-            return cls(linear=linear, angular=angular, now=None, then=None, old=old)
-        return cls(linear=linear, angular=angular, now=now, then=then, old=old)
+        now: Pose | None = Pose(x=navigation.x, y=navigation.y, theta=navigation.theta)
+        if then is None or not math.isfinite(navigation.x + navigation.y + navigation.theta):
+            now, then = None, None
+        return cls(linear=linear, angular=angular, radius=radius, now=now, then=then, old=old)
 
     @property
     def words(self) -> str:
@@ -96,7 +99,7 @@ class Course:
             left, right = self._swept(seconds)
             edges = np.concatenate((left, _BREAK, right))
             arrows = self._arrows(seconds)
-            body = self._swept((stop_distance + BODY_RADIUS_M) / speed)
+            body = self._swept((stop_distance + self.radius) / speed)
             stop = np.stack([edge[-1] for edge in body])
         return WayAhead(
             edges=self._seen(edges),
@@ -110,7 +113,7 @@ class Course:
         return abs(self.linear) >= _SLOWEST
 
     def _swept(self, seconds: float) -> tuple[Floats, Floats]:
-        return swept_edges(BODY_RADIUS_M, self.linear, self.angular, seconds)
+        return swept_edges(self.radius, self.linear, self.angular, seconds)
 
     def _seen(self, points: Floats) -> Floats:
         """Points of the robot's frame now [m] in the frame that is wanted."""

@@ -135,7 +135,7 @@ class EditMark(_MarkWidget):
         state: ConsoleState,  # noqa: ARG002 - the words do not depend on it
     ) -> tuple[Effect, ...]:
         """The question."""
-        asked = f"Words for {mark.kind.name.lower()} {mark.number} of {robot.name}"
+        asked = f"Words for {mark.kind.name.lower()} {mark.number} of {robot.title}"
 
         def answer(note: str) -> tuple[Effect, ...]:
             changed = PointCommand(point=dataclasses.replace(mark, note=note))

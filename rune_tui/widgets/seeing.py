@@ -113,7 +113,7 @@ class Headlight(OrderWidget):
     def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
         """The other than the camera reports."""
         if robot.camera is None or math.isnan(robot.camera.value.headlight):
-            text = f"{robot.name} reports no headlight"
+            text = f"{robot.title} reports no headlight"
             return (Tell.now(state, text, robot=robot.name),)
         lit = robot.camera.value.headlight > 0.0
         brightness = 0.0 if lit else self.spec.options.number("brightness")

@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from hub.gcm.body import ROBOT_DESCRIPTION, RobotBody
 from hub.gcm.navigation import ROBOT_STATE
 from hub.gcm.vision import CAMERA_STATE
 from rune_tui.compositor.cells import Cells
@@ -19,9 +20,26 @@ from rune_tui.layout.spec import (
     VisualizerSpec,
 )
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.robot_state import Received, RobotState
+from rune_tui.model.robot_state import Lack, LackKind, Received, RobotState
 from rune_tui.opening import BUILT_IN
 from rune_tui.view import View
+
+ABSENT = Lack(kind=LackKind.ABSENT, why="this robot has no module for it")
+COMING = Lack(kind=LackKind.COMING, why="not started yet")
+BROKEN = Lack(kind=LackKind.BROKEN, why="its modules cannot be started")
+
+
+def described(name: str) -> Received[RobotBody]:
+    """What the hub of a round robot of this name says of it."""
+    body = RobotBody(name=name, kind="simulated-magellan", radius=0.203)
+    return Received(value=body, measured=0.0, number=1)
+
+
+def renamed(robot: RobotState, name: str) -> RobotState:
+    """The same robot with another name, which is its role too."""
+    return robot.with_(
+        name=name, messages={**robot.messages, ROBOT_DESCRIPTION.name: described(name)}
+    )
 
 
 def robot_of(
@@ -31,8 +49,8 @@ def robot_of(
     messages: Mapping[str, Received[Any]] | None = None,
     **parts: Any,
 ) -> RobotState:
-    """A robot of which these newest messages are known."""
-    known = dict(messages or {})
+    """A robot of which its description and these newest messages are known."""
+    known = {ROBOT_DESCRIPTION.name: described(parts["name"]), **(messages or {})}
     if navigation is not None:
         known[ROBOT_STATE.name] = navigation
     if camera is not None:

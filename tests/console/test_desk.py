@@ -12,7 +12,7 @@ from rune_tui import desk
 from rune_tui.compositor.blend import compose
 from rune_tui.model.effects import SendEffect
 from rune_tui.model.robot_state import LinkPhase
-from tests.console.states import layout_of, view_of
+from tests.console.states import layout_of, renamed, view_of
 from tests.console.visualizers.conftest import Made
 from tests.console.widgets.presses import marked, seeing
 
@@ -38,7 +38,7 @@ def test_a_screenshot_is_a_picture_and_a_text(home: Path):
 
 
 def test_marks_are_a_table_geojson_and_a_page(home: Path):
-    robot = seeing(marked(1)).robots["magellan"].with_(name="a/../b")
+    robot = renamed(seeing(marked(1)).robots["magellan"], "a/../b")
     outcome = desk.write_marks(robot, NOW)
     files = list((home / "documents" / "Rune").iterdir())
     assert sorted(path.suffix for path in files) == [".csv", ".geojson", ".html"]

@@ -5,7 +5,6 @@ After a wanted change, write them anew: RUNE_WRITE_SNAPSHOTS=1 pytest tests/cons
 
 from __future__ import annotations
 
-import dataclasses
 import os
 from pathlib import Path
 
@@ -27,7 +26,7 @@ from rune_tui.model.robot_state import (
 )
 from rune_tui.opening import open_layout
 from rune_tui.view import View
-from tests.console.states import rendered, robot_of
+from tests.console.states import renamed, rendered, robot_of
 from tests.messages import camera_state, robot_state
 
 ROOT = Path(__file__).parents[2]
@@ -149,7 +148,7 @@ def test_layout_looks_as_it_did(layout: str, size: tuple[int, int], state: str) 
     view = View(opened, spent=lambda: 0.0)
     view.resize(*size)
     shown = {"live": robot(0.05), "stale": robot(4.2), "lost": LOST}[state]
-    robots = {each.name: dataclasses.replace(shown, name=each.name) for each in opened.robots}
+    robots = {each.name: renamed(shown, each.name) for each in opened.robots}
     cells = rendered(view, robots, ConsoleState(now=NOW, held=("w",)))
     assert cells is not None
     assert (cells.columns, cells.rows) == size

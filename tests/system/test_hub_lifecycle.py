@@ -18,6 +18,7 @@ import psutil
 import pytest
 
 from hub.gcm import navigation, vision
+from hub.gcm.body import ROBOT_DESCRIPTION, RobotBody
 from hub.ipc.client import Client
 from hub.ipc.keyring import Keyring
 from hub.ipc.keys import read_client_keys
@@ -255,3 +256,12 @@ def test_state_comes_at_its_nominal_rate(lasting_hub: HubProcess) -> None:
     gaps = [later[0] - earlier[0] for earlier, later in zip(seen, list(seen)[1:], strict=False)]
     # A loose bound: this machine may be busy. `rune-hub rate` shows the real figure.
     assert sorted(gaps)[len(gaps) // 2] < 3.0 / navigation.ROBOT_STATE.rate_hz
+
+
+def test_who_comes_late_is_told_what_the_robot_is(lasting_hub: HubProcess) -> None:
+    bodies: list[RobotBody] = []
+    with contextlib.closing(Client("late", lasting_hub.endpoint)) as client:
+        client.subscribe(ROBOT_DESCRIPTION, lambda body, _: bodies.append(body), last=True)
+        until(lambda: bodies, 10.0, meanwhile=lambda: client.listen(0.05))
+    assert bodies[0].kind == "simulated-magellan"
+    assert bodies[0].radius == pytest.approx(0.205)

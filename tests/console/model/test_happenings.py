@@ -15,12 +15,13 @@ from hub.gcm.supervision import (
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.happenings import GRACE_S, Watch
 from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
-from rune_tui.model.robot_state import LinkPhase
+from rune_tui.model.robot_state import Lack, LinkPhase
+from tests.console.states import ABSENT, BROKEN, COMING
 from tests.console.visualizers.conftest import Made, received
 
 
 def seen(
-    watch: Watch, phase: LinkPhase, running: str = "", *, now: float = 1.0, **lacking: str
+    watch: Watch, phase: LinkPhase, running: str = "", *, now: float = 1.0, **lacking: Lack
 ) -> list[Any]:
     reports = tuple(
         CapabilityReport(
@@ -54,8 +55,8 @@ def test_a_link_is_told_when_it_comes_is_lost_and_comes_again():
 def test_a_capability_that_is_missing_is_told_once_and_so_is_its_return():
     watch = Watch()
     seen(watch, LinkPhase.CONNECTED)
-    why = "no module has it"
-    alarm = [(f"it does not provide VIS_VID: {why}", True)]
+    why = BROKEN
+    alarm = [(f"it does not provide VIS_VID: {why.why}", True)]
     assert seen(watch, LinkPhase.CONNECTED, VIS_VID=why) == [], "a hub that starts begins so"
     assert seen(watch, LinkPhase.CONNECTED, VIS_VID=why, now=1.0 + 0.9 * GRACE_S) == []
     assert texts(seen(watch, LinkPhase.CONNECTED, VIS_VID=why, now=1.1 + GRACE_S)) == alarm
@@ -64,20 +65,36 @@ def test_a_capability_that_is_missing_is_told_once_and_so_is_its_return():
     assert texts(seen(watch, LinkPhase.CONNECTED, "VIS_VID")) == again
 
 
-@pytest.mark.parametrize("why", ["starting", "not started yet"])
-def test_a_start_is_no_alarm_and_a_restart_is(why: str):
+def test_a_start_is_no_alarm_and_a_restart_is():
     watch = Watch()
     seen(watch, LinkPhase.CONNECTED)
-    assert seen(watch, LinkPhase.CONNECTED, VIS_VID=why) == []
+    assert seen(watch, LinkPhase.CONNECTED, VIS_VID=COMING) == []
     assert seen(watch, LinkPhase.CONNECTED, "VIS_VID") == []
-    (alarm,) = seen(watch, LinkPhase.CONNECTED, VIS_VID=why)
+    (alarm,) = seen(watch, LinkPhase.CONNECTED, VIS_VID=COMING)
     assert alarm.alarm
+
+
+def test_what_a_robot_is_made_without_is_said_once_and_is_no_alarm():
+    watch = Watch()
+    seen(watch, LinkPhase.CONNECTED)
+    seen(watch, LinkPhase.CONNECTED, PRO_MAP=ABSENT)
+    said = [("it does not provide PRO_MAP: this robot has no module for it", False)]
+    later = 1.1 + GRACE_S
+    assert texts(seen(watch, LinkPhase.CONNECTED, PRO_MAP=ABSENT, now=later)) == said
+    assert seen(watch, LinkPhase.CONNECTED, PRO_MAP=ABSENT, now=later + 60.0) == []
+
+
+def test_a_capability_that_was_there_and_whose_module_is_gone_is_an_alarm():
+    watch = Watch()
+    seen(watch, LinkPhase.CONNECTED, "VIS_VID")
+    (gone,) = seen(watch, LinkPhase.CONNECTED, VIS_VID=ABSENT)
+    assert gone.alarm
 
 
 def test_a_lost_link_says_nothing_of_capabilities():
     watch = Watch()
     seen(watch, LinkPhase.CONNECTED, "VIS_VID")
-    (lost,) = seen(watch, LinkPhase.LOST, VIS_VID="starting")
+    (lost,) = seen(watch, LinkPhase.LOST, VIS_VID=COMING)
     assert "link" in lost.text
 
 

@@ -17,7 +17,7 @@ from hub.gcm.mapping import INTEREST_POINTS, InterestPoints
 from hub.gcm.navigation import NAVIGATION_STATUS, NavigationStatus, Point, Task
 from hub.gcm.supervision import CAPABILITY_REPORTS, MODULE_REPORTS
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.robot_state import OccupancyMap, Picture, RobotState
+from rune_tui.model.robot_state import Lack, LackKind, OccupancyMap, Picture, RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.registry import VISUALIZERS
 from rune_tui.visualizers.visualizer import Locating
@@ -75,7 +75,9 @@ def robots(draw: st.DrawFn) -> RobotState:
         picture=draw(st.sampled_from((None, received(picture)))),
         map=received(grid),
         messages={definition.name: received(value) for definition, value in everything.items()},
-        link=Made.link(detail=CONTROL, lacking={"PRO_MAP": CONTROL}),
+        link=Made.link(
+            detail=CONTROL, lacking={"PRO_MAP": Lack(kind=LackKind.BROKEN, why=CONTROL)}
+        ),
     )
 
 

@@ -13,6 +13,8 @@ from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.display_state import DisplayState
 from rune_tui.model.robot_state import LinkPhase, PictureFlow
 from rune_tui.model.theme import DARK, LIGHT
+from rune_tui.visualizers.alarms import START_S
+from tests.console.states import ABSENT, BROKEN, COMING
 from tests.console.visualizers.conftest import NOW, made_by, words
 
 NOTICES = (
@@ -166,8 +168,20 @@ def test_every_trouble_is_told_in_words_with_its_sign(alarms, changes, text) -> 
 
 
 def test_a_lost_link_and_a_wanted_capability_that_is_missing_are_told(made, alarms) -> None:
-    link = made.link(LinkPhase.LOST, lacking={"VIS_VID": "no module has it"})
-    assert alarms(link=link) == ["!! LINK LOST 3 s", "! VIS_VID MISSING: no module has it"]
+    link = made.link(LinkPhase.LOST, lacking={"VIS_VID": BROKEN})
+    missing = "! VIS_VID MISSING: its modules cannot be started"
+    assert alarms((60, 8), link=link) == ["!! LINK LOST 3 s", missing]
+
+
+def test_a_capability_that_the_robot_is_made_without_is_no_alarm(made, alarms) -> None:
+    assert alarms(link=made.link(lacking={"PRO_MAP": ABSENT})) == ["magellan: all well"]
+
+
+def test_a_module_that_starts_is_an_alarm_only_if_it_takes_long(made, alarms) -> None:
+    link = made.link(lacking={"VIS_VID": COMING}, since=NOW - 0.9 * START_S)
+    assert alarms(link=link) == ["magellan: all well"]
+    link = dataclasses.replace(link, since=NOW - 1.1 * START_S)
+    assert alarms(link=link) == ["! VIS_VID MISSING: not started yet"]
 
 
 def test_a_robot_that_never_told_its_state_is_not_well(made, draw) -> None:
@@ -176,13 +190,13 @@ def test_a_robot_that_never_told_its_state_is_not_well(made, draw) -> None:
 
 
 def test_the_worst_comes_first_and_the_rest_is_counted(made, alarms) -> None:
-    link = made.link(lacking={"VIS_VID": "starting"})
+    link = made.link(lacking={"VIS_VID": COMING}, since=NOW - 60.0)
     wrong = {"battery_fraction": 0.05, "assistance": Assistance.OFF, "age": 5.0}
     assert alarms((40, 8), link=link, **wrong) == [
         "!! STATE 5.0 s OLD",
         "!! BATTERY CRITICAL 5% 24.1 V",
         "! ASSISTANCE OFF: it drives into walls",
-        "! VIS_VID MISSING: starting",
+        "! VIS_VID MISSING: not started yet",
     ]
     assert alarms((40, 4), link=link, **wrong)[1].endswith(" +2")
     assert alarms((20, 2), link=link, **wrong) == ["!! STATE 5.0 s O… +3"]

@@ -16,7 +16,15 @@ from rune_tui.model.theme import DARK, LIGHT
 from rune_tui.raster.canvas import Canvas
 from rune_tui.view import View
 from rune_tui.visualizers.map_data import MapData
-from tests.console.states import layout_of, rendered, standing, view_of, visualizer_spec
+from tests.console.states import (
+    ABSENT,
+    COMING,
+    layout_of,
+    rendered,
+    standing,
+    view_of,
+    visualizer_spec,
+)
 from tests.console.visualizers.conftest import made_by, words
 
 NAME = "visualizeMapData"
@@ -247,8 +255,8 @@ def test_the_scale_is_a_bar_of_a_round_length(made, draw) -> None:
 @pytest.mark.parametrize(
     ("lacking", "told"),
     [
-        ({"PRO_MAP": "not started yet"}, "no map from magellan: PRO_MAP not started yet"),
-        ({"PRO_MAP": "no module has it"}, "no map from magellan: PRO_MAP no module has it"),
+        ({"PRO_MAP": COMING}, "no map from magellan: PRO_MAP: not started yet"),
+        ({"PRO_MAP": ABSENT}, "no map from magellan: PRO_MAP: this robot has no module"),
         ({}, "waiting for the first map from magellan"),
     ],
 )

@@ -10,6 +10,7 @@ import pytest
 from hub.gcm.mapping import INTEREST_POINTS, PointKind
 from hub.gcm.supervision import CAPABILITY_REPORTS, MODULE_REPORTS, CapabilityPhase, ModulePhase
 from rune_tui.model.console_state import ConsoleState
+from tests.console.states import ABSENT, BROKEN, COMING
 from tests.console.visualizers.conftest import made_by, words
 from tests.console.visualizers.known import (
     capabilities,
@@ -158,10 +159,12 @@ def test_capabilities_that_are_wanted_come_first_and_of_these_the_missing(listed
 
 def test_a_capability_that_the_layout_wants_and_no_module_has_is_listed(listed) -> None:
     value = capabilities(capability("NAV_MOVE", module="navigation", wanted="rune"))
-    lacking = {"VIS_NIGHT": "no module has it", "NAV_MOVE": ""}
+    lacking = {"VIS_NIGHT": ABSENT, "NAV_GOAL": BROKEN, "NAV_MOVE": COMING}
     assert listed("visualizeCapabilities", value, (30, 12), lacking=lacking) == [
-        "VIS_NIGHT  MISSING",
-        "  no module has it",
+        "NAV_GOAL   MISSING",
+        "  its modules cannot be",
+        "  started",
+        "VIS_NIGHT  none",
         "NAV_MOVE   runs",
     ]
 

@@ -1,0 +1,60 @@
+"""What a robot is: its name, its kind, and the ground that it covers.
+
+Positions are in `base_link` (ROS REP 103): x forward, y left, the origin where the robot turns.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from hub.gcm.fields import Length, Metres, Name
+from hub.ipc.definition import MessageDefinition
+from hub.ipc.ranges import Most
+
+MOST_CORNERS = 32
+"""Corners of a footprint at most."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Point32:
+    """geometry_msgs/Point32.
+
+    Attributes:
+        x: Forward [m].
+        y: To the left [m].
+        z: Up [m].
+    """
+
+    x: Metres
+    y: Metres
+    z: Metres = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotBody:
+    """What does not change while the robot runs; the hub publishes it once and keeps it.
+
+    Attributes:
+        name: The robot's own name, from its robot file.
+        kind: Its kind, such as "simulated-magellan".
+        radius: Of the circle around the origin in which all of it lies [m].
+        count: Number of corners.
+        footprint: Corners of the ground that it covers, counter-clockwise, shape (count,); none:
+            the circle.
+    """
+
+    name: Name
+    kind: Name
+    radius: Length
+    count: int = 0
+    footprint: Annotated[tuple[Point32, ...], Most(MOST_CORNERS)] = ()
+
+
+ROBOT_DESCRIPTION = MessageDefinition(
+    name="GCM_RobotDescription",
+    format="{string,string,double,int,<{float,float,float}:4>}",
+    type=RobotBody,
+)
+
+MESSAGES = (ROBOT_DESCRIPTION,)

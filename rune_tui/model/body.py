@@ -1,0 +1,64 @@
+"""The ground that a robot covers, and how far what its sensors see is from it."""
+
+from __future__ import annotations
+
+import functools
+import math
+
+import numpy as np
+
+from hub.gcm.body import RobotBody
+from rune_tui.model.sightings import Floats
+
+
+def rim(body: RobotBody | None, count: int) -> Floats:
+    """How far the robot's rim is from its origin [m], shape (count,).
+
+    The directions begin straight ahead and follow counter-clockwise. Of a robot whose body is not
+    known, all distances are 0: what is said of it is then said from its origin.
+    """
+    return _rim(body, count)
+
+
+def largest_radius(body: RobotBody | None) -> float:
+    """Of the circle in which all of the robot lies [m]; 0 where that is not known."""
+    return body.radius if body is not None else 0.0
+
+
+def corners(body: RobotBody | None) -> Floats:
+    """Corners of the ground that the robot covers in its frame [m], shape (n, 2).
+
+    None (n is 0) where that is a circle, or not known.
+    """
+    points = body.footprint if body is not None else ()
+    return np.array([(point.x, point.y) for point in points], np.float64).reshape(-1, 2)
+
+
+@functools.lru_cache(maxsize=64)
+def _rim(body: RobotBody | None, count: int) -> Floats:
+    around = corners(body)
+    if len(around) < 3:
+        distances = np.full(count, largest_radius(body))
+    else:
+        distances = _ray_lengths(around, count)
+    distances.flags.writeable = False
+    return distances
+
+
+def _ray_lengths(around: Floats, count: int) -> Floats:
+    """From the origin to the farthest edge that a ray in each direction crosses [m].
+
+    A ray `s d` meets the edge `p + t e` where `s = (p x e) / (d x e)` and `t = (p x d) / (d x e)`.
+    """
+    angles = np.arange(count) * (math.tau / count)
+    ray_x, ray_y = np.cos(angles)[:, None], np.sin(angles)[:, None]
+    x, y = around.T
+    edge_x, edge_y = np.roll(x, -1) - x, np.roll(y, -1) - y
+    across = ray_x * edge_y - ray_y * edge_x
+    with np.errstate(divide="ignore", invalid="ignore"):
+        length = (x * edge_y - y * edge_x) / across
+        along = (x * ray_y - y * ray_x) / across
+    # A corner belongs to both of its edges; rounding must not let a ray slip between them.
+    meets = (along >= -1e-9) & (along <= 1.0 + 1e-9) & (length > 0.0)
+    distances: Floats = np.where(meets, length, 0.0).max(axis=1)
+    return distances
