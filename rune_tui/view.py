@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import logging
 import math
 import time
@@ -11,6 +12,7 @@ from typing import cast
 
 import numpy as np
 
+from rune_tui.banner_layer import BannerLayer
 from rune_tui.compositor.blend import Layer, compose, tinted, urgencies_of
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.contrast import make_legible
@@ -27,6 +29,7 @@ from rune_tui.raster.urgency import Urgencies, Urgency
 from rune_tui.visualizers.camera_image import CameraImage
 from rune_tui.visualizers.event_log import EventLog
 from rune_tui.visualizers.notice import write_notice
+from rune_tui.visualizers.troubles import TOLD_S, banner_of
 from rune_tui.visualizers.visualizer import Locating, Picturing, Visualizer
 
 _logger = logging.getLogger(__name__)
@@ -35,8 +38,6 @@ MIN_COLUMNS = 16
 MIN_ROWS = 4
 _INVISIBLE = 255
 """The transparency of what cannot be seen."""
-_PASSING_S = 5.0
-"""How long a notice is shown where there is no event log [s]."""
 _COMPLAINT_ROWS = 4
 MIN_PICTURE = (16, 12)
 """Smallest picture worth asking for, width and height [pixels]."""
@@ -190,6 +191,7 @@ class View:
         self._arrangement = self._spec.arrangements[0]
         self.places: Mapping[str, bool] = {}
         self._help = HelpLayer(layout)
+        self._banner = BannerLayer()
         self._urgencies: Urgencies = np.zeros((0, 0), np.uint8)
 
     @property
@@ -250,8 +252,10 @@ class View:
         if not self._columns or not self._rows:
             return None
         self._arrange(state)
+        state = dataclasses.replace(state, banner=banner_of(state))
         # Every pane is asked: no short cut after the first that changed.
         changed = [pane.refresh(state) for pane in self._panes]
+        changed.append(self._banner.refresh(self._columns, self._rows, state))
         changed.append(self._help.refresh(self._columns, self._rows, state))
         passing = self._passing(state)
         urgent = state.trouble or _asked(state)
@@ -268,6 +272,8 @@ class View:
             layers.append(self._urgent(urgent, state))
         elif passing:
             layers.append(self._told(passing, state))
+        if not self._too_small:
+            layers += self._banner.layers
         layers += self._help.layers
         self._urgencies = urgencies_of(self._columns, self._rows, layers)
         cells = compose(self._columns, self._rows, self._ground(state.theme), layers)
@@ -325,12 +331,12 @@ class View:
         """What stays until something is done about it, over the upper edge of everything."""
         canvas = Canvas.blank(self._columns, 2 * min(_COMPLAINT_ROWS, self._rows))
         write_notice(canvas, text, state.theme)
-        return Layer(canvas=canvas, x=0, y=0, zpos=self._nearest + 1, urgency=Urgency.ALARM)
+        return self._on_top(canvas)
 
     def _passing(self, state: ConsoleState) -> Notice | None:
-        """What happened just now, where no event log tells of it."""
+        """What happened just now, where neither the banner nor an event log tells of it."""
         newest = state.notices[-1] if state.notices else None
-        if newest is None or newest.quiet or state.now - newest.when > _PASSING_S:
+        if newest is None or newest.quiet or newest.alarm or state.now - newest.when > TOLD_S:
             return None
         logged = any(
             isinstance(pane.visualizer, EventLog) and pane.visible(state) for pane in self._panes
@@ -340,10 +346,14 @@ class View:
     def _told(self, notice: Notice, state: ConsoleState) -> Layer:
         """A notice, over the upper edge of everything for a while."""
         canvas = Canvas.blank(self._columns, 2 * min(_COMPLAINT_ROWS, self._rows))
-        sign = "! " if notice.alarm else ""
         whose = f"{state.title(notice.robot)}: " if notice.robot else ""
-        write_notice(canvas, f"{sign}{whose}{notice.text}", state.theme)
-        return Layer(canvas=canvas, x=0, y=0, zpos=self._nearest + 1, urgency=Urgency.ALARM)
+        write_notice(canvas, f"{whose}{notice.text}", state.theme)
+        return self._on_top(canvas)
+
+    def _on_top(self, canvas: Canvas) -> Layer:
+        """Over everything, below the banner."""
+        y = 2 * self._banner.rows
+        return Layer(canvas=canvas, x=0, y=y, zpos=self._nearest + 1, urgency=Urgency.ALARM)
 
     def _ground(self, theme: Theme) -> tuple[int, int, int]:
         """What is behind all viewports: a layout's colour suits the theme it was made for only."""

@@ -41,6 +41,21 @@ class Notice:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Banner:
+    """The alarm that stands over everything.
+
+    Attributes:
+        robot: Whose it is; empty for the console itself.
+        text: What it says.
+        more: How many more alarms there are.
+    """
+
+    robot: str
+    text: str
+    more: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class PictureWish:
     """What kind of pictures are asked for.
 
@@ -90,6 +105,7 @@ class ConsoleState:
         pixel_height: Height of a pixel, half a cell of the terminal, over its width.
         inputs: Which input wakes a handler first, in words, by the handler and its robot.
         joysticks: All that is known of the layout's joysticks, by name.
+        banner: The alarm that stands over everything; panes do not repeat it.
     """
 
     now: float
@@ -117,6 +133,7 @@ class ConsoleState:
     pixel_height: float = 1.0
     inputs: Mapping[tuple[str, str], str] = field(default_factory=dict)
     joysticks: Mapping[str, JoystickState] = field(default_factory=dict)
+    banner: Banner | None = None
 
     @classmethod
     def at_start(cls, layout: LayoutSpec, now: float, operator: str = "") -> Self:

@@ -13,6 +13,7 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import ControlEffect, Effect, SendEffect, Tell
 from rune_tui.model.robot_state import LinkPhase, RobotState
 
+_ANSWERS = (("widgetGrantControl", "hands it over"), ("widgetDenyControl", "keeps it"))
 _DRIVEN = frozenset({MotionState.STANDING, MotionState.MOVING})
 
 
@@ -83,7 +84,7 @@ def to_take(robot: RobotState, state: ConsoleState) -> str:
 
 def answer_keys(robot: RobotState, state: ConsoleState) -> Iterator[str]:
     """Which keys answer who asks, in words."""
-    for handler, does in (("widgetGrantControl", "grants"), ("widgetDenyControl", "denies")):
+    for handler, does in _ANSWERS:
         if key := state.input_of(handler, robot.name):
             yield f"{key} {does}"
 

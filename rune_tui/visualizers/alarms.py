@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator
+from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from hub.gcm.navigation import ROBOT_STATE, Assistance
+from hub.gcm.navigation import ROBOT_STATE
 from rune_tui.layout.rules import VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.robot_state import LackKind, RobotState
+from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.mood import Mood, Part, ink_of
-from rune_tui.visualizers.range_data import pressed_bumpers
 from rune_tui.visualizers.rows import Row, cut, wrapped
-from rune_tui.visualizers.status_words import side_of, status_parts
+from rune_tui.visualizers.troubles import is_in_banner, troubles
 
-START_S = 10.0
-"""Modules that are not ready yet are no alarm for this time after a link began [s]."""
 _SIGNS = {Mood.ALARM: "!! ", Mood.WARNING: "! "}
 
 
@@ -30,7 +27,8 @@ class Alarms:
     """Alarms on the alarm's colour behind "!!", then warnings behind "!", in words."""
 
     rule: ClassVar = VisualizerRule(
-        meaning="what is wrong now, the worst first; all well if nothing is",
+        meaning="what is wrong now but for what the banner says, the worst first; all well if "
+        "nothing is",
         message=ROBOT_STATE.name,
         others=("GCM_CameraState", "GCM_Control_State"),
         vital=True,
@@ -47,9 +45,10 @@ class Alarms:
         """Write what fits; behind it stands how many more there are."""
         theme = state.theme
         canvas.fill(theme.panel)
-        parts = _troubles(robot, state)
+        parts = _unsaid(robot, state)
         if not parts:
-            canvas.text(0, 0, f"{robot.title}: all well", theme.faint)
+            words = "nothing else" if state.banner is not None else f"{robot.title}: all well"
+            canvas.text(0, 0, cut(words, canvas.width), theme.faint)
             return
         blocks = [_block(part, canvas.width) for part in parts]
         shown = _fitting(blocks, canvas.rows)
@@ -61,29 +60,11 @@ class Alarms:
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with any word of it."""
-        return robot.title, _troubles(robot, state), state.theme.name
+        return robot.title, _unsaid(robot, state), state.banner is None, state.theme.name
 
 
-def _troubles(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
-    parts = [part for part in status_parts(robot, state) if part.mood in _SIGNS]
-    parts += _more(robot, state)
-    # Python's sort keeps the order of equals.
-    return tuple(sorted(parts, key=lambda part: (part.mood is not Mood.ALARM, -part.weight)))
-
-
-def _more(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
-    """What the status line has no room for."""
-    if robot.navigation is not None:
-        navigation = robot.navigation.value
-        sides = dict.fromkeys(map(side_of, pressed_bumpers(navigation)))
-        if sides:
-            yield Part(f"BUMPER PRESSED {' and '.join(sides)}", 8, Mood.ALARM)
-        if navigation.assistance is Assistance.OFF:
-            yield Part("ASSISTANCE OFF: it drives into walls", 5, Mood.WARNING)
-    starts = state.now - robot.link.since < START_S
-    for name, lack in sorted(robot.link.lacking.items()):
-        if lack.kind is LackKind.BROKEN or (lack.kind is LackKind.COMING and not starts):
-            yield Part(f"{name} MISSING: {lack.why}", 4, Mood.WARNING)
+def _unsaid(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
+    return tuple(part for part in troubles(robot, state) if not is_in_banner(part, robot, state))
 
 
 def _block(part: Part, columns: int) -> list[Row]:

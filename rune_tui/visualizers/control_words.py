@@ -68,7 +68,7 @@ def request_parts(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     if asks(robot):
         yield Part(f"you ask {control.operator}: {left}", 8, Mood.WARNING)
     elif standing(robot) is Standing.MINE:
-        keys = " ".join(answer_keys(robot, state))
+        keys = ", ".join(answer_keys(robot, state))
         answers = f": {keys}" if keys else ""
         text = f"{control.asker_operator} ASKS FOR CONTROL, {left}{answers}{more}"
         yield Part(text, 9, Mood.ALARM)

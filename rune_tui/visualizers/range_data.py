@@ -196,10 +196,7 @@ class RangeData:
         return _Plan(centre=centre, rim=rim, rim_m=rim_m, outline=points, body=drawn)
 
     def _nearness(self, room: float) -> Nearness:
-        """How near something is that is so far from the body [m]."""
-        if room < self.close_m:
-            return Nearness.CLOSE
-        return Nearness.NEAR if room < self.near_m else Nearness.FAR
+        return nearness_of(room, self.near_m, self.close_m)
 
     def _draw_ranges(
         self,
@@ -255,6 +252,13 @@ def _with_room(
     """Each range from the robot's centre, and what of it is room beside its body [m]."""
     rooms = ranges - rim(body, len(ranges)) if len(ranges) else ranges
     return zip(ranges.tolist(), rooms.tolist(), strict=True)
+
+
+def nearness_of(room: float, near_m: float = NEAR_M, close_m: float = CLOSE_M) -> Nearness:
+    """How near something is that is so far from the body [m]."""
+    if room < close_m:
+        return Nearness.CLOSE
+    return Nearness.NEAR if room < near_m else Nearness.FAR
 
 
 def pressed_bumpers(navigation: NavigationState) -> list[int]:

@@ -7,6 +7,8 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
+from hub.gcm.autonomy import AUTONOMY_STATE
+from hub.gcm.navigation import NAVIGATION_STATUS
 from rune_tui.layout.rules import VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
@@ -15,6 +17,7 @@ from rune_tui.raster.canvas import Canvas, printable_text
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.mood import Part, ink_of
 from rune_tui.visualizers.status_words import status_parts
+from rune_tui.visualizers.troubles import is_in_banner
 
 _GAP = 2
 
@@ -26,7 +29,12 @@ class Status:
     rule: ClassVar = VisualizerRule(
         meaning="one line: link, who has control, speed, battery, motion",
         message="GCM_RobotState",
-        others=("GCM_CameraState", "GCM_Control_State"),
+        others=(
+            "GCM_CameraState",
+            "GCM_Control_State",
+            AUTONOMY_STATE.name,
+            NAVIGATION_STATUS.name,
+        ),
         vital=True,
     )
     whole_cells: ClassVar[bool] = True
@@ -40,7 +48,7 @@ class Status:
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Write what there is room for in the first row."""
         canvas.fill(state.theme.panel)
-        parts = fitting(status_parts(robot, state), canvas.width)
+        parts = fitting(_unsaid(robot, state), canvas.width)
         column = 0 if _width(parts) + 2 > canvas.width else 1
         for part in parts:
             canvas.text(column, 0, part.text, ink_of(part.mood, state.theme))
@@ -48,7 +56,14 @@ class Status:
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with any word of it."""
-        return status_parts(robot, state), state.theme.name
+        return _unsaid(robot, state), state.theme.name
+
+
+def _unsaid(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
+    """All that the banner does not say."""
+    return tuple(
+        part for part in status_parts(robot, state) if not is_in_banner(part, robot, state)
+    )
 
 
 def fitting(parts: Sequence[Part], columns: int) -> tuple[Part, ...]:

@@ -7,8 +7,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from hub.gcm.autonomy import AUTONOMY_STATE, Behaviour, Pilot
 from hub.gcm.body import RobotBody
-from hub.gcm.navigation import SENSOR_COUNT, MotionState
+from hub.gcm.navigation import NAVIGATION_STATUS, SENSOR_COUNT, MotionState, Task
 from hub.gcm.navigation import RobotState as NavigationState
 from rune_tui.model.body import rim
 from rune_tui.model.console_state import ConsoleState
@@ -16,9 +17,10 @@ from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
 from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.visualizers.control_words import control_parts
 from rune_tui.visualizers.mood import Mood, Part
-from rune_tui.visualizers.range_data import NEAR_M
+from rune_tui.visualizers.range_data import Nearness, nearness_of
 from rune_tui.visualizers.staleness import (
     ALARM_AFTER_S,
+    HATCH_AFTER_S,
     MENTION_AFTER_S,
     Staleness,
     age_text,
@@ -28,6 +30,12 @@ from rune_tui.visualizers.staleness import (
 LOW_BATTERY = 0.2
 CRITICAL_BATTERY = 0.1
 OFF_CENTRE_DEG = 5.0
+ROLLING = 0.02
+"""From this speed on a robot does not stand: forward [m/s], and turning twice that [rad/s]."""
+LATE_S = 3.0
+"""What comes twice a second is not known any more when it is older [s]."""
+_LEAST_ZOOM = 0.01
+_HELD_BACK = 0.05
 
 _SIDES = ("ahead", "left", "behind", "right")
 _MOTION = {
@@ -39,9 +47,32 @@ _MOTION = {
     MotionState.WAITING: "WAITING for a neutral command",
     MotionState.GOING: "GOING by itself",
 }
+_ROLLING_ON = {
+    MotionState.STANDING: "STOPPING",
+    MotionState.SILENCE: "STOPPING: commands fell silent",
+    MotionState.STOPPED: "STOPPING: a stop was sent",
+    MotionState.NO_DRIVER: "NO DRIVER, and it moves",
+    MotionState.WAITING: "STOPPING, then waits for a neutral command",
+}
+"""The same while the robot still moves, where it is not told to."""
+_ERRANDS = {
+    Behaviour.EXPLORE: "EXPLORING",
+    Behaviour.GO: "GOING TO ITS GOAL",
+    Behaviour.FOLLOW: "FOLLOWING POINTS",
+    Behaviour.RETURN: "RETURNING",
+    Behaviour.WANDER: "WANDERING",
+}
 _UNHINDERED = frozenset(
     {MotionState.STANDING, MotionState.MOVING, MotionState.GOING, MotionState.WAITING}
 )
+_SHORT_MOTION = {
+    "WAITING for a neutral command": "WAITING",
+    "STOPPING, then waits for a neutral command": "STOPPING",
+    "STOPPED: commands fell silent": "STOPPED: silence",
+    "STOPPED: a stop was sent": "STOPPED",
+    "STOPPING: commands fell silent": "STOPPING",
+    "STOPPING: a stop was sent": "STOPPING",
+}
 
 
 def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
@@ -52,7 +83,7 @@ def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
         *_permission(robot),
         *control_parts(robot, state),
         *_motion(robot, state.now),
-        *_camera(robot),
+        *_camera(robot, state.now),
         *_picture_age(robot, state),
         *_joysticks(state),
         *_recording(state),
@@ -81,15 +112,69 @@ def _motion(robot: RobotState, now: float) -> Iterator[Part]:
         return
     age = robot.navigation.age(now)
     navigation = robot.navigation.value
-    if staleness(age) is not Staleness.FRESH:
+    linked = robot.link.phase is LinkPhase.CONNECTED
+    if linked and staleness(age) is not Staleness.FRESH:
         yield Part(f"STATE {age_text(age)} OLD", 9, Mood.ALARM)
-    halted = navigation.motion not in _UNHINDERED
-    yield Part(_MOTION[navigation.motion], 7, Mood.ALARM if halted else Mood.PLAIN)
-    yield Part(
-        f"{signed(navigation.linear, 2)} m/s {signed(math.degrees(navigation.angular), 0)}°/s", 6
+    known = (
+        *_doing(robot, navigation, now),
+        *_battery(navigation),
+        *_nearest(navigation, robot.body),
     )
-    yield from _battery(navigation)
-    yield from _nearest(navigation, robot.body)
+    if staleness(age) is Staleness.STALE:
+        yield from map(_past, known)
+    else:
+        yield from known
+
+
+def _past(part: Part) -> Part:
+    """What was said last, which nobody knows to be so now."""
+    short = f"was {part.short}" if part.short else ""
+    return Part(f"was {part.text}", min(part.weight, 4), Mood.FAINT, short)
+
+
+def _doing(robot: RobotState, navigation: NavigationState, now: float) -> Iterator[Part]:
+    """What the robot does and how fast."""
+    motion = navigation.motion
+    text = _MOTION[motion]
+    if _rolls(navigation):
+        text = _ROLLING_ON.get(motion, text)
+    if motion is MotionState.GOING:
+        text = _errand(robot, now) or text
+    halted = motion not in _UNHINDERED
+    mood = Mood.ALARM if halted else Mood.PLAIN
+    yield Part(text, 7, mood, short=_SHORT_MOTION.get(text, ""))
+    turning = turn_words(-math.degrees(navigation.angular))
+    yield Part(f"{signed(navigation.linear, 2)} m/s {turning}°/s", 6)
+    if motion is MotionState.MOVING and navigation.held_back >= _HELD_BACK:
+        yield Part(f"HELD BACK {navigation.held_back:.0%}", 6, Mood.WARNING)
+
+
+def _rolls(navigation: NavigationState) -> bool:
+    speeds = abs(navigation.linear), abs(navigation.angular) / 2.0
+    return any(math.isfinite(speed) and speed >= ROLLING for speed in speeds)
+
+
+def _errand(robot: RobotState, now: float) -> str:
+    """What the robot does by itself, and how far it has to go; empty where that is not known."""
+    told = robot.newest(AUTONOMY_STATE)
+    doing = ""
+    if told is not None and told.value.pilot is Pilot.AUTONOMY and told.age(now) < LATE_S:
+        doing = _ERRANDS.get(told.value.behaviour, "")
+    task = robot.newest(NAVIGATION_STATUS)
+    left = task.value.distance_left if task is not None else math.nan
+    going = task is not None and task.value.task is Task.GOING and task.age(now) < LATE_S
+    if not going or not math.isfinite(left):
+        return f"{doing} by itself" if doing else ""
+    return f"{doing or 'GOING'} by itself, {left:.1f} m to go"
+
+
+def turn_words(degrees: float) -> str:
+    """A turn [deg/s, positive to the right] without its unit, such as "left 13"."""
+    if not math.isfinite(degrees):
+        return "?"
+    shown = round(abs(degrees))
+    side = "right " if degrees > 0.0 else "left "
+    return f"{side if shown else ''}{shown}"
 
 
 def _battery(navigation: NavigationState) -> Iterator[Part]:
@@ -103,7 +188,8 @@ def _battery(navigation: NavigationState) -> Iterator[Part]:
     low = navigation.battery_fraction < LOW_BATTERY
     grave = "CRITICAL" if navigation.battery_fraction < CRITICAL_BATTERY else "LOW"
     text = " ".join([f"BATTERY {grave}" if low else "battery", *words])
-    yield Part(text, 6 if low else 3, Mood.ALARM if low else Mood.PLAIN)
+    mood = (Mood.ALARM if grave == "CRITICAL" else Mood.WARNING) if low else Mood.PLAIN
+    yield Part(text, 6 if low else 3, mood, short=" ".join(text.split()[: 3 if low else 2]))
 
 
 def _nearest(navigation: NavigationState, body: RobotBody | None) -> Iterator[Part]:
@@ -114,23 +200,35 @@ def _nearest(navigation: NavigationState, body: RobotBody | None) -> Iterator[Pa
     room = max(0.0, float(rooms[sensor]))
     if not math.isfinite(room):
         return
-    near = room < NEAR_M
+    word, weight, mood = _NEAREST[nearness_of(room)]
     origin = "" if body is not None else " of its centre"
-    text = f"{'NEAR' if near else 'nearest'} {room:.2f} m {side_of(sensor)}{origin}"
-    yield Part(text, 5, Mood.WARNING if near else Mood.PLAIN)
+    yield Part(f"{word} {room:.2f} m {side_of(sensor)}{origin}", weight, mood)
 
 
-def _camera(robot: RobotState) -> Iterator[Part]:
-    if robot.camera is None or not math.isfinite(robot.camera.value.pan):
+_NEAREST = {
+    Nearness.FAR: ("nearest", 5, Mood.PLAIN),
+    Nearness.NEAR: ("NEAR", 5, Mood.WARNING),
+    Nearness.CLOSE: ("CLOSE", 7, Mood.ALARM),
+}
+"""What the nearest thing is called, how much that matters, and how it is meant."""
+
+
+def _camera(robot: RobotState, now: float) -> Iterator[Part]:
+    """Where the camera looks, where that is not straight ahead, wide."""
+    if robot.camera is None:
         return
-    pan = math.degrees(robot.camera.value.pan)
-    if abs(pan) > OFF_CENTRE_DEG:
+    if robot.camera.age(now) > HATCH_AFTER_S:
+        return
+    pan, zoom = math.degrees(robot.camera.value.pan), robot.camera.value.zoom
+    if math.isfinite(pan) and abs(pan) > OFF_CENTRE_DEG:
         yield Part(f"camera {abs(pan):.0f}° {'left' if pan > 0 else 'right'}", 4, Mood.WARNING)
+    if math.isfinite(zoom) and zoom >= _LEAST_ZOOM:
+        yield Part(f"zoom {zoom:.0%}", 3)
 
 
 def _picture_age(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     """How old the picture is when the operator sees it, if that matters."""
-    if robot.picture is None:
+    if robot.picture is None or robot.link.phase is not LinkPhase.CONNECTED:
         return
     age = robot.picture.age(state.now) + state.latency
     if age > ALARM_AFTER_S:

@@ -280,7 +280,7 @@ def test_every_console_is_told_when_control_changes(hands: Hands) -> None:
 
 def test_who_is_asked_is_told_how_to_answer_and_who_asks_what_came_of_it(hands: Hands) -> None:
     assert notices(hands, MINE, ASKED, ASKED) == [
-        ("bob asks you for control: 8 s to answer; Y grants, O denies", True)
+        ("bob asks you for control: 8 s to answer; Y hands it over, O keeps it", True)
     ]
     asks = ControlState(owner=BOB, operator="bob", asker=ME, asker_operator="alice", left_s=8.0)
     denied = ControlState(owner=BOB, operator="bob", why="bob did not hand control to alice")

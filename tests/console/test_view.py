@@ -16,6 +16,7 @@ from rune_tui.layout.placing import area_of
 from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.joystick_state import JoystickState
 from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, RobotState
+from rune_tui.model.theme import DARK
 from rune_tui.raster.canvas import Canvas, halved
 from rune_tui.raster.urgency import Urgency
 from rune_tui.view import MIN_COLUMNS, MIN_ROWS, View
@@ -134,7 +135,9 @@ def test_ageing_alone_gives_a_new_frame_at_each_step() -> None:
     robots = {"magellan": robot()}
     frames = [rendered(screen, robots, ConsoleState(now=100.0 + 0.25 * i)) for i in range(12)]
     # Fresh, then dimmed after one second, then (3.0 s old, measured 0.1 s before) hatched.
-    assert [i for i, frame in enumerate(frames) if frame is not None] == [0, 4]
+    # From half a second on (0.35 s and 0.1 s) the banner counts its age.
+    drawn = [i for i, frame in enumerate(frames) if frame is not None]
+    assert drawn == [0, *range(2, 12)]
     assert rendered(screen, robots, ConsoleState(now=103.0)) is not None
 
 
@@ -390,12 +393,12 @@ def test_what_somebody_has_to_do_is_drawn_over_the_upper_edge_until_it_is_done(t
 def test_a_notice_is_shown_for_a_while_where_no_log_tells_of_it(function: str) -> None:
     screen = View(layout_of(view(viewport(function, (0, 80, 160, 16)))))
     screen.resize(100, 30)
-    notice = Notice(text="no ground is known there", when=100.0, robot="magellan", alarm=True)
-    state = ConsoleState(now=101.0, notices=(notice,))
+    notice = Notice(text="no ground is known there", when=100.0, robot="magellan")
+    state = ConsoleState(now=100.2, notices=(notice,))
     shown = rendered(screen, {"magellan": robot()}, state)
     assert shown is not None
     above = words(shown).splitlines()[:4]
-    told = any("! magellan: no ground is known there" in line for line in above)
+    told = any("magellan: no ground is known there" in line for line in above)
     assert told == (function == "visualizeStatus")
     later = rendered(screen, {"magellan": robot()}, ConsoleState(now=107.0, notices=(notice,)))
     if told:
@@ -406,6 +409,35 @@ def test_a_notice_is_shown_for_a_while_where_no_log_tells_of_it(function: str) -
     again = rendered(screen, {"magellan": robot()}, ConsoleState(now=107.0, notices=(quiet,)))
     assert again is not None
     assert "no ground" not in "\n".join(words(again).splitlines()[:4])
+
+
+def test_what_went_wrong_just_now_is_on_the_banner_with_a_log_and_without() -> None:
+    notice = Notice(text="the mark was not taken", when=100.0, robot="magellan", alarm=True)
+    for function in ("visualizeStatus", "visualizeEventLog"):
+        screen = View(layout_of(view(viewport(function, (0, 80, 160, 16)))))
+        screen.resize(100, 24)
+        state = ConsoleState(now=100.2, notices=(notice,))
+        shown = rendered(screen, {"magellan": robot()}, state)
+        assert shown is not None
+        assert words(shown).splitlines()[0].strip() == "!!  the mark was not taken  !!"
+        assert tuple(shown.pixels[0, 0, :3]) == DARK.alarm[:3]
+        later = rendered(screen, {"magellan": robot()}, ConsoleState(now=107.0, notices=(notice,)))
+        assert later is not None
+        assert "not taken" not in words(later).splitlines()[0]
+
+
+def test_the_gravest_alarm_of_all_robots_is_on_the_banner_and_nowhere_else() -> None:
+    screen = two_panes()
+    screen.resize(100, 20)
+    lost = LinkState(phase=LinkPhase.LOST, since=90.0, endpoint="tcp://127.0.0.1:1")
+    low = dataclasses.replace(NAVIGATION, battery_fraction=0.05)
+    robots = {"magellan": robot(navigation=known(low)), "blimp": robot("blimp", link=lost)}
+    shown = rendered(screen, robots, STATE)
+    assert shown is not None
+    first = words(shown).splitlines()[0]
+    assert "blimp: LINK LOST 10 s" in first
+    assert first.rstrip().endswith("+1")
+    assert words(shown).count("LINK LOST") == 1
 
 
 def test_the_view_knows_where_a_camera_is_seen() -> None:

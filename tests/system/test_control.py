@@ -109,7 +109,7 @@ def test_who_asks_is_given_control_and_the_robot_stands_until_they_drive(
     bob.type("t")
     bob.wait(lambda: "you ask alice" in bob.text, 10.0)
     alice.wait(lambda: "bob ASKS FOR CONTROL" in alice.text, 10.0)
-    assert "Y grants O denies" in alice.text
+    assert "P hands it over, B keeps it" in alice.text
     drive(alice, observer)
     alice.type("wy")
     wait_owner(observer, "bob")

@@ -13,7 +13,7 @@ from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.display_state import DisplayState
 from rune_tui.model.robot_state import LinkPhase, PictureFlow
 from rune_tui.model.theme import DARK, LIGHT
-from rune_tui.visualizers.alarms import START_S
+from rune_tui.visualizers.troubles import START_S
 from tests.console.states import ABSENT, BROKEN, COMING
 from tests.console.visualizers.conftest import NOW, made_by, words
 
@@ -154,7 +154,7 @@ def test_nothing_wrong_is_told_quietly(made, draw, alarms) -> None:
     ("changes", "text"),
     [
         ({"age": 1.5}, "!! STATE 1.5 s OLD"),
-        ({"battery_fraction": 0.15}, "!! BATTERY LOW 15% 24.1 V"),
+        ({"battery_fraction": 0.15}, "! BATTERY LOW 15% 24.1 V"),
         ({"battery_fraction": 0.05}, "!! BATTERY CRITICAL 5% 24.1 V"),
         ({"motion": MotionState.SILENCE}, "!! STOPPED: commands fell silent"),
         ({"motion": MotionState.NO_DRIVER}, "!! NO DRIVER: cannot move"),
@@ -191,15 +191,15 @@ def test_a_robot_that_never_told_its_state_is_not_well(made, draw) -> None:
 
 def test_the_worst_comes_first_and_the_rest_is_counted(made, alarms) -> None:
     link = made.link(lacking={"VIS_VID": COMING}, since=NOW - 60.0)
-    wrong = {"battery_fraction": 0.05, "assistance": Assistance.OFF, "age": 5.0}
+    wrong = {"battery_fraction": 0.05, "assistance": Assistance.OFF, "age": 1.5}
     assert alarms((40, 8), link=link, **wrong) == [
-        "!! STATE 5.0 s OLD",
+        "!! STATE 1.5 s OLD",
         "!! BATTERY CRITICAL 5% 24.1 V",
         "! ASSISTANCE OFF: it drives into walls",
         "! VIS_VID MISSING: not started yet",
     ]
     assert alarms((40, 4), link=link, **wrong)[1].endswith(" +2")
-    assert alarms((20, 2), link=link, **wrong) == ["!! STATE 5.0 s O… +3"]
+    assert alarms((20, 2), link=link, **wrong) == ["!! STATE 1.5 s O… +3"]
     assert alarms((12, 2), link=link, **wrong) == ["!! STATE… +3"]
 
 

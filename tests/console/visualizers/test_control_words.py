@@ -43,9 +43,9 @@ CASES: list[tuple[dict[str, Any], list[str], str]] = [
         ASKED | {"waiting": 2},
         [
             "you have control since 12:03",
-            "bob ASKS FOR CONTROL, 7 s: Y grants O denies, 2 more wait",
+            "bob ASKS FOR CONTROL, 7 s: Y hands it over, O keeps it, 2 more wait",
         ],
-        "bob ASKS FOR CONTROL, 7 s: Y grants O denies",
+        "bob ASKS FOR CONTROL, 7 s: Y hands it over, O keeps it",
     ),
     (
         {"owner": BOB, "operator": "bob", "asker": ME, "asker_operator": "alice", "left_s": 3.05},
@@ -85,7 +85,7 @@ def test_request_that_is_to_be_answered_here_stands_out_and_comes_first_where_ro
     draw: Any,
 ) -> None:
     canvas = draw("visualizeControl", robot_with(**ASKED), (60, 2), state=STATE)
-    assert words(canvas) == ["bob ASKS FOR CONTROL, 7 s: Y grants O denies"]
+    assert words(canvas) == ["bob ASKS FOR CONTROL, 7 s: Y hands it over, O keeps it"]
     assert tuple(canvas.pixels[0, 59]) == DARK.alarm
 
 

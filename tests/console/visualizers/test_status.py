@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from hub.gcm.navigation import MotionState
+from hub.gcm.autonomy import AUTONOMY_STATE, AutonomyState, Behaviour, Pilot
+from hub.gcm.navigation import NAVIGATION_STATUS, MotionState, NavigationStatus, Task
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.joystick_state import JoystickPhase, JoystickState
 from rune_tui.model.robot_state import LinkPhase
@@ -44,7 +45,7 @@ def test_everything_that_is_known_is_said_in_one_line(made, draw, golden) -> Non
     )
     canvas = draw(NAME, robot, (130, 2), held=("w", "d"))
     assert line(canvas) == (
-        "magellan  linked  MOVING  +0.25 m/s -12°/s  battery 50% 24.1 V  nearest 1.80 m ahead  "
+        "magellan  linked  MOVING  +0.25 m/s right 12°/s  battery 50%  nearest 1.80 m ahead  "
         "camera 37° left  picture 0.5 s old  keys w d"
     )
     golden("status", canvas)
@@ -62,6 +63,79 @@ def test_everything_that_is_known_is_said_in_one_line(made, draw, golden) -> Non
 )
 def test_every_motion_state_has_its_words(said, motion, words) -> None:
     assert words in said(motion=motion)
+
+
+@pytest.mark.parametrize(
+    ("motion", "words"),
+    [
+        (MotionState.STANDING, "  STOPPING  +0.42 m/s"),
+        (MotionState.STOPPED, "STOPPING: a stop was sent"),
+        (MotionState.SILENCE, "STOPPING: commands fell silent"),
+        (MotionState.NO_DRIVER, "NO DRIVER, and it moves"),
+        (MotionState.WAITING, "STOPPING, then waits for a neutral command"),
+        (MotionState.MOVING, "  MOVING  +0.42 m/s"),
+    ],
+)
+def test_a_robot_that_rolls_on_is_not_said_to_stand(said, motion, words) -> None:
+    assert words in said(motion=motion, linear=0.42)
+
+
+def test_what_is_held_back_is_said(said) -> None:
+    assert "HELD BACK 60%" in said(motion=MotionState.MOVING, held_back=0.6)
+    assert "HELD BACK" not in said(motion=MotionState.MOVING)
+
+
+def test_what_is_stale_is_said_to_have_been_so(made) -> None:
+    robot = made.robot(navigation=made.received(made.navigation(linear=0.42), 30.0))
+    parts = status_parts(robot, ConsoleState(now=made.now))
+    past = [part for part in parts if part.text.startswith("was ")]
+    assert [part.text for part in past] == [
+        "was STOPPING",
+        "was +0.42 m/s 0°/s",
+        "was battery 87% 24.1 V",
+        "was nearest 1.80 m ahead",
+    ]
+    assert {part.mood for part in past} == {Mood.FAINT}
+
+
+def test_zoom_is_said(made, draw) -> None:
+    robot = made.robot(camera=made.received(made.camera(zoom=0.4)))
+    assert "zoom 40%" in line(draw(NAME, robot, (200, 2)))
+    assert "zoom" not in line(draw(NAME, made.robot(), (200, 2)))
+
+
+def test_what_is_about_to_touch_is_an_alarm(made) -> None:
+    sonar = np.full(16, np.inf, np.float32)
+    sonar[0] = 0.273
+    robot = made.robot(navigation=made.received(made.navigation(sonar=sonar)))
+    moods = {part.text: part.mood for part in status_parts(robot, ConsoleState(now=made.now))}
+    assert moods["CLOSE 0.07 m ahead"] is Mood.ALARM
+
+
+def test_what_the_robot_does_by_itself_is_said(made, draw) -> None:
+    doing = AutonomyState(
+        behaviour=Behaviour.EXPLORE, pilot=Pilot.AUTONOMY, x=1.0, y=2.0, frontier_m=4.0, why=""
+    )
+    going = NavigationStatus(
+        number=1,
+        task=Task.GOING,
+        sender=3,
+        driver=3,
+        points_left=1,
+        distance_left=3.14,
+        why="",
+        count=0,
+        path=(),
+    )
+    messages = {
+        AUTONOMY_STATE.name: made.received(doing),
+        NAVIGATION_STATUS.name: made.received(going),
+    }
+    moving = made.received(made.navigation(motion=MotionState.GOING, linear=0.3))
+    robot = made.robot(navigation=moving, messages=messages)
+    assert "EXPLORING by itself, 3.1 m to go" in line(draw(NAME, robot, (200, 2)))
+    silent = made.robot(navigation=moving)
+    assert "GOING by itself  " in line(draw(NAME, silent, (200, 2)))
 
 
 def test_no_speed_has_no_sign(said) -> None:
@@ -164,8 +238,9 @@ def least(made, columns: int, names: tuple[str, ...], **changes) -> list[str]:
         (34, ["pad not plugged in", "release: timed"]),
         (33, ["no pad", "release: timed"]),
         (22, ["no pad", "release: timed"]),
-        (21, ["no pad"]),
-        (5, []),
+        (15, ["no pad", "release: timed"]),
+        (14, ["no pad"]),
+        (1, ["no pad"]),
     ],
 )
 def test_that_no_pad_is_there_and_when_keys_go_up_are_both_said_in_fewer_words_if_need_be(
