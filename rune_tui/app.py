@@ -40,6 +40,7 @@ from rune_tui.model.console_state import ConsoleState, carried_over
 from rune_tui.model.control import hinders_driving_on
 from rune_tui.model.effects import (
     AskEffect,
+    AskToLeave,
     CalibrateEffect,
     ChooseRobot,
     ControlEffect,
@@ -61,10 +62,12 @@ from rune_tui.model.effects import (
     changed,
 )
 from rune_tui.model.happenings import Watch
+from rune_tui.model.leaving import reasons_to_stay
 from rune_tui.terminal.input_stream import KeyMove
 from rune_tui.terminal.traits import Traits
 from rune_tui.ui.driver_reports import FrameAnswered, KeyMoved, ReleasesTold
 from rune_tui.ui.ending import at_the_systems_end, end_anyway
+from rune_tui.ui.mouse import MouseApp
 from rune_tui.ui.painter import Painter
 from rune_tui.ui.palette import palette_of
 from rune_tui.ui.question import Question
@@ -81,13 +84,12 @@ _SETTLED_S = 4.0
 """So long after the start the terminal has answered, and less is told of [s]."""
 _UNHEARD_S = 1.0
 """So long a button of the mouse is held while nothing is heard of a terminal that answers [s]."""
-_BUTTONS = {1: "left", 2: "middle", 3: "right"}
 _SWITCH_S = 0.5e-3
 """How long one thread may compute while another has a stick's report or a command to send [s]."""
 _NOT_DONE = "what a widget asked for could not be done; the log says why"
 
 
-class Console(App[None], inherit_bindings=False):
+class Console(MouseApp, inherit_bindings=False):
     """The console on a terminal."""
 
     ALLOW_SELECT = False  # the mouse drives and marks
@@ -246,31 +248,12 @@ class Console(App[None], inherit_bindings=False):
         if text and all(notice.text != text for notice in self._console.notices):
             self._tell(desk.Outcome(text=text))
 
-    def on_mouse_down(self, event: events.MouseDown) -> None:
-        """A button of the mouse went down."""
-        self._mouse(event, _BUTTONS.get(event.button, ""), pressed=True)
-
-    def on_mouse_up(self, event: events.MouseUp) -> None:
-        """A button of the mouse went up."""
-        self._mouse(event, _BUTTONS.get(event.button, ""), pressed=False)
-
-    def on_mouse_move(self, event: events.MouseMove) -> None:
-        """The mouse moved; if it says that no button is down, none is, whatever was missed."""
-        if self._dispatch.button_held and not event.button:
-            self._let_go()
-        self._mouse(event, "motion")
-
-    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
-        """The wheel turned away from the operator."""
-        self._mouse(event, "wheel")
-
-    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
-        """The wheel turned towards the operator."""
-        self._mouse(event, "wheel", value=-1.0)
-
-    def _mouse(
+    def mouse(
         self, event: events.MouseEvent, part: str, *, pressed: bool = True, value: float = 1.0
     ) -> None:
+        """A part of the mouse moved; if it says that no button is down, none is."""
+        if part == "motion" and self._dispatch.button_held and not event.button:
+            self._let_go()
         if self._covered:
             return
         event.stop()
@@ -299,8 +282,10 @@ class Console(App[None], inherit_bindings=False):
             self._handle(self._joysticks.release_all(now))
 
     async def action_quit(self) -> None:
-        """The terminal has gone."""
-        self._leave()
+        """Ctrl-C: ask as the layout's own key does; the second time, end whatever is open."""
+        while self._covered:
+            self.pop_screen()
+        self._leave_if_sure()
 
     def on_paste(self) -> None:
         """Pasted text is no driving: let go of all."""
@@ -368,6 +353,14 @@ class Console(App[None], inherit_bindings=False):
             if robot.picture is not None:
                 self._links[name].shown(robot.picture.number)
 
+    def _leave_if_sure(self) -> None:
+        """End, or ask first if something would be lost or left alone; the second time, end."""
+        reasons = reasons_to_stay(self.state)
+        if reasons and not self._console.leaving:
+            self._change(AskToLeave(reasons=reasons))
+        else:
+            self._leave()
+
     def _leave(self) -> None:
         """End, in order if the terminal lets us."""
         if self._leaving:
@@ -409,7 +402,7 @@ class Console(App[None], inherit_bindings=False):
             case SendEffect() | ControlEffect():
                 self._send(effect)
             case ScreenshotEffect() | RecordEffect() | ExportEffect():
-                self._put_on_file(effect)
+                self._filing.do(effect, self._shown_layout, self.state, self._pane.cells)
             case CalibrateEffect(joystick=name, control=control):
                 self._joysticks.calibrate(name, control, time.monotonic())
             case NextLayoutEffect():
@@ -423,7 +416,7 @@ class Console(App[None], inherit_bindings=False):
             case AskEffect():
                 self._ask(effect)
             case QuitEffect():
-                self._leave()
+                self._leave_if_sure()
 
     def _suspend(self) -> None:
         self._let_go()
@@ -439,15 +432,6 @@ class Console(App[None], inherit_bindings=False):
             link.send(effect.definition, effect.value)
         if (outcome := desk.undelivered(effect, link.state)) is not None:
             self._tell(outcome)
-
-    def _put_on_file(self, effect: ScreenshotEffect | RecordEffect | ExportEffect) -> None:
-        match effect:
-            case RecordEffect():
-                self._filing.record_or_not(self._shown_layout, self.state.operator)
-            case ScreenshotEffect() if self._pane.cells is not None:
-                self._filing.keep_screen(self._pane.cells)
-            case ExportEffect(robot=name):
-                self._filing.keep_marks(self._links[name].state)
 
     def _ask(self, effect: AskEffect) -> None:
         self._let_go()
@@ -471,7 +455,8 @@ class Console(App[None], inherit_bindings=False):
 
     def _change(self, effect: StateEffect) -> None:
         moved = isinstance(effect, ShowViewport | FillView) and self._dispatch.button_held
-        if moved or isinstance(effect, ChooseRobot | ToggleHelp):
+        asked = isinstance(effect, AskToLeave) and effect.reasons
+        if moved or asked or isinstance(effect, ChooseRobot | ToggleHelp):
             self._let_go()  # what is held was meant for the robot before, seen, and in its place
         self._console = changed(self.state, effect)
         self._ask_for_pictures()

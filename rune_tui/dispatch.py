@@ -13,15 +13,17 @@ from typing import cast
 from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Twist
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.actions import Action
-from rune_tui.layout.names import MOUSE
+from rune_tui.layout.names import JOYSTICK, MOUSE
 from rune_tui.layout.spec import CHOSEN, EventSpec, LayoutSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.control import Standing, is_lost, refusal, refused, standing, taking
 from rune_tui.model.effects import (
+    AskToLeave,
     ControlEffect,
     Effect,
     ExportEffect,
     PaletteEffect,
+    QuitEffect,
     SendEffect,
     SuspendEffect,
     Tell,
@@ -30,6 +32,7 @@ from rune_tui.model.effects import (
     WishPictures,
 )
 from rune_tui.widgets.control import TakeControl
+from rune_tui.widgets.quit import Quit
 from rune_tui.widgets.speed import SetSpeed, StopRobot
 from rune_tui.widgets.widget import Widget
 
@@ -42,6 +45,7 @@ _UNLESS_BOUND: Mapping[str, Effect] = {
 }
 """What keys do that the layout binds to nothing."""
 _CLOSE_HELP = "escape"
+_YES = "enter"
 _TYPED_WHILE_AWAY = "what was typed while the console was held up does not count: press it again"
 _TO_ROBOTS = SendEffect | ControlEffect | ExportEffect | WishPictures | ToggleNight
 
@@ -117,6 +121,8 @@ class Dispatch:
         self._note_button(event, listeners)
         if event.old:
             return self._of_old(event, state)
+        if state.leaving and fresh and not event.name.startswith((MOUSE, JOYSTICK)):
+            return self._answered(event, listeners, state)
         if state.help:
             # What goes up is still told, but for what is done only then.
             listeners = [
@@ -131,6 +137,21 @@ class Dispatch:
             own = _UNLESS_BOUND[event.name]
             return (own,) if own == ToggleHelp() or not state.help else ()
         return self._woken(event, listeners, state)
+
+    def _answered(
+        self, event: ControlEvent, listeners: Iterable[_Listener], state: ConsoleState
+    ) -> tuple[Effect, ...]:
+        """What a key does while the operator is asked about the end of the console.
+
+        Enter and the key that ends the console end it, the stop stops, all others mean to stay.
+        """
+        if event.name == _YES:
+            return (QuitEffect(),)
+        safe = [each for each in listeners if isinstance(each.widget, Quit | StopRobot)]
+        if safe:
+            return self._woken(event, safe, state)
+        stay = AskToLeave(reasons=())
+        return (stay, *self._woken(event, listeners, state))
 
     def _of_old(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
         """What a key does that may have been typed long ago: stop, help and quit, or nothing."""

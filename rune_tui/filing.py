@@ -12,6 +12,8 @@ from rune_tui.compositor.cells import Cells
 from rune_tui.controls.joystick.store import CalibrationStore
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.robot_links import RobotLinks
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.effects import ExportEffect, RecordEffect, ScreenshotEffect
 from rune_tui.model.robot_state import RobotState
 from rune_tui.recorder import Recorder
 
@@ -38,6 +40,29 @@ class Filing:
         """
         self.recorder = Recorder(links)
         self._run, self._tell = run, tell
+
+    def do(
+        self,
+        effect: RecordEffect | ScreenshotEffect | ExportEffect,
+        layout: LayoutSpec,
+        state: ConsoleState,
+        cells: Cells | None,
+    ) -> None:
+        """Write what a widget asks for.
+
+        Args:
+            effect: What that is.
+            layout: What is shown.
+            state: What the console knows.
+            cells: What the operator sees; None before the first picture.
+        """
+        match effect:
+            case RecordEffect():
+                self.record_or_not(layout, state.operator)
+            case ScreenshotEffect() if cells is not None:
+                self.keep_screen(cells)
+            case ExportEffect(robot=name):
+                self.keep_marks(state.robots[name])
 
     def record_or_not(self, layout: LayoutSpec, operator: str) -> None:
         """Begin to record, or end it."""

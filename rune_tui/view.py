@@ -22,6 +22,7 @@ from rune_tui.layout.placing import Area, Placed, arrangement_for, filled, place
 from rune_tui.layout.rules import Vocabulary
 from rune_tui.layout.spec import LayoutSpec, PlaceSpec, ViewportSpec
 from rune_tui.model.console_state import ConsoleState, Notice
+from rune_tui.model.leaving import question
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import DARK, Theme
 from rune_tui.raster.canvas import Canvas
@@ -258,7 +259,7 @@ class View:
         changed.append(self._banner.refresh(self._columns, self._rows, state))
         changed.append(self._help.refresh(self._columns, self._rows, state))
         passing = self._passing(state)
-        urgent = state.trouble or _asked(state)
+        urgent = question(state.leaving) or state.trouble or _asked(state)
         now_said = (state.theme.name, urgent, passing)
         said = now_said == self._said
         if self._complete and not any(changed) and said:

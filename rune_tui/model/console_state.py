@@ -96,6 +96,7 @@ class ConsoleState:
         theme: The colours.
         notices: What happened, the newest last.
         help: Whether the page that says what keys do lies over everything.
+        leaving: What speaks against the end of the console, while the operator is asked about it.
         full: The viewport that is shown over the whole view; empty if none is.
         operator: Who sits here.
         clock: The time of day now, such as "14:03:22".
@@ -124,6 +125,7 @@ class ConsoleState:
     theme: Theme = DARK
     notices: tuple[Notice, ...] = ()
     help: bool = False
+    leaving: tuple[str, ...] = ()
     full: str = ""
     operator: str = ""
     clock: str = ""

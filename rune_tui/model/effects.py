@@ -199,6 +199,17 @@ class ToggleHelp:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class AskToLeave:
+    """Ask whether the console is to end.
+
+    Attributes:
+        reasons: What speaks against it; none: the question is answered, the console stays.
+    """
+
+    reasons: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class FillView:
     """Show one viewport over the whole view; if it is, show all of them again.
 
@@ -234,6 +245,7 @@ StateEffect = (
     | ToggleNight
     | SetTheme
     | ToggleHelp
+    | AskToLeave
     | Tell
 )
 """What only changes the console's state."""
@@ -259,8 +271,8 @@ def changed(state: ConsoleState, effect: StateEffect) -> ConsoleState:
     match effect:
         case ShowViewport():
             return _showing(state, effect)
-        case FillView(viewport=name):
-            return dataclasses.replace(state, full="" if state.full == name else name)
+        case FillView() | ToggleHelp() | AskToLeave():
+            return _covered(state, effect)
         case ChooseRobot(robot=name):
             return dataclasses.replace(state, chosen=name or _next(state.chosen, state.robots))
         case Zoom(viewport=name, factor=factor):
@@ -276,11 +288,20 @@ def changed(state: ConsoleState, effect: StateEffect) -> ConsoleState:
         case SetTheme(name=name):
             theme = THEMES.get(name or _next(state.theme.name, THEMES), state.theme)
             return dataclasses.replace(state, theme=theme)
-        case ToggleHelp():
-            return dataclasses.replace(state, help=not state.help)
         case Tell(notice=notice):
             notices = (*state.notices[1 - MOST_NOTICES :], notice)
             return dataclasses.replace(state, notices=notices)
+
+
+def _covered(state: ConsoleState, effect: FillView | ToggleHelp | AskToLeave) -> ConsoleState:
+    """The state with something over the whole view, or with the view again."""
+    match effect:
+        case FillView(viewport=name):
+            return dataclasses.replace(state, full="" if state.full == name else name)
+        case ToggleHelp():
+            return dataclasses.replace(state, help=not state.help)
+        case AskToLeave(reasons=reasons):
+            return dataclasses.replace(state, leaving=reasons, help=state.help and not reasons)
 
 
 def _showing(state: ConsoleState, effect: ShowViewport) -> ConsoleState:

@@ -16,7 +16,10 @@ class Quit(PressWidget):
     """Ends the console."""
 
     rule: ClassVar = HandlerRule(
-        meaning="Ends the console; every robot is sent zero speed first.",
+        meaning=(
+            "Ends the console; every robot is sent zero speed first. It asks first while a "
+            "recording runs or a robot goes by itself; pressed again, it ends."
+        ),
         needs_robot=False,
         under_help=True,
     )

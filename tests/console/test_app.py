@@ -45,6 +45,7 @@ LAYOUT = """<rune>
   </robot>
   <view xsize="60" ysize="40">
     <widget handler="widgetQuit"><event key="q"/></widget>
+    <widget handler="widgetRecord"><event key="r"/></widget>
     <viewport name="floor" xpos="0" ypos="0" xsize="60" ysize="40">
       <visualizer function="visualizeFloor"/>
       <widget handler="widgetSetSpeed">
@@ -263,6 +264,54 @@ def test_under_the_palette_keys_do_not_drive_and_what_is_chosen_is_done(
             desk.robot.client.listen(0.02)
         assert "space" in desk.robot.stops[0]
         await desk.until(lambda: len(desk.console.screen_stack) == 1)
+
+    play(script)
+
+
+@pytest.fixture
+def ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Lets consoles end without the last resort, which ends the process that runs the test."""
+    monkeypatch.setattr("rune_tui.app.end_anyway", lambda: None)
+
+
+@pytest.mark.usefixtures("ends")
+@pytest.mark.parametrize(
+    "keys", [("q", "q"), ("q", "enter"), ("ctrl+c", "ctrl+c"), ("ctrl+p", "ctrl+c", "ctrl+c")]
+)
+def test_with_a_recording_the_console_asks_before_it_ends(
+    play: Callable[[Script], None],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    keys: tuple[str, ...],
+):
+    monkeypatch.setenv("XDG_DOCUMENTS_DIR", str(tmp_path))
+
+    async def script(desk: Desk) -> None:
+        await desk.press("r")
+        await desk.until(lambda: desk.console.state.recording)
+        await desk.drive()
+        await desk.press(*keys[:-1])
+        assert desk.console.state.leaving == ("the recording ends",)
+        assert desk.console.state.held == ()
+        assert not desk.console._leaving
+        await desk.press("space")
+        await desk.until(lambda: desk.robot.stops)
+        assert desk.console.state.leaving
+        await desk.press("escape")
+        assert not desk.console.state.leaving
+        await desk.press(*keys)
+        assert desk.console._leaving
+        desk.console._filing.recorder.end()()
+
+    play(script)
+
+
+@pytest.mark.usefixtures("ends")
+@pytest.mark.parametrize("key", ["q", "ctrl+c"])
+def test_where_nothing_is_lost_the_console_ends_at_once(play: Callable[[Script], None], key: str):
+    async def script(desk: Desk) -> None:
+        await desk.press(key)
+        assert desk.console._leaving
 
     play(script)
 

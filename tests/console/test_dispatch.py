@@ -21,6 +21,7 @@ from rune_tui.layout.actions import actions_of
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import (
+    AskToLeave,
     Effect,
     PaletteEffect,
     QuitEffect,
@@ -202,6 +203,40 @@ def test_quit_is_global(two_robots: LayoutSpec):
 
 
 HELPED = dataclasses.replace(at(0.0), help=True)
+
+
+ASKED = ConsoleState(now=0.0, leaving=("the recording ends",))
+
+
+def test_asked_about_the_end_the_same_key_and_enter_confirm(two_robots: LayoutSpec):
+    for key in ("q", "enter"):
+        assert Dispatch(two_robots).handle(down(key), ASKED) == (QuitEffect(),)
+
+
+def test_asked_about_the_end_the_stop_stops_and_the_question_stays(two_robots: LayoutSpec):
+    effects = Dispatch(two_robots).handle(down("space"), ASKED)
+    assert stops(effects) == ["magellan"]
+    assert not any(isinstance(each, AskToLeave) for each in effects)
+
+
+def test_asked_about_the_end_any_other_key_stays_and_means_what_it_always_does(
+    two_robots: LayoutSpec,
+):
+    stay = AskToLeave(reasons=())
+    assert Dispatch(two_robots).handle(down("escape"), ASKED) == (stay,)
+    first, *rest = Dispatch(two_robots).handle(down("w"), ASKED)
+    assert first == stay
+    assert velocities(rest, "magellan") == [(0.5, 0.0)]
+
+
+def test_asked_about_the_end_a_key_that_repeats_or_goes_up_answers_nothing(
+    two_robots: LayoutSpec,
+):
+    held = ControlEvent(name="q", pressed=True, repeat=True)
+    assert Dispatch(two_robots).handle(held, ASKED) == ()
+    assert Dispatch(two_robots).handle(up("q"), ASKED) == ()
+    moved = ControlEvent(name="mouse motion", pressed=True)
+    assert Dispatch(two_robots).handle(moved, ASKED) == ()
 
 
 def test_under_the_help_only_stop_help_and_quit_count(two_robots: LayoutSpec):

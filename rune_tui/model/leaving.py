@@ -1,0 +1,38 @@
+"""What would be lost, or go on without anybody, if the console ended now; pure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from hub.gcm.navigation import MotionState
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.control import Standing, standing
+
+
+def reasons_to_stay(state: ConsoleState) -> tuple[str, ...]:
+    """Why the console asks before it ends; empty if it may end at once."""
+    return tuple(reason for found in _REASONS for reason in found(state))
+
+
+def _recording(state: ConsoleState) -> Iterator[str]:
+    if state.recording:
+        yield "the recording ends"
+
+
+def _on_its_own(state: ConsoleState) -> Iterator[str]:
+    """Robots of this console that go somewhere without a hand on the stick."""
+    for robot in state.robots.values():
+        moves = robot.navigation is not None and robot.navigation.value.motion is MotionState.GOING
+        if moves and standing(robot) is not Standing.OTHERS:
+            yield f"{robot.name} goes on by itself, and nobody watches it"
+
+
+_REASONS: tuple[Callable[[ConsoleState], Iterator[str]], ...] = (_recording, _on_its_own)
+"""Each says what speaks against the end, in a few words; the next one is added here."""
+
+
+def question(reasons: tuple[str, ...]) -> str:
+    """What the operator is asked; empty if nothing speaks against the end."""
+    if not reasons:
+        return ""
+    return f"QUIT? Then {'; '.join(reasons)}. Q or enter: quit. Any other key: stay."

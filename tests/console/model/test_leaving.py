@@ -1,0 +1,68 @@
+"""The console asks before it ends if something would be lost, or go on with nobody at it."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+
+from hub.gcm.control import CONTROL_STATE, ControlState
+from hub.gcm.navigation import MotionState
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.effects import AskToLeave, changed
+from rune_tui.model.leaving import question, reasons_to_stay
+from rune_tui.model.robot_state import LinkPhase, LinkState, Received, RobotState
+from tests.console.states import robot_of
+from tests.messages import robot_state
+
+MINE, OTHERS = 7, 8
+
+
+def robot(motion: MotionState, owner: int = MINE) -> RobotState:
+    control = ControlState(owner=owner)
+    return robot_of(
+        name="magellan",
+        link=LinkState(phase=LinkPhase.CONNECTED, since=0.0, endpoint="", number=MINE),
+        navigation=Received(value=robot_state(motion=motion), measured=0.0, number=1),
+        messages={CONTROL_STATE.name: Received(value=control, measured=0.0, number=1)},
+    )
+
+
+def reasons(motion: MotionState = MotionState.STANDING, owner: int = MINE, **changes: str):
+    state = ConsoleState(now=0.0, robots={"magellan": robot(motion, owner)})
+    return reasons_to_stay(dataclasses.replace(state, **changes))
+
+
+def test_nothing_speaks_against_the_end_of_a_console_whose_robot_stands():
+    assert reasons() == ()
+    assert reasons_to_stay(ConsoleState(now=0.0)) == ()
+
+
+def test_a_recording_and_a_robot_that_goes_by_itself_do():
+    assert reasons(recording="run.mcap") == ("the recording ends",)
+    (alone,) = reasons(MotionState.GOING)
+    assert alone == "magellan goes on by itself, and nobody watches it"
+    assert len(reasons(MotionState.GOING, recording="run.mcap")) == 2
+
+
+@pytest.mark.parametrize("motion", [each for each in MotionState if each is not MotionState.GOING])
+def test_a_robot_that_its_operator_drives_stops_by_itself(motion: MotionState):
+    assert reasons(motion) == ()
+
+
+def test_what_another_console_has_the_robot_do_is_its_own_matter():
+    assert reasons(MotionState.GOING, OTHERS) == ()
+
+
+def test_the_question_says_what_happens_and_how_to_answer():
+    assert question(()) == ""
+    assert question(("the recording ends",)) == (
+        "QUIT? Then the recording ends. Q or enter: quit. Any other key: stay."
+    )
+
+
+def test_the_question_comes_before_the_help():
+    helped = ConsoleState(now=0.0, help=True)
+    asked = changed(helped, AskToLeave(reasons=("the recording ends",)))
+    assert (asked.leaving, asked.help) == (("the recording ends",), False)
+    assert changed(asked, AskToLeave(reasons=())).leaving == ()
