@@ -13,6 +13,7 @@ import contextlib
 import fcntl
 import math
 import termios
+from collections import Counter
 from dataclasses import dataclass
 
 import zmq
@@ -37,19 +38,20 @@ class Bounds:
         topics: Different topics that all of them together subscribe to.
         bytes_per_s: What one connection may send, which is nothing but subscriptions [B/s].
         bytes_at_once: The same, in one burst after a rest [B].
-        modest: Who has sent no more is not ended for the number of topics [B].
+        modest: An address that has sent no more is not blamed for the number of topics [B].
     """
 
-    topics: int = 16_384
-    bytes_per_s: float = float(4 << 10)
-    bytes_at_once: float = float(1 << 20)
-    modest: int = 128 << 10
+    topics: int = 1024
+    bytes_per_s: float = 1024.0
+    bytes_at_once: float = float(192 << 10)
+    modest: int = 96 << 10
 
 
 @dataclass(slots=True)
 class _Sender:
-    """What one connection has sent: bytes in all, and what it may send now."""
+    """What one connection has sent: from where, bytes in all, and what it may send now."""
 
+    address: str
     allowance: Bucket
     sent: int = 0
 
@@ -82,12 +84,12 @@ class FloodWatch:
         self._senders: dict[int, _Sender] = {}
         self._next_look = -math.inf
 
-    def connected(self, descriptor: int) -> None:
-        """A connection has come."""
+    def connected(self, descriptor: int, address: str = "") -> None:
+        """A connection has come from this address."""
         self._added[descriptor] = 0.0
         if self._bounds is not None:
             allowance = Bucket(self._bounds.bytes_per_s, self._bounds.bytes_at_once)
-            self._senders[descriptor] = _Sender(allowance)
+            self._senders[descriptor] = _Sender(address, allowance)
 
     def disconnected(self, descriptor: int) -> None:
         """A connection has ended."""
@@ -119,16 +121,24 @@ class FloodWatch:
                 self._end(descriptor, f"after about {MOST} in one go")
 
     def _look_closely(self, bounds: Bounds, now: float) -> None:
-        """End who sends too much, and while there are too many topics who has sent the most."""
+        """End who sends too much; while there are too many topics, one of who has sent the most."""
         for descriptor, sender in list(self._senders.items()):
             sent = received(descriptor)
             new, sender.sent = sent - sender.sent, sent
             if new > 0 and not sender.allowance.take(new, now):
                 self._end(descriptor, f"after {sent >> 10} KiB of subscriptions")
-        if self._known > bounds.topics and self._senders:
-            most = max(self._senders, key=lambda each: self._senders[each].sent)
-            if self._senders[most].sent > bounds.modest:
-                self._end(most, f"as {bounds.topics} topics are the most, and it sent the most")
+        if self._known <= bounds.topics:
+            return
+        sent_from: Counter[str] = Counter()
+        for sender in self._senders.values():
+            sent_from[sender.address] += sender.sent
+        for address, sent in sent_from.most_common(1):
+            if sent > bounds.modest:
+                most = max(
+                    (each for each in self._senders if self._senders[each].address == address),
+                    key=lambda each: self._senders[each].sent,
+                )
+                self._end(most, f"as there are {self._known} topics, most of them of {address}")
 
     def _end(self, descriptor: int, why: str) -> None:
         text = f"a connection to {self._where} is ended {why}"

@@ -238,10 +238,11 @@ class Gateway:
             elif event == zmq.EVENT_ACCEPTED:
                 self._reserve.admit(descriptor, f"the gateway's {place}")
                 ends = ends_of(descriptor)
-                if ends is not None:
-                    self._sources.accepted(descriptor, ends[1], place, self._clock())
+                if ends is None:  # it has ended already
+                    continue
                 if flood is not None:
-                    flood.connected(descriptor)
+                    flood.connected(descriptor, ends[1])
+                self._sources.accepted(descriptor, ends[1], place, self._clock())
             else:
                 self._complaints.count(
                     f"bad handshake at the gateway's {place}",

@@ -32,8 +32,9 @@ _PICTURE_BUFFER = 64 << 10
 _SUBSCRIPTIONS = 1 << 16
 """Subscriptions that may be under way at once; they are messages too and must not be dropped."""
 _TAKEN_AT_ONCE = 16
-_LONGEST_SUBSCRIPTION = 512
-"""A topic, a token and what encryption adds; nothing else comes in where broadcasts go out [B]."""
+_LONGEST_SUBSCRIPTION = 320
+"""Nothing but subscriptions comes in where broadcasts go out. The longest frame of a handshake has
+some 300 bytes. A byte of a topic takes 0.3 kB of central's memory [B]."""
 _CONNECTING = 1024
 """Publishers that may wait to be taken by an inbox: more than central has clients."""
 _NEIGHBOURS_THREAD = 0b10
