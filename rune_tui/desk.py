@@ -62,7 +62,10 @@ def undelivered(effect: SendEffect | ControlEffect, robot: RobotState) -> Outcom
         what = effect.definition.name.removeprefix("GCM_").replace("_", " ").lower()
     else:
         return None
-    if not robot.link.may_command:
+    may_send = robot.link.may_command
+    if isinstance(effect, SendEffect):
+        may_send = robot.link.may_send(effect.definition.name)
+    if not may_send:
         text = f"{what} not sent: your key may watch {robot.title}, not command it"
     elif robot.link.phase is not LinkPhase.CONNECTED:
         text = f"{what} not sent: there is no link to {robot.title}"

@@ -19,7 +19,7 @@ from hub.errors import CentralUnreachableError, HubError
 from hub.gcm import pad
 from hub.ipc.client import Client
 from hub.ipc.keys import read_client_keys
-from hub.ipc.security import Action, demand
+from hub.ipc.publish_rights import demand_right
 from rune_tui.controls import hid_reader
 from rune_tui.controls.hid_reader import Gone, HidReader, News, Opened, Refused, Scanned
 from rune_tui.controls.joystick.matching import DeviceInfo, assigned
@@ -235,7 +235,8 @@ def run(
     choice = Choice(device, hid_reader.joysticks_here())
     own_keys = read_client_keys(keys) if keys else None
     if own_keys is not None:
-        demand(own_keys.bearer, Action.PUBLISH_COMMAND)
+        plane = pad.PAD_STATE.plane.value
+        demand_right(own_keys.bearer, "rune pad", pad.PAD_STATE.name, plane)
     with contextlib.ExitStack() as stack:
         tunnel = stack.enter_context(contextlib.closing(Tunnel(ssh, hub))) if ssh else None
         if tunnel is not None:

@@ -125,6 +125,7 @@ def send(
     """
     definition = find(client, name)
     value = values.value_from_text(definition, assignments)
+    client.demand_right(definition)
     owner = _owner(client) if name in RESTRICTED else ""
     if owner:
         text = f"{owner} has control, so the robot refuses this; `rune-hub control` says more"

@@ -12,7 +12,7 @@ from hub.errors import CodecError, FrameError, RangeError
 from hub.ipc import frames, ring, sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.hub_time import HubTime
-from hub.ipc.inlet import Arrival, Inlet, Source
+from hub.ipc.inlet import Arrival, Inlet, Read, Source
 from hub.ipc.reception import Reception
 
 _BATCH = 256
@@ -112,16 +112,11 @@ class Arrivals:
         source = inlet.source(frame.publisher)
         if frame.sequence <= source.arrived:
             return
+        read = self._decoded(inlet, frame.kind, frame.payload)
+        if read is None:
+            return
         source.arrived = frame.sequence
-        self._deliver(
-            inlet,
-            source,
-            frame.kind,
-            frame.publisher,
-            frame.sequence,
-            frame.stamp_ns,
-            frame.payload,
-        )
+        self._deliver(inlet, source, frame.publisher, frame.sequence, frame.stamp_ns, read)
 
     def _finish(self) -> None:
         """Hand on what was begun: a handler that raised or listened itself has left it so."""
@@ -189,10 +184,9 @@ class Arrivals:
         if at_once and inlet.flat is not None and (found := inlet.flat.unpack(raw)):
             _, publisher, _, sequence, stamp_ns, _ = found[:6]
             source = inlet.source(publisher)
-            if self._arrived(inlet, source, sequence):
-                self._deliver(
-                    inlet, source, frames.INLINE, publisher, sequence, stamp_ns, found[6:]
-                )
+            read = self._decoded(inlet, frames.INLINE, found[6:])
+            if read is not None and self._arrived(inlet, source, sequence):
+                self._deliver(inlet, source, publisher, sequence, stamp_ns, read)
             return
         arrival = self._read(inlet, raw)
         if arrival is None:
@@ -204,23 +198,27 @@ class Arrivals:
             self._put(inlet, arrival)
 
     def _read(self, inlet: Inlet, raw: bytes) -> Arrival | None:
-        """What a frame brings; None, and counted, if it is malformed."""
+        """What a frame brings; None, and counted, if it is malformed and stands for nothing."""
         try:
             return inlet.read(raw)
         except FrameError as error:
             self._complaints.count("malformed frame", str(error))
         except CodecError as error:
             self._complaints.count("wrong format", str(error))
-        return None
+        return inlet.unreadable()
 
     def _put(self, inlet: Inlet, arrival: Arrival) -> None:
         """Let messages wait; a limit lets the oldest of their publisher go."""
         publisher, sequence, kind, messages = arrival
         source = inlet.source(publisher)
-        for number, message in enumerate(messages, sequence):
-            if not self._arrived(inlet, source, number):
+        for number, (stamp_ns, message) in enumerate(messages, sequence):
+            read: Any = message
+            if kind == frames.INLINE:
+                read = self._decoded(inlet, kind, message)
+            if read is None or not self._arrived(inlet, source, number):
                 continue
-            waiting = _Opened(inlet, Arrival(publisher, number, kind, [message]), accepted=True)
+            one = Arrival(publisher, number, kind, [(stamp_ns, read)])
+            waiting = _Opened(inlet, one, accepted=True)
             if inlet.limit is not None:
                 if len(source.waiting) >= inlet.limit:
                     source.waiting.popleft().inlet = None
@@ -229,8 +227,17 @@ class Arrivals:
             self._waits += 1
 
     def _arrived(self, inlet: Inlet, source: Source, sequence: int) -> bool:
-        """Whether a message of this number may be handed on; a gap before it is counted."""
+        """Whether a message of this number may be handed on; a gap before it is counted.
+
+        Only for a message that was decoded, or that lies in a ring of this machine: a number that
+        came with nonsense is not believed.
+        """
         last = source.arrived
+        if inlet.unordered:
+            return True
+        if sequence == last + 1 and last:
+            source.arrived = sequence
+            return True
         if not source.accepts(sequence):
             detail = f"{inlet.definition.name} {sequence} after {last}"
             self._complaints.count("out of order", detail)
@@ -265,32 +272,42 @@ class Arrivals:
 
     def _hand_out(self, opened: _Opened) -> None:
         """Hand messages to their handlers; after one that raises, the rest comes later."""
-        inlet, source, publisher, kind = opened.inlet, opened.source, opened.publisher, opened.kind
+        inlet, source, publisher = opened.inlet, opened.source, opened.publisher
         if inlet is None:
             return
         for stamp_ns, message in opened.messages:
             sequence = opened.sequence
             opened.sequence = sequence + 1
-            if not opened.accepted:
-                if sequence == source.arrived + 1 and sequence != 1:
-                    source.arrived = sequence
-                elif not self._arrived(inlet, source, sequence):
-                    continue
-            self._deliver(inlet, source, kind, publisher, sequence, stamp_ns, message)
+            read = self._accepted(opened, inlet, sequence, message)
+            if read is not None:
+                self._deliver(inlet, source, publisher, sequence, stamp_ns, read)
         if opened in self._opened:  # not if a handler listened, and so had the rest handed out
             self._opened.remove(opened)
+
+    def _accepted(self, opened: _Opened, inlet: Inlet, sequence: int, message: Any) -> Read | None:
+        """A message that is to be handed on; None if it cannot be read, or came before."""
+        if opened.kind != frames.INLINE:
+            if opened.accepted or self._arrived(inlet, opened.source, sequence):
+                return self._decoded(inlet, opened.kind, message)
+            return None
+        if opened.accepted:
+            known: Read = message
+            return known
+        read = self._decoded(inlet, frames.INLINE, message)
+        if read is not None and self._arrived(inlet, opened.source, sequence):
+            return read
+        return None
 
     def _deliver(
         self,
         inlet: Inlet,
         source: Source,
-        kind: int,
         publisher: int,
         sequence: int,
         stamp_ns: int,
-        message: Any,
+        read: Read,
     ) -> None:
-        """Hand one message to its handlers, unless it is too old or cannot be read."""
+        """Hand one message to its handlers, unless it is too old."""
         now = self._clock()
         measured = stamp_ns * 1e-9 - self._hub_time.offset
         age = now - measured
@@ -302,21 +319,21 @@ class Arrivals:
             inlet.expired += 1
             self._complaints.count("too old", f"{inlet.definition.name} is {age:.2f} s old")
             return
-        message, value = self._decoded(inlet, kind, message)
-        if message is None:
-            return
-        missed = sequence - source.handed_on - 1 if source.handed_on else 0
-        source.handed_on = sequence
+        payload, value = read
+        missed = 0
+        if not inlet.unordered:
+            missed = sequence - source.handed_on - 1 if source.handed_on else 0
+            source.handed_on = sequence
         inlet.received += 1
         how = _new(Reception, (publisher, sequence, missed, age, measured))
         handlers = inlet.handlers
         for each in handlers:
             if handlers is inlet.handlers or each in inlet.handlers:  # one may unsubscribe another
                 handler, raw = each
-                handler(message if raw else value, how)
+                handler(payload if raw else value, how)
 
-    def _decoded(self, inlet: Inlet, kind: int, message: Any) -> tuple[Any, Any]:
-        """The payload and its value; None twice if it is not there or is none."""
+    def _decoded(self, inlet: Inlet, kind: int, message: Any) -> Read | None:
+        """The payload and its value; None if it is not there, or cannot be read."""
 
         def note(text: str) -> None:
             inlet.unfit = inlet.unfit or text
@@ -326,17 +343,15 @@ class Arrivals:
             if message.__class__ is tuple and inlet.receive is not None:
                 return message, inlet.receive(message, note)
             payload = self._payload(inlet, kind, message)
-            if payload is None:
-                return None, None
-            return payload, inlet.definition.decode(payload, note)
+            return None if payload is None else (payload, inlet.definition.decode(payload, note))
         except RangeError as error:
             inlet.refused += 1
             inlet.unfit = inlet.unfit or str(error)
             self._complaints.count("out of range", str(error))
-            return None, None
+            return None
         except (CodecError, FrameError) as error:
             self._complaints.count("wrong format", str(error))
-            return None, None
+            return None
 
     def _payload(self, inlet: Inlet, kind: int, payload: memoryview) -> memoryview | None:
         """The payload itself; None if it is not there any more."""

@@ -32,6 +32,7 @@ from hub.ipc import (
     sockets,
 )
 from hub.ipc.admission import Admission
+from hub.ipc.command_door import CommandDoor
 from hub.ipc.complaints import Complaints
 from hub.ipc.definition import Plane
 from hub.ipc.floods import FloodWatch
@@ -134,6 +135,7 @@ class Central:
             answer=lambda to, said: self._send([Outgoing(identity=to, message=said)]),
             hang_up=self._hang_up,
         )
+        self._registry = Registry(clock=clock, complaints=self.complaints)
         try:
             self._bind([security.parse_endpoint(endpoint) for endpoint in endpoints])
             if gateway:
@@ -145,7 +147,6 @@ class Central:
             self._context.destroy(linger=0)
             text = f"central cannot make its sockets: {error}"
             raise EndpointError(text) from error
-        self._registry = Registry(clock=clock, complaints=self.complaints)
         for target in (self._serve, *self._proxies):
             thread = threading.Thread(target=target, name=target.__name__, daemon=True)
             thread.start()
@@ -266,6 +267,7 @@ class Central:
             return sockets.make_plane(self._context, kind, Plane(plane))
 
         inner = {plane.value: _inner(plane) for plane in sockets.PLANES}
+        door = CommandDoor(self._registry.peer_of, self.complaints, self._clock)
         self._gateway = Gateway(
             self._context,
             endpoint,
@@ -275,6 +277,7 @@ class Central:
             make=make,
             accounts=self._accounts,
             clock=self._clock,
+            judge=door.admit,
         )
         self._gateway.control.router_mandatory = True
         self.endpoints.append(str(self._gateway.endpoint))

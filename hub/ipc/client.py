@@ -205,6 +205,14 @@ class Client:
         for definition in definitions:
             self._session.define(definition)
 
+    def demand_right(self, definition: MessageDefinition[Any]) -> None:
+        """Refuse a message that our key, or our name, does not let us publish.
+
+        Raises:
+            NotAllowedError: The text says who may.
+        """
+        self._connection.demand_right(definition)
+
     def publish(
         self, definition: MessageDefinition[T], value: T, *, measured: float | None = None
     ) -> None:

@@ -15,12 +15,13 @@ import hub.errors
 from hub.errors import HubError, NotAllowedError
 from hub.ipc import control, sockets
 from hub.ipc.complaints import Complaints
-from hub.ipc.definition import Plane
+from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.dialogue import Dialogue
 from hub.ipc.hub_time import HubTime, this_neighbourhood
 from hub.ipc.keys import ClientKeys
 from hub.ipc.loop import Loop
-from hub.ipc.security import may_enter
+from hub.ipc.publish_rights import demand_right
+from hub.ipc.security import LOCAL, may_enter
 
 _logger = logging.getLogger(__name__)
 
@@ -109,9 +110,18 @@ class Connection:
         self._attempt = 0
         self._open()
 
-    def may_publish(self, plane: Plane) -> bool:
+    def may_enter(self, plane: Plane) -> bool:
         """Whether we may connect to where the messages of a plane go in."""
         return self.keys is None or may_enter(self.keys.role, f"{plane.value} in")
+
+    def demand_right(self, definition: MessageDefinition[Any]) -> None:
+        """Refuse a message that our key, or our name, does not let us publish.
+
+        Raises:
+            NotAllowedError: The text says who may.
+        """
+        bearer = self.keys.bearer if self.keys is not None else LOCAL
+        demand_right(bearer, self._name, definition.name, definition.plane.value)
 
     @property
     def alive(self) -> bool:

@@ -55,7 +55,8 @@ class MessageDefinition(Generic[T]):
         rate_hz: Nominal rate of a stream [Hz]; 0 for what is sent on demand.
         lifespan_s: Age beyond which a receiver drops it [s].
         ros_type: ROS 2 type with the same layout, if there is one.
-        unreadable: What a payload counts as that cannot be read; None: it is dropped.
+        unreadable: What a payload counts as that cannot be read; None: it is dropped. A message
+            with it has no order either: every frame counts, whatever its header says.
     """
 
     name: str

@@ -44,6 +44,7 @@ FAR, RING = b"!", b"@"
 _HEADER = struct.Struct("<HHIQQqI")
 _ITEM = struct.Struct("<qI")
 _COUNT = struct.Struct("<I")
+_PUBLISHER, _PUBLISHER_AT = struct.Struct("<I"), 4
 HEADER_SIZE = _HEADER.size
 _TRAIN = b"*"
 _LITTLE_ENDIAN = ENCAPSULATION["<"]
@@ -253,6 +254,23 @@ read_header: Callable[[Buffer, int], tuple[int, int, int, int, int, int, int]] =
 """(frame, start) -> version, kind, publisher, fingerprint, sequence, stamp_ns, payload's length."""
 
 
+def name_of(raw: Buffer) -> str:
+    """The message's name, whatever comes behind it.
+
+    Raises:
+        FrameError: The bytes do not start with a name.
+    """
+    return _start(memoryview(raw))[0]
+
+
+def with_publisher(raw: bytes, publisher: int) -> bytes:
+    """The same frame under another number; `unpack` takes the frame."""
+    changed = bytearray(raw)
+    length = raw.index(b"\0")
+    _PUBLISHER.pack_into(changed, length + 8 - length % 8 + _PUBLISHER_AT, publisher)
+    return bytes(changed)
+
+
 def unpack(raw: Buffer) -> Frame:
     """The message in a frame.
 
@@ -260,18 +278,9 @@ def unpack(raw: Buffer) -> Frame:
         FrameError: The bytes are no frame of this protocol version.
     """
     view = memoryview(raw)
-    length_of_topic = bytes(view[: MAX_TOPIC + 1]).find(b"\0")
-    if length_of_topic < 1:
-        text = f"a frame of {len(view)} bytes does not start with a message name"
-        raise FrameError(text)
-    start = length_of_topic + 8 - length_of_topic % 8
-    if len(view) < start + HEADER_SIZE or any(view[length_of_topic:start]):
+    name, start = _start(view)
+    if len(view) < start + HEADER_SIZE or any(view[bytes(view[:start]).index(b"\0") : start]):
         text = f"a frame of {len(view)} bytes has no whole header"
-        raise FrameError(text)
-    name = bytes(view[:length_of_topic]).decode("ascii", "replace")
-    name = name[1:] if name[0] in "!@" else name
-    if not name.isidentifier() or len(name) > MAX_NAME_LENGTH:
-        text = f"a frame starts with {name[:20]!r}, which is no message name"
         raise FrameError(text)
     version, kind, publisher, fingerprint, sequence, stamp_ns, length = read_header(view, start)
     if version != VERSION:
@@ -285,3 +294,17 @@ def unpack(raw: Buffer) -> Frame:
         text = f"a frame of {name} has {len(payload)} bytes of payload instead of {length}"
         raise FrameError(text)
     return Frame(name, kind, publisher, fingerprint, sequence, stamp_ns, payload)
+
+
+def _start(view: memoryview) -> tuple[str, int]:
+    """The message's name, and where the header starts if there is one."""
+    length = bytes(view[: MAX_TOPIC + 1]).find(b"\0")
+    if length < 1:
+        text = f"a frame of {len(view)} bytes does not start with a message name"
+        raise FrameError(text)
+    name = bytes(view[:length]).decode("ascii", "replace")
+    name = name[1:] if name[0] in "!@" else name
+    if not name.isidentifier() or len(name) > MAX_NAME_LENGTH:
+        text = f"a frame starts with {name[:20]!r}, which is no message name"
+        raise FrameError(text)
+    return name, length + 8 - length % 8

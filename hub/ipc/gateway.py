@@ -1,8 +1,8 @@
 """The way in for other machines: a second set of central's sockets, with CURVE.
 
 Broadcasts are relayed between these sockets and central's own ones by ZeroMQ's proxy, a thread for
-each direction of a plane; no Python touches them. Control messages come in at a ROUTER of the
-gateway, which central polls beside its own.
+each direction of a plane. Commands that come in are the exception: a thread of Python judges each
+one. Control messages come in at a ROUTER of the gateway, which central polls beside its own.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import TypeAlias
 import zmq
 
 from hub.errors import EndpointError
-from hub.ipc import sockets
+from hub.ipc import command_door, sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.descriptors import BEYOND, Reserve, ends_of, hang_up
 from hub.ipc.floods import Bounds, FloodWatch
@@ -28,6 +28,7 @@ from hub.ipc.zap import Gatekeeper
 
 _FAILED = zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL | zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL
 _WATCHED = _FAILED | zmq.EVENT_ACCEPTED | zmq.EVENT_DISCONNECTED
+_COMMANDS = "command in"
 _BATCH = 64
 _RELAY_QUEUE = 200
 """Room between two proxies of this process, which only fills while one of them gets no time."""
@@ -58,6 +59,7 @@ class Gateway:
         make: Callable[[int, str], _Socket],
         accounts: Accounts,
         clock: Callable[[], float],
+        judge: command_door.Judge,
     ) -> None:
         """Bind and start.
 
@@ -71,6 +73,7 @@ class Gateway:
             make: A socket with the bus's options: ZeroMQ type, plane or `security.CONTROL`.
             accounts: What each key has used; who connects too often is refused for a while.
             clock: Monotonic time [s].
+            judge: Decides which commands come in; called by a thread of the gateway.
 
         Raises:
             EndpointError: A port is busy, or this context has a gateway already.
@@ -79,6 +82,7 @@ class Gateway:
         self._complaints = complaints
         self._clock = clock
         self._sources = Sources(complaints, self.hang_up)
+        self._judge = judge
         self._reserve = Reserve(complaints, part=BEYOND)  # strangers leave some to local modules
         self._made: list[_Socket] = []
         self._steering: list[_Socket] = []
@@ -182,6 +186,8 @@ class Gateway:
                 (f"{plane} out", zmq.XPUB, zmq.XSUB, outward),
             ):
                 outer = secure(outer_kind, plane, place)
+                if place == _COMMANDS:
+                    outer.maxmsgsize, outer.rcvhwm = command_door.LONGEST, command_door.QUEUE
                 if outer_kind == zmq.XPUB:
                     where = f"the gateway's {place}"
                     self._floods[place] = FloodWatch(outer, where, self._complaints, Bounds())
@@ -216,7 +222,10 @@ class Gateway:
         telling.connect(address)
 
         def hand_on() -> None:
-            zmq.proxy_steerable(outer, inner, None, told)
+            if place == _COMMANDS:
+                command_door.carry(outer, inner, told, self._judge)
+            else:
+                zmq.proxy_steerable(outer, inner, None, told)
 
         return threading.Thread(target=hand_on, name=f"gateway {place}", daemon=True)
 

@@ -71,6 +71,11 @@ class Arrival(NamedTuple):
     messages: list[tuple[int, memoryview | tuple[Any, ...]]]
 
 
+Read = tuple[Any, Any]
+"""Payload and value of a message; instead of the payload the numbers of a flat format."""
+_JUST_NOW = 1 << 62
+
+
 class Inlet:
     """One message on its way to its handlers.
 
@@ -88,6 +93,7 @@ class Inlet:
         unfit: What was wrong first with a value of it, in a sentence; empty: nothing was.
         oldest: Largest age since the last report [s].
         flat: Reads a flat format from a neighbour; None of any other.
+        unordered: Whether every frame counts, whatever its header says.
     """
 
     def __init__(self, definition: MessageDefinition[Any]) -> None:
@@ -101,6 +107,7 @@ class Inlet:
         self.unfit = ""
         self.oldest = 0.0
         self.lifespan_s = definition.lifespan_s
+        self.unordered = definition.unreadable is not None
         self._sources: dict[int, Source] = {}
         self._told = (0, 0, 0, 0)
         self._fingerprint = definition.fingerprint
@@ -160,7 +167,7 @@ class Inlet:
                 or (kind in frames.RING_KINDS) != in_ring
             ):
                 frames.unpack(raw)  # says what is wrong
-        if fingerprint != self._fingerprint and self.definition.unreadable is None:
+        if fingerprint != self._fingerprint:
             text = f"{self._name} came in another format"
             raise CodecError(text)
         if kind == frames.INLINE:
@@ -175,6 +182,12 @@ class Inlet:
             descriptors: Any = frames.items(payload)
             return Arrival(publisher, sequence, frames.IN_RING, descriptors)
         return Arrival(publisher, sequence, kind, [(stamp, payload)])
+
+    def unreadable(self) -> Arrival | None:
+        """What stands for a frame that cannot be read; None if nothing does."""
+        if not self.unordered:
+            return None
+        return Arrival(0, 0, frames.INLINE, [(_JUST_NOW, memoryview(b""))])
 
     def report(self) -> control.Received | None:
         """What came since the last time; None if nothing."""

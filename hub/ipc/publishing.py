@@ -26,7 +26,6 @@ from hub.ipc.deliveries import Deliveries, Take
 from hub.ipc.handshakes import Handshakes
 from hub.ipc.loop import Loop
 from hub.ipc.outlet import BATCH_S, Batch, Outlet
-from hub.ipc.security import Action, demand
 
 _AT_ONCE = 128
 _MAX_FILTERS = 1 << 16
@@ -93,14 +92,11 @@ class Outlets:
         """The outlet of a message that is defined; central is told when it is new.
 
         Raises:
-            NotAllowedError: Our key does not let us publish it.
+            NotAllowedError: Our key, or our name, does not let us publish it.
         """
         outlet = self._outlets.get(definition.name)
         if outlet is None:
-            if self.connection.keys and not self.connection.may_publish(definition.plane):
-                commands = definition.plane is Plane.COMMAND
-                action = Action.PUBLISH_COMMAND if commands else Action.PUBLISH_STATE
-                demand(self.connection.keys.bearer, action)
+            self.connection.demand_right(definition)
             outlet = self._outlets[definition.name] = Outlet(definition, self)
             if self.connection.publisher:
                 outlet.begin()
@@ -111,7 +107,7 @@ class Outlets:
         """Connect where each plane goes in, at a central that does not know us."""
         self.near = near
         for plane, address in zip(sockets.PLANES, addresses, strict=True):
-            if not self.connection.may_publish(plane):
+            if not self.connection.may_enter(plane):
                 continue
             socket = sockets.make_plane(self._context, zmq.XPUB, plane, self.connection.keys)
             self._handshakes.begin(socket)

@@ -25,7 +25,7 @@ from hub.ipc.neighbours import Neighbours
 from hub.ipc.peers import Caller, Crowd, Outgoing, Peer
 from hub.ipc.quotas import counts_with, quota_of
 from hub.ipc.routes import Routes
-from hub.ipc.security import LOCAL, Bearer, demand
+from hub.ipc.security import LOCAL, Bearer
 from hub.ipc.shortcuts import Shortcuts
 
 _logger = logging.getLogger(__name__)
@@ -65,6 +65,7 @@ class Registry:
         self._complaints = complaints
         self._peers: dict[bytes, Peer] = {}
         self._names: dict[str, Peer] = {}
+        self._numbers: dict[int, Peer] = {}
         self._definitions = Definitions()
         self._listing: control.Listing | None = None
         self._listing_made = -math.inf
@@ -73,9 +74,6 @@ class Registry:
         self._routes = Routes(self._candidates, complaints)
         self._shortcuts = Shortcuts()
         self._neighbours = Neighbours()
-        # Not from 1: a module that does not know yet that central was started again still sends
-        # under its old number, which must not be another's new one.
-        self._publishers = secrets.randbits(31)
         self._actions: dict[type, _Action] = {
             control.Define: self._define,
             control.Advertise: self._advertise,
@@ -102,8 +100,7 @@ class Registry:
 
     def peer_of(self, publisher: int) -> Peer | None:
         """The peer of this number in frame headers, None if there is none; any thread may ask."""
-        peers = tuple(self._names.values())
-        return next((peer for peer in peers if peer.publisher == publisher), None)
+        return self._numbers.get(publisher)
 
     def handle(self, caller: Caller, message: Any, attached: Buffer | None) -> list[Outgoing]:
         """A control message came."""
@@ -119,7 +116,7 @@ class Registry:
             self._complaints.count("unexpected control message", f"{name} from {peer.name}")
             return []
         try:
-            demand(peer.bearer, permissions.asked(message, self._plane))
+            permissions.check(peer.bearer, peer.name, message, self._plane)
         except NotAllowedError as error:
             return self._not_allowed(peer, message, str(error))
         return action(peer, message, attached)
@@ -178,7 +175,6 @@ class Registry:
             if refusal:
                 self._complaints.count("refused connection", refusal.text)
                 return [*outgoing, Outgoing(identity=identity, message=refusal)]
-            self._publishers = self._publishers % 0xFFFF_FFFF + 1
             known = Peer(
                 identity=identity,
                 descriptor=caller.descriptor,
@@ -187,10 +183,11 @@ class Registry:
                 bearer=caller.bearer,
                 client=message.client,
                 near=caller.bearer is LOCAL and message.neighbourhood == this_neighbourhood() != 0,
-                publisher=self._publishers,
+                publisher=self._new_number(),
                 heard=self._clock(),
             )
             self._peers[identity] = self._names[message.name] = known
+            self._numbers[known.publisher] = known
             _logger.info("%s connected (pid %d)", message.name, message.pid)
             outgoing += self._tell(Change.CONNECTED, known)
         welcome = control.Welcome(
@@ -204,6 +201,12 @@ class Registry:
             paths=caller.paths,
         )
         return [Outgoing(identity=identity, message=welcome), *outgoing]
+
+    def _new_number(self) -> int:
+        """A number for frame headers that nobody has and nobody can guess."""
+        while (number := secrets.randbits(32)) == 0 or number in self._numbers:
+            pass
+        return number
 
     def _refusal(self, name: str, bearer: Bearer) -> control.Refused | None:
         error = "CentralUnreachableError"
@@ -357,8 +360,8 @@ class Registry:
             text = f"the query of {message.name[:80]} came without its message"
             failure = control.Failure(number=message.number, error="NoHandlerError", text=text)
             return [Outgoing(identity=peer.identity, message=failure)]
-        if peer.bearer is not LOCAL and attached is not None and self._is_forged(peer, attached):
-            return self._not_allowed(peer, message, f"{peer.name} asks in the name of another")
+        if attached is not None and self._is_forged(peer, attached):
+            return self._not_allowed(peer, message, f"{peer.name} asks under a number not its own")
         asked = self._routes.ask(peer, message, attached, self._clock())
         handlers = list(self._handling.of(message.name))
         if isinstance(message, control.Query) and len(handlers) == 1:
@@ -366,12 +369,11 @@ class Registry:
         return asked
 
     def _is_forged(self, peer: Peer, attached: Buffer) -> bool:
-        """Whether a message says that it comes from another one who is connected."""
+        """Whether a message has another number in its header than its sender has."""
         try:
-            publisher = frames.unpack(attached).publisher
+            return frames.unpack(attached).publisher != peer.publisher
         except FrameError:
-            return False  # who is asked will say so
-        return self.peer_of(publisher) not in (peer, None)
+            return False  # whoever is asked says so
 
     def _answer(
         self, peer: Peer, message: control.Response | control.Failure, attached: Buffer | None
@@ -431,7 +433,7 @@ class Registry:
         peers = tuple(listing.peer(other, now) for other in self._peers.values())
         dropped = tuple(
             control.Count(reason=reason, count=count)
-            for reason, count in self._complaints.counts.items()
+            for reason, count in tuple(self._complaints.counts.items())
         )
         return control.Listing(
             uptime_s=now - self._begun,
@@ -457,6 +459,7 @@ class Registry:
         """Forget a peer; who waits for it is told at once."""
         _logger.info("%s is gone: %s", peer.name, why)
         self._peers.pop(peer.identity, None)
+        self._numbers.pop(peer.publisher, None)
         if self._names.get(peer.name) is peer:
             del self._names[peer.name]
         outgoing = self._shortcuts.drop(peer)

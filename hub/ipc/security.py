@@ -29,30 +29,36 @@ class Role(enum.Enum):
     SUPERVISE = "supervise"
     MODULE = "module"
 
+    def includes(self, other: Role) -> bool:
+        """Whether holders of this role may do all that holders of the other may."""
+        return _ROLES.index(self) >= _ROLES.index(other)
+
+
+_ROLES = tuple(Role)
+
 
 class Action(enum.Enum):
-    """What a client asks central for; the value says it in an error."""
+    """What a client asks central for; the value says it in an error.
+
+    Who may publish, and query on the command plane, is in `publish_rights`.
+    """
 
     SUBSCRIBE = "subscribe"
     LIST = "list messages and modules"
     PRESENCE = "hear who comes and goes"
     QUERY = "query"
-    QUERY_COMMAND = "query on the command plane"
-    PUBLISH_COMMAND = "publish commands"
     TAKE_OVER = "take control from others"
-    PUBLISH_STATE = "publish states and pictures"
     DEFINE = "define a new message"
     ANSWER = "answer queries"
     CLOSE_MODULE = "close modules"
     SET_LOG_LEVEL = "set the log level"
 
 
-_OBSERVE = frozenset({Action.SUBSCRIBE, Action.LIST, Action.PRESENCE, Action.QUERY})
-_OPERATE = _OBSERVE | {Action.QUERY_COMMAND, Action.PUBLISH_COMMAND}
+_WATCH = frozenset({Action.SUBSCRIBE, Action.LIST, Action.PRESENCE, Action.QUERY})
 _ACTIONS = {
-    Role.OBSERVE: _OBSERVE,
-    Role.OPERATE: _OPERATE,
-    Role.SUPERVISE: _OPERATE | {Action.TAKE_OVER},
+    Role.OBSERVE: _WATCH,
+    Role.OPERATE: _WATCH,
+    Role.SUPERVISE: _WATCH | {Action.TAKE_OVER},
     Role.MODULE: frozenset(Action),
 }
 
@@ -95,25 +101,26 @@ def demand(bearer: Bearer, action: Action) -> None:
     """Refuse what the bearer's role does not allow.
 
     Raises:
-        NotAllowedError: It does not; the text names the roles that do.
+        NotAllowedError: It does not; the text names the least role that does.
     """
     if not may(bearer.role, action):
-        able = " or ".join(role.value for role in Role if may(role, action))
+        least = next(role for role in Role if may(role, action))
         text = (
             f"{bearer.name} has a key to {bearer.role.value} and may not {action.value}; "
-            f"that needs a key made with --role {able}"
+            f"that needs a key made with --role {least.value}"
         )
         raise NotAllowedError(text)
 
 
 def may_enter(role: Role, place: str) -> bool:
-    """Whether holders of this role may connect to a place: CONTROL, "PLANE in" or "PLANE out"."""
+    """Whether holders of this role may connect to a place: CONTROL, "PLANE in" or "PLANE out".
+
+    Every role enters "command in": what passes there is looked at frame by frame.
+    """
     plane, _, way = place.rpartition(" ")
     if place == CONTROL or (plane and way == "out"):
         return True
-    if not plane or way != "in":
-        return False
-    return may(role, Action.PUBLISH_COMMAND if plane == "command" else Action.PUBLISH_STATE)
+    return bool(plane) and way == "in" and (plane == "command" or role is Role.MODULE)
 
 
 @dataclass(frozen=True, slots=True)

@@ -211,7 +211,7 @@ class Inlets:
                 in_ring=inlet.in_ring,
             )
         )
-        if not self._connection.may_publish(definition.plane):
+        if not self._connection.may_enter(definition.plane):
             # Who only listens cannot see its own mark come back.
             self._connection.tell(control.Ready(token=inlet.token))
 

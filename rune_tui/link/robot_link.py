@@ -21,6 +21,7 @@ from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.capability import Capability
 from hub.gcm.catalog import BY_NAME
 from hub.gcm.control import CONTROL_STATE, ControlAction, ControlState
+from hub.gcm.navigation import VELOCITY_COMMAND
 from hub.gcm.providers import PROVIDED_BY
 from hub.gcm.supervision import (
     CAPABILITY_REPORTS,
@@ -33,8 +34,8 @@ from hub.gcm.supervision import (
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.keys import read_client_keys
+from hub.ipc.publish_rights import may_publish
 from hub.ipc.reception import Reception
-from hub.ipc.security import Action, may
 from rune_tui.controls.far_pads import FarPads
 from rune_tui.layout.names import CAPABILITY_INTERVALS_MS
 from rune_tui.layout.spec import RobotSpec
@@ -135,7 +136,7 @@ class RobotLink:
             phase=LinkPhase.CONNECTING,
             since=clock(),
             endpoint=f"ssh {tunnel.destination}" if tunnel else self._client.endpoint,
-            may_command=own_keys is None or may(own_keys.role, Action.PUBLISH_COMMAND),
+            may_command=own_keys is None or may_publish(own_keys.role, VELOCITY_COMMAND.name),
         )
         self._state = RobotState(name=spec.name, link=link)
         self._pictures = PictureStream(
@@ -194,7 +195,7 @@ class RobotLink:
 
         It is lost while there is no connection, so that nothing old arrives.
         """
-        if self._state.link.may_command:
+        if self._state.link.may_send(definition.name):
             measured = self._clock()
             self.record(definition, value, measured)
             self._client.post(lambda: self._client.publish(definition, value, measured=measured))
@@ -252,9 +253,9 @@ class RobotLink:
         kept = {n: r for n, r in self._state.messages.items() if n in messages}
         self._state = self._state.with_(messages=kept)
         self._streams.follow(messages)
-        if self._state.link.may_command:
-            # Defined before they are used, so that a stop is on its way as soon as it is wanted.
-            self._client.define(*(BY_NAME[name] for name in sorted(spec.commands)))
+        # Defined before they are used, so that a stop is on its way as soon as it is wanted.
+        commands = filter(self._state.link.may_send, sorted(spec.commands))
+        self._client.define(*(BY_NAME[name] for name in commands))
 
     def _keep_alive(self) -> None:
         if self._clock() >= self._want_due:

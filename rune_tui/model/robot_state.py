@@ -17,6 +17,8 @@ from hub.gcm.navigation import ROBOT_STATE
 from hub.gcm.navigation import RobotState as NavigationState
 from hub.gcm.vision import CAMERA_STATE, CameraState, ImageCoding
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.publish_rights import may_publish
+from hub.ipc.security import Role
 
 T = TypeVar("T")
 
@@ -141,7 +143,7 @@ class LinkState:
         since: When that began, on the console's monotonic clock [s].
         endpoint: Where the hub is.
         detail: One sentence on the last failure; empty when there is none.
-        may_command: Whether the operator's key allows to drive and stop the robot.
+        may_command: Whether the operator's key allows to drive; every key allows to stop.
         round_trip: How long the newest answer took to come [s]; NaN before the first.
         bytes_per_s: How much comes in; NaN before a second of it was counted.
         messages_per_s: How many messages come in; NaN before a second of them was counted.
@@ -171,6 +173,10 @@ class LinkState:
     said: str = ""
     said_count: int = 0
     pictures: PictureFlow | None = None
+
+    def may_send(self, message: str) -> bool:
+        """Whether the operator's key allows to send this command."""
+        return self.may_command or may_publish(Role.OBSERVE, message)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

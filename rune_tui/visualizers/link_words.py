@@ -64,7 +64,7 @@ def _words(robot: RobotState, state: ConsoleState) -> Iterator[Row]:
     link, now = robot.link, state.now
     yield _phase(link, now)
     if not link.may_command:
-        yield Row("may only watch", Mood.WARNING)
+        yield Row("may watch and stop", Mood.WARNING)
     if link.missed:
         yield Row(f"{link.missed} message{'s' if link.missed > 1 else ''} lost", Mood.WARNING)
     if robot.navigation is not None:

@@ -103,7 +103,7 @@ def _link(robot: RobotState, now: float) -> Part:
 
 def _permission(robot: RobotState) -> Iterator[Part]:
     if not robot.link.may_command:
-        yield Part("OBSERVER: this key may watch, not drive or stop", 8, Mood.WARNING)
+        yield Part("OBSERVER: this key may watch and stop, not drive", 8, Mood.WARNING)
 
 
 def _motion(robot: RobotState, now: float) -> Iterator[Part]:

@@ -198,7 +198,7 @@ def test_control_is_taken_from_others_by_supervisors_and_on_the_robot_only(
 def test_nobody_asks_in_the_name_of_another(robot: Robot) -> None:
     boss, eve = robot.client("boss", Role.SUPERVISE), robot.client("eve", Role.OPERATE)
     eve._connection.publisher = boss.number
-    with pytest.raises(HandlerFailedError, match="in the name of another"):
+    with pytest.raises(HandlerFailedError, match="under a number not its own"):
         want(eve, ControlAction.TAKE_OVER)
 
 

@@ -69,6 +69,7 @@ class StandIn:
             make=lambda kind, _: self.bare(self.context, kind),
             accounts=Accounts(),
             clock=lambda: self.now,
+            judge=lambda raw, _: raw,
         )
 
     def socket(self, context: zmq.Context[_Socket], kind: int) -> _Socket:

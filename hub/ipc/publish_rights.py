@@ -1,0 +1,116 @@
+"""Who may publish which message: one table by message and role; pure.
+
+A client looks here before it publishes, central when a client asks to publish or to query on the
+command plane, and the gateway at every command that comes from another machine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from hub.errors import NotAllowedError
+from hub.ipc.definition import Plane
+from hub.ipc.security import Bearer, Role
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Right:
+    """What it takes to publish a message, or to query with it.
+
+    Attributes:
+        role: The least role of a key.
+        module: The only module that may; empty: any client of that role.
+        unordered: Whether it passes whatever its header says. Only a stop does.
+    """
+
+    role: Role
+    module: str = ""
+    unordered: bool = False
+
+
+_OPERATOR = Right(role=Role.OPERATE)
+_SUPERVISOR = Right(role=Role.SUPERVISE)
+_MODULE = Right(role=Role.MODULE)
+
+COMMANDS: Mapping[str, Right] = {
+    # Whoever may connect may stop the robot.
+    "GCM_Stop": Right(role=Role.OBSERVE, unordered=True),
+    # What an operator does. `hub.control_gate` looks who of them has control.
+    "GCM_Velocity_Command": _OPERATOR,
+    "GCM_Goal_Command": _OPERATOR,
+    "GCM_Turn_Command": _OPERATOR,
+    "GCM_Assistance_Command": _OPERATOR,
+    "GCM_Landmark_Correction": _OPERATOR,
+    "GCM_Camera_Command": _OPERATOR,
+    "GCM_Night_Command": _OPERATOR,
+    "GCM_Point_Command": _OPERATOR,
+    "GCM_Map_Command": _OPERATOR,
+    "GCM_Autonomy_Command": _OPERATOR,
+    "GCM_Capability_Wants": _OPERATOR,
+    "GCM_Common_RequestData": _OPERATOR,
+    "GCM_Console_Heartbeat": _OPERATOR,
+    # Two of its actions need `supervise`; `hub.robomon.control_desk` looks at them.
+    "GCM_Control_Request": _OPERATOR,
+    "GCM_Pad_Device": _OPERATOR,
+    "GCM_Pad_State": _OPERATOR,
+    "GCM_Pad_Console": _OPERATOR,
+    # What starts and ends the robot's modules.
+    "GCM_Common_Command": _SUPERVISOR,
+    "GCM_Module_Command": _SUPERVISOR,
+    # What turns the wheels. The driver looks at the sender once more.
+    "GCM_Drive_Command": Right(role=Role.MODULE, module="navigation"),
+}
+"""All messages of the vocabulary on the command plane."""
+
+ROBOT_NAMES: frozenset[str] = frozenset(
+    {"robomon", "driver", "navigation", "vision", "mapping", "autonomy"}
+)
+"""Names that only the robot's own modules have, whether they run or not."""
+
+
+def right(message: str, plane: str) -> Right:
+    """What it takes to publish a message that is defined on this plane.
+
+    A command that is not in the table is for operators: a module of the robot has defined it.
+    States and pictures come from the robot's own modules.
+    """
+    known = COMMANDS.get(message)
+    if known is None:
+        return _OPERATOR if plane == Plane.COMMAND.value else _MODULE
+    return known
+
+
+def may_publish(role: Role, message: str, plane: str = Plane.COMMAND.value) -> bool:
+    """Whether holders of this role may publish a message."""
+    return role.includes(right(message, plane).role)
+
+
+def demand_right(bearer: Bearer, client: str, message: str, plane: str) -> None:
+    """Refuse a message that the holder of a key, or its client, may not publish.
+
+    Args:
+        bearer: Whose key it is.
+        client: The client's name at central.
+        message: The message's name.
+        plane: The message's plane.
+
+    Raises:
+        NotAllowedError: The text names the least role that may.
+    """
+    needed = right(message, plane)
+    if not bearer.role.includes(needed.role):
+        text = f"{bearer.name} has a key to {bearer.role.value} and may not send {message}; "
+        if needed.role is Role.MODULE:
+            text += f"only {_publishers(needed)} sends it"
+        else:
+            text += f"that needs a key made with --role {needed.role.value}"
+    elif needed.module not in ("", client):
+        text = f"{client} may not send {message}; only {_publishers(needed)} sends it"
+    else:
+        return
+    raise NotAllowedError(text)
+
+
+def _publishers(needed: Right) -> str:
+    return f"the robot's module {needed.module}" if needed.module else "a module of the robot"

@@ -1,0 +1,158 @@
+"""Which commands from other machines come in: every frame is judged by the key it came with."""
+
+from __future__ import annotations
+
+import logging
+import struct
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hub.gcm import common, control, navigation
+from hub.gcm.navigation import Stop, Twist
+from hub.ipc import frames
+from hub.ipc.command_door import CommandDoor
+from hub.ipc.complaints import Complaints
+from hub.ipc.peers import Peer
+from hub.ipc.security import LOCAL, Bearer, Role
+
+ALICE, BOB, EYE, FAR, DRIVES = 11, 12, 13, 14, 15
+LOCAL_NUMBER = 20
+BEARERS = {
+    "alice": Bearer(name="alice", role=Role.OPERATE),
+    "bob": Bearer(name="bob", role=Role.SUPERVISE),
+    "eye": Bearer(name="eye", role=Role.OBSERVE),
+    "far": Bearer(name="far", role=Role.MODULE),
+}
+
+
+def peer(number: int, name: str, bearer: Bearer) -> Peer:
+    return Peer(
+        identity=b"%d" % number,
+        descriptor=-1,
+        name=name,
+        pid=1,
+        bearer=bearer,
+        client=number,
+        publisher=number,
+        heard=0.0,
+    )
+
+
+PEERS = {
+    ALICE: peer(ALICE, "console a", BEARERS["alice"]),
+    BOB: peer(BOB, "console b", BEARERS["bob"]),
+    EYE: peer(EYE, "wall", BEARERS["eye"]),
+    FAR: peer(FAR, "pilot", BEARERS["far"]),
+    DRIVES: peer(DRIVES, "navigation", BEARERS["far"]),
+    LOCAL_NUMBER: peer(LOCAL_NUMBER, "navigation", LOCAL),
+}
+
+
+class Door:
+    """The door of a central with these peers, and what it dropped."""
+
+    def __init__(self) -> None:
+        self.complaints = Complaints(logging.getLogger(__name__), lambda: 0.0)
+        self._door = CommandDoor(PEERS.get, self.complaints, lambda: 0.0)
+
+    def admit(self, raw: bytes, who: str) -> bytes | None:
+        return self._door.admit(raw, str(BEARERS[who]) if who in BEARERS else who)
+
+
+def frame(definition: object, value: object, number: int, sequence: int = 1) -> bytes:
+    return frames.pack(
+        frames.prefix(definition.name, frames.FAR),  # type: ignore[attr-defined]
+        publisher=number,
+        fingerprint=definition.fingerprint,  # type: ignore[attr-defined]
+        sequence=sequence,
+        stamp_ns=5,
+        payload=definition.encode(value),  # type: ignore[attr-defined]
+    )
+
+
+VELOCITY = navigation.VELOCITY_COMMAND, Twist.planar(0.5, 0.0)
+DRIVE = navigation.DRIVE_COMMAND, Twist.planar(0.5, 0.0)
+STOP_ALL = common.COMMON_COMMAND, common.CommonCommand(command=common.CommonCommandKind.STOP)
+ALIVE = control.CONSOLE_HEARTBEAT, control.ConsoleHeartbeat(holds=1)
+STOP = navigation.STOP, Stop(reason="help")
+
+
+@pytest.mark.parametrize(
+    ("what", "number", "who", "dropped"),
+    [
+        (VELOCITY, ALICE, "alice", ""),
+        (VELOCITY, BOB, "bob", ""),
+        (VELOCITY, FAR, "far", ""),
+        (VELOCITY, EYE, "eye", "command not allowed"),
+        (VELOCITY, BOB, "alice", "command not allowed"),
+        (VELOCITY, LOCAL_NUMBER, "alice", "command not allowed"),
+        (VELOCITY, 99, "alice", "command not allowed"),
+        (VELOCITY, LOCAL_NUMBER, "far", "command not allowed"),
+        (ALIVE, BOB, "alice", "command not allowed"),
+        (DRIVE, ALICE, "alice", "command not allowed"),
+        (DRIVE, BOB, "bob", "command not allowed"),
+        (DRIVE, FAR, "far", "command not allowed"),
+        (DRIVE, DRIVES, "far", ""),
+        (DRIVE, LOCAL_NUMBER, "far", "command not allowed"),
+        (STOP_ALL, ALICE, "alice", "command not allowed"),
+        (STOP_ALL, BOB, "bob", ""),
+        (STOP, EYE, "eye", ""),
+        (VELOCITY, ALICE, "operate", "command not allowed"),
+        (VELOCITY, ALICE, "", "command not allowed"),
+        (VELOCITY, ALICE, "operate:somebody else", "command not allowed"),
+        (VELOCITY, ALICE, "module:alice", "command not allowed"),
+        (VELOCITY, LOCAL_NUMBER, "module:nobody", "command not allowed"),
+    ],
+)
+def test_a_command_comes_in_by_role_and_under_its_senders_number(
+    what: tuple[object, object], number: int, who: str, dropped: str
+) -> None:
+    door, raw = Door(), frame(*what, number)
+    assert door.admit(raw, who) == (None if dropped else raw)
+    assert dict(door.complaints.counts) == ({dropped: 1} if dropped else {})
+
+
+@pytest.mark.parametrize("number", [ALICE, BOB, LOCAL_NUMBER, 99])
+@pytest.mark.parametrize("who", BEARERS)
+def test_a_stop_comes_in_from_everybody_under_nobody_elses_number(who: str, number: int) -> None:
+    raw = frame(*STOP, number, sequence=1 << 40)
+    admitted = Door().admit(raw, who)
+    assert admitted is not None
+    read = frames.unpack(admitted)
+    own = number in PEERS and PEERS[number].bearer.name == who
+    assert read.publisher == (number if own else 0)
+    assert navigation.STOP.decode(read.payload) == Stop(reason="help")
+
+
+@given(st.binary(max_size=80))
+def test_a_stop_comes_in_whatever_stands_behind_its_name(rest: bytes) -> None:
+    assert Door().admit(b"!GCM_Stop\0" + rest, "eye") is not None
+    assert Door().admit(b"GCM_Stop\0" + rest, "alice") is not None
+
+
+@given(st.binary(max_size=200), st.sampled_from([*BEARERS, "", "x", "operate:"]))
+def test_nonsense_is_dropped_and_counted(raw: bytes, who: str) -> None:
+    door = Door()
+    assert door.admit(raw, who) is None
+    assert door.complaints.counts.total() == 1
+
+
+@given(st.data())
+def test_a_damaged_header_lets_no_command_in_that_is_not_the_senders(data: st.DataObject) -> None:
+    raw = bytearray(frame(*DRIVE, ALICE))
+    start = len(frames.prefix("GCM_Drive_Command", frames.FAR))
+    at = data.draw(st.integers(start, len(raw) - 1))
+    raw[at] = data.draw(st.integers(0, 255))
+    for who in ("alice", "bob", "eye"):
+        assert Door().admit(bytes(raw), who) is None
+
+
+@pytest.mark.parametrize("kind", [frames.BATCH, frames.IN_RING, frames.NO_RING, 9])
+def test_no_command_is_a_batch_or_lies_in_a_ring(kind: int) -> None:
+    raw = bytearray(frame(*VELOCITY, ALICE))
+    struct.pack_into("<H", raw, len(frames.prefix("GCM_Velocity_Command", frames.FAR)) + 2, kind)
+    door = Door()
+    assert door.admit(bytes(raw), "alice") is None
+    assert door.complaints.counts["malformed command"] == 1

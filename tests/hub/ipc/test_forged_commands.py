@@ -1,0 +1,261 @@
+"""A real gateway and holders of keys who write what they like into their frames."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import zmq
+
+from hub.errors import HandlerFailedError
+from hub.gcm import navigation
+from hub.gcm.common import COMMON_COMMAND, CommonCommand, CommonCommandKind
+from hub.gcm.navigation import STOP, Stop, Twist
+from hub.ipc import frames
+from hub.ipc.central import Central
+from hub.ipc.definition import MessageDefinition
+from hub.ipc.keyring import Keyring
+from hub.ipc.keys import ClientKeys, read_client_keys
+from hub.ipc.security import Role
+from tests.hub.ipc import vocabulary as v
+from tests.hub.ipc.conftest import Peer
+from tests.hub.ipc.vocabulary import Number
+from tests.waiting import until
+
+GOAL = navigation.GOAL_COMMAND
+
+
+class Hub:
+    """Central with a gateway, a local module, an operator with a key, and raw sockets."""
+
+    def __init__(self, folder: Path) -> None:
+        self._keyring = Keyring(folder / "keys")
+        self.central = Central(
+            [f"ipc://{folder}/central"], gateway="tcp://127.0.0.1:0", keyring=self._keyring
+        )
+        self._outside: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
+        self._raw: list[zmq.Socket[bytes]] = []
+        self._peers: list[Peer] = []
+        self.module = self._peer("navigation", self.central.endpoints[0], None)
+        self.owner = self.client("owner", Role.OPERATE)
+
+    def keys(self, name: str, role: Role) -> ClientKeys:
+        return read_client_keys(self._keyring.make(name, role))
+
+    def client(self, name: str, role: Role) -> Peer:
+        return self.connected(name, self.keys(name, role))
+
+    def connected(self, name: str, keys: ClientKeys) -> Peer:
+        return self._peer(name, self.central.endpoints[1], keys)
+
+    def _peer(self, name: str, endpoint: str, keys: ClientKeys | None) -> Peer:
+        self._peers.append(Peer(name, endpoint, keys).connect())
+        return self._peers[-1]
+
+    def raw(self, keys: ClientKeys, topic: bytes) -> zmq.Socket[bytes]:
+        """A socket where commands go in, once somebody there wants the topic."""
+        made = self._outside.socket(zmq.XPUB)
+        made.linger = 0
+        keys.apply(made)
+        assert self.central._gateway is not None
+        made.connect(f"tcp://127.0.0.1:{self.central._gateway.ports[2]}")
+        self._raw.append(made)
+        seen: set[bytes] = set()
+        until(
+            lambda: b"\1!" + topic in seen,
+            10.0,
+            lambda: f"nobody subscribes to {topic!r}: {seen}",
+            meanwhile=lambda: made.poll(50) and seen.add(made.recv()),
+        )
+        return made
+
+    def close(self) -> None:
+        for raw in self._raw:
+            raw.close()
+        self._outside.term()
+        for peer in self._peers:
+            peer.close()
+        self.central.close()
+
+
+@pytest.fixture
+def hub(tmp_path: Path) -> Iterator[Hub]:
+    running = Hub(tmp_path)
+    yield running
+    running.close()
+
+
+def frame(
+    definition: MessageDefinition[Any], value: object, number: int, sequence: int, **changes: Any
+) -> bytes:
+    header = {
+        "publisher": number,
+        "fingerprint": definition.fingerprint,
+        "sequence": sequence,
+        "stamp_ns": time.monotonic_ns(),
+        "payload": definition.encode(value),
+    }
+    return frames.pack(frames.prefix(definition.name, frames.FAR), **(header | changes))
+
+
+def came(hub: Hub, definition: MessageDefinition[Any]) -> list[tuple[Any, Any]]:
+    received = hub.module.collect(definition)
+    hub.module.stands()
+    return received
+
+
+def dropped(hub: Hub, count: int = 1) -> None:
+    counts = hub.central.complaints.counts
+    until(lambda: counts["command not allowed"] >= count, 10.0, lambda: str(counts))
+
+
+def test_command_under_another_ones_number_comes_to_nobody_and_costs_the_owner_nothing(
+    hub: Hub,
+) -> None:
+    received = came(hub, v.EVENT)
+    evil = hub.keys("evil", Role.OPERATE)
+    own = hub.connected("console of evil", evil).client.number
+    raw = hub.raw(evil, b"T_Event\0")
+    for index, number in enumerate((hub.owner.client.number, hub.module.client.number, 7)):
+        raw.send(frame(v.EVENT, Number(value=-1), number, 1000 + index))
+    dropped(hub, 3)
+    raw.send(frame(v.EVENT, Number(value=5), own, 1))
+    hub.owner.publish(v.EVENT, Number(value=1))
+    hub.owner.publish(v.EVENT, Number(value=2))
+    until(lambda: len(received) == 3, 10.0, lambda: str(received))
+    senders = {(value.value, how.publisher) for value, how in received}
+    assert senders == {(5, own), (1, hub.owner.client.number), (2, hub.owner.client.number)}
+
+
+def test_two_holders_do_not_use_each_others_numbers(hub: Hub) -> None:
+    received = came(hub, v.EVENT)
+    first, second = hub.keys("first", Role.OPERATE), hub.keys("second", Role.SUPERVISE)
+    number = hub.connected("console", first).client.number
+    raw = hub.raw(second, b"T_Event\0")
+    raw.send(frame(v.EVENT, Number(value=1), number, 1))
+    dropped(hub)
+    assert received == []
+
+
+def test_number_of_a_client_that_has_left_is_nobodys(hub: Hub) -> None:
+    came(hub, v.EVENT)
+    keys = hub.keys("alice", Role.OPERATE)
+    console = hub.connected("console", keys)
+    number = console.client.number
+    raw = hub.raw(keys, b"T_Event\0")
+    console.close()
+    until(lambda: hub.central.peer_of(number) is None, 10.0)
+    raw.send(frame(v.EVENT, Number(value=1), number, 1))
+    dropped(hub)
+
+
+@pytest.mark.parametrize("role", [Role.OBSERVE, Role.OPERATE], ids=lambda role: role.value)
+def test_forged_stops_stop_and_keep_no_later_stop_away(hub: Hub, role: Role) -> None:
+    received = came(hub, STOP)
+    raw = hub.raw(hub.keys("evil", role), b"GCM_Stop\0")
+    number = hub.owner.client.number
+    forged = [
+        frame(STOP, Stop(reason="forged"), number, 1000),
+        frame(STOP, Stop(reason="forged"), number, 1 << 23),
+        frame(STOP, Stop(), number, 2000, payload=[b""]),
+        frame(STOP, Stop(), number, 3000, fingerprint=1),
+        frame(STOP, Stop(), number, 4000, stamp_ns=-(1 << 62)),
+        b"!GCM_Stop\0" + bytes(6),
+        b"!GCM_Stop\0",
+    ]
+    for each in forged:
+        raw.send(each)
+    until(lambda: len(received) == len(forged), 10.0, lambda: str(received))
+    for index in range(3):
+        hub.owner.publish(STOP, Stop(reason=f"mine {index}"))
+    until(lambda: len(received) == len(forged) + 3, 10.0, lambda: str(received))
+    reasons = [value.reason for value, _ in received]
+    assert reasons[-3:] == ["mine 0", "mine 1", "mine 2"]
+    assert reasons[:2] == ["forged", "forged"]
+    assert reasons[2] == reasons[3] == reasons[5] == reasons[6] == "a stop that cannot be read"
+    assert {how.publisher for _, how in received[: len(forged)]} == {0}
+    assert hub.module.faults == []
+
+
+def test_observer_stops_the_robot_and_does_nothing_else(hub: Hub) -> None:
+    stops, goals = came(hub, STOP), came(hub, GOAL)
+    wall = hub.client("wall", Role.OBSERVE)
+    wall.publish(STOP, Stop(reason="it burns"))
+    until(lambda: [value.reason for value, _ in stops] == ["it burns"], 10.0)
+    raw = hub.raw(hub.keys("eye", Role.OBSERVE), b"GCM_Goal_Command\0")
+    raw.send(frame(GOAL, navigation.GoalCommand(), wall.client.number, 1))
+    dropped(hub)
+    assert goals == []
+
+
+def test_operator_neither_stops_modules_nor_drives_wheels(hub: Hub) -> None:
+    ends, drives = came(hub, COMMON_COMMAND), came(hub, navigation.DRIVE_COMMAND)
+    keys = hub.keys("evil", Role.OPERATE)
+    own = hub.connected("console of evil", keys).client.number
+    raw = hub.raw(keys, b"GCM_Common_Command\0")
+    stop_all = CommonCommand(module="", command=CommonCommandKind.STOP)
+    for number in (own, hub.module.client.number):
+        raw.send(frame(COMMON_COMMAND, stop_all, number, 10_000_000))
+        drive = frame(navigation.DRIVE_COMMAND, Twist.planar(0.5, 0.0), number, 10_000_000)
+        raw.send(drive)
+    dropped(hub, 4)
+    assert ends == drives == []
+    hub.client("boss", Role.SUPERVISE).publish(COMMON_COMMAND, stop_all)
+    until(lambda: ends, 10.0)
+
+
+@pytest.mark.parametrize("far", [True, False], ids=["far", "local"])
+def test_query_under_a_number_that_is_not_its_own_is_refused(hub: Hub, far: bool) -> None:  # noqa: FBT001
+    asked: list[Number] = []
+    module = hub.module
+    module.call(lambda: module.client.respond(v.EVENT, v.ANSWER, asked.append))
+    module.call(lambda: module.client.wait_defined(5.0))
+    module.call(lambda: module.client.directory.listing(5.0))
+    asker = (
+        hub.client("evil", Role.OPERATE)
+        if far
+        else hub._peer("evil", hub.central.endpoints[0], None)
+    )
+    own = asker.client.number
+    for number in (own + 1, own - 1, hub.owner.client.number):
+        asker.call(lambda number=number: setattr(asker.client._connection, "publisher", number))
+        with pytest.raises(HandlerFailedError, match="under a number not its own"):
+            asker.call(
+                lambda: asker.client.query_response(v.EVENT, Number(value=4), v.ANSWER, timeout=5.0)
+            )
+    asker.call(lambda: setattr(asker.client._connection, "publisher", own))
+    assert asked == []
+
+
+def test_one_who_floods_the_door_does_not_keep_others_out(hub: Hub) -> None:
+    received = came(hub, v.EVENT)
+    raw = hub.raw(hub.keys("evil", Role.OBSERVE), b"T_Event\0")
+    nonsense = frame(v.EVENT, Number(value=-1), 7, 1)
+    for _ in range(20_000):
+        raw.send(nonsense)
+    for number in range(5):
+        hub.owner.publish(v.EVENT, Number(value=number))
+    until(lambda: len(received) == 5, 10.0, lambda: str(received))
+    assert hub.central.complaints.counts["command not allowed"]
+
+
+@pytest.mark.parametrize("definition", [v.EVENT, v.COMMAND], ids=["all", "newest"])
+@pytest.mark.parametrize("payload", [b"", b"\0\1\0\0", b"\0\1\0\0" + bytes(90)])
+def test_sequence_that_came_with_nonsense_is_not_believed(
+    hub: Hub, definition: MessageDefinition[Any], payload: bytes
+) -> None:
+    received = came(hub, definition)
+    keys = hub.keys("evil", Role.OPERATE)
+    own = hub.connected("console of evil", keys).client.number
+    raw = hub.raw(keys, definition.name.encode() + b"\0")
+    for sequence in range(1, 6):
+        raw.send(frame(definition, Number(value=-1), own, 1000 * sequence, payload=[payload]))
+        raw.send(frame(definition, Number(value=sequence), own, sequence))
+        until(lambda n=sequence: len(received) == n, 10.0, lambda: str(received))
+    assert [value.value for value, _ in received] == [1, 2, 3, 4, 5]
+    counts = hub.module.client.complaints.counts
+    assert counts["wrong format"] == 5
+    assert not counts["out of order"]
