@@ -66,7 +66,7 @@ def undelivered(effect: SendEffect | ControlEffect, robot: RobotState) -> Outcom
     if isinstance(effect, SendEffect):
         may_send = robot.link.may_send(effect.definition.name)
     if not may_send:
-        text = f"{what} not sent: your key may watch {robot.title}, not command it"
+        text = f"{what} not sent: your key may watch and stop {robot.title}, not drive it"
     elif robot.link.phase is not LinkPhase.CONNECTED:
         text = f"{what} not sent: there is no link to {robot.title}"
     else:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Stop, Twist
+from hub.gcm.navigation import STOP, TURN_COMMAND, VELOCITY_COMMAND, Stop, TurnCommand, Twist
 from rune_tui import desk
 from rune_tui.compositor.blend import compose
 from rune_tui.model.effects import SendEffect
@@ -18,6 +18,7 @@ from tests.console.widgets.presses import marked, seeing
 
 NOW = datetime.datetime(2005, 3, 18, 1, 58, 31, tzinfo=datetime.UTC)
 STOPPING = SendEffect(robot="magellan", definition=STOP, value=Stop())
+TURNING = SendEffect(robot="magellan", definition=TURN_COMMAND, value=TurnCommand())
 DRIVING = SendEffect(robot="magellan", definition=VELOCITY_COMMAND, value=Twist())
 
 
@@ -82,6 +83,7 @@ def test_an_order_that_cannot_arrive_is_told_and_a_stream_is_not(phase: LinkPhas
 
 def test_an_order_of_somebody_who_may_only_watch_is_told():
     robot = Made().robot(link=Made.link(may_command=False))
-    outcome = desk.undelivered(STOPPING, robot)
+    outcome = desk.undelivered(TURNING, robot)
     assert outcome is not None
-    assert "may watch" in outcome.text
+    assert "turn command not sent: your key may watch and stop" in outcome.text
+    assert desk.undelivered(STOPPING, robot) is None

@@ -161,7 +161,7 @@ def test_a_key_that_may_only_watch_is_refused(
         where = [central.endpoints[1], "--keys", str(keyring.make("wall", Role.OBSERVE))]
         assert main(["pad", *where]) == ExitCode.USAGE
     said = capsys.readouterr().err
-    assert "wall has a key to observe and may not publish commands" in said
+    assert "wall has a key to observe and may not send GCM_Pad_State" in said
 
 
 def test_where_no_gateway_is_the_key_is_named_as_one_of_the_reasons(

@@ -149,5 +149,5 @@ def test_a_console_that_may_only_watch_tells_nothing_and_goes_on(hub: Hub) -> No
 
 def test_who_may_only_observe_cannot_send_a_pad(hub: Hub) -> None:
     watcher = hub.agent(Role.OBSERVE)
-    with pytest.raises(NotAllowedError, match="may not publish commands"):
+    with pytest.raises(NotAllowedError, match="may not send GCM_Pad_"):
         sends(watcher)

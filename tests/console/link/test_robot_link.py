@@ -43,7 +43,7 @@ LAYOUT = """<rune run="1">
   </view>
 </rune>
 """
-WATCHES = "OBSERVER: this key may watch, not drive or stop"
+WATCHES = "OBSERVER: this key may watch and stop, not drive"
 
 
 class Desk:
@@ -100,11 +100,15 @@ def test_an_observer_is_told_so_before_and_after_it_presses_keys(desk: Desk) -> 
     assert WATCHES in desk.screen(link)
     _connected(link)
     assert WATCHES in desk.screen(link)
-    link.send(navigation.STOP, navigation.Stop(reason="the test"))
-    link.send(navigation.VELOCITY_COMMAND, navigation.Twist.planar(0.1, 0.0))
-    done: list[None] = []
-    link._client.post(lambda: done.append(None))
-    until(lambda: done, 5.0)
+    came: list[object] = []
+    with closing(Client("navigation", desk.central.endpoints[0])) as module:
+        for definition in (navigation.STOP, navigation.VELOCITY_COMMAND):
+            module.subscribe(definition, lambda value, _: came.append(value))
+        module.wait_subscribed(10.0)
+        link.send(navigation.VELOCITY_COMMAND, navigation.Twist.planar(0.1, 0.0))
+        link.send(navigation.STOP, navigation.Stop(reason="the test"))
+        until(lambda: came, 10.0, meanwhile=lambda: module.listen(0.01))
+    assert came == [navigation.Stop(reason="the test")]
     assert WATCHES in desk.screen(link)
 
 

@@ -62,7 +62,7 @@ def test_a_link_that_does_not_stand_says_so_and_tells_no_rates(link, phase, text
 
 
 def test_the_link_tells_who_may_only_watch(link) -> None:
-    assert "may only watch" in link((20, 16), may_command=False)
+    assert "may watch and stop" in link((20, 16), may_command=False)
 
 
 @pytest.mark.parametrize(

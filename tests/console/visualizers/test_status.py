@@ -207,7 +207,7 @@ def test_a_link_that_is_not_there_is_named(made, draw, phase, words) -> None:
 @pytest.mark.parametrize("phase", list(LinkPhase))
 def test_an_observer_is_called_one_on_any_link_even_where_room_is_short(made, draw, phase) -> None:
     robot = made.robot(link=made.link(phase, may_command=False))
-    assert "OBSERVER: this key may watch, not drive or stop" in line(draw(NAME, robot, (80, 2)))
+    assert "OBSERVER: this key may watch and stop, not drive" in line(draw(NAME, robot, (80, 2)))
     assert "OBSERVER" not in line(draw(NAME, made.robot(link=made.link(phase)), (200, 2)))
 
 
