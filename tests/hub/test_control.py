@@ -139,8 +139,8 @@ def test_modules_of_the_robot_are_followed_whoever_has_control(robot: Robot) -> 
     want(alice, ControlAction.TAKE)
     robot.until_owned_by(alice)
     robot.until(lambda: robot.gate.counts(autonomy.number))
-    robot.send_goal(autonomy, 7)
-    robot.until(lambda: (autonomy.number, 7) in robot.followed)
+    robot.send_goal(autonomy, 6)
+    robot.until(lambda: (autonomy.number, 6) in robot.followed)
     autonomy.close()
     robot.until(lambda: not robot.states[-1].count)
 

@@ -26,6 +26,7 @@ from tests.hub.ipc.vocabulary import Number
 from tests.waiting import until
 
 GOAL = navigation.GOAL_COMMAND
+UNREADABLE = "somebody, in a message that cannot be read"
 
 
 class Hub:
@@ -175,7 +176,7 @@ def test_forged_stops_stop_and_keep_no_later_stop_away(hub: Hub, role: Role) -> 
     reasons = [value.reason for value, _ in received]
     assert reasons[-3:] == ["mine 0", "mine 1", "mine 2"]
     assert reasons[:2] == ["forged", "forged"]
-    assert reasons[2] == reasons[3] == reasons[5] == reasons[6] == "a stop that cannot be read"
+    assert reasons[2] == reasons[3] == reasons[5] == reasons[6] == UNREADABLE
     assert {how.publisher for _, how in received[: len(forged)]} == {0}
     assert hub.module.faults == []
 
@@ -243,7 +244,11 @@ def test_one_who_floods_the_door_does_not_keep_others_out(hub: Hub) -> None:
 
 
 @pytest.mark.parametrize("definition", [v.EVENT, v.COMMAND], ids=["all", "newest"])
-@pytest.mark.parametrize("payload", [b"", b"\0\1\0\0", b"\0\1\0\0" + bytes(90)])
+@pytest.mark.parametrize(
+    "payload",
+    [b"", b"\0\1\0\0", b"\0\1\0\0" + bytes(90)],
+    ids=["empty", "head", "long"],
+)
 def test_sequence_that_came_with_nonsense_is_not_believed(
     hub: Hub, definition: MessageDefinition[Any], payload: bytes
 ) -> None:
