@@ -14,6 +14,7 @@ from PIL import Image, ImageDraw, ImageFont
 from rune_tui.compositor.blend import mean
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.depth import ColourDepth
+from rune_tui.compositor.drawn_glyphs import drawn_glyph
 from rune_tui.compositor.looks import looks_of, unpacked
 from rune_tui.errors import PictureFileError
 
@@ -74,6 +75,8 @@ def _glyph(glyph: str, scale: int) -> Image.Image:
     The font is proportional: a character stands in the middle of its cell, and one that is wider is
     drawn narrower, not smaller.
     """
+    if drawn := drawn_glyph(glyph, scale):
+        return drawn
     font = ImageFont.load_default(1.6 * scale)
     width = max(scale, math.ceil(font.getlength(glyph)))
     mask = Image.new("L", (width, 2 * scale))

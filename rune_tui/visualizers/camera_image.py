@@ -221,7 +221,10 @@ def _mark_middle(canvas: Canvas, frame: PictureFrame, theme: Theme) -> None:
 
 
 def _explanation(robot: RobotState, now: float) -> str:
+    """Why there is no picture; of a lost link the banner tells."""
+    if robot.picture is not None:
+        return ""
     trouble = link_trouble(robot, now)
-    if not trouble and robot.picture is None:
+    if not trouble:
         trouble = f"waiting for the first picture from {robot.title}"
     return f"{trouble}; {robot.link.detail}" if trouble and robot.link.detail else trouble

@@ -39,6 +39,8 @@ _FINEST_M: Final = 1e-3
 _NORTH: Final = math.pi / 2.0
 _CONTRAST: Final = np.clip((np.arange(101) - 30) * 100 // 35, 0, 100)
 """Cells count as surely free up to 30 and as surely occupied from 65 on, as in ROS's maps."""
+_DOTTED: Final = 0.3
+"""How far the dots of the unknown stand out from it, of the way to faint ink."""
 _GRAIN: Final = 320.0
 """Steps of the robot that are less than this part of what is shown are not seen."""
 _TURN_GRAIN: Final = {True: math.radians(0.5), False: math.radians(2.0)}
@@ -49,8 +51,8 @@ class MapData:
     """Draws a robot's map; remembers where it has been."""
 
     rule: ClassVar = VisualizerRule(
-        meaning="the map: walls bright, free ground dark, the unknown dotted; the robot, where it "
-        "has been and where it wants to go, what its camera sees, victims (V) and landmarks (L)",
+        meaning="the map: walls, free floor, the unknown dotted; the robot and its heading, where "
+        "it has been and where it wants to go, what its camera sees, victims (V) and landmarks (L)",
         message="GCM_Common_Map",
         others=(
             "GCM_RobotState",
@@ -175,11 +177,11 @@ class MapData:
     ) -> None:
         _draw_grid(canvas, window, robot, theme)
         pose, route = self._follow(robot), _route(robot)
+        if pose is not None and robot.camera is not None:
+            map_marks.draw_cone(canvas, window, pose, robot.camera.value, theme)
         with drawing(canvas) as pen:
             map_marks.draw_trail(pen, window, self._trail.points(robot.name), theme)
             map_marks.draw_route(pen, window, route, theme)
-            if pose is not None and robot.camera is not None:
-                map_marks.draw_cone(pen, window, pose, robot.camera.value, theme)
         if pose is not None:
             map_marks.draw_robot(canvas, window, pose, robot.body, theme)
         map_marks.write_goal(canvas, window, route, theme)
@@ -277,14 +279,14 @@ def _around(corners: Floats, size: tuple[int, int], up: float, zoom: float) -> M
 
 
 def _draw_grid(canvas: Canvas, window: MapWindow, robot: RobotState, theme: Theme) -> None:
-    """Walls bright, free ground dark, the unknown between them and dotted."""
-    unknown = _between(theme.panel, theme.faint, 0.25)
+    """Walls, the floor that is known to be free, and the unknown, which is dotted."""
+    unknown = theme.unknown
     if robot.map is None:
         canvas.fill(unknown)
         nothing = np.ones((canvas.height, canvas.width), np.bool_)
     else:
         colours = grid_colours(
-            free=theme.ground, occupied=theme.ink, unknown=unknown, outside=unknown
+            free=theme.floor, occupied=theme.wall, unknown=unknown, outside=unknown
         )
         colours[:101] = colours[_CONTRAST]
         values = grid_values(robot.map.value, window)
@@ -292,7 +294,7 @@ def _draw_grid(canvas: Canvas, window: MapWindow, robot: RobotState, theme: Them
         nothing = values < 0
     for first in (0, 2):
         dots = canvas.pixels[first::4, first::4]
-        dots[nothing[first::4, first::4]] = _between(theme.panel, theme.faint, 0.6)
+        dots[nothing[first::4, first::4]] = _between(unknown, theme.faint, _DOTTED)
 
 
 def _between(first: Colour, second: Colour, share: float) -> Colour:
@@ -316,12 +318,12 @@ def _write_remark(canvas: Canvas, remark: str, theme: Theme) -> None:
 
 
 def _explanation(robot: RobotState, now: float) -> str:
-    """Why there is no map, or no newer one."""
+    """Why there is no map; of a lost link the banner tells."""
+    if robot.map is not None:
+        return ""
     trouble = link_trouble(robot, now)
     if trouble:
         return f"{trouble}; {robot.link.detail}" if robot.link.detail else trouble
-    if robot.map is not None:
-        return ""
     lack = robot.link.lacking.get(Capability.PRO_MAP)
     if lack is None:
         return f"waiting for the first map from {robot.title}"

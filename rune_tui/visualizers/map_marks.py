@@ -17,11 +17,18 @@ from rune_tui.model.pose import Pose
 from rune_tui.model.sightings import Floats
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas, Colour
-from rune_tui.raster.shapes import Pen, Point, drawing
+from rune_tui.raster.shapes import Pen, Point, drawing, toward
 
 _CONE_M: Final = 2.0
+_CONE_STEPS: Final = 9
+_GLOW: Final = 90
+"""How strongly what the camera sees is lit, of 255."""
+_DART_BACK: Final = math.radians(138.0)
+"""From a dart's tip to its other corners, seen from its middle [rad]."""
+_DART_NOTCH: Final = 0.35
+"""How far its notch is behind its middle, of its reach."""
 _SMOOTHING: Final = 4
-_LEAST_ROBOT: Final = 4.0
+_LEAST_ROBOT: Final = 4.5
 """However small the map, a robot reaches at least so far from its centre [pixels]."""
 _SCALES: Final = tuple(step * 10.0**power for power in range(-2, 4) for step in (1.0, 2.0, 5.0))
 _LEAST_COLUMNS, _LEAST_ROWS = 16, 4
@@ -41,15 +48,30 @@ def draw_route(pen: Pen, window: MapWindow, route: Floats, theme: Theme) -> None
         pen.dashes(_points(window.pixels(route)), theme.good, dash=2.0, gap=2.0)
 
 
-def draw_cone(pen: Pen, window: MapWindow, pose: Pose, camera: CameraState, theme: Theme) -> None:
-    """Both edges of what the camera sees."""
+def draw_cone(
+    canvas: Canvas, window: MapWindow, pose: Pose, camera: CameraState, theme: Theme
+) -> None:
+    """What the camera sees, as a glow on the ground; walls stay as they are."""
     middle, half = camera.pan, camera.horizontal_fov / 2.0
-    if not math.isfinite(middle + half):
+    if not (math.isfinite(middle) and 0.0 < half < math.pi):
         return
-    for side in (middle - half, middle + half):
-        end = (_CONE_M * math.cos(side), _CONE_M * math.sin(side))
-        edge = window.pixels(pose.to_map([(0.0, 0.0), end]))
-        pen.dashes(_points(edge), theme.ink, dash=1.0, gap=2.0)
+    sides = np.linspace(middle - half, middle + half, _CONE_STEPS)
+    rim = _CONE_M * np.stack((np.cos(sides), np.sin(sides)), axis=1)
+    corners_m = np.concatenate((np.zeros((1, 2)), rim))
+    seen = window.pixels(pose.to_map(corners_m))
+    low = np.maximum(np.floor(seen.min(axis=0)), 0.0).astype(int)
+    high = np.ceil(seen.max(axis=0)).astype(int) + 1
+    around = canvas.pixels[low[1] : max(0, high[1]), low[0] : max(0, high[0])]
+    if not around.size:
+        return
+    lit = Canvas.blank(around.shape[1], around.shape[0])
+    edge = _points(seen - low)
+    with drawing(lit) as pen:
+        pen.polygon(edge, (*theme.cone[:3], _GLOW))
+        pen.line([edge[1], edge[0], edge[-1]], theme.cone)
+    wall = (around == theme.wall).all(axis=2)
+    alpha = np.where(wall, 0, lit.pixels[..., 3])[..., None].astype(np.uint16)
+    around[..., :3] = (lit.pixels[..., :3] * alpha + around[..., :3] * (255 - alpha)) // 255
 
 
 def draw_robot(
@@ -74,11 +96,19 @@ def draw_robot(
             if len(footprint):
                 edge = _points(window.pixels(pose.to_map(footprint)) - (left, top))
                 pen.polygon(edge, theme.panel)
-                pen.line([*edge, edge[0]], theme.ink)
+                pen.line([*edge, edge[0]], theme.robot)
             else:
-                pen.circle(centre, radius, fill=theme.panel, rim=theme.ink)
-        pen.arrow(centre, reach, pose.theta - window.up, theme.accent)
+                pen.circle(centre, radius, fill=theme.panel, rim=theme.robot)
+        _draw_dart(pen, centre, reach, pose.theta - window.up, theme)
     around[...] = patch.pixels
+
+
+def _draw_dart(pen: Pen, centre: Point, reach: float, direction: float, theme: Theme) -> None:
+    """A dart whose tip is ahead, dark around, so that its heading is seen on any ground."""
+    shape = ((0.0, 1.0), (_DART_BACK, 1.0), (math.pi, _DART_NOTCH), (-_DART_BACK, 1.0))
+    for size, colour in ((reach + 1.0, theme.ground), (reach, theme.robot)):
+        corners_px = [toward(centre, size * far, direction + turn) for turn, far in shape]
+        pen.polygon(corners_px, colour)
 
 
 def write_points(
@@ -118,11 +148,10 @@ def write_scale(canvas: Canvas, window: MapWindow, theme: Theme) -> None:
     length = max((scale for scale in _SCALES if scale <= room), default=_SCALES[0])
     pixels = max(1, min(canvas.width - 2, round(length / window.metres_per_pixel)))
     row = canvas.rows - 1
-    words = f"{length:g} m"
-    canvas.pixels[2 * row :, : pixels + 3 + len(words)] = theme.panel
-    canvas.pixels[2 * row, 1 : 1 + pixels] = theme.ink
-    canvas.pixels[2 * row :, [1, pixels]] = theme.ink
-    canvas.text(pixels + 2, row, words, theme.ink)
+    bar = f"├{'─' * (pixels - 2)}┤" if pixels > 1 else "│"
+    words = f"{bar} {length:g} m"
+    canvas.pixels[2 * row :, : len(words) + 2] = theme.panel
+    canvas.text(1, row, words, theme.soft)
 
 
 def write_at(canvas: Canvas, point: Point, string: str, ink: Colour, theme: Theme) -> None:

@@ -98,7 +98,9 @@ def _link(robot: RobotState, now: float) -> Part:
         return Part("linked", 2, Mood.GOOD)
     if robot.link.phase is LinkPhase.CONNECTING:
         return Part(f"connecting {seconds}", 9, Mood.WARNING)
-    return Part(f"LINK LOST {seconds}", 9, Mood.ALARM)
+    lost = f"LINK LOST {seconds}"
+    why = f": {robot.link.detail}" if robot.link.detail else ""
+    return Part(lost + why, 9, Mood.ALARM, short=lost)
 
 
 def _permission(robot: RobotState) -> Iterator[Part]:

@@ -91,17 +91,19 @@ def text(canvas) -> str:
     return " ".join(" ".join(words(canvas)).split())
 
 
-def test_walls_are_bright_free_ground_dark_and_the_unknown_dotted(made, draw, golden) -> None:
+def test_walls_are_bright_free_ground_grey_and_the_unknown_dark_and_dotted(
+    made, draw, golden
+) -> None:
     canvas = draw(NAME, robot_in(made), SIZE, option=12.0)
-    assert at(canvas, 2.0, WALL + 0.15, 12.0) == DARK.ink[:3]
-    assert at(canvas, 2.0, WALL - 1.0, 12.0) == DARK.ground[:3]
+    assert at(canvas, 2.0, WALL + 0.15, 12.0) == DARK.wall[:3]
+    assert at(canvas, 2.0, WALL - 1.0, 12.0) == DARK.floor[:3]
     unknown = canvas.pixels[20:60, :5, :3].reshape(-1, 3)
     shades, counts = np.unique(unknown, axis=0, return_counts=True)
     assert len(shades) == 2
     assert 0.05 < counts.min() / counts.sum() < 0.3
-    # Without hue, too, they are far apart.
-    levels = sorted([0.0, 240.0, *(float(shade.mean()) for shade in shades)])
-    assert np.diff(levels).min() > 40.0
+    # Without hue, too, they are apart, and what is free is not the darkest.
+    levels = [float(np.mean(colour[:3])) for colour in (shades[0], DARK.floor, DARK.wall)]
+    assert np.diff(levels).min() > 50.0
     golden("map_data", draw(NAME, robot_in(made), (40, 30), option=12.0))
 
 
@@ -111,14 +113,14 @@ def test_what_is_nearly_sure_looks_sure(made, draw) -> None:
     grid.cells[grid.cells == 0] = 25
     robot = robot_in(made).with_(map=made.received(grid))
     canvas = draw(NAME, robot, SIZE)
-    assert at(canvas, 2.0, WALL - 0.05) == DARK.ground[:3]
-    assert at(canvas, 2.0, 3.0) == DARK.ground[:3]
+    assert at(canvas, 2.0, WALL - 0.05) == DARK.floor[:3]
+    assert at(canvas, 2.0, 3.0) == DARK.floor[:3]
 
 
 def test_the_robot_is_in_the_middle_and_points_where_it_is_heading(made, draw) -> None:
     for theta, ahead in ((0.0, (1, 0)), (math.pi / 2, (0, -1)), (math.pi, (-1, 0))):
         canvas = draw(NAME, robot_in(made, x=1.0, y=2.0, theta=theta), SIZE)
-        arrow = spots(canvas, DARK.accent) + 0.5 - (50.0, 40.0)
+        arrow = spots(canvas, DARK.robot) + 0.5 - (50.0, 40.0)
         assert len(arrow) > 5
         assert np.abs(arrow.mean(axis=0)).max() < 3.0
         tip = arrow @ ahead
@@ -139,10 +141,10 @@ def test_the_option_and_the_zoom_say_how_much_is_seen(made) -> None:
 
 def test_everything_known_is_seen_when_the_whole_map_is_wanted(made, draw) -> None:
     canvas = draw(NAME, robot_in(made, x=4.0, y=-4.0), SIZE, show="whole")
-    walls = spots(canvas, DARK.ink)
+    walls = spots(canvas, DARK.wall)
     across = walls[walls[:, 1] < 20]
     assert np.ptp(across[:, 0]) == pytest.approx(80 / 1.08, abs=2.0)
-    free = spots(canvas, DARK.ground)
+    free = spots(canvas, DARK.floor)
     assert free[:, 1].max() < 80
     assert free.min() > 1
 
@@ -150,16 +152,31 @@ def test_everything_known_is_seen_when_the_whole_map_is_wanted(made, draw) -> No
 @pytest.mark.parametrize("theta", [0.3, 0.8, 2.0])
 def test_everything_known_is_seen_however_it_is_turned(made, draw, theta) -> None:
     canvas = draw(NAME, robot_in(made, theta=theta), (80, 80), show="whole", up="robot")
-    free = spots(canvas, DARK.ground)
+    free = spots(canvas, DARK.floor)
     assert 1 <= free.min() <= 5
     assert 74 <= free.max() <= 78
+
+
+@pytest.mark.parametrize("theta", [0.1 + index * math.pi / 8.0 for index in range(16)])
+def test_where_a_robot_of_eight_pixels_heads_can_be_seen(made, draw, theta) -> None:
+    canvas = draw(NAME, robot_in(made, theta=theta), (40, 40), option=40.0)
+    pixels = canvas.pixels[14:26, 14:26, :3].astype(float)
+    # What is bright as the dart is: on its bow it is narrow, so its middle is behind its outline's.
+    away = np.abs(pixels - DARK.robot[:3]).sum(axis=2)
+    dart = np.argwhere(away < 160.0)[:, ::-1]
+    assert 4 <= np.ptp(dart, axis=0).max() <= 9
+    middle = (dart.max(axis=0) + dart.min(axis=0)) / 2.0
+    reach = np.array([math.cos(theta), -math.sin(theta)])
+    along = (dart - middle) @ reach
+    aside = np.abs((dart - middle) @ np.array([reach[1], -reach[0]]))
+    assert aside[along > 1.0].max(initial=0.0) < aside[along < 0.0].max() + 0.5
 
 
 def test_the_robots_heading_is_up_when_that_is_wanted(made, draw) -> None:
     robot = robot_in(made, theta=0.0)
     canvas = draw(NAME, robot, SIZE, up="robot")
     # North is to its left.
-    assert canvas.pixels[40, 50 - 41, :3].tolist() == list(DARK.ink[:3])
+    assert canvas.pixels[40, 50 - 41, :3].tolist() == list(DARK.wall[:3])
     column, row = where(canvas, "N")
     assert column <= 1
     assert 18 <= row <= 21
@@ -214,7 +231,7 @@ def test_the_view_cone_turns_with_the_camera(made, draw) -> None:
     for pan, side in ((0.8, 1), (-0.8, -1)):
         camera = made.received(made.camera(pan=pan, horizontal_fov=0.4))
         robot = made.robot(map=made.received(room()), camera=camera)
-        lines = spots(draw(NAME, robot, SIZE), DARK.ink)
+        lines = spots(draw(NAME, robot, SIZE), DARK.cone)
         near = lines[(np.abs(lines[:, 1] - 40) > 6) & (np.abs(lines[:, 1] - 40) < 25)]
         near = near[(near[:, 0] > 50) & (near[:, 0] < 75)]
         assert len(near) > 4
@@ -248,7 +265,7 @@ def test_the_scale_is_a_bar_of_a_round_length(made, draw) -> None:
     for across, length in ((10.0, 2.0), (25.0, 5.0), (1.3, 0.2)):
         canvas = draw(NAME, robot_in(made), SIZE, option=across)
         assert f"{length:g} m" in words(canvas)[-1]
-        bar = (canvas.pixels[78, :30, :3] == DARK.ink[:3]).all(axis=1).sum()
+        bar = sum(words(canvas)[-1].count(sign) for sign in "├─┤")
         assert bar == pytest.approx(100.0 * length / across, abs=1.0)
 
 
@@ -270,15 +287,19 @@ def test_without_a_map_words_say_why(made, draw, lacking, told, navigation) -> N
 def test_a_lost_link_is_said(made, draw) -> None:
     robot = robot_in(made).with_(link=made.link(LinkPhase.LOST, detail="gone"))
     canvas = draw(NAME, robot, (80, 30))
-    assert "no link to magellan at tcp://10.0.0.5:1381: retrying, 3 s; gone" in text(canvas)
+    # The banner says it; the map stays to be seen.
+    assert "no link" not in text(canvas)
+    empty = made.robot(link=made.link(LinkPhase.LOST, detail="gone"))
+    told = text(draw(NAME, empty, (80, 30)))
+    assert "no link to magellan at tcp://10.0.0.5:1381: retrying, 3 s; gone" in told
 
 
 def test_an_unknown_position_is_said_and_the_map_shown(made, draw) -> None:
     robot = made.robot(map=made.received(room()), navigation=None)
     canvas = draw(NAME, robot, SIZE, option=12.0)
     assert "position unknown" in words(canvas)[-1]
-    assert at(canvas, 2.0, WALL + 0.15, 12.0) == DARK.ink[:3]
-    assert not len(spots(canvas, DARK.accent))
+    assert at(canvas, 2.0, WALL + 0.15, 12.0) == DARK.wall[:3]
+    assert not len(spots(canvas, DARK.robot))
 
 
 def test_an_old_map_is_said_and_an_old_position_dimmed_then_hatched_and_marked(made, draw) -> None:
