@@ -111,7 +111,7 @@ class Exploration:
         self.robot.set_velocity(*self._governor.velocity(self.now))
 
     def _act(self) -> None:
-        said = status(self.navigator.errand, self._governor.driver)
+        said = status(self.navigator.errand, self._governor.driver, self.now)
         self.autonomy.see_navigation(said, self.now, mine=said.sender == _OURS)
         if self.autonomy.wants_map(self.now):
             self._later(lambda: self.autonomy.see_map(self.grid(), self.now))

@@ -6,7 +6,15 @@ import enum
 from dataclasses import dataclass
 from typing import Annotated
 
-from hub.gcm.fields import LengthIfKnown, MetresIfKnown, Sentence
+from hub.gcm.fields import (
+    LengthIfKnown,
+    MetresIfKnown,
+    Number,
+    Seconds,
+    SecondsIfKnown,
+    Sentence,
+    ShareIfKnown,
+)
 from hub.gcm.navigation import MOST_POINTS, Point
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.ranges import Most
@@ -65,6 +73,32 @@ class Pilot(enum.IntEnum):
     AUTONOMY = 2
 
 
+class Phase(enum.IntEnum):
+    """How what was asked for stands.
+
+    Attributes:
+        IDLE: Nobody has asked for anything, or somebody asked to hold.
+        ACTIVE: It is under way.
+        WAITING: The robot stands until something comes back or clears, and goes on then.
+        DONE: It is done.
+        BLOCKED: There was no way.
+        STOPPED: Somebody stopped it.
+        TAKEN_OVER: Somebody drives, has control now, or sent the robot elsewhere.
+        LOST: What autonomy has to know did not come back in time.
+        REFUSED: The command made no sense.
+    """
+
+    IDLE = 0
+    ACTIVE = 1
+    WAITING = 2
+    DONE = 3
+    BLOCKED = 4
+    STOPPED = 5
+    TAKEN_OVER = 6
+    LOST = 7
+    REFUSED = 8
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AutonomyState:
     """What autonomy does, and why; when it changes and twice a second.
@@ -76,6 +110,14 @@ class AutonomyState:
         y: Where it goes in `map` [m].
         frontier_m: Length of the map's edge that is left to explore [m]; NaN: not exploring.
         why: Why it does so, for people: "the operator took over", "explored: nothing is left".
+        phase: How what was asked for last stands.
+        asked: What was asked for last.
+        explored: Share of the edge of the known free ground that needs no exploring, 0 to 1;
+            NaN: it has not explored.
+        distance_m: Length of the way that is left to where it goes [m]; NaN: not known.
+        seconds: How long it has taken so far, or took in all [s].
+        ended_s: Time since it ended [s]; NaN: it is under way, or nobody has asked yet.
+        sender: The module's number at central, as in `NavigationStatus.sender`.
     """
 
     behaviour: Behaviour
@@ -84,11 +126,19 @@ class AutonomyState:
     y: MetresIfKnown
     frontier_m: LengthIfKnown
     why: Sentence
+    phase: Phase = Phase.IDLE
+    asked: Behaviour = Behaviour.HOLD
+    explored: ShareIfKnown = float("nan")
+    distance_m: LengthIfKnown = float("nan")
+    seconds: Seconds = 0.0
+    ended_s: SecondsIfKnown = float("nan")
+    sender: Number = 0
 
 
 AUTONOMY_STATE = MessageDefinition(
     name="GCM_AutonomyState",
-    format="{{enum:5},{enum:2},double,double,double,string}",
+    format="{{enum:5},{enum:2},double,double,double,string,{enum:8},{enum:5},"
+    "double,double,double,double,uint}",
     type=AutonomyState,
     rate_hz=2.0,
 )

@@ -23,6 +23,7 @@ Stamp: TypeAlias = Annotated[float, Range(0.0, 1e10, unit="s")]
 """Time since the epoch [s], until the year 2286."""
 Seconds: TypeAlias = Annotated[float, Range(0.0, 1e9, unit="s")]
 """A span of time [s]."""
+SecondsIfKnown: TypeAlias = Annotated[float, Range(0.0, 1e9, unit="s", nan=True)]
 
 Metres: TypeAlias = Annotated[float, Range(-FARTHEST_M, FARTHEST_M, unit="m")]
 """A place along one axis [m]."""

@@ -16,11 +16,13 @@ from hub.gcm.fields import (
     Flag,
     LengthIfKnown,
     Metres,
+    MetresIfKnown,
     Number,
     Radians,
     RadiansIfKnown,
     Ranges,
     Seconds,
+    SecondsIfKnown,
     Sentence,
     Share,
     ShareIfKnown,
@@ -284,17 +286,19 @@ class GoalCommand:
         points: Where to, in `map`.
         theta: Heading at the last one in `map` [rad]; NaN: any.
         linear_limit: Fastest [m/s]; NaN: the robot's own limit.
+        patience: How long the robot waits where the way is closed, 0 to 600 [s]; NaN: 30.
     """
 
     count: int = 0
     points: Annotated[tuple[Point, ...], Most(MOST_POINTS)] = ()
     theta: RadiansIfKnown = float("nan")
     linear_limit: Annotated[float, Range(0.0, 100.0, unit="m/s", nan=True)] = float("nan")
+    patience: Annotated[float, Range(0.0, 1e6, unit="s", nan=True)] = float("nan")
 
 
 GOAL_COMMAND = MessageDefinition(
     name="GCM_Goal_Command",
-    format="{int,<{double,double}:1>,double,double}",
+    format="{int,<{double,double}:1>,double,double,double}",
     type=GoalCommand,
     keep=Keep.ALL,
     plane=Plane.COMMAND,
@@ -387,6 +391,34 @@ class Task(enum.IntEnum):
     CANCELLED = 5
 
 
+class Cause(enum.IntEnum):
+    """Why a task waits, or why it ended before it was done.
+
+    Attributes:
+        NONE: It does not wait; it is done.
+        CLOSED: The map shows no way, or the robot makes no headway.
+        OCCUPIED: Something stands where it should go.
+        BUSY: Navigation was too busy to steer.
+        DRIVER: The driver is silent, or began anew at another place.
+        STOP: Somebody sent a stop.
+        STICK: Somebody drives by hand.
+        CONTROL: Somebody else has control now.
+        REPLACED: Another task came.
+        WITHDRAWN: Somebody sent a goal without points.
+    """
+
+    NONE = 0
+    CLOSED = 1
+    OCCUPIED = 2
+    BUSY = 3
+    DRIVER = 4
+    STOP = 5
+    STICK = 6
+    CONTROL = 7
+    REPLACED = 8
+    WITHDRAWN = 9
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NavigationStatus:
     """What navigation does by itself; when it changes and twice a second.
@@ -398,9 +430,14 @@ class NavigationStatus:
         driver: Who sends the velocity commands that are followed now; 0: nobody.
         points_left: Points not yet reached.
         distance_left: Length of the way that is left [m]; NaN: not known.
-        why: For people.
+        why: Why it waits or how it ended, for people; empty while it goes on.
         count: Points of `path`.
         path: The planned way in `map`, from the robot to the goal; none if it has no map.
+        cause: The same as `why`, for programs.
+        x: Where the task leads or led to in `map` [m]; NaN: it is a turn, or there was none.
+        y: Likewise [m].
+        seconds: How long it has taken so far, or took in all [s].
+        ended_s: Time since it ended [s]; NaN: it is under way, or there was none.
     """
 
     number: Number
@@ -412,11 +449,17 @@ class NavigationStatus:
     why: Sentence
     count: int
     path: Annotated[tuple[Point, ...], Most(MOST_POINTS)]
+    cause: Cause = Cause.NONE
+    x: MetresIfKnown = float("nan")
+    y: MetresIfKnown = float("nan")
+    seconds: Seconds = 0.0
+    ended_s: SecondsIfKnown = float("nan")
 
 
 NAVIGATION_STATUS = MessageDefinition(
     name="GCM_NavigationStatus",
-    format="{uint,{enum:5},uint,uint,int,double,string,int,<{double,double}:8>}",
+    format="{uint,{enum:5},uint,uint,int,double,string,int,<{double,double}:8>,{enum:9},"
+    "double,double,double,double}",
     type=NavigationStatus,
     rate_hz=2.0,
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import logging
 import sys
 import time
@@ -62,13 +63,13 @@ class Autonomy:
 
     def _stop(self, message: navigation.Stop, reception: Reception) -> None:
         del reception
-        self._pilot.see_stop(message.reason)
+        self._pilot.see_stop(message.reason, self._clock())
         self._act()
 
     def _handed_over(self, state: ControlState, before: int) -> None:
         """Somebody else has control than before; who gets it from somebody gets a robot at rest."""
         if state.owner and before:
-            self._pilot.see_stop(f"{state.operator} has control now")
+            self._pilot.see_other(f"{state.operator} has control now", self._clock())
             self._act()
 
     def _stick(self, twist: navigation.Twist, reception: Reception) -> None:
@@ -120,6 +121,7 @@ class Autonomy:
 
     def _publish(self) -> None:
         state = self._pilot.state(self._clock())
+        state = dataclasses.replace(state, sender=self._client.number)
         if state.why != self._why:
             _logger.info("%s: %s", state.behaviour.name, state.why)
         self._said, self._why = _shown(state), state.why
@@ -129,7 +131,7 @@ class Autonomy:
 def _shown(state: autonomy.AutonomyState) -> str:
     """What people see of a state; two that look the same need not both be published."""
     goal = f"{state.x:.2f} {state.y:.2f} {state.frontier_m:.1f}"
-    return f"{state.behaviour} {state.pilot} {goal} {state.why}"
+    return f"{state.behaviour} {state.pilot} {state.phase} {goal} {state.why}"
 
 
 def abilities(robot: RobotDescription) -> Abilities:

@@ -18,24 +18,38 @@ class Target:
     Attributes:
         points: One after the other, in `map`.
         why: For people.
+        patience: How long to wait where the way is closed [s]; NaN: as long as navigation does.
     """
 
     points: tuple[Point, ...]
     why: str
+    patience: float = NOWHERE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pause:
-    """Stand for a while and ask again."""
+    """Stand for a while and ask again.
+
+    Attributes:
+        why: For people.
+        waits: Whether something has to change first; if not, it only looks around.
+    """
 
     why: str
+    waits: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class End:
-    """The errand is over."""
+    """The errand is over.
+
+    Attributes:
+        why: How it ended, for people.
+        done: Whether it is done; if not, there was no way.
+    """
 
     why: str
+    done: bool = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,10 +77,12 @@ class Errand(Protocol):
     Attributes:
         needs_map: Whether it does nothing without a fresh map.
         frontier_m: Length of the map's edge that is left to explore [m]; NaN: it does not explore.
+        explored: Share of the edge that needs no exploring, 0 to 1; NaN: it does not explore.
     """
 
     needs_map: bool
     frontier_m: float
+    explored: float
 
     def choose(self, sight: Sight) -> Target | Pause | End:
         """What to do next."""
@@ -77,7 +93,7 @@ class Errand(Protocol):
     def reached(self, target: Target, now: float) -> None:
         """The robot is there."""
 
-    def blocked(self, target: Target, left: int, now: float) -> None:
+    def blocked(self, target: Target, left: int, now: float, why: str) -> None:
         """There is no way to the first of so many points that are left, or no headway."""
 
 
@@ -87,6 +103,7 @@ class Visit:
     Attributes:
         needs_map: False: navigation finds the way.
         frontier_m: NaN.
+        explored: NaN.
     """
 
     TRIES = 3
@@ -101,8 +118,9 @@ class Visit:
             why: What it does, for people.
         """
         self.needs_map = False
-        self.frontier_m = NOWHERE
+        self.frontier_m = self.explored = NOWHERE
         self._target = Target(points=points, why=why)
+        self._why = ""
         self._done = False
         self._blocked = 0
         self._rests_until = float("-inf")
@@ -112,9 +130,11 @@ class Visit:
         if self._done:
             return End(why="it is there")
         if self._blocked >= self.TRIES:
-            return End(why=f"there is no way, tried {self.TRIES} times")
+            why = f"tried {self.TRIES} times: {self._why or 'there is no way'}"
+            return End(why=why, done=False)
         if sight.now < self._rests_until:
-            return Pause(why="the way is blocked, tries again soon")
+            why = f"waits, and tries again: {self._why or 'there is no way'}"
+            return Pause(why=why, waits=True)
         return self._target
 
     def keeps(self, target: Target, sight: Sight) -> bool:
@@ -127,8 +147,9 @@ class Visit:
         del target, now
         self._done = True
 
-    def blocked(self, target: Target, left: int, now: float) -> None:
+    def blocked(self, target: Target, left: int, now: float, why: str) -> None:
         """One try less, for the points that are left."""
+        self._why = why
         if 0 < left < len(target.points):
             self._target = Target(points=target.points[-left:], why=target.why)
             self._blocked = 0

@@ -59,6 +59,7 @@ class Explore:
     Attributes:
         needs_map: True.
         frontier_m: Length of all frontiers that can be reached and are not given up [m].
+        explored: Share of the known ground's edge that is none of them, 0 to 1.
     """
 
     def __init__(self, radius: float, limits: Limits) -> None:
@@ -69,7 +70,7 @@ class Explore:
             limits: When nothing new has come for long enough.
         """
         self.needs_map = True
-        self.frontier_m = math.nan
+        self.frontier_m = self.explored = math.nan
         self._radius = radius
         self._novelty = Novelty(limits)
         self._reach = LOOK
@@ -94,6 +95,7 @@ class Explore:
             and not self._given_up(there)
         ]
         self.frontier_m = sum(place.length for place in left)
+        self.explored = explored_share(sight.grid, self.frontier_m)
         counts = len(left), len(near) - len(reachable), len(reachable) - len(left)
         if self._novelty.over(sight.now):
             if self._last_looks:
@@ -116,7 +118,7 @@ class Explore:
         self._reach = look
         self._novelty.set_out()
         why = f"explores: a frontier of {best.length:.1f} m, {best.distance:.1f} m away"
-        return Target(points=(Point(x=best.x, y=best.y),), why=why)
+        return Target(points=(Point(x=best.x, y=best.y),), why=why, patience=0.0)
 
     def keeps(self, target: Target, sight: Sight) -> bool:
         """Whether the map still ends there."""
@@ -130,9 +132,9 @@ class Explore:
         """What is still unknown there will stay so for now."""
         self._note(target, now)
 
-    def blocked(self, target: Target, left: int, now: float) -> None:
+    def blocked(self, target: Target, left: int, now: float, why: str) -> None:
         """It cannot be reached for now."""
-        del left
+        del left, why
         self._note(target, now)
 
     def _frontiers(
@@ -187,6 +189,19 @@ def summary(reason: str, left: int, out_of_reach: int, given_up: int) -> str:
     if not parts:
         return f"explored: {reason}"
     return f"explored: {reason}; frontiers: {', '.join(parts)}"
+
+
+def explored_share(grid: Grid, frontier_m: float) -> float:
+    """Share of the edge of the known free ground that is not left to explore, 0 to 1.
+
+    Args:
+        grid: The map.
+        frontier_m: Length of the edge that is left to explore [m].
+    """
+    free = np.pad(grid.free, 1)
+    inner = free[:-2, 1:-1] & free[2:, 1:-1] & free[1:-1, :-2] & free[1:-1, 2:]
+    edge = float(np.count_nonzero(grid.free & ~inner)) * grid.resolution
+    return max(0.0, 1.0 - frontier_m / edge) if edge else 0.0
 
 
 def worth(frontier: Frontier) -> float:

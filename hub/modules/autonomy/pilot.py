@@ -3,7 +3,7 @@
 A command starts an errand. The errand gives targets, which navigation is sent to one at a time.
 Whatever an operator does ends it: a velocity command that is not neutral, a stop, a goal of
 somebody else. While something that has to be known is old or missing the robot stands; when it
-comes back soon the errand goes on, otherwise it ends.
+comes back within a minute the errand goes on, otherwise it ends.
 """
 
 from __future__ import annotations
@@ -12,8 +12,15 @@ import math
 from collections.abc import Sequence
 
 from hub.gcm import autonomy
-from hub.gcm.autonomy import AutonomyCommand, AutonomyState, Behaviour
-from hub.gcm.navigation import GoalCommand, MotionState, NavigationStatus, Point, RobotState
+from hub.gcm.autonomy import AutonomyCommand, AutonomyState, Behaviour, Phase
+from hub.gcm.navigation import (
+    Cause,
+    GoalCommand,
+    MotionState,
+    NavigationStatus,
+    Point,
+    RobotState,
+)
 from hub.grids.grid import Grid
 from hub.modules.autonomy.errands import NOWHERE, End, Errand, Sight, Target, Visit
 from hub.modules.autonomy.exploring import Explore
@@ -29,8 +36,14 @@ START = Point(x=0.0, y=0.0)
 """Where the robot started: the origin of `odom`, which `map` shares."""
 LET_GO_S = 1.0
 """After a command the operator has this time to let go of the stick [s]."""
-PATIENCE_S = 10.0
+PATIENCE_S = 60.0
 """So long an errand waits for what it has to know [s]."""
+STALL_S = 0.5
+"""A longer pause between two looks means that this process itself was away [s]."""
+SETTLE_S = 0.3
+"""What came meanwhile reaches this process within this time after it [s]."""
+JUMP = 0.5
+"""A robot that is farther than this from where it was before it fell silent is lost [m]."""
 LOOK_S = 0.5
 """At the end of a way the sensors have this time to see what is there [s]."""
 STOP_AGAIN_S = 0.5
@@ -59,6 +72,12 @@ class Pilot:
         self._behaviour = Behaviour.HOLD
         self._errand: Errand | None = None
         self._why = "nobody has asked for anything"
+        self._phase = Phase.IDLE
+        self._asked = Behaviour.HOLD
+        self._began = self._ended = math.nan
+        self._explored = NOWHERE
+        self._acted = self._back = -math.inf
+        self._left_at: tuple[float, float] | None = None
         self._commanded = self._asked_map = self._stopped = -math.inf
         self._waits_since: float | None = None
         self._map_used = self._map_left = 0
@@ -78,10 +97,14 @@ class Pilot:
         self._sent_elsewhere = self._interrupted = False
         self._asked_map = -math.inf
         wrong = _mistake(command)
-        if wrong or command.behaviour is Behaviour.HOLD:
-            self._hold(wrong or "asked to hold")
+        if command.behaviour is Behaviour.HOLD and not wrong:
+            self._end(Phase.IDLE if self._errand is None else Phase.STOPPED, "asked to hold", now)
             return
-        self._behaviour = command.behaviour
+        self._asked, self._began, self._explored = command.behaviour, now, NOWHERE
+        if wrong:
+            self._end(Phase.REFUSED, wrong, now)
+            return
+        self._behaviour, self._phase, self._ended = command.behaviour, Phase.ACTIVE, math.nan
         self._errand = self._errand_of(command.behaviour, command.points)
         self._why = "begins"
 
@@ -92,7 +115,7 @@ class Pilot:
     def see_navigation(self, status: NavigationStatus, now: float, *, mine: bool) -> None:
         """What navigation does; `mine`: the task is or was ours."""
         self._senses.see_navigation(status, now)
-        self._watch.heard(status, mine=mine)
+        self._watch.heard(status, now, mine=mine)
         under_way = self._senses.under_way
         self._under_way_for_us = mine and under_way
         self._number = min(self._number, status.number)
@@ -110,11 +133,16 @@ class Pilot:
         """Somebody else sent a velocity that is not neutral."""
         self._senses.see_stick(now)
 
-    def see_stop(self, reason: str) -> None:
+    def see_stop(self, reason: str, now: float) -> None:
         """Somebody sent a stop; navigation has got it too."""
         if self._errand is not None:
-            self._hold(f"stopped: {reason or 'no reason given'}")
+            self._end(Phase.STOPPED, f"stopped: {reason or 'no reason given'}", now)
             self._watch.forget()
+
+    def see_other(self, why: str, now: float) -> None:
+        """Somebody else has control than before; who gets it gets a robot at rest."""
+        if self._errand is not None:
+            self._give_way(why, now)
 
     # What goes out.
 
@@ -132,15 +160,17 @@ class Pilot:
             self._see_who_drives(now)
         if self._errand is None:
             return self._stop(now)
+        if self._was_away(now):
+            return None
         trouble = self._senses.trouble(now, needs_map=self._errand.needs_map)
         if not trouble and self._senses.driven(now):
             trouble = "the operator still drives"
         if trouble:
             return self._wait(trouble, now)
         self._waits_since = None
-        if self._interrupted and self._stopped_meanwhile():
-            self._hold("the robot was stopped while little was known of it")
-        self._interrupted = False
+        if self._interrupted:
+            self._look_what_happened(now)
+        self._interrupted, self._left_at = False, None
         if self._errand is not None:
             self._judge(self._errand, now)
         if self._errand is None:
@@ -156,13 +186,22 @@ class Pilot:
         else:
             ours = self._under_way_for_us
             pilot = autonomy.Pilot.AUTONOMY if ours else autonomy.Pilot.NOBODY
+        over = errand is None
+        waits = not over and bool(self._watch.why) and self._watch.cause is not Cause.NONE
+        until = self._ended if over else now
         return AutonomyState(
             behaviour=self._behaviour,
             pilot=pilot,
             x=goal.x if goal else NOWHERE,
             y=goal.y if goal else NOWHERE,
             frontier_m=errand.frontier_m if errand else NOWHERE,
-            why=self._why,
+            why=self._watch.why if waits else self._why,
+            phase=Phase.WAITING if waits else self._phase,
+            asked=self._asked,
+            explored=errand.explored if errand else self._explored,
+            distance_m=self._watch.distance if goal else NOWHERE,
+            seconds=until - self._began if math.isfinite(until - self._began) else 0.0,
+            ended_s=now - self._ended if over else NOWHERE,
         )
 
     # Inside.
@@ -179,43 +218,66 @@ class Pilot:
             return Visit(tuple(points), "goes to a point")
         return Visit(tuple(points), f"follows {len(points)} points")
 
-    def _hold(self, why: str) -> None:
+    def _end(self, phase: Phase, why: str, now: float) -> None:
+        """The errand is over, or is not begun."""
+        if self._errand is not None:
+            self._explored = self._errand.explored
+        if phase is not Phase.IDLE:
+            self._ended = now
         self._behaviour, self._errand, self._why = Behaviour.HOLD, None, why
-        self._waits_since = None
+        self._phase = phase
+        self._waits_since = self._left_at = None
 
     def _see_who_drives(self, now: float) -> None:
         """An operator comes first: whoever has taken over keeps the robot."""
         outcome = self._watch.outcome(now)
         if outcome is Outcome.REPLACED or self._sent_elsewhere:
-            self._give_way("somebody else sent the robot elsewhere")
+            self._give_way("somebody else sent the robot elsewhere", now)
         elif outcome is Outcome.CANCELLED:
-            taken = self._senses.driven(now)
-            ended = f"the goal was ended: {self._watch.why or 'nobody says why'}"
-            self._give_way(_TAKEN_OVER if taken else ended)
+            if self._watch.cause is Cause.STICK or self._senses.driven(now):
+                self._give_way(_TAKEN_OVER, now)
+            else:
+                stopped = self._watch.cause in (Cause.STOP, Cause.WITHDRAWN, Cause.NONE)
+                why = self._watch.why or "somebody ended the goal"
+                self._give_way(why, now, Phase.STOPPED if stopped else Phase.TAKEN_OVER)
         elif self._senses.driven(now) and now - self._commanded > LET_GO_S:
-            self._give_way(_TAKEN_OVER)
+            self._give_way(_TAKEN_OVER, now)
 
-    def _give_way(self, why: str) -> None:
-        self._hold(why)
+    def _give_way(self, why: str, now: float, phase: Phase = Phase.TAKEN_OVER) -> None:
+        self._end(phase, why, now)
         self._watch.forget()
+
+    def _was_away(self, now: float) -> bool:
+        """Whether this process was away a moment ago: what it missed is on its way to it."""
+        if math.isfinite(self._acted) and now - self._acted > STALL_S:
+            self._back = now
+        self._acted = now
+        return now - self._back < SETTLE_S
 
     def _wait(self, trouble: str, now: float) -> GoalCommand | None:
         """Stand until what is missing has come, but not for ever."""
         if self._waits_since is None:
             self._waits_since = now
+            state = self._senses.state
+            self._left_at = None if state is None else (state.x, state.y)
         if now - self._waits_since > PATIENCE_S:
-            self._hold(f"gave up: {trouble}")
+            self._end(Phase.LOST, f"gave up after {PATIENCE_S:.0f} s: {trouble}", now)
         else:
-            self._why = f"waits: {trouble}"
+            self._phase, self._why = Phase.WAITING, f"waits: {trouble}"
         had_goal = self._watch.target is not None
         self._interrupted |= had_goal
         self._watch.forget()
         return self._stop(now, surely=had_goal)
 
-    def _stopped_meanwhile(self) -> bool:
-        """Whether a stop may have come that this module has missed."""
+    def _look_what_happened(self, now: float) -> None:
+        """End the errand if the robot was stopped or moved while little was known of it."""
         state = self._senses.state
-        return state is not None and state.motion is MotionState.STOPPED
+        if state is None:
+            return
+        if state.motion is MotionState.STOPPED:
+            self._end(Phase.STOPPED, "the robot was stopped while little was known of it", now)
+        elif self._left_at is not None and math.dist(self._left_at, (state.x, state.y)) > JUMP:
+            self._end(Phase.LOST, "the robot is not where it was before it fell silent", now)
 
     def _stop(self, now: float, *, surely: bool = False) -> GoalCommand | None:
         """Have navigation stand, if it is on its way for us."""
@@ -233,9 +295,11 @@ class Pilot:
         if outcome is Outcome.REACHED:
             errand.reached(target, now)
         elif outcome is Outcome.BLOCKED:
-            errand.blocked(target, self._watch.left, now)
+            errand.blocked(target, self._watch.left, now, self._watch.why)
+        elif outcome is Outcome.GIVEN_UP:
+            self._end(Phase.LOST, self._watch.why, now)
         elif outcome is Outcome.UNHEARD and not self._watch.may_send_again:
-            self._hold("navigation does not take the goal")
+            self._end(Phase.LOST, "navigation does not take the goal", now)
         if outcome in _OVER or self._errand is None:
             self._watch.forget()
             self._map_left = self._senses.map_number
@@ -256,22 +320,26 @@ class Pilot:
             stays = seen == self._map_used or errand.keeps(target, sight)
             self._map_used = seen
             if stays:
+                self._phase, self._why = Phase.ACTIVE, target.why
                 return None
         self._map_used = seen
         choice = errand.choose(sight)
         if isinstance(choice, Target):
-            self._why = choice.why
+            self._phase, self._why = Phase.ACTIVE, choice.why
             return self._send(choice, now)
         self._watch.forget()
-        self._why = choice.why
         if isinstance(choice, End):
-            self._hold(choice.why)
+            self._end(Phase.DONE if choice.done else Phase.BLOCKED, choice.why, now)
+        else:
+            self._phase = Phase.WAITING if choice.waits else Phase.ACTIVE
+            self._why = choice.why
         return self._stop(now)
 
     def _send(self, target: Target, now: float) -> GoalCommand:
         self._watch.send(target, now)
         self._stop_due = False
-        return GoalCommand(count=len(target.points), points=target.points)
+        points = target.points
+        return GoalCommand(count=len(points), points=points, patience=target.patience)
 
 
 def _mistake(command: AutonomyCommand) -> str:

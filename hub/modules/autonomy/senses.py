@@ -7,13 +7,13 @@ import math
 from hub.gcm.navigation import MotionState, NavigationStatus, RobotState, Task
 from hub.grids.grid import Grid
 
-STATE_OLD_S = 0.5
+STATE_OLD_S = 1.0
 """An older state of the robot is of no use [s]."""
 NAVIGATION_OLD_S = 1.6
 """Navigation says twice a second what it does; after this time it counts as gone [s]."""
 STICK_S = 0.3
 """After a velocity command somebody drives for this time, whatever navigation says [s]."""
-MAP_OLD_S = 6.0
+MAP_OLD_S = 15.0
 """An older map is of no use [s]."""
 MAP_PERIOD_S = 2.0
 """How often a map is asked for while one is needed [s]."""

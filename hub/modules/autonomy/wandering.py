@@ -24,6 +24,7 @@ class Wander:
     Attributes:
         needs_map: True.
         frontier_m: NaN.
+        explored: NaN.
     """
 
     def __init__(self, radius: float, seed: int) -> None:
@@ -34,7 +35,7 @@ class Wander:
             seed: Of the lots.
         """
         self.needs_map = True
-        self.frontier_m = NOWHERE
+        self.frontier_m = self.explored = NOWHERE
         self._radius = radius
         self._random = np.random.default_rng(seed)
         self._blocked = 0
@@ -42,11 +43,11 @@ class Wander:
     def choose(self, sight: Sight) -> Target | Pause | End:
         """A free place that can be reached over known ground."""
         if self._blocked >= TRIES:
-            return End(why=f"there is no way, tried {TRIES} places")
+            return End(why=f"there is no way, tried {TRIES} places", done=False)
         here = (sight.x, sight.y)
         wide = sight.grid and sight.grid.covering((here,), self._radius)
         if not wide:
-            return Pause(why="there is no map yet")
+            return Pause(why="there is no map yet", waits=True)
         caution = Caution(radius=self._radius, comfort=0.0, unknown=math.inf)
         start = wide.cell(*here)
         factors = crossing(wide, start, caution)
@@ -58,8 +59,8 @@ class Wander:
             if len(places):
                 row, column = places[self._random.integers(len(places))]
                 x, y = wide.centre(int(row), int(column))
-                return Target(points=(Point(x=x, y=y),), why="wanders")
-        return Pause(why="there is no room to wander")
+                return Target(points=(Point(x=x, y=y),), why="wanders", patience=0.0)
+        return Pause(why="there is no room to wander", waits=True)
 
     def keeps(self, target: Target, sight: Sight) -> bool:
         """Always."""
@@ -71,7 +72,7 @@ class Wander:
         del target, now
         self._blocked = 0
 
-    def blocked(self, target: Target, left: int, now: float) -> None:
+    def blocked(self, target: Target, left: int, now: float, why: str) -> None:
         """Another place may do."""
-        del target, left, now
+        del target, left, now, why
         self._blocked += 1

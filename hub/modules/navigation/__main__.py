@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import sys
 import time
 
@@ -11,7 +12,7 @@ from hub.errors import CodecError, HubError
 from hub.gcm import mapping, navigation
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
-from hub.gcm.navigation import Assistance, MotionState, Task
+from hub.gcm.navigation import Assistance, Cause, DriveState, MotionState, Task
 from hub.grids.grid import grid_of
 from hub.ipc.client import Client
 from hub.ipc.reception import Reception
@@ -19,14 +20,20 @@ from hub.modules.navigation.dynamic_window import body_of
 from hub.modules.navigation.pilot import Pilot
 from hub.modules.navigation.reports import robot_state, status
 from hub.modules.navigation.speed_governor import SpeedGovernor
+from hub.plane import wrapped
 from hub.robots.description import RobotDescription
 from hub.runtime import publish_on_request, run_module
 
-_ENDED_BY = {
-    MotionState.NO_DRIVER: "the driver fell silent",
-    MotionState.STOPPED: "the robot was stopped, or was too busy to steer",
+_HELD = {
+    Cause.BUSY: "navigation is too busy to steer",
+    Cause.DRIVER: "the driver is silent",
 }
-"""Why a goal that is under way ends, as far as the state of motion tells."""
+"""Why a task waits while its wheels are held."""
+_NOT_BEGUN = {MotionState.NO_DRIVER: Cause.DRIVER, MotionState.MOVING: Cause.STICK}
+"""Why a task does not get the wheels, by the state of motion."""
+_JUMP, _TURN = 0.3, 0.5
+"""A driver that begins anew farther than this [m, rad] from where the last one was tells another
+place."""
 
 _logger = logging.getLogger(__name__)
 
@@ -88,7 +95,8 @@ class Navigation:
 
     def _stop(self, message: navigation.Stop, reception: Reception) -> None:
         del reception
-        self._pilot.errand.end(Task.CANCELLED, "somebody sent a stop")
+        why = f"stopped: {message.reason or 'no reason given'}"
+        self._pilot.errand.end(Task.CANCELLED, why, Cause.STOP, self._clock())
         self._governor.stop()
         self._drive()
         self._look()
@@ -98,7 +106,8 @@ class Navigation:
         """Somebody else has control than before."""
         self._governor.controlled_by(state.owner, before)
         if state.owner and before:
-            self._pilot.errand.end(Task.CANCELLED, f"{state.operator} has control now")
+            why = f"{state.operator} has control now"
+            self._pilot.errand.end(Task.CANCELLED, why, Cause.CONTROL, self._clock())
         self._drive()
         self._look()
 
@@ -106,7 +115,10 @@ class Navigation:
         now = self._clock()
         if self._driver not in (None, reception.publisher):
             _logger.warning("the driver began anew: the robot waits for a neutral command")
-            self._pilot.errand.end(Task.CANCELLED, "the driver began anew")
+            if self._newest is not None and _jumped(self._newest[0], state):
+                why = "the driver began anew and tells another place"
+                self._pilot.errand.end(Task.CANCELLED, why, Cause.DRIVER, now)
+                self._governor.end_task()
             self._governor.driver_began_anew()
         self._driver = reception.publisher
         self._newest = (state, reception.measured)
@@ -118,10 +130,15 @@ class Navigation:
             return
         now = self._clock()
         if not goal.points:
-            self._pilot.errand.end(Task.CANCELLED, "somebody ended it")
+            self._pilot.go(goal, reception.publisher, now)
             self._look()
             return
-        why = self._governor.begin_task(now) or self._pilot.go(goal, reception.publisher, now)
+        why = self._governor.begin_task(now)
+        if why:
+            cause = _NOT_BEGUN.get(self._governor.state(now), Cause.BUSY)
+            self._pilot.errand.refuse(goal, reception.publisher, why, cause, now)
+        else:
+            why = self._pilot.go(goal, reception.publisher, now)
         self._begun("a goal", why)
         self._ask_for_map()
 
@@ -150,7 +167,10 @@ class Navigation:
     def _drive(self) -> None:
         """Decide on the velocity and tell the driver."""
         now = self._clock()
-        if self._governor.state(now) is MotionState.GOING:
+        self._governor.state(now)  # sees what has changed since
+        if self._governor.held is not Cause.NONE:
+            self._pilot.errand.hold(self._governor.held, _HELD[self._governor.held], now)
+        elif self._governor.has_task:
             steered = self._pilot.steered(now)
             if steered is None:
                 self._governor.end_task()
@@ -166,16 +186,23 @@ class Navigation:
     def _look(self) -> None:
         """See what has changed since, and act on it without waiting for the next cycle."""
         now = self._clock()
-        motion = self._governor.state(now)
+        velocity = self._governor.velocity(now)
         errand = self._pilot.errand
-        if errand.active and motion is not MotionState.GOING:
-            errand.end(Task.CANCELLED, _ENDED_BY.get(motion, "somebody drives"))
-        elif motion is MotionState.GOING and not errand.active:
+        if errand.active and not self._governor.has_task:
+            errand.end(Task.CANCELLED, "somebody drives", Cause.STICK, now)
+        elif self._governor.has_task and not errand.active:
             self._governor.end_task()
-        if self._governor.velocity(now) != self._wanted:
+        if velocity != self._wanted:
             self._drive()
         self._look_at_assistance(now)
-        said = (errand.number, errand.task, self._governor.driver, len(errand.points), errand.route)
+        said = (
+            errand.number,
+            errand.task,
+            errand.cause,
+            self._governor.driver,
+            len(errand.points),
+            errand.route,
+        )
         if said != self._said:
             self._said = said
             self._publish_status()
@@ -229,8 +256,15 @@ class Navigation:
         self._client.publish(navigation.ROBOT_STATE, state, measured=measured)
 
     def _publish_status(self) -> None:
-        said = status(self._pilot.errand, self._governor.driver)
+        said = status(self._pilot.errand, self._governor.driver, self._clock())
         self._client.publish(navigation.NAVIGATION_STATUS, said)
+
+
+def _jumped(before: DriveState, after: DriveState) -> bool:
+    """Whether the dead reckoning of a driver does not go on where that of another one was."""
+    way = math.hypot(after.x - before.x, after.y - before.y)
+    near = way <= _JUMP and abs(wrapped(after.theta - before.theta)) <= _TURN
+    return not near
 
 
 def abilities(robot: RobotDescription) -> Abilities:

@@ -16,7 +16,6 @@ from hub.gcm.navigation import (
     DriveState,
     GoalCommand,
     LandmarkCorrection,
-    Task,
     TurnCommand,
 )
 from hub.grids.grid import Grid
@@ -112,6 +111,8 @@ class Pilot:
         aim = None if drive is None else self.errand.aim(self.pose, now)
         if drive is None or aim is None:
             return None
+        if aim.stay:
+            return 0.0, 0.0
         if aim.turn is not None:
             return 0.0, self._window.turn(aim.turn)
         if self.errand.goal != self._planned_for or (
@@ -223,7 +224,7 @@ class Pilot:
         if way is not None:
             self.errand.planned(way)
         elif self._whole:
-            self.errand.end(Task.BLOCKED, "the map shows no way there")
+            self.errand.planned(None, "the map shows no way there")
         else:
             # There may be one around the window; the next map that is asked for is the whole one.
             self._whole = True

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from hub.gcm.navigation import DriveState, MotionState, NavigationStatus, Point, RobotState
 from hub.modules.navigation.pilot import Pilot
 from hub.modules.navigation.task import Errand
@@ -33,9 +35,10 @@ def robot_state(
     )
 
 
-def status(errand: Errand, driver: int) -> NavigationStatus:
+def status(errand: Errand, driver: int, now: float) -> NavigationStatus:
     """What is done now, or how it ended."""
     way = errand.route.way if errand.route is not None else ()
+    x, y = errand.place
     return NavigationStatus(
         number=errand.number,
         task=errand.task,
@@ -46,4 +49,9 @@ def status(errand: Errand, driver: int) -> NavigationStatus:
         why=errand.why,
         count=len(way),
         path=tuple(Point(x=x, y=y) for x, y in way),
+        cause=errand.cause,
+        x=x,
+        y=y,
+        seconds=errand.seconds(now),
+        ended_s=math.nan if errand.active else now - errand.ended,
     )

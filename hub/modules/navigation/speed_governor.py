@@ -7,14 +7,15 @@ left deflected. Neutral commands of those who do not drive change nothing.
 
 A task of navigation's own holds the wheels as a sender does, but needs no neutral command: it is
 begun by an event, not by a stick. It never takes over from somebody who drives; anybody who wants
-to move takes over from it.
+to move takes over from it. While the driver is silent, and after this process was away, the wheels
+of a task stand. The task keeps them, and may steer again when everything is fresh.
 """
 
 from __future__ import annotations
 
 import math
 
-from hub.gcm.navigation import MotionState
+from hub.gcm.navigation import Cause, MotionState
 
 SILENCE_S = 0.3
 """Time without a fresh command after which the robot is stopped [s]."""
@@ -26,6 +27,8 @@ STALL_S = 0.3
 """A longer pause between two looks means that this process itself was away [s]."""
 DEAF_S = 0.1
 """How long after such a pause commands are taken for old ones [s]."""
+SETTLE_S = 0.2
+"""A task steers again when nothing was missing for this time [s]."""
 _MAX_SENDERS = 256
 
 
@@ -35,6 +38,7 @@ class SpeedGovernor:
     Attributes:
         refused: Commands that were not followed: not finite, old, not from neutral, or from
             somebody else while one drives.
+        held: Why the wheels of a task stand; NONE: it may steer.
     """
 
     def __init__(
@@ -56,7 +60,9 @@ class SpeedGovernor:
         self._driver_until = now
         self._looked = now
         self._deaf_until = now
+        self._settled_at = now
         self.refused = 0
+        self.held = Cause.NONE
 
     def command(
         self, sender: int, linear: float, angular: float, measured: float, now: float
@@ -92,7 +98,7 @@ class SpeedGovernor:
     def steer(self, linear: float, angular: float, now: float) -> None:
         """The task wants a velocity [m/s, rad/s]; it has to say so again before long."""
         self._look(now)
-        if self._state is MotionState.GOING:
+        if self._state is MotionState.GOING and self.held is Cause.NONE:
             self._fresh_until = now + self._silence_s
             self._velocity = self._limited(linear, angular)
 
@@ -100,6 +106,11 @@ class SpeedGovernor:
         """The task has ended."""
         if self._state is MotionState.GOING:
             self._halt(MotionState.STANDING)
+
+    @property
+    def has_task(self) -> bool:
+        """Whether a task has the wheels, also while they are held."""
+        return self._state is MotionState.GOING
 
     @property
     def driver(self) -> int:
@@ -112,9 +123,12 @@ class SpeedGovernor:
         self._armed.clear()
 
     def driver_began_anew(self) -> None:
-        """Another driver reports than before: it, too, waits for a neutral command."""
-        self._halt(MotionState.WAITING)
+        """Another driver reports than before: who drives has to send a neutral command first."""
         self._armed.clear()
+        if self.has_task:
+            self._hold(Cause.DRIVER, self._looked)
+        else:
+            self._halt(MotionState.WAITING)
 
     def controlled_by(self, owner: int, before: int) -> None:
         """Somebody else has control than before, by numbers; 0: nobody.
@@ -162,6 +176,13 @@ class SpeedGovernor:
         self._state = state
         self._velocity = (0.0, 0.0)
         self._sender = None
+        self.held = Cause.NONE
+
+    def _hold(self, cause: Cause, now: float) -> None:
+        """The wheels of a task stand."""
+        self.held = cause
+        self._velocity = (0.0, 0.0)
+        self._settled_at = now + SETTLE_S
 
     def _look(self, now: float) -> None:
         """See what the time that has gone by has changed."""
@@ -169,10 +190,27 @@ class SpeedGovernor:
         self._looked = now
         if away:
             self._deaf_until = now + DEAF_S
-        if self._sender is None and self._state is not MotionState.GOING:
+        if self.has_task:
+            self._look_at_task(now, away=away)
             return
-        if away or now >= self._driver_until or (now >= self._fresh_until and self._sender is None):
+        if self._sender is None:
+            return
+        if away or now >= self._driver_until:
             self.stop()
         elif now >= self._fresh_until:
             self._armed.pop(self._sender or 0, None)
             self._halt(MotionState.SILENCE)
+
+    def _look_at_task(self, now: float, *, away: bool) -> None:
+        """Hold the wheels of a task while something is missing, and let it steer again."""
+        silent = now >= self._driver_until
+        if away or (silent and now < self._deaf_until):
+            # Reports that came while this process was away are still on their way to it.
+            self._hold(Cause.BUSY, now)
+        elif silent:
+            self._hold(Cause.DRIVER, now)
+        elif self.held is Cause.NONE and now >= self._fresh_until:
+            self._hold(Cause.BUSY, now)
+        elif self.held is not Cause.NONE and now >= self._settled_at:
+            self.held = Cause.NONE
+            self._fresh_until = now + self._silence_s

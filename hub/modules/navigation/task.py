@@ -2,7 +2,8 @@
 
 A task is begun by a message and then goes on by itself, also when its sender is gone: a command
 line sends a goal and ends. It ends when it is done, when it makes no headway, or when somebody
-ends it: by a stop, a velocity that is not neutral, or another task.
+ends it: by a stop, a velocity that is not neutral, or another task. It waits, and goes on by
+itself, where the way is closed and where the wheels are held; both for a limited time.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import math
 from dataclasses import dataclass
 from itertools import pairwise
 
-from hub.gcm.navigation import GoalCommand, Task, TurnCommand
+from hub.gcm.navigation import Cause, GoalCommand, Task, TurnCommand
 from hub.modules.navigation.route import CARROT, OFF, Route, Way
 from hub.plane import Pose, wrapped
 
@@ -22,7 +23,15 @@ PASSED = 0.3
 TURNED = math.radians(3.0)
 """A heading counts as reached from so far off [rad]."""
 BLOCKED_S = 8.0
-"""Without headway for this long [s] there is no way."""
+"""Without headway for this long [s] the way counts as closed, whatever the sender's patience."""
+PATIENCE_S = 30.0
+"""A robot waits for so long where the way is closed, unless its sender says something else [s]."""
+MOST_PATIENCE_S = 600.0
+"""It waits no longer than this [s]."""
+MENTION_S = 3.0
+"""Without headway for this long [s] a robot says that it waits."""
+LONGEST_HOLD_S = 60.0
+"""A task whose wheels were held for this time without headway between ends [s]."""
 HEADWAY = 0.1
 """Coming nearer by this is headway [m, or rad for a turn]."""
 OCCUPIED = 0.4
@@ -52,6 +61,7 @@ class Aim:
         left: Length of the way to the point where the robot has to stand [m].
         turn: By how much to turn on the spot [rad]; None: go.
         limit: Fastest forward velocity [m/s].
+        stay: Whether to stand, as no way is known.
     """
 
     x: float = 0.0
@@ -59,6 +69,7 @@ class Aim:
     left: float = 0.0
     turn: float | None = None
     limit: float = math.inf
+    stay: bool = False
 
 
 class Errand:
@@ -68,7 +79,10 @@ class Errand:
         number: Counts the tasks.
         task: What is done, or how it ended.
         sender: Whose task it is or was.
-        why: For people.
+        why: Why it waits or how it ended, for people.
+        cause: The same for programs.
+        place: Where it leads or led to, in `map` [m]; NaN: it is a turn, or there was none.
+        ended: When it ended [s].
         points: Points that are left, in `map` [m].
         distance_left: Length of the way that is left [m]; NaN: not known.
         route: The planned way, if there is a plan.
@@ -79,6 +93,9 @@ class Errand:
         self.task = Task.NONE
         self.sender = 0
         self.why = ""
+        self.cause = Cause.NONE
+        self.place = (math.nan, math.nan)
+        self.ended = math.nan
         self.points: Way = ()
         self.distance_left = math.nan
         self.route: Route | None = None
@@ -88,6 +105,12 @@ class Errand:
         self._heading = 0.0
         self._best = math.inf
         self._best_at = 0.0
+        self._patience = PATIENCE_S
+        self._began = 0.0
+        self._seen = 0.0
+        self._held = 0.0
+        self._hindrance: tuple[Cause, str] | None = None
+        self._no_way = ""
         self._arrived = False
         self._rounds = 0
         self._closely_until = -math.inf
@@ -104,31 +127,66 @@ class Errand:
 
     def go(self, goal: GoalCommand, sender: int, now: float) -> None:
         """Somebody wants the robot at points; none: to stand."""
-        self.end(Task.CANCELLED, "another task came")
         if not goal.points:
+            self.end(Task.CANCELLED, "somebody ended it", Cause.WITHDRAWN, now)
             return
+        self.end(Task.CANCELLED, "another task came", Cause.REPLACED, now)
         self._begin(Task.GOING, sender, now)
         self.points = tuple((point.x, point.y) for point in goal.points)
+        self.place = self.points[-1]
+        wanted = goal.patience if math.isfinite(goal.patience) else PATIENCE_S
+        self._patience = max(0.0, min(wanted, MOST_PATIENCE_S))
         self._theta = goal.theta
         self._limit = goal.linear_limit if goal.linear_limit > 0.0 else math.inf
 
     def turn(self, command: TurnCommand, sender: int, pose: Pose, now: float) -> None:
         """Somebody wants the robot to turn on the spot."""
-        self.end(Task.CANCELLED, "another task came")
+        self.end(Task.CANCELLED, "another task came", Cause.REPLACED, now)
         self._begin(Task.TURNING, sender, now)
         self._turn_left = command.angle
         self._heading = pose.theta
 
-    def end(self, how: Task, why: str) -> None:
+    def refuse(self, goal: GoalCommand, sender: int, why: str, cause: Cause, now: float) -> None:
+        """A goal is not begun; what is under way goes on."""
+        if goal.points and not self.active:
+            self._begin(Task.GOING, sender, now)
+            self.place = goal.points[-1].x, goal.points[-1].y
+            self.end(Task.CANCELLED, f"not begun: {why}", cause, now)
+
+    def end(self, how: Task, why: str, cause: Cause, now: float) -> None:
         """It ends, if it is under way."""
         if self.active:
             self.task = how
-            self.why = why
+            self.why, self.cause = why, cause
             self.route = None
+            self.ended = now
 
-    def planned(self, way: Way | None) -> None:
-        """There is a new plan for the way to the present point; None: go straight."""
+    def seconds(self, now: float) -> float:
+        """How long it has taken so far, or took in all [s]."""
+        return (now if self.active else self.ended) - self._began if self.number else 0.0
+
+    def hold(self, cause: Cause, why: str, now: float) -> None:
+        """The wheels are held, which says nothing of the way; this ends what is held too long."""
+        if not self.active:
+            return
+        passed = now - self._seen
+        self._seen = now
+        self._best_at += passed
+        self._closely_until += passed
+        self._held += passed
+        self.cause, self.why = cause, f"waits: {why}"
+        if self._held > LONGEST_HOLD_S:
+            self.end(Task.CANCELLED, f"gave up after {LONGEST_HOLD_S:.0f} s: {why}", cause, now)
+
+    def planned(self, way: Way | None, no_way: str = "") -> None:
+        """There is a new plan for the way to the present point.
+
+        Args:
+            way: The way; None: go straight.
+            no_way: Why there is none at all, for people; the robot waits for one then.
+        """
         self.route = None if way is None else Route(way)
+        self._no_way = no_way
 
     def goes_round(self, pose: Pose, now: float) -> None:
         """Something that was not on the map is in the way: headway counts from here on.
@@ -137,7 +195,9 @@ class Errand:
         """
         goal = self.goal
         if goal is not None and math.dist(goal, (pose.x, pose.y)) <= OCCUPIED:
-            self.end(Task.BLOCKED, "something stands there")
+            self._hindrance = (Cause.OCCUPIED, "something stands there")
+            if now - self._best_at > self._patience:
+                self._blocked(now)
         elif self._rounds < MOST_ROUNDS:
             self._rounds += 1
             self._closely_until = now + CLOSELY_S
@@ -149,6 +209,7 @@ class Errand:
 
     def aim(self, pose: Pose, now: float) -> Aim | None:
         """What the wheels should do at a pose in `map`; None: stand, nothing is under way."""
+        self._seen = now
         if self.task is Task.TURNING:
             return self._turning(pose, now)
         while self.task is Task.GOING:
@@ -164,7 +225,12 @@ class Errand:
 
     def _begin(self, task: Task, sender: int, now: float) -> None:
         self.number += 1
-        self.task, self.sender, self.why = task, sender, ""
+        self.task, self.sender, self.why, self.cause = task, sender, "", Cause.NONE
+        self.place, self.ended = (math.nan, math.nan), math.nan
+        self._began = self._seen = now
+        self._held = 0.0
+        self._hindrance, self._no_way = None, ""
+        self._patience = 0.0
         self.points, self.route, self.distance_left = (), None, math.nan
         self._theta, self._limit = math.nan, math.inf
         self._arrived = False
@@ -185,9 +251,16 @@ class Errand:
             carrot, left, _ = self.route.ahead(pose, length)
         later = sum(math.dist(a, b) for a, b in pairwise(self.points))
         self.distance_left = left + later
-        if not self._headway(left, now):
-            self.end(Task.BLOCKED, "it comes no nearer")
+        headway = self._headway(left, now)
+        if self._no_way and not headway:
+            self._hindrance = (Cause.CLOSED, self._no_way)
+        waited = now - self._best_at
+        if waited > (self._patience if self._no_way else max(BLOCKED_S, self._patience)):
+            self._blocked(now)
             return None
+        self._say_whether_it_waits(waited)
+        if self._no_way:
+            return Aim(stay=True)
         return Aim(x=carrot[0], y=carrot[1], left=left + later, limit=self._limit)
 
     def _arriving(self, pose: Pose, now: float) -> Aim | None:
@@ -208,17 +281,33 @@ class Errand:
     def _turn_by(self, turn: float, done: str, now: float) -> Aim | None:
         if abs(turn) <= TURNED:
             self.points = ()
-            self.end(Task.REACHED, done)
+            self.end(Task.REACHED, done, Cause.NONE, now)
             return None
-        if not self._headway(abs(turn), now):
-            self.end(Task.BLOCKED, "it does not turn")
+        self._headway(abs(turn), now)
+        if now - self._best_at > BLOCKED_S:
+            self.end(Task.BLOCKED, "it does not turn", Cause.CLOSED, now)
             return None
+        self._say_whether_it_waits(0.0)
         return Aim(turn=turn)
 
     def _headway(self, left: float, now: float) -> bool:
-        if left < self._best - HEADWAY:
+        """Whether it has come nearer since it last did."""
+        nearer = left < self._best - HEADWAY
+        if nearer:
             self._best, self._best_at = left, now
-        return now - self._best_at <= BLOCKED_S
+            self._held, self._hindrance = 0.0, None
+        return nearer
+
+    def _say_whether_it_waits(self, waited: float) -> None:
+        """Tell of a way that is closed, after some seconds without headway or at once."""
+        cause, why = self._hindrance or (Cause.CLOSED, "something is in the way")
+        waits = waited > MENTION_S or bool(self._no_way)
+        self.cause, self.why = (cause, f"waits: {why}") if waits else (Cause.NONE, "")
+
+    def _blocked(self, now: float) -> None:
+        """There is no way, or none any more."""
+        cause, why = self._hindrance or (Cause.CLOSED, "it comes no nearer")
+        self.end(Task.BLOCKED, why, cause, now)
 
 
 def refusal(goal: GoalCommand) -> str:

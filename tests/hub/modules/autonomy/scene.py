@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from hub.gcm.autonomy import AutonomyCommand, AutonomyState, Behaviour
 from hub.gcm.navigation import (
+    Cause,
     GoalCommand,
     MotionState,
     NavigationStatus,
@@ -44,7 +43,9 @@ class Scene:
         self.task = Task.NONE
         self.mine = False
         self.driver = 0
-        self.left = 0
+        self.left, self.distance = 0, 9.0
+        self.cause, self.said = Cause.NONE, "so it is"
+        self.task_began = self.now
         self.goals: list[GoalCommand] = []
         self.grid: Grid | None = hall()
         self.navigation_lives = self.driver_reports = self.accepts = True
@@ -85,10 +86,12 @@ class Scene:
             sender=7,
             driver=self.driver,
             points_left=self.left,
-            distance_left=math.nan,
-            why="so it is",
+            distance_left=self.distance,
+            why=self.said,
             count=0,
             path=(),
+            cause=self.cause,
+            seconds=self.now - self.task_began,
         )
         self.pilot.see_navigation(status, self.now, mine=self.mine)
 
@@ -105,9 +108,10 @@ class Scene:
         if goal.points:
             self.number += 1
             self.task, self.mine, self.left = Task.GOING, True, len(goal.points)
+            self.cause, self.task_began = Cause.NONE, self.now
             self.motion = MotionState.GOING
         elif self.task is Task.GOING:
-            self.end(Task.CANCELLED)
+            self.end(Task.CANCELLED, cause=Cause.WITHDRAWN)
 
     def wait(self, seconds: float) -> None:
         """Let time pass."""
@@ -116,9 +120,14 @@ class Scene:
             self.hears()
             self.act()
 
-    def end(self, task: Task, motion: MotionState = MotionState.STANDING) -> None:
+    def end(
+        self,
+        task: Task,
+        motion: MotionState = MotionState.STANDING,
+        cause: Cause = Cause.NONE,
+    ) -> None:
         """The task of navigation ends."""
-        self.task, self.motion = task, motion
+        self.task, self.motion, self.cause = task, motion, cause
         self.hears()
 
     def arrive(self) -> None:

@@ -139,7 +139,7 @@ def test_a_place_where_it_was_in_vain_comes_after_all_others_even_when_it_has_re
     explore = Explore(RADIUS, Limits())
     first = explore.choose(Sight(x=0.0, y=0.0, grid=grid, fresh=True, now=0.0))
     assert isinstance(first, Target)
-    explore.blocked(first, 1, 0.0)
+    explore.blocked(first, 1, 0.0, "")
     later = Sight(x=0.0, y=0.0, grid=grid, fresh=True, now=REST_S + 1.0)
     second = explore.choose(later)
     assert isinstance(second, Target)

@@ -9,10 +9,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hub.gcm.autonomy import Behaviour, Pilot
-from hub.gcm.navigation import MotionState, Task
+from hub.gcm.autonomy import Behaviour, Phase, Pilot
+from hub.gcm.navigation import Cause, MotionState, Task
 from hub.modules.autonomy.goal_watch import ACCEPTED_S, LONGEST_S, SENDINGS
-from hub.modules.autonomy.pilot import FARTHEST_POINT, LET_GO_S, MOST_POINTS, PATIENCE_S
+from hub.modules.autonomy.pilot import (
+    FARTHEST_POINT,
+    JUMP,
+    LET_GO_S,
+    MOST_POINTS,
+    PATIENCE_S,
+    STALL_S,
+)
 from hub.modules.autonomy.senses import MAP_OLD_S, NAVIGATION_OLD_S, STATE_OLD_S
 from tests.hub.modules.autonomy.scene import STEP, Scene
 
@@ -59,8 +66,14 @@ def test_it_goes_to_a_point_and_then_holds() -> None:
     scene.arrive()
     assert scene.state.behaviour is Behaviour.HOLD
     assert scene.why == "it is there"
+    assert scene.state.phase is Phase.DONE
+    assert scene.state.asked is Behaviour.GO
     assert math.isnan(scene.state.x)
+    took = scene.state.seconds
+    assert took == pytest.approx(3.0)
     assert stands_for_good(scene)
+    assert scene.state.seconds == took
+    assert scene.state.ended_s == pytest.approx(30.0)
 
 
 def test_it_follows_points_in_one_go() -> None:
@@ -93,7 +106,8 @@ def test_a_point_to_which_there_is_no_way_is_given_up() -> None:
             scene.end(Task.BLOCKED)
         scene.wait(3.0)
     assert len(scene.targets) == 3
-    assert scene.why == "there is no way, tried 3 times"
+    assert scene.why == "tried 3 times: so it is"
+    assert scene.state.phase is Phase.BLOCKED
     assert stands_for_good(scene)
 
 
@@ -133,6 +147,7 @@ def test_a_stick_that_only_autonomy_has_seen_takes_over_too() -> None:
     scene.pilot.see_stick(scene.now)
     scene.act()
     assert scene.why == "the operator took over"
+    assert scene.state.phase is Phase.TAKEN_OVER
     assert scene.task is Task.CANCELLED
     assert stands_for_good(scene)
 
@@ -195,8 +210,8 @@ def test_who_drives_on_after_asking_keeps_the_robot() -> None:
 @pytest.mark.parametrize("behaviour", ASKED)
 def test_a_stop_ends_everything(behaviour: Behaviour) -> None:
     scene = busy(behaviour)
-    scene.pilot.see_stop("lunch")
-    scene.end(Task.CANCELLED, MotionState.STOPPED)
+    scene.pilot.see_stop("lunch", scene.now)
+    scene.end(Task.CANCELLED, MotionState.STOPPED, Cause.STOP)
     scene.act()
     assert scene.why == "stopped: lunch"
     assert stands_for_good(scene)
@@ -204,9 +219,10 @@ def test_a_stop_ends_everything(behaviour: Behaviour) -> None:
 
 def test_a_stop_is_seen_even_if_only_navigation_got_it() -> None:
     scene = busy()
-    scene.end(Task.CANCELLED, MotionState.STOPPED)
+    scene.end(Task.CANCELLED, MotionState.STOPPED, Cause.STOP)
     scene.act()
-    assert scene.why == "the goal was ended: so it is"
+    assert scene.why == "so it is"
+    assert scene.state.phase is Phase.STOPPED
     assert stands_for_good(scene)
 
 
@@ -221,7 +237,7 @@ def test_asking_to_hold_stops_the_robot() -> None:
 def test_a_goal_that_takes_for_ever_counts_as_blocked() -> None:
     scene = busy()
     scene.wait(3 * LONGEST_S + 20.0)
-    assert scene.why == "there is no way, tried 3 times"
+    assert scene.why == "tried 3 times: so it is"
     assert scene.task is Task.CANCELLED
 
 
@@ -282,7 +298,8 @@ def test_it_stands_without_fresh_states_of_the_robot(behaviour: Behaviour) -> No
     assert scene.task is Task.CANCELLED
     assert scene.why == "waits: nothing new is known of the robot"
     scene.wait(PATIENCE_S + 1.0)
-    assert scene.why == "gave up: nothing new is known of the robot"
+    assert scene.why == "gave up after 60 s: nothing new is known of the robot"
+    assert scene.state.phase is Phase.LOST
     scene.driver_reports = True
     assert stands_for_good(scene)
 
@@ -296,6 +313,99 @@ def test_it_goes_on_when_states_come_back_soon(behaviour: Behaviour) -> None:
     scene.wait(1.0)
     assert scene.task is Task.GOING
     assert scene.state.behaviour is behaviour
+
+
+@pytest.mark.parametrize("behaviour", ASKED)
+def test_it_waits_for_almost_a_minute_and_goes_on(behaviour: Behaviour) -> None:
+    scene = busy(behaviour)
+    scene.driver_reports = False
+    scene.wait(PATIENCE_S - 5.0)
+    assert scene.state.phase is Phase.WAITING
+    scene.driver_reports = True
+    scene.wait(3.0)
+    assert scene.task is Task.GOING
+    assert scene.state.phase is Phase.ACTIVE
+
+
+def test_it_does_not_go_on_from_another_place_than_where_the_robot_fell_silent() -> None:
+    scene = busy()
+    scene.driver_reports = False
+    scene.wait(2.0)
+    scene.driver_reports = True
+    scene.x += 1.1 * JUMP
+    scene.wait(1.0)
+    assert scene.state.phase is Phase.LOST
+    assert scene.why == "the robot is not where it was before it fell silent"
+    assert stands_for_good(scene)
+
+
+def test_a_navigation_that_is_too_busy_is_waited_for() -> None:
+    scene = busy(Behaviour.EXPLORE)
+    scene.cause, scene.said = Cause.BUSY, "waits: navigation is too busy to steer"
+    scene.wait(20.0)
+    assert scene.state.phase is Phase.WAITING
+    assert scene.why == "waits: navigation is too busy to steer"
+    assert len(scene.goals) == 1, "the goal is left where it is"
+    scene.cause, scene.said = Cause.NONE, ""
+    scene.wait(1.0)
+    assert scene.state.phase is Phase.ACTIVE
+    assert scene.why.startswith("explores: ")
+
+
+def test_a_navigation_that_was_too_busy_for_too_long_ends_it() -> None:
+    scene = busy(Behaviour.EXPLORE)
+    scene.said = "gave up after 60 s: navigation is too busy to steer"
+    scene.wait(2.0)
+    scene.end(Task.CANCELLED, cause=Cause.BUSY)
+    scene.act()
+    assert scene.state.phase is Phase.LOST
+    assert scene.why == "gave up after 60 s: navigation is too busy to steer"
+
+
+def test_a_goal_that_could_not_be_begun_is_sent_again() -> None:
+    scene = busy(Behaviour.EXPLORE)
+    scene.task_began = scene.now
+    scene.end(Task.CANCELLED, cause=Cause.DRIVER)
+    scene.act()
+    scene.wait(3.0)
+    assert scene.state.behaviour is Behaviour.EXPLORE
+    assert len(scene.targets) == 2
+
+
+def test_who_was_away_itself_hears_what_came_before_it_judges() -> None:
+    scene = busy()
+    scene.now += STALL_S + 2.0
+    scene.act()
+    assert len(scene.goals) == 1, "nothing was stopped"
+    scene.hears()
+    scene.wait(1.0)
+    assert scene.task is Task.GOING
+    assert len(scene.goals) == 1
+
+
+def test_another_operator_takes_it_over() -> None:
+    scene = busy()
+    scene.pilot.see_other("eve has control now", scene.now)
+    scene.end(Task.CANCELLED, MotionState.WAITING, Cause.CONTROL)
+    scene.act()
+    assert (scene.state.phase, scene.why) == (Phase.TAKEN_OVER, "eve has control now")
+    assert stands_for_good(scene)
+
+
+def test_it_says_how_far_it_is_and_how_long_it_took() -> None:
+    scene = busy()
+    assert scene.state.phase is Phase.ACTIVE
+    assert scene.state.seconds == pytest.approx(3.0)
+    assert math.isnan(scene.state.ended_s)
+    assert scene.state.distance_m == scene.distance
+
+
+def test_headway_on_a_long_way_is_no_lack_of_it() -> None:
+    scene = busy()
+    for _ in range(6):
+        scene.distance -= 1.0
+        scene.wait(LONGEST_S - 10.0)
+    assert len(scene.goals) == 1
 
 
 def test_it_stands_when_navigation_is_gone() -> None:
@@ -395,7 +505,7 @@ def let_go(scene: Scene) -> None:
 
 def stop(scene: Scene) -> None:
     scene.driver = 0
-    scene.pilot.see_stop("")
+    scene.pilot.see_stop("", scene.now)
     scene.end(Task.CANCELLED, MotionState.STOPPED)
 
 

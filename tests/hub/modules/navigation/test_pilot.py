@@ -19,9 +19,11 @@ EMPTY = load_arena("empty")
 YELLOW = load_arena("yellow")
 
 
-def goal(*places: tuple[float, float], theta: float = math.nan) -> GoalCommand:
+def goal(
+    *places: tuple[float, float], theta: float = math.nan, patience: float = math.nan
+) -> GoalCommand:
     points = tuple(Point(x=x, y=y) for x, y in places)
-    return GoalCommand(count=len(points), points=points, theta=theta)
+    return GoalCommand(count=len(points), points=points, theta=theta, patience=patience)
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -182,7 +184,7 @@ def test_only_the_known_part_of_a_map_is_worked_on() -> None:
     assert (part.origin_x, part.origin_y) == pytest.approx((3.0, 3.0))
 
 
-def test_where_the_whole_map_shows_no_way_it_is_blocked_at_once() -> None:
+def test_where_the_whole_map_shows_no_way_it_waits_as_long_as_it_has_patience() -> None:
     cells = np.zeros((100, 100), dtype=np.int8)
     ring = np.arange(100)
     around = np.hypot(ring[:, None] - 90.0, ring - 50.0)
@@ -200,4 +202,17 @@ def test_where_the_whole_map_shows_no_way_it_is_blocked_at_once() -> None:
     assert whole is not None
     assert math.isnan(whole.x)
     drive.pilot.mapped(grid, drive.now)
+    drive.carry_out(3.0)
+    assert drive.pilot.errand.why == "waits: the map shows no way there"
+    assert drive.truth.linear == pytest.approx(0.0, abs=0.01)
+    cells[around < 9.0] = 0  # who stood in the way has gone
+    drive.pilot.mapped(grid, drive.now)
+    drive.carry_out(3.0)
+    assert drive.truth.linear > 0.1
+    cells[(around > 6.0) & (around < 9.0)] = 100
+    drive.pilot.go(goal((0.0, 2.0), patience=0.0), 7, drive.now)
+    for _ in range(2):
+        drive.pilot.mapped(grid, drive.now)
+    drive.carry_out(1.0)
     assert drive.pilot.errand.task is Task.BLOCKED
+    assert drive.pilot.errand.why == "the map shows no way there"

@@ -7,11 +7,12 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hub.gcm.navigation import MotionState
+from hub.gcm.navigation import Cause, MotionState
 from hub.modules.navigation.speed_governor import (
     ARMED_S,
     DEAF_S,
     DRIVER_SILENCE_S,
+    SETTLE_S,
     SILENCE_S,
     STALL_S,
     SpeedGovernor,
@@ -224,7 +225,90 @@ def test_a_task_that_falls_silent_stops() -> None:
     assert scene.velocity == (0.3, 0.2)
     scene.wait(0.04)
     assert scene.velocity == (0.0, 0.0)
+    assert scene.state is MotionState.GOING
+    assert scene.governor.held is Cause.BUSY
+
+
+def test_a_task_that_was_held_steers_when_all_is_fresh_again() -> None:
+    scene = under_way()
+    scene.now += STALL_S + 2.0
+    assert scene.velocity == (0.0, 0.0)
+    assert scene.governor.held is Cause.BUSY
+    scene.governor.steer(0.3, 0.2, scene.now)
+    assert scene.velocity == (0.0, 0.0), "what it knows is old"
+    scene.wait(SETTLE_S + 0.05)
+    assert scene.governor.held is Cause.NONE
+    scene.governor.steer(0.3, 0.2, scene.now)
+    assert scene.velocity == (0.3, 0.2)
+
+
+def test_a_task_goes_on_with_a_driver_that_comes_back_or_began_anew() -> None:
+    scene = under_way()
+    scene.driver_lives = False
+    for _ in range(100):
+        scene.wait(0.05)
+        scene.governor.steer(0.3, 0.2, scene.now)
+        if scene.state is MotionState.NO_DRIVER:
+            assert scene.velocity == (0.0, 0.0)
+    assert scene.governor.held is Cause.DRIVER
+    assert scene.governor.has_task
+    scene.driver_lives = True
+    scene.wait(SETTLE_S + 0.05)
+    scene.governor.steer(0.3, 0.2, scene.now)
+    assert scene.velocity == (0.3, 0.2)
+    scene.governor.driver_began_anew()
+    assert scene.velocity == (0.0, 0.0)
+    scene.wait(SETTLE_S + 0.05)
+    scene.governor.steer(0.3, 0.2, scene.now)
+    assert scene.velocity == (0.3, 0.2)
+
+
+def test_a_stop_ends_a_task_that_is_held() -> None:
+    scene = under_way()
+    scene.now += STALL_S + 0.1
+    assert scene.governor.held is Cause.BUSY or scene.velocity == (0.0, 0.0)
+    scene.governor.stop()
+    scene.wait(1.0)
+    scene.governor.steer(0.3, 0.2, scene.now)
+    assert scene.velocity == (0.0, 0.0)
+    assert scene.governor.held is Cause.NONE
     assert scene.state is MotionState.STOPPED
+
+
+TASK_EVENTS = st.lists(
+    st.tuples(
+        st.sampled_from(["steer", "stop", "begin", "driver dies", "driver lives", "away"]),
+        st.integers(0, 40),
+        st.floats(0.0, 0.9),
+    ),
+    max_size=40,
+)
+
+
+@given(TASK_EVENTS)
+def test_a_task_never_moves_without_fresh_steering_and_a_driver(
+    events: list[tuple[str, int, float]],
+) -> None:
+    scene = under_way()
+    steered = reported = scene.now
+    for kind, steps, away in events:
+        if kind == "stop":
+            scene.governor.stop()
+        elif kind == "begin":
+            scene.governor.begin_task(scene.now)
+        elif kind == "away":
+            scene.now += away
+        elif kind == "steer":
+            scene.governor.steer(0.3, 0.2, scene.now)
+            steered = scene.now
+        else:
+            scene.driver_lives = kind == "driver lives"
+        for _ in range(steps):
+            scene.wait(STEP)
+            reported = scene.now if scene.driver_lives else reported
+            if scene.velocity != (0.0, 0.0):
+                assert scene.now - steered <= SILENCE_S + 2.0 * STEP
+                assert scene.now - reported <= DRIVER_SILENCE_S + 2.0 * STEP
 
 
 def test_neutral_commands_do_not_end_a_task_and_others_do() -> None:
@@ -240,18 +324,9 @@ def test_neutral_commands_do_not_end_a_task_and_others_do() -> None:
     assert scene.state is MotionState.STANDING
 
 
-def test_a_stop_and_a_silent_driver_end_a_task_for_good() -> None:
+def test_a_stop_ends_a_task_for_good() -> None:
     scene = under_way()
     scene.governor.stop()
-    scene.governor.steer(0.3, 0.2, scene.now)
-    assert scene.velocity == (0.0, 0.0)
-    scene = under_way()
-    scene.driver_lives = False
-    for _ in range(20):
-        scene.wait(0.05)
-        scene.governor.steer(0.3, 0.2, scene.now)
-    scene.driver_lives = True
-    scene.wait(0.1)
     scene.governor.steer(0.3, 0.2, scene.now)
     assert scene.velocity == (0.0, 0.0)
 

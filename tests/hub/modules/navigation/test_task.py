@@ -6,28 +6,34 @@ import math
 
 import pytest
 
-from hub.gcm.navigation import GoalCommand, Point, Task, TurnCommand
+from hub.gcm.navigation import Cause, GoalCommand, Point, Task, TurnCommand
 from hub.modules.navigation.task import (
     BLOCKED_S,
     CLOSELY,
     CLOSELY_S,
+    LONGEST_HOLD_S,
+    MENTION_S,
+    MOST_PATIENCE_S,
     MOST_POINTS,
     MOST_ROUNDS,
     OCCUPIED,
+    PATIENCE_S,
     Errand,
     refusal,
 )
 from hub.plane import Pose
 
 
-def goal(*places: tuple[float, float], theta: float = math.nan) -> GoalCommand:
+def goal(
+    *places: tuple[float, float], theta: float = math.nan, patience: float = 0.0
+) -> GoalCommand:
     points = tuple(Point(x=x, y=y) for x, y in places)
-    return GoalCommand(count=len(points), points=points, theta=theta)
+    return GoalCommand(count=len(points), points=points, theta=theta, patience=patience)
 
 
-def going(*places: tuple[float, float], theta: float = math.nan) -> Errand:
+def going(*places: tuple[float, float], theta: float = math.nan, patience: float = 0.0) -> Errand:
     errand = Errand()
-    errand.go(goal(*places, theta=theta), 7, 0.0)
+    errand.go(goal(*places, theta=theta, patience=patience), 7, 0.0)
     return errand
 
 
@@ -65,7 +71,90 @@ def test_it_is_blocked_without_headway() -> None:
     assert errand.aim(Pose(x=0.02), BLOCKED_S - 0.1) is not None
     assert errand.aim(Pose(x=0.04), BLOCKED_S + 0.1) is None
     assert errand.task is Task.BLOCKED
-    assert errand.why
+    assert (errand.why, errand.cause) == ("it comes no nearer", Cause.CLOSED)
+    assert errand.place == (2.0, 0.0)
+    assert errand.seconds(99.0) == BLOCKED_S + 0.1
+
+
+def test_it_waits_for_a_person_in_the_way_and_says_so_and_goes_on() -> None:
+    errand = going((2.0, 0.0), patience=math.nan)
+    errand.aim(Pose(), 0.0)
+    assert errand.aim(Pose(), MENTION_S + 0.1) is not None
+    assert (errand.task, errand.cause) == (Task.GOING, Cause.CLOSED)
+    assert errand.why == "waits: something is in the way"
+    assert errand.aim(Pose(), PATIENCE_S - 0.1) is not None
+    assert errand.aim(Pose(x=0.2), PATIENCE_S) is not None
+    assert (errand.why, errand.cause) == ("", Cause.NONE)
+    assert errand.aim(Pose(x=0.2), 2.0 * PATIENCE_S - 0.1) is not None
+    assert errand.aim(Pose(x=0.2), 2.0 * PATIENCE_S + 0.1) is None
+    assert errand.task is Task.BLOCKED
+
+
+def test_nobody_waits_for_ever() -> None:
+    errand = going((2.0, 0.0), patience=math.inf)
+    errand.aim(Pose(), 0.0)
+    assert errand.aim(Pose(), PATIENCE_S + 0.1) is None
+    errand = going((2.0, 0.0), patience=1e9)
+    errand.aim(Pose(), 0.0)
+    assert errand.aim(Pose(), MOST_PATIENCE_S + 0.1) is None
+
+
+def test_it_stands_where_the_map_shows_no_way_and_goes_on_when_it_does() -> None:
+    errand = going((2.0, 0.0), patience=20.0)
+    errand.aim(Pose(), 0.0)
+    errand.planned(None, "the map shows no way there")
+    aim = errand.aim(Pose(), 1.0)
+    assert aim is not None
+    assert aim.stay
+    assert errand.why == "waits: the map shows no way there"
+    errand.planned(((0.0, 0.0), (2.0, 0.0)))
+    aim = errand.aim(Pose(), 2.0)
+    assert aim is not None
+    assert not aim.stay
+    assert errand.why == ""
+    errand.planned(None, "the map shows no way there")
+    assert errand.aim(Pose(), 20.1) is None
+    assert (errand.task, errand.why) == (Task.BLOCKED, "the map shows no way there")
+
+
+def test_held_wheels_are_no_lack_of_headway_but_not_for_ever() -> None:
+    errand = going((2.0, 0.0))
+    errand.aim(Pose(), 0.0)
+    now = 0.0
+    while now < LONGEST_HOLD_S - 1.0:
+        now += 0.5
+        errand.hold(Cause.BUSY, "too busy", now)
+    assert (errand.task, errand.cause, errand.why) == (Task.GOING, Cause.BUSY, "waits: too busy")
+    assert errand.aim(Pose(), now + 1.0) is not None
+    assert (errand.cause, errand.why) == (Cause.NONE, "")
+    for _ in range(5):
+        now += 0.5
+        errand.hold(Cause.BUSY, "too busy", now)
+    assert (errand.task, errand.cause) == (Task.CANCELLED, Cause.BUSY)
+    assert errand.why == "gave up after 60 s: too busy"
+
+
+def test_headway_between_two_holds_begins_a_new_minute() -> None:
+    errand = going((9.0, 0.0))
+    errand.aim(Pose(), 0.0)
+    now = 0.0
+    for part in range(1, 4):
+        for _ in range(100):
+            now += 0.5
+            errand.hold(Cause.DRIVER, "silent", now)
+        assert errand.aim(Pose(x=float(part)), now) is not None
+    assert errand.task is Task.GOING
+
+
+def test_a_goal_that_is_not_begun_says_so_and_disturbs_nothing() -> None:
+    errand = Errand()
+    errand.refuse(goal((2.0, 0.0)), 7, "somebody drives", Cause.STICK, 1.0)
+    assert (errand.number, errand.task, errand.sender) == (1, Task.CANCELLED, 7)
+    assert (errand.why, errand.cause) == ("not begun: somebody drives", Cause.STICK)
+    assert errand.seconds(9.0) == 0.0
+    errand.go(goal((1.0, 0.0)), 7, 2.0)
+    errand.refuse(goal((2.0, 0.0)), 8, "somebody drives", Cause.STICK, 3.0)
+    assert (errand.number, errand.task, errand.place) == (2, Task.GOING, (1.0, 0.0))
 
 
 def test_with_headway_it_is_not_blocked() -> None:
@@ -86,10 +175,21 @@ def test_a_way_round_something_new_counts_anew_but_not_for_ever() -> None:
     assert errand.task is Task.BLOCKED
 
 
-def test_a_point_where_something_stands_is_not_waited_for() -> None:
+def test_who_has_no_patience_does_not_wait_where_something_stands() -> None:
     errand = going((2.0, 0.0))
     errand.goes_round(Pose(x=2.0 - 0.9 * OCCUPIED), 1.0)
-    assert errand.task is Task.BLOCKED
+    assert (errand.task, errand.cause) == (Task.BLOCKED, Cause.OCCUPIED)
+
+
+def test_who_has_patience_waits_until_the_place_is_free() -> None:
+    errand = going((2.0, 0.0), patience=20.0)
+    here = Pose(x=2.0 - 0.9 * OCCUPIED)
+    errand.aim(here, 1.0)
+    errand.goes_round(here, 2.0)
+    assert errand.aim(here, 10.0) is not None
+    assert errand.why == "waits: something stands there"
+    assert errand.aim(here, 21.1) is None
+    assert (errand.task, errand.cause) == (Task.BLOCKED, Cause.OCCUPIED)
 
 
 def test_who_was_held_up_follows_its_way_closely() -> None:
@@ -126,7 +226,8 @@ def test_no_points_end_it_and_every_task_has_its_number() -> None:
 def test_what_has_ended_stays_as_it_ended() -> None:
     errand = going((2.0, 0.0))
     errand.aim(Pose(x=2.0), 0.1)
-    errand.end(Task.CANCELLED, "too late")
+    errand.end(Task.CANCELLED, "too late", Cause.STOP, 1.0)
+    assert errand.cause is Cause.NONE
     assert errand.task is Task.REACHED
 
 
