@@ -118,6 +118,7 @@ class AutonomyState:
         seconds: How long it has taken so far, or took in all [s].
         ended_s: Time since it ended [s]; NaN: it is under way, or nobody has asked yet.
         sender: The module's number at central, as in `NavigationStatus.sender`.
+        number: Counts what was asked for since the module started.
     """
 
     behaviour: Behaviour
@@ -133,12 +134,13 @@ class AutonomyState:
     seconds: Seconds = 0.0
     ended_s: SecondsIfKnown = float("nan")
     sender: Number = 0
+    number: Number = 0
 
 
 AUTONOMY_STATE = MessageDefinition(
     name="GCM_AutonomyState",
     format="{{enum:5},{enum:2},double,double,double,string,{enum:8},{enum:5},"
-    "double,double,double,double,uint}",
+    "double,double,double,double,uint,uint}",
     type=AutonomyState,
     rate_hz=2.0,
 )

@@ -13,7 +13,6 @@ from typing import Annotated, TypeAlias
 
 from hub.gcm.fields import (
     Count,
-    Flag,
     LengthIfKnown,
     Metres,
     MetresIfKnown,
@@ -30,6 +29,8 @@ from hub.gcm.fields import (
     Stamp,
     TurnRate,
 )
+from hub.gcm.ground_truth import GROUND_TRUTH as GROUND_TRUTH  # noqa: PLC0414 for others
+from hub.gcm.ground_truth import GroundTruth as GroundTruth  # noqa: PLC0414 for others
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.ranges import Most, Range
 
@@ -286,7 +287,7 @@ class GoalCommand:
         points: Where to, in `map`.
         theta: Heading at the last one in `map` [rad]; NaN: any.
         linear_limit: Fastest [m/s]; NaN: the robot's own limit.
-        patience: How long the robot waits where the way is closed, 0 to 600 [s]; NaN: 30.
+        patience: How long the robot waits where the way is closed, 600 at most [s]; 0 or NaN: 30.
     """
 
     count: int = 0
@@ -464,42 +465,6 @@ NAVIGATION_STATUS = MessageDefinition(
     rate_hz=2.0,
 )
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class GroundTruth:
-    """Where a simulated robot really is; for tests and experiments, never for modules that drive.
-
-    Attributes:
-        time: Simulated time since the start [s].
-        x: Position in the arena's frame [m].
-        y: Position in the arena's frame [m].
-        theta: Heading in the arena's frame [rad], in (-pi, pi].
-        linear: True forward velocity [m/s].
-        angular: True turn rate [rad/s].
-        commanded_linear: Forward velocity the wheels are told [m/s].
-        commanded_angular: Turn rate the wheels are told [rad/s].
-        contacts: Times the body has come into contact with something since the start.
-        touching: Whether it touches something now (0 or 1).
-    """
-
-    time: Seconds
-    x: Metres
-    y: Metres
-    theta: Radians
-    linear: Speed
-    angular: TurnRate
-    commanded_linear: Speed
-    commanded_angular: TurnRate
-    contacts: Number
-    touching: Flag
-
-
-GROUND_TRUTH = MessageDefinition(
-    name="SIM_GroundTruth",
-    format="{double,double,double,double,double,double,double,double,uint,ubyte}",
-    type=GroundTruth,
-    rate_hz=50.0,
-)
 
 MESSAGES = (
     VELOCITY_COMMAND,

@@ -17,6 +17,7 @@ from rune_tui.model.control import (
     seconds_left,
     standing,
 )
+from rune_tui.model.doings import DoingWatch
 from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
 from rune_tui.model.robot_state import LackKind, LinkPhase, RobotState
 
@@ -33,9 +34,9 @@ GRACE_S = 4.0
 class Watch:
     """Compares what is known of each robot and joystick with what was known before.
 
-    Links that are lost and found, control that changes hands, what a robot refuses, wanted
-    capabilities that a robot does not provide, and messages with values out of their range;
-    joysticks that come, go or cannot be used.
+    Links that are lost and found, control that changes hands, what a robot refuses, what it begins
+    and ends by itself, wanted capabilities that a robot does not provide, and messages with values
+    out of their range; joysticks that come, go or cannot be used.
     """
 
     def __init__(self) -> None:
@@ -46,6 +47,7 @@ class Watch:
         self._unfit: dict[str, frozenset[str]] = {}
         self._control: dict[str, ControlState] = {}
         self._said: dict[str, int] = {}
+        self._doings = DoingWatch()
         self._joysticks: dict[str, tuple[JoystickPhase, str]] = {}
 
     def look(self, state: ConsoleState) -> tuple[Notice, ...]:
@@ -89,6 +91,7 @@ class Watch:
             self._said[name] = link.said_count
             yield state.notice(link.said, robot=name, alarm=True)
         yield from self._handed_over(robot, state)
+        yield from self._doings.look(robot, state)
         if link.phase is LinkPhase.CONNECTED:
             yield from self._capabilities(robot, state)
 

@@ -30,7 +30,12 @@ class Alarms:
         meaning="what is wrong now but for what the banner says, the worst first; all well if "
         "nothing is",
         message=ROBOT_STATE.name,
-        others=("GCM_CameraState", "GCM_Control_State"),
+        others=(
+            "GCM_CameraState",
+            "GCM_Control_State",
+            "GCM_AutonomyState",
+            "GCM_NavigationStatus",
+        ),
         vital=True,
     )
     whole_cells: ClassVar[bool] = True

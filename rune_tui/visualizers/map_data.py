@@ -14,6 +14,7 @@ from hub.gcm.navigation import NAVIGATION_STATUS, Task
 from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.doing import by_navigation
 from rune_tui.model.map_window import MapWindow
 from rune_tui.model.pose import Pose
 from rune_tui.model.robot_state import OccupancyMap, RobotState
@@ -24,6 +25,8 @@ from rune_tui.raster.canvas import Canvas, Colour
 from rune_tui.raster.grid_picture import UNKNOWN, grid_colours, grid_values
 from rune_tui.raster.shapes import drawing
 from rune_tui.visualizers import map_marks
+from rune_tui.visualizers.doing_words import goal_word
+from rune_tui.visualizers.mood import Mood
 from rune_tui.visualizers.notice import link_trouble, write_notice
 from rune_tui.visualizers.staleness import age_look, age_text, mark_age, weather
 from rune_tui.visualizers.trail import Trail
@@ -124,7 +127,7 @@ class MapData:
         if window is None:
             canvas.fill(theme.panel)
         else:
-            self._draw_world(canvas, window, robot, theme)
+            self._draw_world(canvas, window, robot, state.now, theme)
             age = 0.0 if robot.navigation is None else robot.navigation.age(state.now)
             weather(canvas, age)
             _write_remark(canvas, _remark(robot, state.now), theme)
@@ -149,6 +152,7 @@ class MapData:
             camera and (_whole(camera.pan / turn), _whole(camera.horizontal_fov / turn)),
             tuple((point.number, point.kind, point.x, point.y) for point in _points(robot)),
             _route(robot).tobytes(),
+            _goal(robot, state.now),
             robot.navigation and age_look(robot.navigation, state.now),
             (_remark(robot, state.now), _explanation(robot, state.now)),
             self._zoom(state),
@@ -173,7 +177,7 @@ class MapData:
         return WorldPoint(x=x, y=y, uncertainty=uncertainty)
 
     def _draw_world(
-        self, canvas: Canvas, window: MapWindow, robot: RobotState, theme: Theme
+        self, canvas: Canvas, window: MapWindow, robot: RobotState, now: float, theme: Theme
     ) -> None:
         _draw_grid(canvas, window, robot, theme)
         pose, route = self._follow(robot), _route(robot)
@@ -184,7 +188,7 @@ class MapData:
             map_marks.draw_route(pen, window, route, theme)
         if pose is not None:
             map_marks.draw_robot(canvas, window, pose, robot.body, theme)
-        map_marks.write_goal(canvas, window, route, theme)
+        map_marks.write_goal(canvas, window, *_goal(robot, now), theme)
         map_marks.write_points(canvas, window, _points(robot), theme)
         map_marks.write_north(canvas, window, theme)
         map_marks.write_scale(canvas, window, theme)
@@ -251,6 +255,14 @@ def _route(robot: RobotState) -> Floats:
     path: Floats = np.array(points, np.float64).reshape(-1, 2)
     told: Floats = path[np.isfinite(path).all(axis=1)]
     return told
+
+
+def _goal(robot: RobotState, now: float) -> tuple[tuple[float, float], str, Mood]:
+    """Where the robot goes by itself, or went a moment ago, with its outcome; empty: nowhere."""
+    doing = by_navigation(robot)
+    if doing is None or not (math.isfinite(doing.x) and math.isfinite(doing.y)):
+        return (0.0, 0.0), "", Mood.PLAIN
+    return (doing.x, doing.y), *goal_word(doing, now)
 
 
 def _whole(number: float) -> int | None:

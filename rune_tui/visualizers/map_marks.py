@@ -18,6 +18,7 @@ from rune_tui.model.sightings import Floats
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas, Colour
 from rune_tui.raster.shapes import Pen, Point, drawing, toward
+from rune_tui.visualizers.mood import Mood, ink_of
 
 _CONE_M: Final = 2.0
 _CONE_STEPS: Final = 9
@@ -122,10 +123,17 @@ def write_points(
         write_at(canvas, _point(window.pixels((point.x, point.y))), word, ink, theme)
 
 
-def write_goal(canvas: Canvas, window: MapWindow, route: Floats, theme: Theme) -> None:
-    """A letter where the route ends."""
-    if len(route):
-        write_at(canvas, _point(window.pixels(route[-1])), "G", theme.good, theme)
+def write_goal(
+    canvas: Canvas,
+    window: MapWindow,
+    place: tuple[float, float],
+    word: str,
+    mood: Mood,
+    theme: Theme,
+) -> None:
+    """A letter where the robot goes, and its outcome; nothing if there is no word."""
+    if word:
+        write_at(canvas, _point(window.pixels(place)), word, ink_of(mood, theme), theme)
 
 
 def write_north(canvas: Canvas, window: MapWindow, theme: Theme) -> None:

@@ -6,6 +6,7 @@ from typing import Final
 
 from rune_tui.visualizers.alarms import Alarms
 from rune_tui.visualizers.attitude import Attitude
+from rune_tui.visualizers.autonomy import Autonomy
 from rune_tui.visualizers.battery import Battery
 from rune_tui.visualizers.button import Button
 from rune_tui.visualizers.camera_image import CameraImage
@@ -48,6 +49,7 @@ VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
     "visualizeHeading": Heading,
     "visualizeSpeed": Speed,
     "visualizeAlarms": Alarms,
+    "visualizeAutonomy": Autonomy,
     "visualizeCapabilities": Capabilities,
     "visualizeControl": Control,
     "visualizeEventLog": EventLog,

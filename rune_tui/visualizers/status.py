@@ -24,10 +24,10 @@ _GAP = 2
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """Name, link, control, motion, speed, battery, obstacle, camera, picture age, keys held."""
+    """Name, link, control, motion, what it does by itself, speed, battery, obstacle and so on."""
 
     rule: ClassVar = VisualizerRule(
-        meaning="one line: link, who has control, speed, battery, motion",
+        meaning="one line: link, who has control, motion, what it does by itself, speed, battery",
         message="GCM_RobotState",
         others=(
             "GCM_CameraState",

@@ -7,15 +7,15 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from hub.gcm.autonomy import AUTONOMY_STATE, Behaviour, Pilot
 from hub.gcm.body import RobotBody
-from hub.gcm.navigation import NAVIGATION_STATUS, SENSOR_COUNT, MotionState, Task
+from hub.gcm.navigation import SENSOR_COUNT, MotionState
 from hub.gcm.navigation import RobotState as NavigationState
 from rune_tui.model.body import rim
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
 from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.visualizers.control_words import control_parts
+from rune_tui.visualizers.doing_words import doing_parts
 from rune_tui.visualizers.mood import Mood, Part
 from rune_tui.visualizers.range_data import Nearness, nearness_of
 from rune_tui.visualizers.staleness import (
@@ -32,8 +32,6 @@ CRITICAL_BATTERY = 0.1
 OFF_CENTRE_DEG = 5.0
 ROLLING = 0.02
 """From this speed on a robot does not stand: forward [m/s], and turning twice that [rad/s]."""
-LATE_S = 3.0
-"""What comes twice a second is not known any more when it is older [s]."""
 _LEAST_ZOOM = 0.01
 _HELD_BACK = 0.05
 
@@ -55,13 +53,6 @@ _ROLLING_ON = {
     MotionState.WAITING: "STOPPING, then waits for a neutral command",
 }
 """The same while the robot still moves, where it is not told to."""
-_ERRANDS = {
-    Behaviour.EXPLORE: "EXPLORING",
-    Behaviour.GO: "GOING TO ITS GOAL",
-    Behaviour.FOLLOW: "FOLLOWING POINTS",
-    Behaviour.RETURN: "RETURNING",
-    Behaviour.WANDER: "WANDERING",
-}
 _UNHINDERED = frozenset(
     {MotionState.STANDING, MotionState.MOVING, MotionState.GOING, MotionState.WAITING}
 )
@@ -140,11 +131,12 @@ def _doing(robot: RobotState, navigation: NavigationState, now: float) -> Iterat
     text = _MOTION[motion]
     if _rolls(navigation):
         text = _ROLLING_ON.get(motion, text)
-    if motion is MotionState.GOING:
-        text = _errand(robot, now) or text
-    halted = motion not in _UNHINDERED
-    mood = Mood.ALARM if halted else Mood.PLAIN
-    yield Part(text, 7, mood, short=_SHORT_MOTION.get(text, ""))
+    by_itself = tuple(doing_parts(robot, now))
+    if motion is not MotionState.GOING or not by_itself:
+        halted = motion not in _UNHINDERED
+        mood = Mood.ALARM if halted else Mood.PLAIN
+        yield Part(text, 7, mood, short=_SHORT_MOTION.get(text, ""))
+    yield from by_itself
     turning = turn_words(-math.degrees(navigation.angular))
     yield Part(f"{signed(navigation.linear, 2)} m/s {turning}°/s", 6)
     if motion is MotionState.MOVING and navigation.held_back >= _HELD_BACK:
@@ -154,20 +146,6 @@ def _doing(robot: RobotState, navigation: NavigationState, now: float) -> Iterat
 def _rolls(navigation: NavigationState) -> bool:
     speeds = abs(navigation.linear), abs(navigation.angular) / 2.0
     return any(math.isfinite(speed) and speed >= ROLLING for speed in speeds)
-
-
-def _errand(robot: RobotState, now: float) -> str:
-    """What the robot does by itself, and how far it has to go; empty where that is not known."""
-    told = robot.newest(AUTONOMY_STATE)
-    doing = ""
-    if told is not None and told.value.pilot is Pilot.AUTONOMY and told.age(now) < LATE_S:
-        doing = _ERRANDS.get(told.value.behaviour, "")
-    task = robot.newest(NAVIGATION_STATUS)
-    left = task.value.distance_left if task is not None else math.nan
-    going = task is not None and task.value.task is Task.GOING and task.age(now) < LATE_S
-    if not going or not math.isfinite(left):
-        return f"{doing} by itself" if doing else ""
-    return f"{doing or 'GOING'} by itself, {left:.1f} m to go"
 
 
 def turn_words(degrees: float) -> str:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from typing import ClassVar
 
-from hub.gcm.autonomy import AUTONOMY_COMMAND, AutonomyCommand, Behaviour
+from hub.gcm.autonomy import AUTONOMY_COMMAND, AUTONOMY_STATE, AutonomyCommand, Behaviour
 from hub.gcm.navigation import (
     ASSISTANCE_COMMAND,
     GOAL_COMMAND,
+    NAVIGATION_STATUS,
     ROBOT_STATE,
     Assistance,
     AssistanceCommand,
@@ -48,6 +49,7 @@ class GoTo(PointedWidget):
             )
         },
         sends=(GOAL_COMMAND.name,),
+        uses=(NAVIGATION_STATUS.name,),
         pointed=True,
     )
 
@@ -83,6 +85,7 @@ class Autonomy(OrderWidget):
             )
         },
         sends=(AUTONOMY_COMMAND.name,),
+        uses=(AUTONOMY_STATE.name,),
     )
 
     def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:

@@ -17,11 +17,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from hub.gcm.autonomy import AUTONOMY_STATE, AutonomyState, Behaviour, Pilot
+from hub.gcm.autonomy import AUTONOMY_STATE, AutonomyState, Behaviour, Phase, Pilot
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints, PointKind
 from hub.gcm.navigation import (
     NAVIGATION_STATUS,
+    Cause,
     MotionState,
     NavigationStatus,
     Point,
@@ -268,7 +269,14 @@ SITUATIONS: Final[dict[str, Situation]] = {
                 x=3.2,
                 y=4.6,
                 frontier_m=6.4,
-                why="6.4 m of the map's edge are left",
+                why="explores: a frontier of 2.1 m, 3.1 m away",
+                phase=Phase.ACTIVE,
+                asked=Behaviour.EXPLORE,
+                explored=0.62,
+                distance_m=3.1,
+                seconds=131.0,
+                sender=3,
+                number=1,
             ),
             task=NavigationStatus(
                 number=4,
@@ -280,6 +288,9 @@ SITUATIONS: Final[dict[str, Situation]] = {
                 why="",
                 count=len(_ROUTE),
                 path=_ROUTE,
+                x=_ROUTE[-1].x,
+                y=_ROUTE[-1].y,
+                seconds=9.0,
             ),
             **(_DRIVES | {"motion": MotionState.GOING}),
         ),
@@ -306,6 +317,11 @@ SITUATIONS: Final[dict[str, Situation]] = {
                 why="no way around the table",
                 count=0,
                 path=(),
+                cause=Cause.CLOSED,
+                x=_ROUTE[-1].x,
+                y=_ROUTE[-1].y,
+                seconds=41.0,
+                ended_s=2.0,
             ),
         ),
         state={

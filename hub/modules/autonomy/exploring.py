@@ -26,6 +26,9 @@ REST_S = 30.0
 TRIES = 2
 """After so many visits in vain a place is given up."""
 
+PATIENCE_S = 1.0
+"""Where the map shows no way any more another place is explored after this time [s]."""
+
 _NOTHING = "nothing is left"
 _LONG = 2.0
 """A frontier that is longer is not worth more: the robot sees no more of it at once [m]."""
@@ -118,7 +121,7 @@ class Explore:
         self._reach = look
         self._novelty.set_out()
         why = f"explores: a frontier of {best.length:.1f} m, {best.distance:.1f} m away"
-        return Target(points=(Point(x=best.x, y=best.y),), why=why, patience=0.0)
+        return Target(points=(Point(x=best.x, y=best.y),), why=why, patience=PATIENCE_S)
 
     def keeps(self, target: Target, sight: Sight) -> bool:
         """Whether the map still ends there."""

@@ -73,7 +73,7 @@ class Pilot:
         self._errand: Errand | None = None
         self._why = "nobody has asked for anything"
         self._phase = Phase.IDLE
-        self._asked = Behaviour.HOLD
+        self._asked, self._commands = Behaviour.HOLD, 0
         self._began = self._ended = math.nan
         self._explored = NOWHERE
         self._acted = self._back = -math.inf
@@ -101,6 +101,7 @@ class Pilot:
             self._end(Phase.IDLE if self._errand is None else Phase.STOPPED, "asked to hold", now)
             return
         self._asked, self._began, self._explored = command.behaviour, now, NOWHERE
+        self._commands += 1
         if wrong:
             self._end(Phase.REFUSED, wrong, now)
             return
@@ -198,6 +199,7 @@ class Pilot:
             why=self._watch.why if waits else self._why,
             phase=Phase.WAITING if waits else self._phase,
             asked=self._asked,
+            number=self._commands,
             explored=errand.explored if errand else self._explored,
             distance_m=self._watch.distance if goal else NOWHERE,
             seconds=until - self._began if math.isfinite(until - self._began) else 0.0,

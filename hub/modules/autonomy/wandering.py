@@ -14,6 +14,8 @@ from hub.modules.autonomy.errands import NOWHERE, End, Pause, Sight, Target
 NEAREST = 1.0
 FARTHEST = 4.0
 """Ways to the places it goes to are between these two long [m]."""
+PATIENCE_S = 1.0
+"""Where the map shows no way any more another place will do after this time [s]."""
 TRIES = 8
 """So often in turn it may be blocked."""
 
@@ -59,7 +61,7 @@ class Wander:
             if len(places):
                 row, column = places[self._random.integers(len(places))]
                 x, y = wide.centre(int(row), int(column))
-                return Target(points=(Point(x=x, y=y),), why="wanders", patience=0.0)
+                return Target(points=(Point(x=x, y=y),), why="wanders", patience=PATIENCE_S)
         return Pause(why="there is no room to wander", waits=True)
 
     def keeps(self, target: Target, sight: Sight) -> bool:

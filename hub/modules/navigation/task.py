@@ -134,8 +134,8 @@ class Errand:
         self._begin(Task.GOING, sender, now)
         self.points = tuple((point.x, point.y) for point in goal.points)
         self.place = self.points[-1]
-        wanted = goal.patience if math.isfinite(goal.patience) else PATIENCE_S
-        self._patience = max(0.0, min(wanted, MOST_PATIENCE_S))
+        wanted = goal.patience if goal.patience > 0.0 else PATIENCE_S
+        self._patience = min(wanted, MOST_PATIENCE_S)
         self._theta = goal.theta
         self._limit = goal.linear_limit if goal.linear_limit > 0.0 else math.inf
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from hub.gcm.autonomy import AUTONOMY_STATE, AutonomyState, Behaviour, Phase, Pilot
 from hub.gcm.flight import ALTITUDE, ATTITUDE, Altitude, Attitude
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints, PointKind
 from hub.gcm.supervision import (
@@ -68,10 +69,31 @@ def capabilities(*reports: CapabilityReport) -> CapabilityReports:
     return CapabilityReports(robot="magellan", count=len(reports), capabilities=reports)
 
 
+def autonomy(**changes: Any) -> AutonomyState:
+    """A robot that explores and has explored 42 percent."""
+    values: dict[str, Any] = {
+        "behaviour": Behaviour.EXPLORE,
+        "asked": Behaviour.EXPLORE,
+        "pilot": Pilot.AUTONOMY,
+        "phase": Phase.ACTIVE,
+        "why": "explores: a frontier of 2.1 m, 4.7 m away",
+        "x": 3.1,
+        "y": -0.5,
+        "frontier_m": 12.3,
+        "explored": 0.42,
+        "distance_m": 4.7,
+        "seconds": 151.0,
+        "sender": 5,
+        "number": 1,
+    }
+    return AutonomyState(**values | changes)
+
+
 def everything() -> dict[MessageDefinition[Any], Any]:
     """Something of each kind."""
     return {
         ATTITUDE: Attitude(stamp=0.0, roll=0.3, pitch=-0.1),
+        AUTONOMY_STATE: autonomy(),
         ALTITUDE: Altitude(stamp=0.0, depth=3.3, climb=-0.2),
         INTEREST_POINTS: points(point(1, note="under the table"), point(2, PointKind.LANDMARK)),
         MODULE_REPORTS: modules(

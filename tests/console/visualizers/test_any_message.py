@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hub.gcm.autonomy import AUTONOMY_STATE
 from hub.gcm.fields import FARTHEST_M as LARGEST
 from hub.gcm.flight import ALTITUDE, ATTITUDE
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoints
@@ -56,6 +57,7 @@ def robots(draw: st.DrawFn) -> RobotState:
         INTEREST_POINTS: InterestPoints(count=-1, points=(draw(changed(marks)), marks)),
         NAVIGATION_STATUS: going(path),
         MODULE_REPORTS: known.modules(draw(changed(known.module(CONTROL, why=CONTROL)))),
+        AUTONOMY_STATE: draw(changed(known.autonomy(why=CONTROL, sender=1))),
         CAPABILITY_REPORTS: known.capabilities(known.capability(CONTROL, module=CONTROL)),
     }
     for definition in (ATTITUDE, ALTITUDE):

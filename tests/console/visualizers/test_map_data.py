@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints, PointKind
-from hub.gcm.navigation import NAVIGATION_STATUS, NavigationStatus, Point, Task
+from hub.gcm.navigation import NAVIGATION_STATUS, Cause, NavigationStatus, Point, Task
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase, OccupancyMap
 from rune_tui.model.theme import DARK, LIGHT
@@ -25,7 +26,7 @@ from tests.console.states import (
     view_of,
     visualizer_spec,
 )
-from tests.console.visualizers.conftest import made_by, words
+from tests.console.visualizers.conftest import NOW, made_by, words
 
 NAME = "visualizeMapData"
 SIZE = (100, 80)
@@ -46,10 +47,12 @@ def victim(number: int, x: float, y: float, kind: PointKind = PointKind.VICTIM) 
     return InterestPoint(number=number, kind=kind, x=x, y=y, thumbnail=np.empty(0, np.uint8))
 
 
-def going(*way: tuple[float, float], task: Task = Task.GOING) -> NavigationStatus:
+def going(*way: tuple[float, float], task: Task = Task.GOING, **changes: Any) -> NavigationStatus:
     path = tuple(Point(x=x, y=y) for x, y in way)
     rest = {"number": 1, "sender": 0, "driver": 0, "points_left": 1, "distance_left": 1.0}
-    return NavigationStatus(task=task, why="", count=len(path), path=path, **rest)
+    x, y = way[-1]
+    values = {"x": x, "y": y} | rest | changes
+    return NavigationStatus(task=task, why="", count=len(path), path=path, **values)
 
 
 def robot_in(made, *, age=0.1, map_age=1.0, number=1, points=(), status=None, **changes):
@@ -222,9 +225,33 @@ def test_its_route_is_dashed_and_ends_at_a_letter_while_it_goes(made, draw) -> N
     dashes = spots(canvas, DARK.good)
     row = dashes[dashes[:, 1] == 40]
     assert 8 < len(row) < 27
-    done = draw(NAME, robot_in(made, status=going(*way, task=Task.REACHED)), SIZE)
+    done = draw(NAME, robot_in(made, status=going(*way, task=Task.REACHED, ended_s=99.0)), SIZE)
     assert where(done, "G") is None
     assert not len(spots(done, DARK.good))
+
+
+@pytest.mark.parametrize(
+    ("fields", "word"),
+    [
+        ({"cause": Cause.CLOSED}, "G waits"),
+        ({"task": Task.REACHED, "ended_s": 1.0}, "G reached"),
+        ({"task": Task.BLOCKED, "cause": Cause.CLOSED, "ended_s": 60.0}, "G BLOCKED"),
+        ({"task": Task.CANCELLED, "cause": Cause.STOP, "ended_s": 1.0}, "G STOPPED"),
+        ({"task": Task.CANCELLED, "cause": Cause.STICK, "ended_s": 1.0}, "G ENDED"),
+        ({"task": Task.CANCELLED, "cause": Cause.BUSY, "ended_s": 1.0}, "G GIVEN UP"),
+    ],
+)
+def test_its_goal_stays_for_a_while_with_its_outcome(made, draw, fields, word: str) -> None:
+    before = going((0.0, 0.0), (3.0, 2.0))
+    status = going((0.0, 0.0), (3.0, 2.0), **fields)
+    found = where(draw(NAME, robot_in(made, status=status), SIZE), word)
+    assert found is not None
+    assert found[1] == 10
+    map_data = made_by(NAME)
+    state = ConsoleState(now=NOW)
+    assert map_data.source(robot_in(made, status=status), state) != map_data.source(
+        robot_in(made, status=before), state
+    )
 
 
 def test_the_view_cone_turns_with_the_camera(made, draw) -> None:

@@ -7,14 +7,15 @@ import math
 import numpy as np
 import pytest
 
-from hub.gcm.autonomy import AUTONOMY_STATE, AutonomyState, Behaviour, Pilot
-from hub.gcm.navigation import NAVIGATION_STATUS, MotionState, NavigationStatus, Task
+from hub.gcm.autonomy import AUTONOMY_STATE
+from hub.gcm.navigation import MotionState
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.joystick_state import JoystickPhase, JoystickState
 from rune_tui.model.robot_state import LinkPhase
 from rune_tui.visualizers.mood import Mood
 from rune_tui.visualizers.status import Status, fitting
 from rune_tui.visualizers.status_words import status_parts
+from tests.console.visualizers import known
 
 NAME = "visualizeStatus"
 
@@ -113,27 +114,10 @@ def test_what_is_about_to_touch_is_an_alarm(made) -> None:
 
 
 def test_what_the_robot_does_by_itself_is_said(made, draw) -> None:
-    doing = AutonomyState(
-        behaviour=Behaviour.EXPLORE, pilot=Pilot.AUTONOMY, x=1.0, y=2.0, frontier_m=4.0, why=""
-    )
-    going = NavigationStatus(
-        number=1,
-        task=Task.GOING,
-        sender=3,
-        driver=3,
-        points_left=1,
-        distance_left=3.14,
-        why="",
-        count=0,
-        path=(),
-    )
-    messages = {
-        AUTONOMY_STATE.name: made.received(doing),
-        NAVIGATION_STATUS.name: made.received(going),
-    }
+    messages = {AUTONOMY_STATE.name: made.received(known.autonomy())}
     moving = made.received(made.navigation(motion=MotionState.GOING, linear=0.3))
     robot = made.robot(navigation=moving, messages=messages)
-    assert "EXPLORING by itself, 3.1 m to go" in line(draw(NAME, robot, (200, 2)))
+    assert "EXPLORING 42 %  +0.30 m/s" in line(draw(NAME, robot, (200, 2)))
     silent = made.robot(navigation=moving)
     assert "GOING by itself  " in line(draw(NAME, silent, (200, 2)))
 

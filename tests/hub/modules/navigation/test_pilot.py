@@ -210,7 +210,7 @@ def test_where_the_whole_map_shows_no_way_it_waits_as_long_as_it_has_patience() 
     drive.carry_out(3.0)
     assert drive.truth.linear > 0.1
     cells[(around > 6.0) & (around < 9.0)] = 100
-    drive.pilot.go(goal((0.0, 2.0), patience=0.0), 7, drive.now)
+    drive.pilot.go(goal((0.0, 2.0), patience=0.01), 7, drive.now)
     for _ in range(2):
         drive.pilot.mapped(grid, drive.now)
     drive.carry_out(1.0)

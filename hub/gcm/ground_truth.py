@@ -1,0 +1,45 @@
+"""Where a simulated robot really is: a message for tests and experiments."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from hub.gcm.fields import Flag, Metres, Number, Radians, Seconds, Speed, TurnRate
+from hub.ipc.definition import MessageDefinition
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GroundTruth:
+    """Where a simulated robot really is; for tests and experiments, never for modules that drive.
+
+    Attributes:
+        time: Simulated time since the start [s].
+        x: Position in the arena's frame [m].
+        y: Position in the arena's frame [m].
+        theta: Heading in the arena's frame [rad], in (-pi, pi].
+        linear: True forward velocity [m/s].
+        angular: True turn rate [rad/s].
+        commanded_linear: Forward velocity the wheels are told [m/s].
+        commanded_angular: Turn rate the wheels are told [rad/s].
+        contacts: Times the body has come into contact with something since the start.
+        touching: Whether it touches something now (0 or 1).
+    """
+
+    time: Seconds
+    x: Metres
+    y: Metres
+    theta: Radians
+    linear: Speed
+    angular: TurnRate
+    commanded_linear: Speed
+    commanded_angular: TurnRate
+    contacts: Number
+    touching: Flag
+
+
+GROUND_TRUTH = MessageDefinition(
+    name="SIM_GroundTruth",
+    format="{double,double,double,double,double,double,double,double,uint,ubyte}",
+    type=GroundTruth,
+    rate_hz=50.0,
+)

@@ -1,0 +1,93 @@
+"""What robots begin, wait for and end by themselves, told once each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import Final
+
+from hub.gcm.autonomy import Phase
+from rune_tui.model.console_state import ConsoleState, Notice
+from rune_tui.model.doing import Doing, by_autonomy, of_operators
+from rune_tui.model.robot_state import RobotState
+
+WAIT_S: Final = 4.0
+"""A robot that waits for no longer than this is not told of [s]."""
+
+_SOURCES: Final[tuple[Callable[[RobotState], Doing | None], ...]] = (by_autonomy, of_operators)
+_VERBS: Final = {
+    Phase.DONE: "done",
+    Phase.BLOCKED: "BLOCKED",
+    Phase.STOPPED: "stopped",
+    Phase.TAKEN_OVER: "ended",
+    Phase.LOST: "GIVEN UP",
+    Phase.REFUSED: "REFUSED",
+}
+
+
+class DoingWatch:
+    """Compares what each robot does by itself with what it did before."""
+
+    def __init__(self) -> None:
+        self._before: dict[tuple[str, int], Doing | None] = {}
+        self._waits: dict[tuple[str, int], tuple[str, float]] = {}
+        self._told: dict[tuple[str, int], str] = {}
+
+    def look(self, robot: RobotState, state: ConsoleState) -> Iterator[Notice]:
+        """What has begun, waits or has ended since the last look."""
+        for index, source in enumerate(_SOURCES):
+            key = robot.name, index
+            now = source(robot)
+            first = key not in self._before
+            before = self._before.get(key)
+            self._before[key] = now
+            yield from self._changed(robot, state, before, now, first=first)
+            yield from self._waiting(key, robot, state, now)
+
+    @staticmethod
+    def _changed(
+        robot: RobotState,
+        state: ConsoleState,
+        before: Doing | None,
+        now: Doing | None,
+        *,
+        first: bool,
+    ) -> Iterator[Notice]:
+        """What has begun or ended."""
+        same = before is not None and now is not None and before.number == now.number
+        if before is not None and before.under_way and not same:
+            known = now is not None and now.number > before.number
+            why = "something else came" if known else "the robot says nothing of it any more"
+            text = f"{before.deed} ended: {why}"
+            yield state.notice(text, robot=robot.name, alarm=not known)
+        if now is None or (first and not now.under_way):
+            return
+        if now.under_way:
+            if not same:
+                yield state.notice(_begun(now), robot=robot.name)
+        elif not same or (before is not None and before.under_way):
+            took = f" ({now.seconds:.0f} s)" if now.seconds >= 1.0 else ""
+            text = f"{now.deed} {_VERBS[now.phase]}: {now.why}{took}"
+            yield state.notice(text, robot=robot.name, alarm=now.failed)
+
+    def _waiting(
+        self, key: tuple[str, int], robot: RobotState, state: ConsoleState, now: Doing | None
+    ) -> Iterator[Notice]:
+        """That it has waited for a while, and that it goes on then."""
+        if now is None or now.phase is not Phase.WAITING:
+            self._waits.pop(key, None)
+            if self._told.pop(key, "") and now is not None and now.phase is Phase.ACTIVE:
+                yield state.notice(f"{now.deed} goes on", robot=robot.name)
+            return
+        why, since = self._waits.get(key, ("", state.now))
+        if why != now.why:
+            why, since = now.why, state.now if not why else since
+            self._waits[key] = why, since
+        if state.now - since >= WAIT_S and self._told.get(key) != why:
+            self._told[key] = why
+            yield state.notice(f"{now.deed} {why}", robot=robot.name)
+
+
+def _begun(doing: Doing) -> str:
+    place = f" to {doing.x:.1f}, {doing.y:.1f} m" if math.isfinite(doing.x + doing.y) else ""
+    return f"{doing.deed}{place if doing.deed == 'going' else ''} begins"

@@ -1,0 +1,144 @@
+"""The operator is told once each what robots begin, wait for and end by themselves."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+
+from hub.gcm.autonomy import AUTONOMY_STATE, Behaviour, Phase
+from hub.gcm.navigation import NAVIGATION_STATUS, Cause, Task
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.doings import WAIT_S, DoingWatch
+from tests.console.visualizers import known
+from tests.console.visualizers.conftest import Made, received
+from tests.console.visualizers.test_autonomy import navigation
+
+
+class Story:
+    """What a console sees, look by look."""
+
+    def __init__(self) -> None:
+        self.watch = DoingWatch()
+        self.now = 100.0
+
+    def look(
+        self,
+        autonomy: dict[str, Any] | None = None,
+        status: dict[str, Any] | None = None,
+        after: float = 0.1,
+    ) -> list[tuple[str, bool]]:
+        self.now += after
+        messages = {}
+        if autonomy is not None:
+            messages[AUTONOMY_STATE.name] = received(known.autonomy(**autonomy))
+        if status is not None:
+            messages[NAVIGATION_STATUS.name] = received(navigation(**status))
+        robot = Made().robot(messages=messages)
+        notices = self.watch.look(robot, ConsoleState(now=self.now))
+        return [(notice.text, notice.alarm) for notice in notices]
+
+
+IDLE = {"phase": Phase.IDLE, "asked": Behaviour.HOLD, "number": 0}
+
+ENDS = [
+    (Phase.DONE, "explored: nothing is left", "done", False),
+    (Phase.BLOCKED, "there is no way", "BLOCKED", True),
+    (Phase.STOPPED, "stopped: lunch", "stopped", False),
+    (Phase.TAKEN_OVER, "the operator took over", "ended", False),
+    (Phase.LOST, "gave up after 60 s: the driver is gone", "GIVEN UP", True),
+]
+
+
+@pytest.mark.parametrize(("phase", "why", "verb", "alarm"), ENDS)
+def test_an_exploration_is_told_when_it_begins_and_how_it_ends(
+    phase: Phase,
+    why: str,
+    verb: str,
+    alarm: bool,  # noqa: FBT001 a parameter of the table
+) -> None:
+    story = Story()
+    assert story.look(IDLE) == []
+    assert story.look({}) == [("exploring begins", False)]
+    assert story.look({"explored": 0.6}) == []
+    over = {"phase": phase, "why": why, "seconds": 412.4, "ended_s": 0.1}
+    assert story.look(over) == [(f"exploring {verb}: {why} (412 s)", alarm)]
+    assert story.look(over) == []
+
+
+CAUSES = [
+    (Task.REACHED, Cause.NONE, "done", False),
+    (Task.BLOCKED, Cause.CLOSED, "BLOCKED", True),
+    (Task.CANCELLED, Cause.STOP, "stopped", False),
+    (Task.CANCELLED, Cause.WITHDRAWN, "stopped", False),
+    (Task.CANCELLED, Cause.STICK, "ended", False),
+    (Task.CANCELLED, Cause.CONTROL, "ended", False),
+    (Task.CANCELLED, Cause.DRIVER, "GIVEN UP", True),
+    (Task.CANCELLED, Cause.BUSY, "GIVEN UP", True),
+]
+
+
+@pytest.mark.parametrize(("task", "cause", "verb", "alarm"), CAUSES)
+def test_a_goal_is_told_when_it_begins_and_how_it_ends(
+    task: Task,
+    cause: Cause,
+    verb: str,
+    alarm: bool,  # noqa: FBT001 a parameter of the table
+) -> None:
+    story = Story()
+    story.look(status={"task": Task.NONE})
+    assert story.look(status={}) == [("going to 2.0, 1.0 m begins", False)]
+    over = {"task": task, "cause": cause, "why": "so it is", "ended_s": 0.1}
+    assert story.look(status=over) == [(f"going {verb}: so it is (12 s)", alarm)]
+
+
+def test_a_goal_that_was_over_at_once_is_told_too() -> None:
+    story = Story()
+    story.look(status={"task": Task.NONE, "number": 0})
+    over = {"task": Task.CANCELLED, "cause": Cause.DRIVER, "why": "not begun: so", "seconds": 0.0}
+    assert story.look(status=over) == [("going GIVEN UP: not begun: so", True)]
+
+
+def test_the_goals_of_autonomy_are_not_told_one_by_one() -> None:
+    story = Story()
+    story.look({}, {"sender": 5})
+    for number in range(4, 9):
+        assert story.look({}, {"sender": 5, "number": number}) == []
+        over = {"sender": 5, "number": number, "task": Task.BLOCKED, "ended_s": 0.0}
+        assert story.look({}, over) == []
+
+
+def test_what_was_over_before_the_console_came_is_not_told_and_what_goes_on_is() -> None:
+    over = {"phase": Phase.DONE, "ended_s": 99.0}
+    assert Story().look(over, {"task": Task.REACHED, "ended_s": 3.0}) == []
+    assert Story().look({}) == [("exploring begins", False)]
+
+
+def test_it_is_told_that_it_waits_for_long_and_goes_on() -> None:
+    story = Story()
+    story.look({})
+    waits = {"phase": Phase.WAITING, "why": "waits: the map is old"}
+    assert story.look(waits) == []
+    assert story.look(waits, after=0.9 * WAIT_S) == []
+    assert story.look(waits, after=0.2 * WAIT_S) == [("exploring waits: the map is old", False)]
+    assert story.look(waits, after=9.0) == []
+    assert story.look({}) == [("exploring goes on", False)]
+    assert story.look(waits) == []
+    assert story.look({}) == [], "a short one"
+
+
+def test_a_new_order_ends_the_old_one() -> None:
+    story = Story()
+    story.look({})
+    back = {"asked": Behaviour.RETURN, "number": 2, "explored": math.nan}
+    assert story.look(back) == [
+        ("exploring ended: something else came", False),
+        ("returning begins", False),
+    ]
+
+
+def test_an_autonomy_that_began_anew_has_forgotten_and_that_is_an_alarm() -> None:
+    story = Story()
+    story.look({})
+    assert story.look(IDLE) == [("exploring ended: the robot says nothing of it any more", True)]
