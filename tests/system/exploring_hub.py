@@ -32,7 +32,9 @@ class Tour:
         stack.enter_context(closing(self.hub))
         seen = (navigation.GROUND_TRUTH, autonomy.AUTONOMY_STATE, navigation.NAVIGATION_STATUS)
         self.observer = stack.enter_context(closing(Observer(self.hub.endpoint, *seen)))
-        self.observer.client.define(autonomy.AUTONOMY_COMMAND, navigation.VELOCITY_COMMAND)
+        self.observer.client.define(
+            autonomy.AUTONOMY_COMMAND, navigation.VELOCITY_COMMAND, navigation.STOP
+        )
         self.observer.client.wait_defined(10.0)
 
     @property

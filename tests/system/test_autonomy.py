@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -10,7 +12,7 @@ from PIL import Image
 from ruamel.yaml import YAML
 
 from hub.gcm import mapping, navigation
-from hub.gcm.autonomy import Behaviour, Pilot
+from hub.gcm.autonomy import Behaviour, Phase, Pilot
 from hub.gcm.common import COMMON_RESULT
 from hub.gcm.navigation import Task
 from tests.system.exploring_hub import Tour
@@ -51,6 +53,32 @@ def test_it_explores_and_the_operators_stick_takes_over_at_once(tour: Tour) -> N
     tour.observer.wait(lambda: tour.state.pilot is Pilot.NOBODY, 10.0)
     tour.observer.wait(lambda: tour.truth.commanded_linear == 0.0, 10.0)
     assert tour.state.behaviour is Behaviour.HOLD
+    assert tour.truth.contacts == 0
+
+
+@pytest.mark.parametrize("name", ["navigation", "driver"])
+def test_it_waits_for_a_module_that_was_away_and_goes_on(tour: Tour, name: str) -> None:
+    def moved(least: float) -> bool:
+        return abs(tour.truth.x - before.x) + abs(tour.truth.y - before.y) > least
+
+    before = tour.truth
+    tour.ask(Behaviour.EXPLORE)
+    tour.observer.wait(lambda: moved(0.5), 30.0)
+    os.kill(tour.hub.pids[name], signal.SIGSTOP)
+    try:
+        tour.observer.wait(lambda: tour.state.phase is Phase.WAITING, 10.0, "it does not wait")
+        assert tour.state.why.startswith("waits: ")
+    finally:
+        os.kill(tour.hub.pids[name], signal.SIGCONT)
+    before = tour.truth
+    tour.observer.wait(lambda: moved(0.5), 30.0, lambda: f"it does not go on: {tour.state}")
+    assert tour.state.behaviour is Behaviour.EXPLORE
+    assert tour.state.phase is Phase.ACTIVE
+
+    # A stop of somebody ends it, and nothing has it go on.
+    tour.observer.client.publish(navigation.STOP, navigation.Stop(reason="lunch"))
+    tour.observer.wait(lambda: tour.state.phase is Phase.STOPPED, 10.0, "it does not end")
+    assert tour.state.why == "stopped: lunch"
     assert tour.truth.contacts == 0
 
 

@@ -23,6 +23,7 @@ from tests.waiting import until
 
 DOCS = Path(__file__).parents[2] / "docs"
 LONGEST_PROGRAM = 60
+_READY = (navigation.MotionState.STANDING, navigation.MotionState.MOVING)
 
 
 def block(page: str, kind: str, number: int = 0) -> str:
@@ -95,8 +96,14 @@ def test_robot_of_the_page_drives_and_stops(
             going = [False]
 
             def drive() -> None:
-                twist = navigation.Twist.planar(0.9, 0.0) if going[0] else navigation.Twist()
-                robot.client.publish(navigation.VELOCITY_COMMAND, twist)
+                # Where this process was away for longer than a stick may be silent, navigation
+                # has stopped the robot, and wants a neutral command before it drives on.
+                silent = not states or states[-1].motion not in _READY
+                if silent or not going[0]:
+                    robot.client.publish(navigation.VELOCITY_COMMAND, navigation.Twist())
+                if going[0]:
+                    ahead = navigation.Twist.planar(0.9, 0.0)
+                    robot.client.publish(navigation.VELOCITY_COMMAND, ahead)
                 firmware.run()
 
             timer = robot.client.every(0.05, drive)
