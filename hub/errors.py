@@ -167,5 +167,13 @@ class MapFileError(HubError, ValueError):
     """Files of a map that cannot be written or read."""
 
 
+class MissionError(HubError, ValueError):
+    """Something about a mission that cannot be done; nothing has changed."""
+
+
+class MissionFileError(MissionError):
+    """Files of a mission that cannot be written or read."""
+
+
 class ModuleStartError(HubError, RuntimeError):
     """A module process that could not be started."""

@@ -1,4 +1,4 @@
-"""Where files of ours belong on this machine: sockets, logs, maps.
+"""Where files of ours belong on this machine: sockets, logs, maps, missions.
 
 The user's own folders follow the XDG base directory specification; a service has what systemd says.
 """
@@ -6,7 +6,9 @@ The user's own folders follow the XDG base directory specification; a service ha
 from __future__ import annotations
 
 import os
+import re
 import tempfile
+import zlib
 from pathlib import Path
 
 LONGEST_FOR_SOCKETS = 60
@@ -30,6 +32,28 @@ def for_logs(wanted: str = "") -> Path:
 def for_maps(wanted: str = "") -> Path:
     """The folder for saved maps; `wanted` if that names one."""
     return Path(wanted) if wanted else _own("DATA", "share") / "maps"
+
+
+def for_missions(wanted: str = "") -> Path:
+    """The folder for the folders of robots with their missions; `wanted` if that names one."""
+    if wanted:
+        return Path(wanted)
+    given = os.environ.get("STATE_DIRECTORY", "").partition(":")[0]
+    return (Path(given) if given else _own("STATE", "state")) / "missions"
+
+
+def for_pose(robot: str) -> Path:
+    """The file in which navigation remembers how the robot's dead reckoning lies on the map.
+
+    It is of use until the machine starts anew, and nobody waits for it: it lies where sockets do.
+    """
+    return for_sockets() / f"rune-pose-{os.getuid()}-{as_file_name(robot)}"
+
+
+def as_file_name(name: str) -> str:
+    """The name of something as the name of a file; it differs for each, and never leads out."""
+    safe = re.sub(r"[^A-Za-z0-9_-]", "-", name)[:64]
+    return safe if safe == name and name else f"{safe}-{zlib.crc32(name.encode()):08x}"
 
 
 def _own(kind: str, name: str) -> Path:

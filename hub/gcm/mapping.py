@@ -8,6 +8,7 @@ from typing import Annotated
 
 from hub.gcm.fields import (
     MOST_REPORTS,
+    Flag,
     Length,
     LengthIfKnown,
     Metres,
@@ -106,6 +107,9 @@ class InterestPoint:
         note: The operator's words.
         length: Bytes of `thumbnail`.
         thumbnail: A small picture of it as JPEG; none if empty. Shape (length,).
+        version: How often it was marked or changed, from 1. Who changes it sends the version that
+            is changed; 0 for a new point.
+        kept: 1 if it is on the robot's disk, 0 if it is in memory only.
     """
 
     number: Number = 0
@@ -119,17 +123,21 @@ class InterestPoint:
     note: Sentence = ""
     length: int = 0
     thumbnail: Octets
+    version: Number = 0
+    kept: Flag = 0
 
 
-_POINT = "{uint,{enum:1},double,double,double,double,double,string,string,uint,<ubyte:10>}"
+_POINT = (
+    "{uint,{enum:1},double,double,double,double,double,string,string,uint,<ubyte:10>,uint,ubyte}"
+)
 
 
 class PointAction(enum.IntEnum):
     """What to do with an interest point.
 
     Attributes:
-        MARK: Add it, or replace the one with its number.
-        REMOVE: Remove the one with its number.
+        MARK: Add it if its number is 0; else replace the one with its number and version.
+        REMOVE: Remove the one with its number and version; version 0 removes any version.
     """
 
     MARK = 0
@@ -142,7 +150,7 @@ class PointCommand:
 
     Attributes:
         action: What to do.
-        point: With what; to remove one only its number counts.
+        point: With what; to remove one only its number and version count.
     """
 
     action: PointAction = PointAction.MARK
@@ -179,13 +187,33 @@ INTEREST_POINTS = MessageDefinition(
 )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PointRefusal:
+    """A `PointCommand` was not carried out.
+
+    Attributes:
+        sender: Whose command: its number at central, as in frame headers.
+        number: Number of the point that was to be changed; 0: a new one.
+        text: Why, for people.
+    """
+
+    sender: Number
+    number: Number
+    text: Sentence
+
+
+POINT_REFUSAL = MessageDefinition(
+    name="GCM_Point_Refusal", format="{uint,uint,string}", type=PointRefusal, keep=Keep.ALL
+)
+
+
 class MapOrder(enum.IntEnum):
     """What is to be done with the map.
 
     Attributes:
         SAVE: Write map and points to files.
-        LOAD: Read them from files; the grid and the points there are now are given up.
-        CLEAR: Begin the grid anew; the points are kept.
+        LOAD: Begin a new sheet with the map and the points of files.
+        CLEAR: Begin a new sheet; the points are kept on it.
     """
 
     SAVE = 0
@@ -213,4 +241,4 @@ MAP_COMMAND = MessageDefinition(
     plane=Plane.COMMAND,
 )
 
-MESSAGES = (MAP_REQUEST, MAP, POINT_COMMAND, INTEREST_POINTS, MAP_COMMAND)
+MESSAGES = (MAP_REQUEST, MAP, POINT_COMMAND, INTEREST_POINTS, POINT_REFUSAL, MAP_COMMAND)

@@ -170,6 +170,8 @@ class RobotState:
             from neutral, or not from who has control.
         assistance: Whether velocities that would lead into something are held back.
         held_back: How much of the commanded velocity is held back now, 0 (nothing) to 1.
+        frame: Number of the frame `map`. With another number, positions cannot be compared with
+            those of before: the robot has lost its place. 0: not told.
     """
 
     stamp: Stamp
@@ -189,12 +191,13 @@ class RobotState:
     refused: Number
     assistance: Assistance = Assistance.ON
     held_back: Share = 0.0
+    frame: Number = 0
 
 
 ROBOT_STATE = MessageDefinition(
     name="GCM_RobotState",
     format="{double,double,double,double,double,double,double,double,[float:16],[float:16],"
-    "uint,float,float,{enum:6},uint,{enum:1},float}",
+    "uint,float,float,{enum:6},uint,{enum:1},float,uint}",
     type=RobotState,
     rate_hz=20.0,
 )
@@ -218,6 +221,10 @@ class DriveState:
         bumpers: Bit i is set while bumper i is pressed.
         battery_voltage: Battery [V]; NaN when not measured.
         battery_fraction: Charge left, 0 to 1; NaN when not known.
+        odometry: Number of this dead reckoning; another one when it began anew. 0: the driver
+            process gives it one.
+        origin: Number of the place where `odom` begins; equal numbers, equal places, also after
+            the dead reckoning began anew. 0: where the robot was then.
     """
 
     stamp: Stamp
@@ -233,12 +240,14 @@ class DriveState:
     bumpers: Number
     battery_voltage: Annotated[float, Range(-1000.0, 1000.0, unit="V", nan=True)]
     battery_fraction: ShareIfKnown
+    odometry: Number = 0
+    origin: Number = 0
 
 
 DRIVE_STATE = MessageDefinition(
     name="GCM_DriveState",
     format="{double,double,double,double,double,double,double,double,[float:16],[float:16],"
-    "uint,float,float}",
+    "uint,float,float,uint,uint}",
     type=DriveState,
     rate_hz=50.0,
 )

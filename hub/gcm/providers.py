@@ -11,6 +11,7 @@ from hub.gcm import (
     control,
     flight,
     mapping,
+    mission,
     navigation,
     pad,
     supervision,
@@ -34,6 +35,8 @@ PROVIDED_BY: Mapping[str, tuple[Capability, ...]] = {
     vision.CAMERA_STATE.name: (Capability.VIS_PTZ, Capability.VIS_VID, Capability.VIS_NIGHT),
     mapping.MAP.name: (Capability.PRO_MAP,),
     mapping.INTEREST_POINTS.name: (Capability.PRO_POINTS,),
+    mapping.POINT_REFUSAL.name: (Capability.PRO_POINTS,),
+    mission.MISSION_STATE.name: (Capability.PRO_POINTS,),
     autonomy.AUTONOMY_STATE.name: (Capability.AUT_PILOT,),
 }
 """The capabilities that bring a message, any of them, by its name; the nearest first."""
@@ -57,6 +60,7 @@ TAKEN_BY: Mapping[str, tuple[Capability, ...]] = {
     mapping.MAP_REQUEST.name: (Capability.PRO_MAP,),
     mapping.MAP_COMMAND.name: (Capability.PRO_MAP,),
     mapping.POINT_COMMAND.name: (Capability.PRO_POINTS,),
+    mission.MISSION_COMMAND.name: (Capability.PRO_POINTS,),
     autonomy.AUTONOMY_COMMAND.name: (Capability.AUT_PILOT,),
 }
 """The capabilities that take a message, any of them, by its name; the nearest first."""

@@ -63,6 +63,11 @@ class ControlDesk:
         client.every(_LOOK_S, self._look)
         client.every(1.0 / control.CONTROL_STATE.rate_hz, self._publish)
 
+    @property
+    def owned(self) -> bool:
+        """Whether somebody has control."""
+        return self._arbiter.owner is not None
+
     def _requested(self, request: ControlRequest, reply: Reply[CommonResult]) -> None:
         peer = self._peer_of(reply.asker)
         if peer is None:

@@ -22,6 +22,7 @@ from hub.ipc.client import Client
 from hub.ipc.keyring import Keyring, default_folder
 from hub.robomon.control_desk import ControlDesk
 from hub.robomon.keeper import Keeper
+from hub.robomon.mission_want import MissionWant
 from hub.robomon.outputs import LogFolder, Outputs
 from hub.robomon.policy import Supervisor
 from hub.robomon.process import adopt_orphans
@@ -80,7 +81,8 @@ class Daemon:
             outputs = stack.enter_context(contextlib.closing(Outputs(logs.path)))
             self._say("listening", central.endpoints[0], {})
             client = stack.enter_context(contextlib.closing(Client(NAME, local)))
-            ControlDesk(client, central.peer_of)
+            desk = ControlDesk(client, central.peer_of)
+            MissionWant(client, self._supervisor.wants, robot, controlled=lambda: desk.owned)
             self._serve(client, outputs, local, central.endpoints[0])
         lives = self._supervisor.lives.values()
         return 1 if any(life.phase is ModulePhase.FAILED for life in lives) else 0

@@ -48,6 +48,7 @@ RuntimeDirectory=%N
 RuntimeDirectoryMode=0700
 Environment=XDG_RUNTIME_DIR=%t/%N
 LogsDirectory=%N
+StateDirectory=%N
 LimitNOFILE=$descriptors$nice
 UMask=0077
 
@@ -151,7 +152,8 @@ def for_this_machine(table: RobotTable, argument: str, user: str) -> ServiceSpec
     program = Path(sys.executable).with_name("rune-hub")
     known = {group.gr_name for group in grp.getgrall()}
     robot = table.robot
-    written = [folder for folder in (robot.keys, robot.logs, robot.map_folder) if folder]
+    folders = (robot.keys, robot.logs, robot.map_folder, robot.mission_folder)
+    written = [folder for folder in folders if folder]
     return ServiceSpec(
         robot=robot.name,
         robot_file=robot.path.resolve(),

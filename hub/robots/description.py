@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import enum
 import math
 import os
 from dataclasses import dataclass
@@ -21,6 +22,18 @@ ROBOTS_OWN = "robot"
 NOTHING_NEW_S = 60.0
 NOTHING_NEW_SHARE = 0.02
 """Exploring ends when the map's free ground grew by less than this share for this time [s]."""
+
+
+class MissionBegin(enum.Enum):
+    """What begins a mission, besides a mark and the operator's word.
+
+    Attributes:
+        WITH_CONTROL: An operator who takes control of the robot.
+        BY_HAND: Nothing.
+    """
+
+    WITH_CONTROL = "with control"
+    BY_HAND = "by hand"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,6 +67,10 @@ class RobotDescription:
         map_resolution: Edge of a cell of the map [m].
         map_size: Extent of the map in both directions, the start in its middle [m].
         map_folder: Where maps are saved; empty: the user's own folder of data.
+        mission_folder: Where missions are kept; empty: the user's own folder of states.
+        mission_begin: What begins a mission, besides a mark and the operator's word.
+        mission_largest_mb: Size of a mission from which on only marks are kept [MB].
+        mission_least_free_mb: Room on the disk below which only marks are kept [MB].
         nothing_new_s: Exploring ends when nothing new came for this time, although it drove [s].
         nothing_new_share: Nothing new means that the map's free ground grew by less than this.
         left_alone: What it does when it has lost its operator.
@@ -86,6 +103,10 @@ class RobotDescription:
     map_resolution: float
     map_size: float
     map_folder: str
+    mission_folder: str
+    mission_begin: MissionBegin
+    mission_largest_mb: float
+    mission_least_free_mb: float
     nothing_new_s: float
     nothing_new_share: float
     left_alone: LeftAlone
@@ -185,6 +206,32 @@ _TABLES = {
             toml.text(1000), "", "map_folder", "where maps are saved; without: the user's own"
         ),
     },
+    "mission": {
+        "folder": toml.Key(
+            toml.text(1000),
+            "",
+            "mission_folder",
+            "where missions are kept; without: the user's own",
+        ),
+        "begin": toml.Key(
+            toml.choice({each.value: each for each in MissionBegin}),
+            MissionBegin.WITH_CONTROL,
+            "mission_begin",
+            "what begins a mission, besides a mark and the operator's word",
+        ),
+        "largest_mb": toml.Key(
+            toml.number(1.0, 1e6),
+            500.0,
+            "mission_largest_mb",
+            "size of a mission from which on only marks are kept [MB]",
+        ),
+        "least_free_mb": toml.Key(
+            toml.number(0.0, 1e6),
+            50.0,
+            "mission_least_free_mb",
+            "room on the disk below which only marks are kept [MB]",
+        ),
+    },
     "autonomy": {
         "nothing_new_s": toml.Key(
             toml.number(5.0, 86400.0),
@@ -238,7 +285,7 @@ def read_description(path: Path) -> tuple[RobotDescription, toml.Problems]:
         problems.append("modules has to be tables: [modules.NAME]")
         modules = {}
     beside = path.absolute().parent
-    for name in ("keys", "logs", "map_folder"):
+    for name in ("keys", "logs", "map_folder", "mission_folder"):
         fields[name] = _located(fields[name], beside)
     if fields["arena"].endswith(".toml"):
         fields["arena"] = _located(fields["arena"], beside)

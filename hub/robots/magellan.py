@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import zlib
 
 import numpy as np
 import numpy.typing as npt
@@ -79,6 +80,8 @@ class SimulatedMagellan:
         self._time_left = 0.0
         # Settles what the body touches at the start.
         self._pose = self._body.move(arena.start, arena.start)
+        # Its world begins anew with it, and it always starts at the same place of its arena.
+        self._origin = zlib.crc32(repr((arena.name, arena.start)).encode()) | 1
         self._scan()
 
     def set_velocity(self, linear: float, angular: float) -> None:
@@ -114,6 +117,7 @@ class SimulatedMagellan:
             bumpers=self._body.bumpers(self._pose),
             battery_voltage=self._battery.voltage,
             battery_fraction=self._battery.fraction,
+            origin=self._origin,
         )
 
     def ground_truth(self) -> GroundTruth:

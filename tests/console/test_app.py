@@ -16,7 +16,7 @@ from hub.gcm.mapping import INTEREST_POINTS, POINT_COMMAND, PointAction, PointCo
 from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Stop, Twist
 from hub.ipc.central import Central
 from hub.ipc.client import Client
-from hub.modules.mapping.points import PointBook
+from hub.missions.points import PointBook
 from rune_tui.app import Console
 from rune_tui.controls.stall_guard import STALL_S
 from rune_tui.layout.loader import load_layout
@@ -110,7 +110,7 @@ class Robot:
 
     def _mark(self, command: PointCommand) -> None:
         if command.action is PointAction.REMOVE:
-            self.book.remove(command.point.number)
+            self.book.drop(command.point.number)
         else:
             self.book.mark(command.point, "somebody", 1.0)
         self.client.publish(INTEREST_POINTS, self.book.message)

@@ -42,6 +42,8 @@ arena = "{arena}"
 seed = 7
 [mapping]
 folder = "maps"
+[mission]
+folder = "missions"
 {modules}
 """
 MODULES = ("driver", "navigation", "vision")

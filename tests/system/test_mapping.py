@@ -121,7 +121,9 @@ def test_points_are_told_to_all_when_they_change_and_on_request(watch: Observer)
     assert point.by
     assert point.stamp > 1e9
     watch.client.publish(mapping.POINT_COMMAND, mark(math.nan))
-    watch.client.publish(mapping.POINT_COMMAND, mark(3.5, number=point.number, by="Ada"))
+    watch.client.publish(mapping.POINT_COMMAND, mark(3.5, number=point.number, by="Bob"))
+    changed = mark(3.5, number=point.number, by="Ada", version=point.version)
+    watch.client.publish(mapping.POINT_COMMAND, changed)
     watch.wait(lambda: points(watch)[0].x == 3.5, 5.0, "the point is not replaced")
     assert (len(points(watch)), points(watch)[0].by) == (1, "Ada")
     history = watch.seen[mapping.INTEREST_POINTS.name]

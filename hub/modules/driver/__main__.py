@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import secrets
 import sys
 import time
 from collections.abc import Callable
@@ -32,10 +34,13 @@ def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
     clock = time.monotonic
     last = clock()
     steps = 0
+    # Another number for each process: after a crash the wheels count from another place.
+    odometry = secrets.randbelow(2**32 - 1) + 1
 
     def report() -> None:
         now = clock()
-        client.publish(navigation.DRIVE_STATE, base.drive_state(time.time()), measured=now)
+        state = numbered(base.drive_state(time.time()), odometry)
+        client.publish(navigation.DRIVE_STATE, state, measured=now)
         truth = base.ground_truth()
         if truth is not None:
             client.publish(navigation.GROUND_TRUTH, truth, measured=now)
@@ -70,6 +75,11 @@ def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
     client.define(navigation.DRIVE_STATE, navigation.GROUND_TRUTH)
     client.every(_PERIOD, step)
     return finish
+
+
+def numbered(state: navigation.DriveState, odometry: int) -> navigation.DriveState:
+    """The state with a number for its dead reckoning, where the hardware gives it none."""
+    return state if state.odometry else dataclasses.replace(state, odometry=odometry)
 
 
 def abilities(robot: RobotDescription) -> Abilities:

@@ -1,61 +1,124 @@
-"""The mapping process: makes the map, keeps the interest points, answers for both, saves them."""
+"""The mapping process: makes the map, answers for it, and keeps the mission."""
 
 from __future__ import annotations
 
+import dataclasses
 import logging
 import math
 import sys
 import time
 
-from hub.errors import HandlerFailedError, MapFileError, RobotFileError
-from hub.folders import for_maps
+from hub.errors import HandlerFailedError, MapFileError, MissionError, RobotFileError
+from hub.folders import for_maps, for_missions
 from hub.gcm import map_coding, mapping, navigation
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.ipc.client import Client
 from hub.ipc.reception import Reception
-from hub.modules.mapping import storage
-from hub.modules.mapping.grid import LOADED, MAX_EDGE_CELLS, GridPicture, OccupancyGrid
-from hub.modules.mapping.points import PointBook
+from hub.missions import storage
+from hub.missions.folder import MissionFolder
+from hub.missions.grid_picture import GridPicture
+from hub.missions.keeper import MissionKeeper, MissionLimits
+from hub.modules.mapping.grid import LOADED, MAX_EDGE_CELLS, OccupancyGrid
+from hub.modules.mapping.mission_desk import MissionDesk
 from hub.modules.mapping.scans import ScanSelector
 from hub.robots.description import RobotDescription
-from hub.runtime import publish_on_request, run_module
+from hub.runtime import run_module
 
 _logger = logging.getLogger(__name__)
 
-_POINTS_PERIOD = 1.0 / mapping.INTEREST_POINTS.rate_hz
+SAVE_S = 10.0
+"""A map that has changed is saved so often [s]."""
+MARKED_S = 0.5
+"""So soon after a mark the map is saved [s]; several marks at once need one map."""
+_LOOK_S = 0.25
 
 
 class Mapping:
-    """Connects the map and the points with the bus."""
+    """Connects the map and the mission with the bus."""
 
     def __init__(self, client: Client, robot: RobotDescription) -> None:
-        """Subscribe and answer."""
+        """Take up the mission that runs, subscribe and answer."""
         self._client = client
         self._robot = robot
         self._grid = OccupancyGrid(robot.map_resolution, robot.map_size)
         self._scans = ScanSelector()
-        self._points = PointBook()
         self._stamp = 0.0
+        self._changed = False
+        self._saved = -math.inf
+        self._keeper = MissionKeeper(
+            MissionFolder(for_missions(robot.mission_folder), robot.name),
+            MissionLimits(
+                largest_mb=robot.mission_largest_mb, least_free_mb=robot.mission_least_free_mb
+            ),
+        )
+        self._open()
+        self._desk = MissionDesk(
+            client,
+            self._keeper,
+            robot,
+            begun=self._begin_anew,
+            marked=self._marked,
+            ending=self._save,
+        )
         client.subscribe(navigation.ROBOT_STATE, self._state)
-        client.subscribe(mapping.POINT_COMMAND, self._point)
         client.respond(mapping.MAP_REQUEST, mapping.MAP, self._map)
         client.respond(mapping.MAP_COMMAND, COMMON_RESULT, self._command)
-        client.define(mapping.INTEREST_POINTS)
-        publish_on_request(client, mapping.INTEREST_POINTS, self._publish_points)
-        client.every(_POINTS_PERIOD, self._publish_points)
+        client.every(_LOOK_S, self._look)
 
     def finish(self) -> None:
-        """Say what was left out."""
+        """Save what is not saved yet, and say what was left out."""
+        self._save()
+        self._keeper.close()
         if self._grid.outside:
             _logger.warning("%d scans were made outside of the map", self._grid.outside)
 
+    def _open(self) -> None:
+        """Take up the mission that was running when this robot's mapping ended."""
+        kept = self._keeper.open()
+        if kept is None:
+            return
+        lost = self._grid.restore(kept)
+        self._stamp = time.time()
+        if lost:
+            _logger.warning("%d cells of the saved map lie outside of this robot's map", lost)
+        book = self._keeper.book
+        _logger.info("mission %s goes on with %d marks", book.name, len(book.points.points))
+
+    def _look(self) -> None:
+        """Save the map when it is time to."""
+        if not self._keeper.opened and self._keeper.book.begun is None:
+            self._open()
+        if self._changed and time.monotonic() - self._saved >= SAVE_S:
+            self._save()
+
+    def _save(self) -> None:
+        """Save the map as it is now."""
+        self._changed = False
+        self._saved = time.monotonic()
+        if self._keeper.book.running:
+            self._keeper.save_map(self._grid.kept())
+
+    def _marked(self, point: mapping.InterestPoint) -> None:
+        """Have the map saved soon, as it was when a point was marked."""
+        del point
+        self._changed = True
+        self._saved = min(self._saved, time.monotonic() - SAVE_S + MARKED_S)
+
     def _state(self, state: navigation.RobotState, reception: Reception) -> None:
+        if self._keeper.in_frame(state.frame, self._grid.kept):
+            _logger.warning(
+                "the robot has lost its place: sheet %d begins", self._keeper.book.sheet
+            )
+            self._begin_anew()
+            self._desk.publish()
+        self._keeper.trace(state.x, state.y, state.theta)
         scan = self._scans.scan(state, reception.measured)
         if scan is None:
             return
         if self._grid.add(scan.x, scan.y, scan.theta, scan.sonar, scan.infrared):
             self._stamp = state.stamp
+            self._changed = True
         elif self._grid.outside == 1:
             _logger.warning("the robot has left the map, which ends %.1f m away", -self._grid.low)
 
@@ -83,20 +146,6 @@ class Mapping:
             data=data,
         )
 
-    def _point(self, command: mapping.PointCommand, reception: Reception) -> None:
-        if command.action is mapping.PointAction.REMOVE:
-            refused = self._points.remove(command.point.number)
-        else:
-            by = f"client {reception.publisher}"
-            refused = self._points.mark(command.point, by, time.time())
-        if refused:
-            _logger.warning("point refused: %s", refused)
-        else:
-            self._publish_points()
-
-    def _publish_points(self) -> None:
-        self._client.publish(mapping.INTEREST_POINTS, self._points.message)
-
     def _command(self, command: mapping.MapCommand) -> CommonResult:
         try:
             text = self._carry_out(command)
@@ -113,25 +162,47 @@ class Mapping:
             MapFileError: It cannot be done; nothing has changed.
         """
         if command.order is mapping.MapOrder.CLEAR:
-            self._begin_anew()
-            return f"the map is empty; {self._points.message.count} points are kept"
+            return self._clear()
         folder = for_maps(self._robot.map_folder)
         name = storage.checked_name(command.name or default_name(self._robot))
         if command.order is mapping.MapOrder.SAVE:
-            points = self._points.message.points
+            points = self._keeper.points.points
             path = storage.save(folder, name, self._grid.whole(), points)
             return f"map and {len(points)} points are saved as {path}"
         picture, points = storage.load(folder, name)
+        return self._load(picture, points, f"map {name} of {folder}")
+
+    def _clear(self) -> str:
+        """Begin a new sheet with the marks there are."""
+        self._save()
+        self._keeper.begin_sheet("the map was cleared", carries=True)
+        self._begin_anew()
+        self._desk.publish()
+        return f"the map is empty; {self._keeper.points.count} points are kept"
+
+    def _load(
+        self, picture: GridPicture, points: tuple[mapping.InterestPoint, ...], what: str
+    ) -> str:
+        """Begin a new sheet with what a file has; marks of the sheet before stay on it."""
+        self._save()
+        self._keeper.begin_sheet(f"{what} was loaded")
         self._begin_anew()
         lost = self._grid.paint(picture, LOADED)
-        self._points.replace_all(points)
-        self._publish_points()
+        try:
+            for point in points:
+                self._keeper.mark(dataclasses.replace(point, number=0, version=0), point.by)
+        except MissionError as error:
+            raise MapFileError(str(error)) from error
+        self._save()
+        self._desk.publish()
         outside = f"; {lost} cells lie outside of this robot's map" if lost else ""
-        return f"map {name} and {len(points)} points are loaded from {folder}{outside}"
+        return f"{what} and {len(points)} points are loaded{outside}"
 
     def _begin_anew(self) -> None:
+        """Forget the map, as another mission or another sheet begins."""
         self._grid.clear()
         self._scans = ScanSelector()
+        self._changed = True
 
 
 def default_name(robot: RobotDescription) -> str:
@@ -158,7 +229,7 @@ def abilities(robot: RobotDescription) -> Abilities:
 
 def main() -> int:
     """Run the process."""
-    purpose = "Makes a map from range sensors, keeps interest points on it, and saves both."
+    purpose = "Makes a map from range sensors, and keeps the mission: marks, map and track."
     return run_module(
         "mapping", purpose, abilities, lambda client, robot: Mapping(client, robot).finish
     )

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from hub.gcm.map_coding import MAX_CELLS
 from hub.gcm.navigation import SENSOR_COUNT
+from hub.missions.grid_picture import GridPicture
+from hub.missions.log_odds import LogOdds
 from hub.modules.mapping.evidence import INFRARED, SONAR, Evidence, Floats
 
 LEAST, MOST = -2.0, 3.5
@@ -23,25 +23,10 @@ BORDER = 0.5
 MAX_EDGE_CELLS = math.isqrt(MAX_CELLS)
 
 _PERCENT = 100.0
+_ALIGNED = 1e-3
+"""Cells of two grids that are shifted by a smaller part of a cell lie on each other."""
 _STEP = 5
 """Shown occupancies are multiples of this [percent]: coded maps are a quarter shorter."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class GridPicture:
-    """Cells of a part of the map, as nav_msgs/OccupancyGrid has them.
-
-    Attributes:
-        cells: -1 unknown, 0 free to 100 occupied; shape (height, width), row 0 at the least y.
-        resolution: Edge of a cell [m].
-        origin_x: Lower left corner of cell (0, 0) in `map` [m].
-        origin_y: Lower left corner of cell (0, 0) in `map` [m].
-    """
-
-    cells: npt.NDArray[np.int8]
-    resolution: float
-    origin_x: float
-    origin_y: float
 
 
 class OccupancyGrid:
@@ -190,6 +175,37 @@ class OccupancyGrid:
             lost += len(rows) - int(inside.sum())
             self.log_odds[rows[inside], columns[inside]] = sign * log_odds
         return lost
+
+    def kept(self) -> LogOdds:
+        """All that is known, as a mission keeps it."""
+        return LogOdds.of(self.log_odds, self.resolution, self.low, self.low)
+
+    def restore(self, kept: LogOdds) -> int:
+        """Give up what is known for what was kept.
+
+        Returns:
+            How many known cells of it lie outside of the square.
+        """
+        left = (kept.origin_x - self.low) / self.resolution
+        bottom = (kept.origin_y - self.low) / self.resolution
+        column, row = round(left), round(bottom)
+        height, width = kept.cells.shape
+        aligned = math.isclose(kept.resolution, self.resolution) and (
+            max(abs(left - column), abs(bottom - row)) < _ALIGNED
+        )
+        within = min(row, column) >= 0 and max(row + height, column + width) <= self.edge_cells
+        if aligned and within:
+            self.clear()
+            self.log_odds[row : row + height, column : column + width] = kept.values
+            return 0
+        shown = np.where(kept.cells == 0, -1, np.where(kept.cells > 0, 100, 0)).astype(np.int8)
+        picture = GridPicture(
+            cells=shown,
+            resolution=kept.resolution,
+            origin_x=kept.origin_x,
+            origin_y=kept.origin_y,
+        )
+        return self.paint(picture, LOADED)
 
     def _picture(self, bottom: int, top: int, left: int, right: int) -> GridPicture:
         """Rows from `bottom` and columns from `left` on, as far as there are any."""

@@ -9,6 +9,7 @@ import time
 
 from hub.control_gate import ControlGate
 from hub.errors import CodecError, HubError
+from hub.folders import for_pose
 from hub.gcm import mapping, navigation
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
@@ -17,6 +18,7 @@ from hub.grids.grid import grid_of
 from hub.ipc.client import Client
 from hub.ipc.reception import Reception
 from hub.modules.navigation.dynamic_window import body_of
+from hub.modules.navigation.frame import FrameMemory
 from hub.modules.navigation.pilot import Pilot
 from hub.modules.navigation.reports import robot_state, status
 from hub.modules.navigation.speed_governor import SpeedGovernor
@@ -53,6 +55,7 @@ class Navigation:
         self._clock = time.monotonic
         self._governor = SpeedGovernor(robot.linear_limit, robot.angular_limit, self._clock())
         self._pilot = Pilot(body_of(robot))
+        self._frames = FrameMemory(for_pose(robot.name))
         self._wanted = (0.0, 0.0)
         self._newest: tuple[navigation.DriveState, float] | None = None
         self._said: tuple[object, ...] = ()
@@ -121,6 +124,10 @@ class Navigation:
                 self._governor.end_task()
             self._governor.driver_began_anew()
         self._driver = reception.publisher
+        frame = self._frames.reported(state)
+        if frame is not None:
+            _logger.info("the robot's place is told in frame %d", frame.number)
+            self._pilot.restart(frame.odom)
         self._newest = (state, reception.measured)
         self._governor.driver_reported(now)
         self._pilot.reported(state, now)
@@ -252,7 +259,9 @@ class Navigation:
         counts = self._client.complaints.counts
         refused = self._governor.refused + self._gate.refused
         refused += counts["too old"] + counts["out of order"]
-        state = robot_state(drive, self._pilot, self._governor.state(now), refused, now)
+        self._frames.corrected(self._pilot.correction.odom)
+        motion, frame = self._governor.state(now), self._frames.frame.number
+        state = robot_state(drive, self._pilot, motion, refused, frame, now)
         self._client.publish(navigation.ROBOT_STATE, state, measured=measured)
 
     def _publish_status(self) -> None:

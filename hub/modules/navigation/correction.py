@@ -49,6 +49,10 @@ class PoseCorrection:
         self.odom = Pose()
         self._last: _Sighting | None = None
 
+    def restart(self, odom: Pose) -> None:
+        """Begin anew: `odom` lies so in `map`, and no landmark was seen."""
+        self.odom, self._last = odom, None
+
     def pose(self, x: float, y: float, theta: float) -> Pose:
         """The pose in `map` of a pose in `odom` [m, m, rad]."""
         return self.odom.then(Pose(x=x, y=y, theta=theta))

@@ -39,6 +39,13 @@ class DriftWatch:
         self._maps: deque[tuple[float, Grid]] = deque()
         self._matched = -math.inf
 
+    def restart(self) -> None:
+        """Forget what was seen and mapped: the robot has lost its place."""
+        self._doubt = Doubt()
+        self._sightings = Sightings()
+        self._maps.clear()
+        self._matched = -math.inf
+
     def reported(self, drive: DriveState, now: float) -> None:
         """The hardware has reported."""
         here = Pose(x=drive.x, y=drive.y, theta=drive.theta)

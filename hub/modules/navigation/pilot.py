@@ -91,6 +91,14 @@ class Pilot:
         self._obstacles.scanned(scan, now)
         self._drift.reported(drive, now)
 
+    def restart(self, odom: Pose) -> None:
+        """Begin anew: the dead reckoning did, and lies so in `map`."""
+        self.correction.restart(odom)
+        self._drift.restart()
+        self._obstacles = ObstacleMemory(self._body.radius)
+        self._hindrances.forget()
+        self._map = None
+
     def assisted(self, wanted: Velocity, now: float) -> Velocity:
         """What is left of the velocity that an operator wants [m/s, rad/s]."""
         if wanted != (0.0, 0.0):

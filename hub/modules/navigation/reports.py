@@ -10,7 +10,7 @@ from hub.modules.navigation.task import Errand
 
 
 def robot_state(
-    drive: DriveState, pilot: Pilot, motion: MotionState, refused: int, now: float
+    drive: DriveState, pilot: Pilot, motion: MotionState, refused: int, frame: int, now: float
 ) -> RobotState:
     """What is known of the robot, from what its hardware reports."""
     pose = pilot.correction.pose(drive.x, drive.y, drive.theta)
@@ -32,6 +32,7 @@ def robot_state(
         refused=refused,
         assistance=pilot.assistance(now),
         held_back=pilot.held_back,
+        frame=frame,
     )
 
 

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from hub.gcm.mapping import InterestPoint, PointKind
-from hub.modules.mapping.point_file import decode_points
+from hub.missions.point_file import decode_points
 from rune_tui.export.points import COLUMNS, csv_table, geojson, moment
 from rune_tui.export.report import html_page
 from rune_tui.model.robot_state import OccupancyMap

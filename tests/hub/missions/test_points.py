@@ -7,8 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from hub.errors import MissionError
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, PointKind
-from hub.modules.mapping.points import (
+from hub.missions.points import (
     MAX_BY,
     MAX_NOTE,
     MAX_NUMBER,
@@ -40,12 +41,12 @@ def test_a_point_gets_a_number_a_time_and_who_marked_it() -> None:
 def test_what_the_point_says_itself_is_kept() -> None:
     book = PointBook()
     picture = np.arange(50, dtype=np.uint8)
-    said = point(7, uncertainty=0.2, distance=2.5, stamp=5.0, by="Ada", note="waves",
+    said = point(uncertainty=0.2, distance=2.5, stamp=5.0, by="Ada", note="waves",
                  thumbnail=picture)  # fmt: skip
     book.mark(said, "console", NOW)
     (kept,) = book.message.points
     assert (kept.uncertainty, kept.distance) == (0.2, 2.5)
-    assert (kept.number, kept.stamp, kept.by, kept.note) == (7, 5.0, "Ada", "waves")
+    assert (kept.number, kept.stamp, kept.by, kept.note) == (1, 5.0, "Ada", "waves")
     assert np.array_equal(kept.thumbnail, picture)
 
 
@@ -53,15 +54,29 @@ def test_a_known_number_replaces_its_point_and_others_stay() -> None:
     book = PointBook()
     for x in (1.0, 2.0):
         book.mark(point(x=x), "", NOW)
-    assert book.mark(point(1, x=9.0), "", NOW) == ""
-    assert [(kept.number, kept.x) for kept in book.message.points] == [(1, 9.0), (2, 2.0)]
+    assert book.mark(point(1, x=9.0, version=1), "", NOW) == ""
+    known = [(kept.number, kept.x, kept.version) for kept in book.message.points]
+    assert known == [(1, 9.0, 2), (2, 2.0, 1)]
+
+
+def test_two_who_change_a_point_do_not_overwrite_each_other() -> None:
+    book = PointBook()
+    book.mark(point(note="found"), "", NOW)
+    assert book.mark(point(1, note="Ada's", version=1), "", NOW) == ""
+    assert "changed meanwhile" in book.mark(point(1, note="Bob's", version=1), "", NOW)
+    with pytest.raises(MissionError, match="changed meanwhile"):
+        book.check_removal(1, 1)
+    assert [kept.note for kept in book.message.points] == ["Ada's"]
+    assert "no point 2" in book.mark(point(2, version=1), "", NOW)
 
 
 def test_numbers_of_removed_points_are_not_given_again() -> None:
     book = PointBook()
     book.mark(point(), "", NOW)
-    assert book.remove(1) == ""
-    assert book.remove(1) == "there is no point 1"
+    book.check_removal(1, 0)
+    book.drop(1)
+    with pytest.raises(MissionError, match="there is no point 1"):
+        book.check_removal(1, 0)
     book.mark(point(), "", NOW)
     assert [kept.number for kept in book.message.points] == [2]
 
@@ -101,25 +116,24 @@ def test_there_is_room_for_so_many_points_and_all_of_them_can_be_sent() -> None:
     for _ in range(MAX_POINTS):
         assert book.mark(full, "", NOW) == ""
     assert "already" in book.mark(full, "", NOW)
-    assert book.mark(point(3, x=5.0), "", NOW) == ""
+    assert book.mark(point(3, x=5.0, version=1), "", NOW) == ""
     assert book.message.count == MAX_POINTS
     assert len(INTEREST_POINTS.encode(book.message)) < 1_000_000
 
 
 def test_when_the_numbers_end_known_ones_can_still_be_replaced() -> None:
     book = PointBook()
-    assert book.mark(point(MAX_NUMBER), "", NOW) == ""
+    book.put(point(MAX_NUMBER, version=1))
     assert "no numbers" in book.mark(point(), "", NOW)
-    assert book.mark(point(MAX_NUMBER, x=3.0), "", NOW) == ""
+    assert book.mark(point(MAX_NUMBER, x=3.0, version=1), "", NOW) == ""
 
 
-def test_loaded_points_take_the_place_of_all_others() -> None:
+def test_points_of_an_earlier_sheet_stay_known_and_their_numbers_are_not_given_again() -> None:
     book = PointBook()
     book.mark(point(), "", NOW)
-    book.replace_all((point(5, x=4.0), point(3)))
-    assert [kept.number for kept in book.message.points] == [3, 5]
-    book.mark(point(), "", NOW)
-    assert book.message.points[-1].number == 6
-    book.replace_all(())
-    book.mark(point(), "", NOW)
-    assert book.message.points[-1].number == 7
+    book.begin_sheet(1)
+    assert book.message.count == 0
+    assert book.mark(point(), "", NOW) == ""
+    assert [kept.number for kept in book.message.points] == [2]
+    assert book.earlier[1][0] == 1
+    assert "on sheet 1" in book.mark(point(1, version=1), "", NOW)

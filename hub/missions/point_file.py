@@ -15,8 +15,9 @@ import numpy as np
 
 from hub.errors import MapFileError
 from hub.gcm.mapping import InterestPoint, PointKind
-from hub.modules.mapping.points import (
+from hub.missions.points import (
     FARTHEST,
+    LATEST,
     MAX_BY,
     MAX_NOTE,
     MAX_NUMBER,
@@ -27,32 +28,33 @@ from hub.modules.mapping.points import (
 MAX_BYTES = 4 << 20
 """Of a file of points; the largest that is written is much smaller."""
 
-_LATEST = 1e11
-"""No point is marked later than this [s since the epoch]."""
 _KINDS = {kind.name.lower(): kind for kind in PointKind}
 
 
 def encode_points(points: tuple[InterestPoint, ...]) -> bytes:
     """The file of these points."""
-    features = [
-        {
-            "type": "Feature",
-            "geometry": {"type": "Point", "coordinates": [point.x, point.y]},
-            "properties": {
-                "number": point.number,
-                "kind": point.kind.name.lower(),
-                "uncertainty": _known(point.uncertainty),
-                "distance": _known(point.distance),
-                "stamp": point.stamp,
-                "by": point.by,
-                "note": point.note,
-                "thumbnail": base64.b64encode(point.thumbnail.tobytes()).decode(),
-            },
-        }
-        for point in points
-    ]
+    features = [feature_of(point) for point in points]
     collection = {"type": "FeatureCollection", "frame": "map", "features": features}
     return (json.dumps(collection, indent=1, ensure_ascii=False) + "\n").encode()
+
+
+def feature_of(point: InterestPoint) -> dict[str, Any]:
+    """A point as a GeoJSON feature."""
+    return {
+        "type": "Feature",
+        "geometry": {"type": "Point", "coordinates": [point.x, point.y]},
+        "properties": {
+            "number": point.number,
+            "kind": point.kind.name.lower(),
+            "uncertainty": _known(point.uncertainty),
+            "distance": _known(point.distance),
+            "stamp": point.stamp,
+            "by": point.by,
+            "note": point.note,
+            "thumbnail": base64.b64encode(point.thumbnail.tobytes()).decode(),
+            "version": point.version,
+        },
+    }
 
 
 def decode_points(raw: bytes) -> tuple[InterestPoint, ...]:
@@ -71,7 +73,7 @@ def decode_points(raw: bytes) -> tuple[InterestPoint, ...]:
     features = _member(collection, "features", list)
     if collection.get("type") != "FeatureCollection" or len(features) > MAX_POINTS:
         _refuse(f"are no FeatureCollection of at most {MAX_POINTS} features")
-    points = tuple(_point(feature) for feature in features)
+    points = tuple(point_of(feature) for feature in features)
     if len({point.number for point in points}) < len(points):
         _refuse("have a number twice")
     return points
@@ -82,7 +84,12 @@ def _known(metres: float) -> float | None:
     return None if math.isnan(metres) else metres
 
 
-def _point(feature: Any) -> InterestPoint:  # noqa: ANN401 - whatever JSON holds
+def point_of(feature: Any) -> InterestPoint:  # noqa: ANN401 - whatever JSON holds
+    """The point of a GeoJSON feature.
+
+    Raises:
+        MapFileError: It is none, or not within its bounds.
+    """
     geometry = _member(feature, "geometry", dict)
     place = _member(geometry, "coordinates", list)
     if geometry.get("type") != "Point" or len(place) not in (2, 3):
@@ -102,11 +109,13 @@ def _point(feature: Any) -> InterestPoint:  # noqa: ANN401 - whatever JSON holds
         y=_number(place[1], -FARTHEST, FARTHEST),
         uncertainty=_length(properties.get("uncertainty")),
         distance=_length(properties.get("distance")),
-        stamp=_number(properties.get("stamp", 0), 0.0, _LATEST),
+        stamp=_number(properties.get("stamp", 0), 0.0, LATEST),
         by=_text(properties, "by", MAX_BY),
         note=_text(properties, "note", MAX_NOTE),
         length=len(thumbnail),
         thumbnail=np.frombuffer(thumbnail, np.uint8),
+        version=int(_number(properties.get("version", 1), 0, MAX_NUMBER)),
+        kept=1,
     )
 
 

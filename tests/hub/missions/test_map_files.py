@@ -21,9 +21,9 @@ from ruamel.yaml import YAML
 
 from hub.errors import MapFileError
 from hub.gcm.mapping import InterestPoint, PointKind
-from hub.modules.mapping import point_file, ros_map, storage
-from hub.modules.mapping.grid import GridPicture
-from hub.modules.mapping.points import MAX_POINTS
+from hub.missions import point_file, ros_map, storage
+from hub.missions.grid_picture import GridPicture
+from hub.missions.points import MAX_POINTS
 
 PICTURE = GridPicture(
     cells=np.array([[-1, 0, 25], [30, 65, 100]], np.int8),
@@ -37,11 +37,11 @@ POINTS = (
     InterestPoint(
         number=3, kind=PointKind.VICTIM, x=1.25, y=-0.5, uncertainty=0.125, distance=2.5,
         stamp=1e9, by="Ada",
-        note="sitzt; „Hilfe“\n", length=256, thumbnail=THUMBNAIL,
+        note="sitzt; „Hilfe“\n", length=256, thumbnail=THUMBNAIL, version=4, kept=1,
     ),
     InterestPoint(
         number=8, kind=PointKind.LANDMARK, x=0.1, y=1 / 3, stamp=1.5e9,
-        thumbnail=THUMBNAIL[:0],
+        thumbnail=THUMBNAIL[:0], version=1, kept=1,
     ),
 )  # fmt: skip
 

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from hub.errors import MapFileError
 from hub.gcm.map_coding import MAX_CELLS
-from hub.modules.mapping.grid import GridPicture
+from hub.missions.grid_picture import GridPicture
 
 MAX_YAML_BYTES = 10_000
 MAX_PGM_BYTES = MAX_CELLS + 1024

@@ -1,0 +1,73 @@
+"""Files that are replaced as a whole, and read no further than they may be long."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+from pathlib import Path
+
+from hub.errors import MapFileError
+
+
+def replace(path: Path, content: bytes, *, sync: bool = True) -> None:
+    """Put a file in place in one step.
+
+    After a crash at any moment the file has the old content or the new one, never a mixture.
+
+    Args:
+        path: The file.
+        content: What it shall hold.
+        sync: Whether to wait until it is on the disk; else it may be gone when the machine stops.
+
+    Raises:
+        OSError: It cannot be written; the old file is as it was.
+    """
+    handle, name = tempfile.mkstemp(prefix=".", suffix=path.suffix, dir=path.parent)
+    unfinished = Path(name)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+            file.flush()
+            if sync:
+                os.fsync(file.fileno())
+        unfinished.chmod(0o644)
+        unfinished.replace(path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            unfinished.unlink()
+        raise
+    if sync:
+        sync_folder(path.parent)
+
+
+def sync_folder(folder: Path) -> None:
+    """Write to the disk which files a folder has; some file systems cannot, and need not."""
+    with contextlib.suppress(OSError):
+        handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+def read(path: Path, most: int) -> bytes:
+    """What a file holds.
+
+    Raises:
+        MapFileError: It cannot be read, is no regular file, or is larger than `most` bytes.
+    """
+    try:
+        # Asked before it is opened: a pipe would keep us waiting for somebody to write.
+        regular = path.is_file() or not path.exists()
+        raw = b""
+        if regular:
+            with path.open("rb") as file:
+                raw = file.read(most + 1)
+    except OSError as fault:
+        text = f"{path} cannot be read: {fault.strerror or fault}"
+        raise MapFileError(text) from fault
+    if not regular or len(raw) > most:
+        text = f"{path} is no regular file of at most {most} bytes"
+        raise MapFileError(text)
+    return raw

@@ -1,0 +1,135 @@
+"""A mission as its journal tells it: records in, state out; pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from hub.errors import MissionError
+from hub.missions.points import PointBook
+from hub.missions.records import (
+    MAX_NAME,
+    Begun,
+    Ended,
+    FrameKnown,
+    Marked,
+    Named,
+    Noted,
+    Record,
+    Removed,
+    SheetBegun,
+    from_json,
+)
+
+MAX_EVENTS = 10_000
+"""Events that are remembered; the journal has all of them."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Event:
+    """Something that happened.
+
+    Attributes:
+        stamp: When [s since the epoch].
+        text: One sentence.
+    """
+
+    stamp: float
+    text: str
+
+
+class MissionBook:
+    """What is known of one mission; without a `Begun` record, of none.
+
+    Attributes:
+        begun: How it was begun; None: there is no mission, only marks and a sheet.
+        name: What the operator calls it.
+        ended: How it was ended; None while it runs.
+        points: Its marks.
+        sheet: Number of the newest sheet of the map.
+        frame: Frame of that sheet; 0: not known yet.
+        events: What happened, the oldest first.
+        unreadable: Records that were left out because this Rune cannot read them.
+    """
+
+    def __init__(self) -> None:
+        self.begun: Begun | None = None
+        self.name = ""
+        self.ended: Ended | None = None
+        self.points = PointBook()
+        self.sheet = 1
+        self.frame = 0
+        self.events: list[Event] = []
+        self.unreadable = 0
+
+    @classmethod
+    def of(cls, records: Iterable[dict[str, Any]]) -> MissionBook:
+        """The mission of a journal; records that make no sense are counted and left out."""
+        book = cls()
+        for values in records:
+            try:
+                book.apply(from_json(values))
+            except MissionError:
+                book.unreadable += 1
+        return book
+
+    @property
+    def running(self) -> bool:
+        """Whether there is a mission that was not ended."""
+        return self.begun is not None and self.ended is None
+
+    def apply(self, record: Record) -> None:
+        """Take over what a record says."""
+        match record:
+            case Begun():
+                self.begun, self.name = record, record.name
+                self._note(record.stamp, f"{record.by} began the mission")
+            case Named():
+                self.name = record.name
+                self._note(record.stamp, f"{record.by} named the mission {record.name}")
+            case SheetBegun():
+                self._begin_sheet(record)
+            case FrameKnown():
+                self.frame = record.frame
+            case Marked():
+                point = record.point
+                self.points.put(point)
+                what = f"{point.kind.name.lower()} {point.number}"
+                how = f"{point.by} marked {what}" if point.version <= 1 else f"{what} was changed"
+                self._note(record.stamp, how)
+            case Removed():
+                self.points.drop(record.number)
+                self._note(record.stamp, f"{record.by} removed point {record.number}")
+            case Noted():
+                self._note(record.stamp, record.text)
+            case Ended():
+                self.ended = record
+                self._note(record.stamp, f"{record.by} ended the mission")
+
+    def _begin_sheet(self, record: SheetBegun) -> None:
+        kept = self.points.points
+        self.points.begin_sheet(self.sheet)
+        self.sheet, self.frame = record.number, record.frame
+        if record.carries:
+            for point in kept:
+                del self.points.earlier[point.number]
+                self.points.put(point)
+        self._note(record.stamp, f"sheet {record.number} begins: {record.why}")
+
+    def _note(self, stamp: float, text: str) -> None:
+        if len(self.events) < MAX_EVENTS:
+            self.events.append(Event(stamp=stamp, text=text))
+
+
+def checked_mission_name(name: str) -> str:
+    """A mission's name as it is kept: one line.
+
+    Raises:
+        MissionError: There is nothing left of it, or it is too long.
+    """
+    line = " ".join("".join(c if c.isprintable() else " " for c in name).split())
+    if not 1 <= len(line) <= MAX_NAME:
+        text = f"a mission's name has 1 to {MAX_NAME} characters"
+        raise MissionError(text)
+    return line

@@ -1,0 +1,210 @@
+"""The missions of one robot on the disk: a folder for each, and which one is running.
+
+ROOT/ROBOT/running is the id of the running mission; ROOT/ROBOT/ID/ has `journal`, `track`,
+`sheet-N.grid` and `mark-N.jpg`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import os
+import re
+import time
+from pathlib import Path
+
+from hub import files, folders
+from hub.errors import MapFileError, MissionFileError
+from hub.missions import journal_file, log_odds
+from hub.missions.book import MissionBook
+from hub.missions.records import Begun
+
+_ID = re.compile(r"[0-9]{8}-[0-9]{6}(-[0-9]{1,3})?")
+_MOST_AT_ONCE = 100
+
+
+class MissionFolder:
+    """The folder of one robot's missions.
+
+    Attributes:
+        path: It; made when the first mission is begun.
+        robot: The robot's name.
+    """
+
+    def __init__(self, root: Path, robot: str) -> None:
+        self.path = root / folders.as_file_name(robot)
+        self.robot = robot
+
+    def running(self) -> str:
+        """Id of the mission that was begun and not ended; empty: none.
+
+        Raises:
+            MissionFileError: It cannot be read.
+        """
+        pointer = self.path / "running"
+        try:
+            name = files.read(pointer, 100).decode("ascii", "replace").strip()
+        except MapFileError as error:
+            if not pointer.exists():
+                return ""
+            raise MissionFileError(str(error)) from error
+        return name if _ID.fullmatch(name) and (self.path / name / "journal").exists() else ""
+
+    def set_running(self, mission: str) -> None:
+        """Note which mission is running; empty: none.
+
+        Raises:
+            MissionFileError: It cannot be written.
+        """
+        try:
+            if mission:
+                files.replace(self.path / "running", mission.encode())
+            else:
+                (self.path / "running").unlink(missing_ok=True)
+                files.sync_folder(self.path)
+        except OSError as fault:
+            text = f"{self.path}/running cannot be written: {fault.strerror or fault}"
+            raise MissionFileError(text) from fault
+
+    def missions(self) -> list[str]:
+        """Ids of all missions, the oldest first."""
+        with contextlib.suppress(OSError):
+            return sorted(
+                entry.name
+                for entry in self.path.iterdir()
+                if _ID.fullmatch(entry.name) and (entry / "journal").is_file()
+            )
+        return []
+
+    def make(self, stamp: float) -> str:
+        """Make the folder of a new mission; returns its id.
+
+        Args:
+            stamp: When it begins [s since the epoch]; its id is the time of day here.
+
+        Raises:
+            MissionFileError: It cannot be made.
+        """
+        base = time.strftime("%Y%m%d-%H%M%S", time.localtime(stamp))
+        for number in range(1, _MOST_AT_ONCE):
+            name = base if number == 1 else f"{base}-{number}"
+            try:
+                (self.path / name).mkdir(parents=True)
+            except FileExistsError:
+                continue
+            except OSError as fault:
+                text = f"{self.path / name} cannot be made: {fault.strerror or fault}"
+                raise MissionFileError(text) from fault
+            files.sync_folder(self.path)
+            return name
+        text = f"{self.path} has {_MOST_AT_ONCE} missions of one second; wait a second"
+        raise MissionFileError(text)
+
+    def lock(self) -> int:
+        """Keep others from writing here until the file that is returned is closed.
+
+        Raises:
+            MissionFileError: Somebody else writes here, or the folder cannot be made.
+        """
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+            file = os.open(self.path / "lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+        except OSError as fault:
+            text = f"{self.path} cannot be written: {fault.strerror or fault}"
+            raise MissionFileError(text) from fault
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as fault:
+            os.close(file)
+            text = f"{self.path} is in use by another hub of a robot named {self.robot}"
+            raise MissionFileError(text) from fault
+        return file
+
+    def journal_of(self, mission: str) -> Path:
+        """The file with the journal of a mission."""
+        return self.path / mission / "journal"
+
+    def track_of(self, mission: str) -> Path:
+        """The file with the track of a mission."""
+        return self.path / mission / "track"
+
+    def photograph_of(self, mission: str, number: int) -> Path:
+        """The file with the photograph of a mark."""
+        return self.path / mission / f"mark-{number}.jpg"
+
+    def read(self, mission: str) -> tuple[MissionBook, int]:
+        """A mission, and how many stretches of its journal are damaged.
+
+        Raises:
+            MissionFileError: There is none of this id, or it is another robot's.
+        """
+        if not _ID.fullmatch(mission):
+            text = f"{mission[:40]!r} is no mission; `rune-hub mission list` shows all"
+            raise MissionFileError(text)
+        reading = journal_file.read(self.journal_of(mission))
+        book = MissionBook.of(reading.records)
+        return self.checked(book, mission), reading.damaged
+
+    def checked(self, book: MissionBook, mission: str) -> MissionBook:
+        """The same mission, if it is one of this robot.
+
+        A journal whose first record is damaged lies in this robot's folder, and so is of it.
+
+        Raises:
+            MissionFileError: It is another robot's.
+        """
+        if book.begun is None:
+            stamp = max(0.0, min((event.stamp for event in book.events), default=0.0))
+            book.begun = Begun(robot=self.robot, name=mission, by="", stamp=stamp)
+            book.name = book.name or mission
+        if book.begun.robot != self.robot:
+            text = f"mission {mission} in {self.path} is of {book.begun.robot}, not {self.robot}"
+            raise MissionFileError(text)
+        return book
+
+    def save_grid(self, mission: str, sheet: int, grid: log_odds.LogOdds) -> None:
+        """Write a sheet of the map; what was there before stays until it is written.
+
+        Raises:
+            MissionFileError: It cannot be written.
+        """
+        path = self._grid(mission, sheet)
+        try:
+            files.replace(path, log_odds.encode(grid))
+        except OSError as fault:
+            text = f"{path} cannot be written: {fault.strerror or fault}"
+            raise MissionFileError(text) from fault
+
+    def grid(self, mission: str, sheet: int) -> log_odds.LogOdds | None:
+        """A sheet of the map; None if it was never saved.
+
+        Raises:
+            MissionFileError: It cannot be read.
+        """
+        path = self._grid(mission, sheet)
+        if not path.exists():
+            return None
+        try:
+            return log_odds.decode(files.read(path, log_odds.MAX_BYTES))
+        except MapFileError as error:
+            raise MissionFileError(str(error)) from error
+
+    def size(self, mission: str) -> int:
+        """All files of a mission together [bytes]."""
+        with contextlib.suppress(OSError):
+            return sum(entry.stat().st_size for entry in (self.path / mission).iterdir())
+        return 0
+
+    def free(self) -> int:
+        """What the disk has left for us [bytes]; as much as one likes where it does not say."""
+        folder = self.path
+        while not folder.exists() and folder != folder.parent:
+            folder = folder.parent
+        try:
+            disk = os.statvfs(folder)
+        except OSError:
+            return 1 << 62
+        return disk.f_bavail * disk.f_frsize
+
+    def _grid(self, mission: str, sheet: int) -> Path:
+        return self.path / mission / f"sheet-{sheet}.grid"

@@ -1,0 +1,84 @@
+"""The journal's form: one line for each record, with its length and a checksum; pure.
+
+A line is `CRC LENGTH JSON`: the CRC-32 of the JSON as eight hexadecimal digits, its length in
+bytes, and a JSON object without line breaks. A reader finds the next line after any damage. What a
+crash has left of the last line counts as not written.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import zlib
+from dataclasses import dataclass
+from typing import Any
+
+MAX_RECORD_BYTES = 65_536
+_HEAD = re.compile(rb"([0-9a-f]{8}) ([0-9]{1,6}) ")
+_HEAD_BYTES = 16
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reading:
+    """What was read of a journal.
+
+    Attributes:
+        records: The readable records, in order.
+        damaged: How many stretches within the journal cannot be read.
+        end: Bytes up to the end of the last line that is whole, readable or not.
+    """
+
+    records: tuple[dict[str, Any], ...]
+    damaged: int
+    end: int
+
+
+def encode(record: dict[str, Any]) -> bytes:
+    """The line of a record.
+
+    Raises:
+        ValueError: It is longer than a reader takes, or has a number that JSON does not know.
+    """
+    body = json.dumps(record, ensure_ascii=True, allow_nan=False, separators=(",", ":")).encode()
+    if len(body) > MAX_RECORD_BYTES:
+        text = f"a record of {len(body)} bytes is longer than {MAX_RECORD_BYTES}"
+        raise ValueError(text)
+    return b"%08x %d %s\n" % (zlib.crc32(body), len(body), body)
+
+
+def decode(raw: bytes) -> Reading:
+    """The records of a journal, however it was damaged."""
+    records: list[dict[str, Any]] = []
+    at = end = damaged = 0
+    while at < len(raw):
+        found = _record(raw, at)
+        if found is not None:
+            record, at = found
+            records.append(record)
+            # The line break may be the very byte that was damaged.
+            at = end = min(at + 1, len(raw))
+            continue
+        next_line = raw.find(b"\n", at)
+        if next_line < 0:
+            break
+        damaged += 1
+        at = end = next_line + 1
+    return Reading(records=tuple(records), damaged=damaged, end=end)
+
+
+def _record(raw: bytes, at: int) -> tuple[dict[str, Any], int] | None:
+    """The record that begins here and where it ends; None if none does."""
+    head = _HEAD.match(raw[at : at + _HEAD_BYTES])
+    if head is None:
+        return None
+    begin = at + head.end()
+    body = raw[begin : begin + int(head[2])]
+    if len(body) != int(head[2]) or len(body) > MAX_RECORD_BYTES:
+        return None
+    if zlib.crc32(body) != int(head[1], 16):
+        return None
+    try:
+        record = json.loads(body)
+    except (ValueError, RecursionError):
+        return None
+    return (record, begin + len(body)) if isinstance(record, dict) else None

@@ -1,0 +1,115 @@
+"""A journal on the disk: records are added at its end, and are there after a crash."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from hub import files
+from hub.errors import MapFileError, MissionFileError
+from hub.missions import journal
+
+MAX_BYTES = 64 << 20
+"""Of one journal; what is longer is neither written nor read."""
+
+
+class JournalFile:
+    """An open journal, which one process writes.
+
+    Attributes:
+        reading: What the file held when it was opened.
+    """
+
+    def __init__(self, path: Path, *, sync: bool = True) -> None:
+        """Open it; it is made if it is not there, and what a crash left unfinished is removed.
+
+        Args:
+            path: The file; its folder has to be there.
+            sync: Whether each `append` waits for the disk; else `sync` does.
+
+        Raises:
+            MissionFileError: It cannot be opened or read.
+        """
+        self._path = path
+        self._waits = sync
+        self.reading = read(path) if path.exists() else journal.decode(b"")
+        try:
+            self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+            self._length = self.reading.end
+            self._mend()
+        except OSError as fault:
+            raise MissionFileError(_problem(path, fault)) from fault
+        files.sync_folder(path.parent)
+
+    def append(self, records: Sequence[dict[str, Any]]) -> None:
+        """Add records, all or none; they are on the disk when this returns.
+
+        Raises:
+            MissionFileError: They cannot be written; what is in the journal already stays.
+            ValueError: One of them is no record of a journal.
+        """
+        lines = b"".join(map(journal.encode, records))
+        if self._length + len(lines) > MAX_BYTES:
+            text = f"{self._path} is full: a journal has {MAX_BYTES >> 20} MB at most"
+            raise MissionFileError(text)
+        try:
+            rest = memoryview(lines)
+            at = self._length
+            while rest:
+                written = os.pwrite(self._file, rest, at)
+                rest, at = rest[written:], at + written
+            if self._waits:
+                os.fsync(self._file)
+        except OSError as fault:
+            with contextlib.suppress(OSError):
+                os.ftruncate(self._file, self._length)
+            raise MissionFileError(_problem(self._path, fault)) from fault
+        self._length += len(lines)
+
+    def sync(self) -> None:
+        """Wait until all that was added is on the disk.
+
+        Raises:
+            MissionFileError: The disk refuses.
+        """
+        try:
+            os.fsync(self._file)
+        except OSError as fault:
+            raise MissionFileError(_problem(self._path, fault)) from fault
+
+    @property
+    def size(self) -> int:
+        """Of the file [bytes]."""
+        return self._length
+
+    def close(self) -> None:
+        """Close the file."""
+        with contextlib.suppress(OSError):
+            os.close(self._file)
+
+    def _mend(self) -> None:
+        """Remove an unfinished line at the end, and end the last line if that was cut."""
+        if os.fstat(self._file).st_size > self._length:
+            os.ftruncate(self._file, self._length)
+        if self._length and os.pread(self._file, 1, self._length - 1) != b"\n":
+            os.pwrite(self._file, b"\n", self._length)
+            self._length += 1
+
+
+def read(path: Path) -> journal.Reading:
+    """What a journal holds.
+
+    Raises:
+        MissionFileError: It cannot be read, or is no regular file of at most `MAX_BYTES`.
+    """
+    try:
+        return journal.decode(files.read(path, MAX_BYTES))
+    except MapFileError as error:
+        raise MissionFileError(str(error)) from error
+
+
+def _problem(path: Path, fault: OSError) -> str:
+    return f"{path} cannot be written: {fault.strerror or fault}"

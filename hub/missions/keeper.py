@@ -1,0 +1,432 @@
+"""Keeps the running mission: in memory for those who ask, and on the disk."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import os
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from hub import files
+from hub.errors import MissionError, MissionFileError
+from hub.gcm.mapping import InterestPoint, InterestPoints
+from hub.gcm.mission import MissionState
+from hub.missions.book import MissionBook, checked_mission_name
+from hub.missions.folder import MissionFolder
+from hub.missions.journal_file import JournalFile
+from hub.missions.log_odds import LogOdds
+from hub.missions.records import (
+    MAX_NAME,
+    Begun,
+    Ended,
+    FrameKnown,
+    Marked,
+    Named,
+    Noted,
+    Record,
+    Removed,
+    SheetBegun,
+    to_json,
+)
+from hub.missions.track import Track
+
+MAX_PENDING = 2000
+"""Records that wait for the disk; beyond, no mark is taken any more."""
+_MB = 1e6
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MissionLimits:
+    """What a mission may take of the disk.
+
+    Attributes:
+        largest_mb: Of one mission [MB]; beyond, map, track and photographs are not written.
+        least_free_mb: Likewise if the disk has less than this left [MB]; marks are written on.
+    """
+
+    largest_mb: float = 500.0
+    least_free_mb: float = 50.0
+
+
+class MissionKeeper:
+    """The mission of one robot; whoever calls it waits for the disk.
+
+    Attributes:
+        book: What is known of the mission.
+        id: Name of its folder; empty while it has none.
+        opened: Whether it is known what mission was running; else `open` is to be called again.
+    """
+
+    def __init__(
+        self,
+        folder: MissionFolder,
+        limits: MissionLimits,
+        *,
+        clock: Callable[[], float] = time.monotonic,
+        calendar: Callable[[], float] = time.time,
+    ) -> None:
+        """Prepare; nothing is read yet.
+
+        Args:
+            folder: Where the missions are.
+            limits: How much may be written.
+            clock: Monotonic time [s].
+            calendar: Time since the epoch [s].
+        """
+        self.book = MissionBook()
+        self.id = ""
+        self.opened = False
+        self._folder, self._limits = folder, limits
+        self._clock, self._calendar = clock, calendar
+        self._lock: int | None = None
+        self._journal: JournalFile | None = None
+        self._track: Track | None = None
+        self._pending: list[Record] = []
+        self._pointer_due = False
+        self._faults: dict[str, str] = {}
+        self._map_saved = math.nan
+        self._size = self._free = 0
+
+    def open(self) -> LogOdds | None:
+        """Take up the mission that runs, if there is one; returns its map if that was saved."""
+        self._faults.pop("open", None)
+        try:
+            self._take_lock()
+            mission = self._folder.running()
+            if not mission:
+                return None
+            journal = JournalFile(self._folder.journal_of(mission))
+            book = self._folder.checked(MissionBook.of(journal.reading.records), mission)
+            if not book.running:
+                journal.close()
+                self._folder.set_running("")
+                return None
+        except MissionFileError as error:
+            self._faults["open"] = str(error)
+            return None
+        finally:
+            self.opened = "open" not in self._faults
+        self.book, self.id, self._journal = book, mission, journal
+        lost = journal.reading.damaged + book.unreadable
+        if lost:
+            self._faults["damage"] = f"{lost} records of the journal are damaged and left out"
+        return self._open_map()
+
+    def _open_map(self) -> LogOdds | None:
+        self._track = Track(self._folder.track_of(self.id))
+        self.look()
+        try:
+            grid = self._folder.grid(self.id, self.book.sheet)
+        except MissionFileError as error:
+            self._faults["damage"] = str(error)
+            return None
+        if grid is not None:
+            self._map_saved = self._clock()
+        return grid
+
+    def close(self) -> None:
+        """Give the files back."""
+        if self._journal is not None:
+            self._journal.close()
+        if self._track is not None:
+            self._track.close()
+        if self._lock is not None:
+            os.close(self._lock)
+        self._journal = self._track = self._lock = None
+
+    def begin(self, name: str, by: str) -> None:
+        """Begin a mission. After one that was ended it begins without marks.
+
+        Raises:
+            MissionError: One runs already, or the name cannot be.
+        """
+        if self.book.running:
+            text = f"mission {self.book.name} runs already; end it first"
+            raise MissionError(text)
+        stamp = self._calendar()
+        usual = time.strftime("%Y-%m-%d %H:%M", time.localtime(stamp))
+        name = checked_mission_name(name or usual)
+        frame = self.book.frame
+        self._close_mission()
+        self.book = MissionBook()
+        self._record(
+            Begun(robot=self._folder.robot, name=name, by=_who(by), stamp=stamp),
+            SheetBegun(number=1, frame=frame, carries=False, why="the mission begins", stamp=stamp),
+        )
+
+    def name(self, name: str, by: str) -> None:
+        """Give the mission another name.
+
+        Raises:
+            MissionError: None runs, or the name cannot be.
+        """
+        self._demand_running()
+        name = checked_mission_name(name)
+        self._record(Named(name=name, by=_who(by), stamp=self._calendar()))
+
+    def end(self, by: str) -> None:
+        """End the mission; marks stay known until the next one begins.
+
+        Raises:
+            MissionError: None runs, or it has something that is not on the disk.
+        """
+        self._demand_running()
+        self.flush()
+        if self.unkept:
+            text = f"not ended: {self.unkept} changes are not on the disk: {self.fault}"
+            raise MissionError(text)
+        ended = Ended(by=_who(by), stamp=self._calendar())
+        if self._journal is not None:
+            self._journal.append([to_json(ended)])
+        self.book.apply(ended)
+        self._folder.set_running("")
+        self._close_mission()
+
+    def mark(self, point: InterestPoint, by: str) -> InterestPoint:
+        """Add a point or change it; without a mission, one is begun.
+
+        A new point that says the same as a known one is that one, sent again.
+
+        Returns:
+            The point as it is kept from now on.
+
+        Raises:
+            MissionError: It is refused; the text says why.
+        """
+        if not self.book.running and not point.number:
+            self.begin("", point.by or by)
+        if len(self._pending) >= MAX_PENDING:
+            text = f"too much waits for the disk: {self.fault}"
+            raise MissionError(text)
+        known = self.book.points.same(point, by)
+        if known is not None:
+            return known
+        stamp = self._calendar()
+        point = self.book.points.checked(point, by, stamp)
+        self._record(Marked(point=point, stamp=stamp))
+        return point
+
+    def remove(self, number: int, version: int, by: str) -> None:
+        """Remove a point; version 0 is any.
+
+        Raises:
+            MissionError: It is refused; the text says why.
+        """
+        self.book.points.check_removal(number, version)
+        self._record(Removed(number=number, by=_who(by), stamp=self._calendar()))
+
+    def note(self, text: str) -> None:
+        """Note what happened, while a mission runs."""
+        if self.book.running and len(self._pending) < MAX_PENDING:
+            self._record(Noted(text=text[:500].replace("\0", ""), stamp=self._calendar()))
+
+    def in_frame(self, frame: int, grid: Callable[[], LogOdds]) -> bool:
+        """The robot's poses are in this frame of `map` now.
+
+        | frame of the sheet | frame now | then |
+        | --- | --- | --- |
+        | any | 0 (not told) | nothing |
+        | 0 (not known yet) | any | it is the sheet's |
+        | the same | the same | nothing |
+        | another | any | a new sheet begins; the old one is saved before |
+
+        Args:
+            frame: Its number.
+            grid: Gives the map as it is.
+
+        Returns:
+            Whether a new sheet was begun: what is mapped so far says nothing of places now.
+        """
+        before = self.book.frame
+        if frame in (0, before):
+            return False
+        if before == 0:
+            self._record(FrameKnown(frame=frame))
+            return False
+        self.save_map(grid())
+        self.begin_sheet("the robot has lost its place, its wheels count anew", frame=frame)
+        return True
+
+    def begin_sheet(self, why: str, *, frame: int | None = None, carries: bool = False) -> None:
+        """Begin a new sheet of the map; the one before stays in the folder.
+
+        Args:
+            why: For people.
+            frame: Its frame; None: that of the sheet before.
+            carries: Whether marks are valid on it too.
+        """
+        self._record(
+            SheetBegun(
+                number=self.book.sheet + 1,
+                frame=self.book.frame if frame is None else frame,
+                carries=carries,
+                why=why,
+                stamp=self._calendar(),
+            )
+        )
+        self._map_saved = math.nan
+
+    def save_map(self, grid: LogOdds) -> None:
+        """Write the newest sheet of the map, and the track so far."""
+        if not self.book.running or not self.id:
+            return
+        if not self._may_write():
+            return
+        try:
+            self._folder.save_grid(self.id, self.book.sheet, grid)
+            self._map_saved = self._clock()
+            if self._track is not None:
+                self._track.save()
+            self._faults.pop("map", None)
+        except MissionFileError as error:
+            self._faults["map"] = str(error)
+
+    def trace(self, x: float, y: float, theta: float) -> None:
+        """Note where the robot is now [m, m, rad]; it is written with the map."""
+        if self._track is not None and self.book.running:
+            self._track.at(x, y, theta, self.book.sheet, self._calendar())
+
+    def photograph(self, number: int, picture: bytes) -> None:
+        """Keep a picture, taken when a point was marked."""
+        if not self.id or not self._may_write():
+            return
+        path = self._folder.photograph_of(self.id, number)
+        try:
+            files.replace(path, picture)
+            self._faults.pop("photograph", None)
+        except OSError as fault:
+            self._faults["photograph"] = f"{path} cannot be written: {fault.strerror or fault}"
+
+    def flush(self) -> None:
+        """Try to write what waits for the disk."""
+        if not self._pending and not self._pointer_due:
+            return
+        try:
+            self._take_lock()
+            if self._journal is None:
+                self._make()
+            if self._journal is not None and self._pending:
+                self._journal.append([to_json(record) for record in self._pending])
+                self._pending.clear()
+            if self._pointer_due:
+                self._folder.set_running(self.id)
+                self._pointer_due = False
+            self._faults.pop("journal", None)
+        except MissionFileError as error:
+            self._faults["journal"] = str(error)
+
+    def look(self) -> None:
+        """See how much room there is, and try again what failed; to be called now and then."""
+        self.flush()
+        self._size = self._folder.size(self.id) if self.id else 0
+        self._free = self._folder.free()
+        self._may_write()
+
+    @property
+    def path(self) -> Path:
+        """The folder of the mission, or of all missions while it has none."""
+        return self._folder.path / self.id
+
+    @property
+    def unkept(self) -> int:
+        """How many records are in memory only."""
+        return len(self._pending) + int(self._pointer_due)
+
+    @property
+    def fault(self) -> str:
+        """What is not kept, and why; empty: all is."""
+        return "; ".join(self._faults.values())
+
+    @property
+    def points(self) -> InterestPoints:
+        """The marks of the newest sheet, and which of them are on the disk."""
+        waiting = {each.point.number for each in self._pending if isinstance(each, Marked)}
+        safe = self.book.begun is not None and not self._pointer_due
+        points = tuple(
+            dataclasses.replace(point, kept=int(safe and point.number not in waiting))
+            for point in self.book.points.points
+        )
+        return InterestPoints(count=len(points), points=points)
+
+    @property
+    def state(self) -> MissionState:
+        """The mission as a message."""
+        book, begun = self.book, self.book.begun
+        return MissionState(
+            id=self.id,
+            name=book.name,
+            by=begun.by if begun else "",
+            running=int(book.running),
+            begun=begun.stamp if begun else 0.0,
+            running_s=max(0.0, self._calendar() - begun.stamp) if begun else 0.0,
+            sheet=book.sheet,
+            marks=len(book.points.points),
+            earlier=len(book.points.earlier),
+            unkept=self.unkept,
+            map_age_s=self._clock() - self._map_saved,
+            size_mb=self._size / _MB,
+            free_mb=min(self._free / _MB, 1e9),
+            fault=self.fault,
+            folder=str(self._folder.path.absolute()),
+        )
+
+    def _record(self, *records: Record) -> None:
+        """Take over what happens, and write it if there is a mission."""
+        for record in records:
+            self.book.apply(record)
+        if self.book.running:
+            self._pending += records
+            self.flush()
+
+    def _demand_running(self) -> None:
+        if not self.book.running:
+            text = "no mission runs"
+            raise MissionError(text)
+
+    def _make(self) -> None:
+        """Make the folder of the mission that was begun."""
+        begun = self.book.begun
+        if begun is None:
+            return
+        if not self.id:
+            self.id = self._folder.make(begun.stamp)
+        self._journal = JournalFile(self._folder.journal_of(self.id))
+        self._track = Track(self._folder.track_of(self.id))
+        self._pointer_due = True
+
+    def _take_lock(self) -> None:
+        if self._lock is None:
+            self._lock = self._folder.lock()
+
+    def _close_mission(self) -> None:
+        if self._journal is not None:
+            self._journal.close()
+        if self._track is not None:
+            self._track.close()
+        self._journal = self._track = None
+        self.id, self._map_saved = "", math.nan
+        self._pending.clear()
+        self._pointer_due = False
+        self._faults.clear()
+
+    def _may_write(self) -> bool:
+        """Whether there is room for what is large: map, track, photographs."""
+        limits, why = self._limits, ""
+        if self._free < limits.least_free_mb * _MB:
+            why = (
+                f"the disk has only {self._free / _MB:.0f} MB left: marks are kept, the map is not"
+            )
+        elif self._size > limits.largest_mb * _MB:
+            why = f"the mission has {self._size / _MB:.0f} MB: marks are kept, the map is not"
+        if why and self.book.running:
+            self._faults["room"] = why
+        else:
+            self._faults.pop("room", None)
+        return not why
+
+
+def _who(by: str) -> str:
+    return " ".join(by.replace("\0", "").split())[:MAX_NAME] or "somebody"

@@ -1,0 +1,226 @@
+"""What a journal records, as values and as the JSON objects that its lines hold; pure."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from hub.errors import MapFileError, MissionFileError
+from hub.gcm.mapping import InterestPoint
+from hub.missions import point_file
+from hub.missions.points import MAX_NUMBER
+
+MAX_NAME = 64
+"""Characters of a mission's name, and of who does something."""
+MAX_TEXT = 500
+"""Characters of an event."""
+_MAX_STAMP = 1e10
+_FORMAT = 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Begun:
+    """The mission was begun; the first record.
+
+    Attributes:
+        robot: Name of the robot.
+        name: What the operator calls the mission.
+        by: Who began it.
+        stamp: When [s since the epoch].
+    """
+
+    robot: str
+    name: str
+    by: str
+    stamp: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Named:
+    """The mission has another name.
+
+    Attributes:
+        name: That.
+        by: Who named it.
+        stamp: When [s since the epoch].
+    """
+
+    name: str
+    by: str
+    stamp: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SheetBegun:
+    """A new sheet of the map: places on it and on the sheets before cannot be compared.
+
+    Attributes:
+        number: Of the sheet, from 1.
+        frame: Number of the frame `map`, as the robot's state says; 0: not known yet.
+        carries: Whether the marks of the sheet before are valid on it.
+        why: For people.
+        stamp: When [s since the epoch].
+    """
+
+    number: int
+    frame: int
+    carries: bool
+    why: str
+    stamp: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrameKnown:
+    """The frame of the newest sheet became known.
+
+    Attributes:
+        frame: Its number.
+    """
+
+    frame: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Marked:
+    """A point was marked or changed on the newest sheet.
+
+    Attributes:
+        point: As it is from now on.
+        stamp: When [s since the epoch]; a changed point keeps the time when it was first marked.
+    """
+
+    point: InterestPoint
+    stamp: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Removed:
+    """A point was removed.
+
+    Attributes:
+        number: Its number.
+        by: Who removed it.
+        stamp: When [s since the epoch].
+    """
+
+    number: int
+    by: str
+    stamp: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Noted:
+    """Something happened.
+
+    Attributes:
+        text: One sentence.
+        stamp: When [s since the epoch].
+    """
+
+    text: str
+    stamp: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ended:
+    """The mission was ended; the last record.
+
+    Attributes:
+        by: Who ended it.
+        stamp: When [s since the epoch].
+    """
+
+    by: str
+    stamp: float
+
+
+Record = Begun | Named | SheetBegun | FrameKnown | Marked | Removed | Noted | Ended
+
+
+def to_json(record: Record) -> dict[str, Any]:
+    """The JSON object of a record."""
+    kind = type(record).__name__.lower()
+    if isinstance(record, Marked):
+        return {"is": kind, "point": point_file.feature_of(record.point), "stamp": record.stamp}
+    first = {"format": _FORMAT} if isinstance(record, Begun) else {}
+    return {"is": kind, **first, **dataclasses.asdict(record)}
+
+
+def from_json(values: dict[str, Any]) -> Record:
+    """The record of a JSON object.
+
+    Raises:
+        MissionFileError: It is none, or a value is not within its bounds.
+    """
+    read = _READERS.get(str(values.get("is"))[:40])
+    if read is None:
+        text = f"the journal has a record {str(values.get('is'))[:40]!r}, which nobody knows"
+        raise MissionFileError(text)
+    try:
+        return read(values)
+    except MapFileError as error:
+        raise MissionFileError(str(error)) from error
+
+
+def _begun(values: dict[str, Any]) -> Begun:
+    if _whole(values, "format") != _FORMAT:
+        text = f"the journal is of form {values['format']}; this Rune reads form {_FORMAT}"
+        raise MissionFileError(text)
+    return Begun(
+        robot=_text(values, "robot"),
+        name=_text(values, "name"),
+        by=_text(values, "by"),
+        stamp=_stamp(values),
+    )
+
+
+def _sheet(values: dict[str, Any]) -> SheetBegun:
+    return SheetBegun(
+        number=_whole(values, "number"),
+        frame=_whole(values, "frame"),
+        carries=values.get("carries") is True,
+        why=_text(values, "why", MAX_TEXT),
+        stamp=_stamp(values),
+    )
+
+
+_READERS: dict[str, Callable[[dict[str, Any]], Record]] = {
+    "begun": _begun,
+    "named": lambda v: Named(name=_text(v, "name"), by=_text(v, "by"), stamp=_stamp(v)),
+    "sheetbegun": _sheet,
+    "frameknown": lambda v: FrameKnown(frame=_whole(v, "frame")),
+    "marked": lambda v: Marked(point=point_file.point_of(v.get("point")), stamp=_stamp(v)),
+    "removed": lambda v: Removed(
+        number=_whole(v, "number"), by=_text(v, "by"), stamp=_stamp(v)
+    ),
+    "noted": lambda v: Noted(text=_text(v, "text", MAX_TEXT), stamp=_stamp(v)),
+    "ended": lambda v: Ended(by=_text(v, "by"), stamp=_stamp(v)),
+}  # fmt: skip
+
+
+def _text(values: dict[str, Any], key: str, longest: int = MAX_NAME) -> str:
+    text = values.get(key)
+    if not isinstance(text, str) or len(text) > longest or "\0" in text:
+        reason = f"the journal has {key!r} that is no text of at most {longest} characters"
+        raise MissionFileError(reason)
+    return text
+
+
+def _whole(values: dict[str, Any], key: str) -> int:
+    number = values.get(key)
+    if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number <= MAX_NUMBER:
+        text = f"the journal has {key!r} that is no whole number from 0 to {MAX_NUMBER}"
+        raise MissionFileError(text)
+    return number
+
+
+def _stamp(values: dict[str, Any]) -> float:
+    stamp = values.get("stamp")
+    if isinstance(stamp, bool) or not isinstance(stamp, int | float):
+        stamp = -1.0
+    if not 0.0 <= stamp <= _MAX_STAMP:
+        text = "the journal has a time that cannot be"
+        raise MissionFileError(text)
+    return float(stamp)

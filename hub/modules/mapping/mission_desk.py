@@ -1,0 +1,153 @@
+"""The mission on the bus: who marks, begins and ends, and what everybody is told of it."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+
+from hub.control_gate import ControlGate
+from hub.errors import MissionError
+from hub.gcm import mapping, mission
+from hub.gcm.common import COMMON_RESULT, CommonResult
+from hub.gcm.control import ControlState
+from hub.gcm.mission import MissionAction
+from hub.ipc.answering import Reply
+from hub.ipc.client import Client
+from hub.ipc.reception import Reception
+from hub.missions.keeper import MissionKeeper
+from hub.robots.description import MissionBegin, RobotDescription
+from hub.runtime import publish_on_request
+
+_logger = logging.getLogger(__name__)
+
+_POINTS_PERIOD = 1.0 / mapping.INTEREST_POINTS.rate_hz
+_STATE_PERIOD = 1.0 / mission.MISSION_STATE.rate_hz
+
+
+class MissionDesk:
+    """Connects the keeper with the bus."""
+
+    def __init__(
+        self,
+        client: Client,
+        keeper: MissionKeeper,
+        robot: RobotDescription,
+        *,
+        begun: Callable[[], None],
+        marked: Callable[[mapping.InterestPoint], None],
+        ending: Callable[[], None],
+    ) -> None:
+        """Subscribe and answer.
+
+        Args:
+            client: The module's connection.
+            keeper: Keeps the mission; opened already.
+            robot: What the robot file says.
+            begun: Called when another mission has begun after one that was ended.
+            marked: Called with each point that was marked or changed.
+            ending: Called before a mission ends.
+        """
+        self._client, self._keeper = client, keeper
+        self._with_control = robot.mission_begin is MissionBegin.WITH_CONTROL
+        self._begun, self._marked, self._ending = begun, marked, ending
+        self._fault = ""
+        self._gate = ControlGate(client, self._handed_over)
+        client.subscribe(mapping.POINT_COMMAND, self._point)
+        client.respond_later(mission.MISSION_COMMAND, COMMON_RESULT, self._requested)
+        client.define(mapping.INTEREST_POINTS, mapping.POINT_REFUSAL, mission.MISSION_STATE)
+        publish_on_request(client, mapping.INTEREST_POINTS, self.publish_points)
+        publish_on_request(client, mission.MISSION_STATE, self.publish_state)
+        client.every(_POINTS_PERIOD, self.publish_points)
+        client.every(_STATE_PERIOD, self._look)
+
+    def publish_points(self) -> None:
+        """Tell all which points there are."""
+        self._client.publish(mapping.INTEREST_POINTS, self._keeper.points)
+
+    def publish_state(self) -> None:
+        """Tell all how the mission stands."""
+        self._client.publish(mission.MISSION_STATE, self._keeper.state)
+
+    def publish(self) -> None:
+        """Tell all of both; the points come last, as they confirm marks."""
+        self.publish_state()
+        self.publish_points()
+
+    def _point(self, command: mapping.PointCommand, reception: Reception) -> None:
+        point, by = command.point, f"client {reception.publisher}"
+        ended = self._keeper.book.ended
+        try:
+            if command.action is mapping.PointAction.REMOVE:
+                self._keeper.remove(point.number, point.version, by)
+            else:
+                kept = self._keeper.mark(point, by)
+                if ended is not None and self._keeper.book.running:
+                    self._begun()
+                self._marked(kept)
+        except MissionError as error:
+            _logger.warning("point refused: %s", error)
+            refusal = mapping.PointRefusal(
+                sender=reception.publisher, number=point.number, text=str(error)
+            )
+            self._client.publish(mapping.POINT_REFUSAL, refusal)
+            return
+        self.publish()
+
+    def _requested(self, command: mission.MissionCommand, reply: Reply[CommonResult]) -> None:
+        if not self._gate.counts(reply.asker):
+            text = "somebody else has control of the robot; ask for control, or let them do it"
+            reply.answer(CommonResult(done=0, text=text))
+            return
+        try:
+            text = self._carry_out(command)
+        except MissionError as error:
+            _logger.warning("%s", error)
+            reply.answer(CommonResult(done=0, text=str(error)))
+            return
+        _logger.info("%s", text)
+        reply.answer(CommonResult(done=1, text=text))
+        self.publish()
+
+    def _carry_out(self, command: mission.MissionCommand) -> str:
+        keeper = self._keeper
+        if command.action is MissionAction.BEGIN:
+            self._begin(command.name, command.by)
+            return f"mission {keeper.book.name} begins"
+        if command.action is MissionAction.NAME:
+            keeper.name(command.name, command.by)
+            return f"the mission is named {keeper.book.name}"
+        self._ending()
+        name, count = keeper.book.name, len(keeper.book.points.points)
+        where = keeper.path
+        keeper.end(command.by)
+        return f"mission {name} is ended; its {count} marks and its map are in {where}"
+
+    def _begin(self, name: str, by: str) -> None:
+        """Begin a mission: with the map there is, unless that is of a mission that was ended."""
+        ended = self._keeper.book.ended
+        self._keeper.begin(name, by)
+        if ended is not None:
+            self._begun()
+
+    def _handed_over(self, state: ControlState, before: int) -> None:
+        """Somebody else has control than before."""
+        if not state.owner:
+            return
+        keeper = self._keeper
+        if keeper.book.running:
+            keeper.note(f"{state.operator} has control")
+        elif self._with_control and not before:
+            self._begin("", state.operator)
+            _logger.info("mission %s begins: %s has control", keeper.book.name, state.operator)
+        self.publish()
+
+    def _look(self) -> None:
+        """Try again what failed, and tell how the mission stands."""
+        before = self._keeper.unkept
+        self._keeper.look()
+        if self._keeper.fault != self._fault:
+            self._fault = self._keeper.fault
+            _logger.warning("%s", self._fault or "all of the mission is kept again")
+        self.publish_state()
+        if self._keeper.unkept != before:
+            self.publish_points()

@@ -1,0 +1,266 @@
+"""The keeper: what it says is kept is on the disk, and comes back."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import os
+import resource
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hub.errors import MissionError
+from hub.gcm.mapping import InterestPoint, PointKind
+from hub.missions.folder import MissionFolder
+from hub.missions.keeper import MissionKeeper, MissionLimits
+from hub.missions.log_odds import STEP, LogOdds
+from hub.missions.points import MAX_THUMBNAIL_BYTES, NO_THUMBNAIL
+
+NOW = 1.7e9
+GRID = LogOdds.of(np.diag([1.0, 0.0, -2.0]).astype(np.float32), 0.05, -1.0, 2.0)
+
+
+def victim(x: float = 1.0, **fields: object) -> InterestPoint:
+    values: dict[str, object] = {"kind": PointKind.VICTIM, "x": x, "y": 2.0, "by": "Ada"}
+    return InterestPoint(**{"thumbnail": NO_THUMBNAIL, **values, **fields})  # type: ignore[arg-type]
+
+
+def keeper_of(folder: Path, robot: str = "rover", least_free_mb: float = 0.0) -> MissionKeeper:
+    limits = MissionLimits(least_free_mb=least_free_mb)
+    return MissionKeeper(
+        MissionFolder(folder, robot), limits, clock=lambda: 5.0, calendar=lambda: NOW
+    )
+
+
+@pytest.fixture
+def keeper(tmp_path: Path) -> Iterator[MissionKeeper]:
+    made = keeper_of(tmp_path)
+    assert made.open() is None
+    yield made
+    made.close()
+
+
+def reopened(keeper: MissionKeeper, folder: Path) -> MissionKeeper:
+    """What a process finds after the one before was killed: nothing was said at its end."""
+    os.close(keeper._lock or -1)
+    keeper._lock = None
+    return keeper_of(folder)
+
+
+def test_a_mark_begins_a_mission_and_comes_back_with_its_number(
+    keeper: MissionKeeper, tmp_path: Path
+) -> None:
+    picture = np.arange(200, dtype=np.uint8)
+    keeper.mark(victim(note="waves", length=200, thumbnail=picture), "client 3")
+    keeper.mark(victim(4.0), "client 3")
+    keeper.remove(1, 0, "Ada")
+    keeper.mark(victim(5.0, number=2, version=1, note="two"), "client 3")
+    assert (keeper.state.running, keeper.unkept, keeper.fault) == (1, 0, "")
+    assert [point.kept for point in keeper.points.points] == [1]
+    again = reopened(keeper, tmp_path)
+    again.open()
+    (point,) = again.points.points
+    assert (point.number, point.x, point.note, point.version) == (2, 5.0, "two", 2)
+    assert again.mark(victim(), "").number == 3
+    assert (again.id, again.book.name) == (keeper.id, keeper.book.name)
+    again.close()
+
+
+def test_the_map_comes_back_to_a_step_of_its_log_odds(
+    keeper: MissionKeeper, tmp_path: Path
+) -> None:
+    keeper.begin("search", "Ada")
+    keeper.save_map(GRID)
+    again = reopened(keeper, tmp_path)
+    grid = again.open()
+    assert grid is not None
+    assert np.abs(grid.values - np.diag([1.0, 0.0, -2.0])).max() <= STEP / 2
+    assert (grid.origin_x, grid.origin_y, grid.resolution) == (-1.0, 2.0, 0.05)
+    assert again.state.map_age_s == 0.0
+    again.close()
+
+
+def test_a_mission_is_begun_named_and_ended(keeper: MissionKeeper, tmp_path: Path) -> None:
+    with pytest.raises(MissionError, match="no mission runs"):
+        keeper.end("Ada")
+    keeper.begin("  first\nfloor ", "Ada")
+    assert keeper.state.name == "first floor"
+    with pytest.raises(MissionError, match="runs already"):
+        keeper.begin("second", "Bob")
+    keeper.name("cellar", "Bob")
+    keeper.mark(victim(), "Ada")
+    keeper.end("Ada")
+    assert keeper.state.running == 0
+    assert len(keeper.points.points) == 1
+    folder = MissionFolder(tmp_path, "rover")
+    assert folder.running() == ""
+    (mission,) = folder.missions()
+    book, damaged = folder.read(mission)
+    assert (book.name, book.running, damaged) == ("cellar", False, 0)
+    assert [event.text for event in book.events][-1] == "Ada ended the mission"
+    keeper.mark(victim(9.0), "Bob")
+    assert [point.number for point in keeper.points.points] == [1]
+    assert len(folder.missions()) == 2
+
+
+def test_on_a_full_disk_marks_are_shown_as_not_kept_until_they_are(
+    keeper: MissionKeeper,
+) -> None:
+    keeper.mark(victim(), "Ada")
+    size = keeper._folder.journal_of(keeper.id).stat().st_size
+    with files_no_longer_than(size + 100):
+        keeper.mark(victim(2.0, length=4000, thumbnail=np.ones(4000, np.uint8)), "Ada")
+        assert [point.kept for point in keeper.points.points] == [1, 0]
+        assert keeper.unkept == 1
+        assert "cannot be written" in keeper.state.fault
+        with pytest.raises(MissionError, match="not ended: 1 changes"):
+            keeper.end("Ada")
+        torn = keeper._folder.read(keeper.id)
+        assert ([point.number for point in torn[0].points.points], torn[1]) == ([1], 0)
+    keeper.look()
+    assert [point.kept for point in keeper.points.points] == [1, 1]
+    assert (keeper.unkept, keeper.fault) == (0, "")
+    assert len(keeper._folder.read(keeper.id)[0].points.points) == 2
+
+
+class files_no_longer_than:  # noqa: N801 - reads as words
+    """As if the disk were full: the system writes no file beyond this size [bytes]."""
+
+    def __init__(self, size: int) -> None:
+        self._size = size
+
+    def __enter__(self) -> None:
+        self._before = resource.getrlimit(resource.RLIMIT_FSIZE)
+        self._signal = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (self._size, self._before[1]))
+
+    def __exit__(self, *_: object) -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, self._before)
+        signal.signal(signal.SIGXFSZ, self._signal)
+
+
+def test_a_folder_that_cannot_be_written_is_a_fault_and_tried_again(tmp_path: Path) -> None:
+    (tmp_path / "missions").write_text("a file where a folder should be")
+    keeper = keeper_of(tmp_path / "missions")
+    keeper.open()
+    keeper.mark(victim(), "Ada")
+    assert [point.kept for point in keeper.points.points] == [0]
+    assert "cannot be written" in keeper.state.fault
+    (tmp_path / "missions").unlink()
+    keeper.look()
+    assert [point.kept for point in keeper.points.points] == [1]
+    keeper.close()
+
+
+def test_two_hubs_of_one_name_do_not_write_into_one_mission(
+    keeper: MissionKeeper, tmp_path: Path
+) -> None:
+    keeper.mark(victim(), "Ada")
+    other = keeper_of(tmp_path)
+    other.open()
+    other.mark(victim(8.0), "Bob")
+    assert "in use by another hub" in other.state.fault
+    assert [point.kept for point in other.points.points] == [0]
+    assert len(keeper._folder.read(keeper.id)[0].points.points) == 1
+    other.close()
+
+
+def test_missions_of_other_robots_are_never_taken_up(keeper: MissionKeeper, tmp_path: Path) -> None:
+    keeper.mark(victim(), "Ada")
+    for name in ("rover 2", "../rover", ".."):
+        other = keeper_of(tmp_path, name)
+        other.open()
+        assert other.points.count == 0
+        assert other._folder.path.parent == tmp_path
+        other.close()
+    # Somebody copies the folder of one robot to another.
+    keeper._folder.path.rename(tmp_path / "copy")
+    other = keeper_of(tmp_path, "copy")
+    os.close(keeper._lock or -1)
+    keeper._lock = None
+    other.open()
+    assert other.points.count == 0
+    assert "is of rover, not copy" in other.state.fault
+    other.close()
+
+
+def test_a_journal_whose_beginning_is_damaged_keeps_its_marks(
+    keeper: MissionKeeper, tmp_path: Path
+) -> None:
+    keeper.mark(victim(), "Ada")
+    path = keeper._folder.journal_of(keeper.id)
+    raw = bytearray(path.read_bytes())
+    raw[3] ^= 1
+    path.write_bytes(bytes(raw))
+    again = reopened(keeper, tmp_path)
+    again.open()
+    assert [point.number for point in again.points.points] == [1]
+    assert again.state.running == 1
+    assert "damaged" in again.state.fault
+    again.close()
+
+
+@pytest.mark.parametrize(("frame", "new"), [(0, False), (7, False), (8, True)])
+def test_a_new_sheet_begins_when_the_robot_has_lost_its_place(
+    keeper: MissionKeeper, tmp_path: Path, frame: int, *, new: bool
+) -> None:
+    keeper.begin("", "Ada")
+    assert not keeper.in_frame(7, lambda: GRID)
+    keeper.mark(victim(), "Ada")
+    assert keeper.in_frame(frame, lambda: GRID) is new
+    state = keeper.state
+    assert (state.sheet, state.marks, state.earlier) == ((2, 0, 1) if new else (1, 1, 0))
+    assert keeper.mark(victim(3.0), "Ada").number == 2
+    folder = MissionFolder(tmp_path, "rover")
+    book, _ = folder.read(keeper.id)
+    assert book.frame == (frame or 7)
+    if new:
+        assert book.points.earlier[1][0] == 1
+        assert folder.grid(keeper.id, 1) is not None
+        assert folder.grid(keeper.id, 2) is None
+
+
+def test_marks_go_along_to_a_sheet_of_the_same_frame(keeper: MissionKeeper) -> None:
+    keeper.mark(victim(), "Ada")
+    keeper.begin_sheet("the map was cleared", carries=True)
+    assert [point.number for point in keeper.points.points] == [1]
+    assert keeper.state.earlier == 0
+
+
+def test_with_little_room_marks_are_kept_and_the_map_is_not(tmp_path: Path) -> None:
+    keeper = keeper_of(tmp_path, least_free_mb=1e6)
+    keeper.open()
+    keeper.mark(victim(), "Ada")
+    keeper.look()
+    keeper.save_map(GRID)
+    assert [point.kept for point in keeper.points.points] == [1]
+    assert "the map is not" in keeper.state.fault
+    assert math.isnan(keeper.state.map_age_s)
+    keeper.close()
+
+
+def test_whatever_is_taken_as_a_mark_can_be_read_again(
+    keeper: MissionKeeper, tmp_path: Path
+) -> None:
+    odd = victim(
+        -1e5, note="\x1b[2J\0„“" + "n" * 900, by="\0" * 100, stamp=1e300,
+        length=MAX_THUMBNAIL_BYTES, thumbnail=np.full(MAX_THUMBNAIL_BYTES, 255, np.uint8),
+        uncertainty=math.inf,
+    )  # fmt: skip
+    kept = keeper.mark(odd, "x" * 500)
+    again = reopened(keeper, tmp_path)
+    again.open()
+    (read,) = again.points.points
+    assert str(dataclasses.replace(kept, kept=1)) == str(read)
+    again.close()
+
+
+def test_a_mark_that_is_sent_again_is_one_mark(keeper: MissionKeeper) -> None:
+    keeper.mark(victim(note="waves"), "Ada")
+    assert keeper.mark(victim(note="waves"), "Ada").number == 1
+    assert keeper.mark(victim(by="Bob"), "Bob").number == 2
+    assert keeper.points.count == 2
