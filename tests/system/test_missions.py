@@ -145,7 +145,7 @@ def test_marks_and_map_outlive_mapping_and_daemon(site: Site) -> None:
         pid = site.mapping_pid
         os.kill(pid, signal.SIGKILL)
         # Nobody wants mapping but the mission.
-        site.watch.wait(lambda: site.mapping_pid not in (0, pid), 20.0, "it is not started again")
+        site.watch.wait(lambda pid=pid: site.mapping_pid not in (0, pid), 20.0, "no new process")
         site.forget()
         site.watch.wait(lambda: site.points, 20.0, "the marks do not come back")
         assert sorted(site.points) == sorted(before)
