@@ -46,6 +46,7 @@ COMMANDS: Mapping[str, Right] = {
     "GCM_Night_Command": _OPERATOR,
     "GCM_Point_Command": _OPERATOR,
     "GCM_Map_Command": _OPERATOR,
+    "GCM_Mission_Command": _OPERATOR,
     "GCM_Autonomy_Command": _OPERATOR,
     "GCM_Capability_Wants": _OPERATOR,
     "GCM_Common_RequestData": _OPERATOR,
