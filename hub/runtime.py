@@ -25,7 +25,7 @@ from hub.errors import CentralUnreachableError, HubError
 from hub.gcm.capability import Abilities
 from hub.gcm.common import COMMON_COMMAND, REQUEST_DATA, CommonCommand, RequestData
 from hub.gcm.common import CommonCommandKind as Kind
-from hub.gcm.supervision import MODULE_INFO, ModuleInfo
+from hub.gcm.supervision import MODULE_INFO, ModuleInfo, announce_every_s
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.reception import Reception
@@ -160,7 +160,7 @@ def _serve(
     client.subscribe(COMMON_COMMAND, lambda command, _: _obey(client, health, announce, command))
     client.wait_connected(_CONNECT_S, give_up=lambda: health.stopping)
     client.wait_defined(_CONNECT_S, give_up=lambda: health.stopping)
-    client.every(1.0 / MODULE_INFO.rate_hz, announce)
+    client.every(announce_every_s(can.provides), announce)
     if not health.stopping:
         announce()
         _logger.info("ready")

@@ -17,6 +17,13 @@ MAX_FILE_BYTES = 1_000_000
 TOP = "top of the file"
 """What the place outside of all tables is called."""
 _HEADER = re.compile(r"\s*\[+\s*([^\[\]#]+?)\s*\]+\s*(?:#.*)?")
+_PLAIN_NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9._-]*")
+_LINE = 1000
+"""Headers and keys are looked for in so much of a line [characters]."""
+_DEEPEST = 16
+_PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
+_TOO_DEEP = re.compile(rf"(?<![\w-]){_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{_DEEPEST}}}")
+"""A dotted key of more parts than anybody writes; the parser takes minutes for very long ones."""
 _KEY = re.compile(r"""\s*(["']?)([\w-]+)\1\s*=""")
 
 Reader = Callable[[object], Any]
@@ -56,14 +63,16 @@ class Problems(list[str]):
         self._lines: dict[tuple[str, str], int] = {}
         place = TOP
         for number, line in enumerate(text.splitlines(), 1):
-            if header := _HEADER.fullmatch(line):
+            start = line[:_LINE]
+            if header := _HEADER.fullmatch(start):
                 place = f"[{header[1]}]"
                 self._lines.setdefault((place, ""), number)
-            elif key := _KEY.match(line):
+            elif key := _KEY.match(start):
                 self._lines.setdefault((place, key[2]), number)
 
     def add(self, place: str, text: str, key: str = "") -> None:
         """Add a sentence about a place, or a key there."""
+        text = "".join(each if each.isprintable() else repr(each)[1:-1] for each in text)
         line = self._lines.get((place, key)) or self._lines.get((place, ""))
         if line is None and place == TOP:  # a whole table that nobody knows, or one that is none
             line = self._lines.get((f"[{key}]", ""))
@@ -120,14 +129,32 @@ def truth(value: object) -> bool:
     return value
 
 
-def text(longest: int) -> Reader:
-    """A text of 1 to `longest` characters."""
+def text(longest: int, *, any_character: bool = False) -> Reader:
+    """A text of 1 to `longest` characters, all of which can be shown unless any will do."""
 
     def read(value: object) -> str:
         if not isinstance(value, str) or not 1 <= len(value) <= longest:
             reason = f"{shorten(value)} is not a text of 1 to {longest} characters"
             raise RefusedError(reason)
+        if not any_character and not value.isprintable():
+            reason = f"{shorten(value)} has characters that cannot be shown"
+            raise RefusedError(reason)
         return value
+
+    return read
+
+
+def plain_name(longest: int) -> Reader:
+    """A name that is safe as that of a file and on a terminal, of 1 to `longest` characters."""
+
+    def read(value: object) -> str:
+        if isinstance(value, str) and len(value) <= longest and _PLAIN_NAME.fullmatch(value):
+            return value
+        reason = (
+            f"{shorten(value)} is no name of 1 to {longest} letters (a to z), digits, "
+            "'.', '_' and '-', with no '.' first"
+        )
+        raise RefusedError(reason)
 
     return read
 
@@ -221,9 +248,14 @@ def load(
         raise error(str(path), [f"is larger than {MAX_FILE_BYTES} bytes"])
     try:
         text = raw.decode()
-        return tomllib.loads(text), Problems(text)
     except UnicodeDecodeError as fault:
         raise error(str(path), [f"is not UTF-8 text at byte {fault.start}"]) from fault
+    if (deep := _TOO_DEEP.search(text)) is not None:
+        line = text.count("\n", 0, deep.start()) + 1
+        reason = f"line {line}: a key has more than {_DEEPEST} parts between its dots"
+        raise error(str(path), [reason])
+    try:
+        return tomllib.loads(text), Problems(text)
     except (tomllib.TOMLDecodeError, RecursionError, ValueError) as fault:
         raise error(str(path), [f"is not TOML: {fault}"]) from fault
 

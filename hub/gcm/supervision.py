@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import enum
+from collections.abc import Container
 from dataclasses import dataclass
 from typing import Annotated
 
+from hub.gcm.capability import Capability
 from hub.gcm.fields import (
     MOST_REPORTS,
     Count,
@@ -49,6 +51,22 @@ MODULE_INFO = MessageDefinition(
     type=ModuleInfo,
     rate_hz=1.0,
 )
+
+KEEP_ALIVE_S = 5.0
+DRIVER_KEEP_ALIVE_S = 1.0
+"""Silence after which a module counts as hanging, and one that moves the wheels [s]."""
+_ANNOUNCEMENTS = 4
+"""So many a module makes in that time, so that one that comes late does no harm."""
+
+
+def keep_alive_s(capabilities: Container[str]) -> float:
+    """Silence after which a module with these capabilities counts as hanging [s]."""
+    return DRIVER_KEEP_ALIVE_S if Capability.DRV_BASE in capabilities else KEEP_ALIVE_S
+
+
+def announce_every_s(capabilities: Container[str]) -> float:
+    """How often a module with these capabilities announces itself: the time between two [s]."""
+    return min(1.0 / MODULE_INFO.rate_hz, keep_alive_s(capabilities) / _ANNOUNCEMENTS)
 
 
 class ModulePhase(enum.IntEnum):

@@ -6,7 +6,7 @@ import enum
 import math
 from collections import deque
 
-from hub.gcm.supervision import ModulePhase
+from hub.gcm.supervision import ModulePhase, keep_alive_s
 from hub.robomon.table import ModuleSpec
 
 _REMEMBERED = 8
@@ -84,6 +84,12 @@ class Life:
         return self.up or self.phase is ModulePhase.STOPPING
 
     @property
+    def keep_alive_s(self) -> float:
+        """Silence after which it counts as hanging [s]; 0: it does not announce itself."""
+        given = self.spec.keep_alive_s
+        return keep_alive_s(self.provides) if given is None else given
+
+    @property
     def usable(self) -> bool:
         """Whether it runs or can be started."""
         return not self.held and self.phase is not ModulePhase.FAILED
@@ -107,7 +113,7 @@ class Life:
         self.pid, self.since, self._heard = pid, now, now
         self._heard_itself = False
         self.starts += 1
-        if self.spec.keep_alive_s > 0.0:
+        if self.keep_alive_s > 0.0:
             self._enter(ModulePhase.STARTING, "was started")
         else:
             self._run()
@@ -214,12 +220,13 @@ class Life:
 
     def look(self, now: float) -> None:
         """See whether it has been silent for too long."""
-        if self.spec.keep_alive_s <= 0.0:
+        longest = self.keep_alive_s
+        if longest <= 0.0:
             return
         if self.phase is ModulePhase.STARTING and now - self._heard > self.spec.start_timeout_s:
             self._hang(f"did not announce itself in {self.spec.start_timeout_s:g} s", now)
-        elif self.phase is ModulePhase.RUNNING and now - self._heard > self.spec.keep_alive_s:
-            self._hang(f"hung: silent for {self.spec.keep_alive_s:g} s", now)
+        elif self.phase is ModulePhase.RUNNING and now - self._heard > longest:
+            self._hang(f"hung: silent for {longest:g} s", now)
 
     def _run(self) -> None:
         self._enter(ModulePhase.RUNNING, self._failure and f"runs again; it {self._failure}")

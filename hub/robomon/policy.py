@@ -166,7 +166,7 @@ class Supervisor:
         return [
             life
             for life in self.lives.values()
-            if not life.asked and not life.starts and life.spec.keep_alive_s > 0.0
+            if not life.asked and not life.starts and life.keep_alive_s > 0.0
         ]
 
     def capabilities(self, now: float) -> dict[str, CapabilityView]:

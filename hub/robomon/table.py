@@ -28,7 +28,8 @@ class ModuleSpec:
         capabilities: What the file says it can do; a hint, until the module says so itself.
         needs: What the file says it needs of other modules; a hint as well.
         always: Whether it runs always, or when one of its capabilities is wanted.
-        keep_alive_s: Silence after which it counts as hanging [s]; 0: it does not announce itself.
+        keep_alive_s: Silence after which it counts as hanging [s]; 0: it does not announce itself;
+            None: as long as its capabilities say.
         start_timeout_s: Time from its start to its first announcement [s].
         linger_s: Time that it goes on when nobody wants it any more [s].
         restart_limit: Restarts within `restart_window_s` after which the daemon gives up.
@@ -49,7 +50,7 @@ class ModuleSpec:
     capabilities: tuple[str, ...] = ()
     needs: tuple[str, ...] = ()
     always: bool = True
-    keep_alive_s: float = 5.0
+    keep_alive_s: float | None = None
     start_timeout_s: float = 15.0
     linger_s: float = 10.0
     restart_limit: int = 10
@@ -95,13 +96,13 @@ _SECONDS = toml.number(0.0, 3600.0)
 _CAPABILITIES = toml.Key(toml.several(_capability, 64), ())
 _MODULE = {
     "run": toml.Key(toml.text(200), ""),
-    "command": toml.Key(toml.several(toml.text(1000), 64), ()),
+    "command": toml.Key(toml.several(toml.text(1000, any_character=True), 64), ()),
     "capabilities": _CAPABILITIES,
     "needs": _CAPABILITIES,
     "start": toml.Key(
         toml.choice({"always": True, "on demand": False}), default=True, field="always"
     ),
-    "keep_alive_s": toml.Key(_SECONDS, 5.0),
+    "keep_alive_s": toml.Key(_SECONDS, None),
     "start_timeout_s": toml.Key(toml.number(0.1, 3600.0), 15.0),
     "linger_s": toml.Key(_SECONDS, 10.0),
     "restart_limit": toml.Key(toml.whole_number(0, 1000), 10),

@@ -161,7 +161,7 @@ def _source(value: object) -> str:
 
 
 _TOP = {
-    "name": toml.Key(toml.text(32)),
+    "name": toml.Key(toml.plain_name(32)),
     "kind": toml.Key(toml.text(64)),
 }
 _TABLES = {

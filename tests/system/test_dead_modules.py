@@ -8,6 +8,8 @@ from __future__ import annotations
 import os
 import signal
 
+import psutil
+
 from tests.system.harness import ConsoleProcess, HubProcess, Observer, drive, expect_stop
 from tests.waiting import until
 
@@ -22,7 +24,7 @@ def _hold_on(console: ConsoleProcess, observer: Observer) -> None:
 def test_whatever_dies_the_robot_stops_and_drives_again_from_neutral(
     hub: HubProcess, console: ConsoleProcess, observer: Observer
 ) -> None:
-    """Navigation hangs, then is killed, then the driver; each begins with a robot that drives."""
+    """Navigation hangs, then is killed; the driver is killed, then hangs; each time it drives."""
     drive(console, observer)
     os.kill(hub.pids["navigation"], signal.SIGSTOP)
     _hold_on(console, observer)
@@ -38,7 +40,28 @@ def test_whatever_dies_the_robot_stops_and_drives_again_from_neutral(
 
     drive(console, observer)
     os.kill(hub.pids["driver"], signal.SIGKILL)
-    until(lambda: "the driver began anew" in hub.log.read_text(), 10.0, meanwhile=console.pump)
+    until(lambda: _new_drivers(hub) == 1, 10.0, meanwhile=console.pump)
+    assert observer.truth.commanded_linear == 0.0
+    console.wait(lambda: "STANDING" in console.text, 10.0, "neutral commands do not reach it")
+
+    drive(console, observer)
+    os.kill(_driver(hub), signal.SIGSTOP)
+    until(
+        lambda: "driver hung: silent for 1 s" in hub.log.read_text(), 10.0, meanwhile=console.pump
+    )
+    until(lambda: _new_drivers(hub) == 2, 10.0, meanwhile=console.pump)
     assert observer.truth.commanded_linear == 0.0
     console.wait(lambda: "STANDING" in console.text, 10.0, "neutral commands do not reach it")
     drive(console, observer)
+
+
+def _new_drivers(hub: HubProcess) -> int:
+    """How often navigation has met a driver that began anew."""
+    return hub.log.read_text().count("the driver began anew")
+
+
+def _driver(hub: HubProcess) -> int:
+    """The process of the driver now."""
+    modules = psutil.Process(hub.process.pid).children(recursive=True)
+    (driver,) = [each.pid for each in modules if "hub.modules.driver" in each.cmdline()]
+    return driver

@@ -9,7 +9,7 @@ from hub.gcm.navigation import DriveState
 from hub.grids.grid import Grid
 from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.doubt import Doubt
-from hub.modules.navigation.matching import Sightings, drift
+from hub.modules.navigation.matching import FARTHEST, Sightings, drift
 from hub.plane import Pose
 
 YOUNGEST_S = 1.0
@@ -47,8 +47,10 @@ class DriftWatch:
         self._matched = -math.inf
 
     def reported(self, drive: DriveState, now: float) -> None:
-        """The hardware has reported."""
+        """The hardware has reported; a pose that cannot be is left out."""
         here = Pose(x=drive.x, y=drive.y, theta=drive.theta)
+        if not all(abs(each) < FARTHEST for each in (here.x, here.y, here.theta)):
+            return
         self._doubt.moved(here, now)
         self._sightings.scanned(here, drive.sonar, drive.infrared, self._blind, now)
 

@@ -24,6 +24,8 @@ from hub.plane import Pose
 
 FEWEST = 40
 """So many points on known ground it takes."""
+FARTHEST = 1e6
+"""No robot is farther away from where it began; a pose that says so is nonsense [m]."""
 
 _MOST = 300
 _NEAR_WALL = 0.09
@@ -69,8 +71,13 @@ def drift(grid: Grid, x: Floats, y: Floats, robot: Pose, before: Spread) -> Matc
         before: How far the pose may be off.
 
     Returns:
-        None: the map does not tell.
+        None: the map does not tell, or the pose or its spread is no number.
     """
+    told = (robot.x, robot.y, robot.theta, before.turn, before.way)
+    if not all(abs(each) < FARTHEST for each in told):
+        return None
+    near = (np.abs(x) < FARTHEST) & (np.abs(y) < FARTHEST)  # false where it is no number
+    x, y = x[near], y[near]
     fits = _fits(grid)
     rows, columns = _cells(grid, x, y)
     if np.count_nonzero(fits[rows, columns] != _ON_UNKNOWN) < FEWEST:

@@ -4,10 +4,18 @@ from __future__ import annotations
 
 import itertools
 import math
+from typing import Any
 
 import pytest
 
-from hub.gcm.supervision import LEASE_S, CapabilityPhase, ModuleOrder, ModulePhase
+from hub.gcm.supervision import (
+    LEASE_S,
+    CapabilityPhase,
+    ModuleOrder,
+    ModulePhase,
+    announce_every_s,
+    keep_alive_s,
+)
 from hub.robomon.life import Deed, Life
 from hub.robomon.policy import (
     MAX_SHOWN,
@@ -137,6 +145,27 @@ def test_hanging_module_is_terminated_and_killed_and_started_again() -> None:
     assert hung - world.log[0][0] == pytest.approx(7.0, abs=0.2)
     assert killed - hung == pytest.approx(0.5, abs=2 * STEP_S)
     assert world["stuck"].why == "runs again; it hung: silent for 2 s"
+
+
+@pytest.mark.parametrize(
+    ("says", "longest"),
+    [({"capabilities": "DRV_BASE"}, 1.0), ({}, 5.0), ({"keep_alive_s": 3.0}, 3.0)],
+)
+def test_driver_that_hangs_is_ended_sooner_than_others(
+    says: dict[str, Any], longest: float
+) -> None:
+    world = World(spec("one", **says))
+    world.behave = ways(hang_at=5.0)
+    world.run(1.0)
+    world.behave = ways()
+    world.run(20.0)
+    assert world["one"].why == f"runs again; it hung: silent for {longest:g} s"
+    assert world.log[1][0] - world.log[0][0] == pytest.approx(5.0 + longest, abs=0.2)
+
+
+def test_every_module_announces_itself_several_times_within_its_keep_alive() -> None:
+    for capabilities in ([], ["DRV_BASE"]):
+        assert announce_every_s(capabilities) * 4 <= keep_alive_s(capabilities)
 
 
 def test_module_that_never_announces_itself_is_ended() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import os
+import time
 from pathlib import Path
 
 import pytest
@@ -156,3 +157,48 @@ def test_no_bytes_raise_anything_but_our_error(tmp_path: Path, data: st.DataObje
     path.write_bytes(raw)
     with contextlib.suppress(RobotFileError):
         load_robot_table(str(path))
+
+
+@pytest.mark.parametrize(
+    "name", ["..", ".hidden", "a/b", "two words", "\x1b]0;x\x07", "", "x" * 33, "\u202ebot"]
+)
+def test_robot_is_called_what_a_file_can_be_called(tmp_path: Path, name: str) -> None:
+    escaped = name.encode("unicode_escape").decode().replace("\\x", "\\u00")
+    problems = problems_of(tmp_path, GOOD.replace('"magellan"', f'"{escaped}"', 1))
+    assert len(problems) == 1
+    assert "key 'name'" in problems[0]
+    assert problems[0].isprintable()
+
+
+def test_control_characters_of_a_robot_file_do_not_reach_the_terminal(tmp_path: Path) -> None:
+    evil = "\\u001b]0;x\\u0007"
+    problems = problems_of(
+        tmp_path,
+        f'{GOOD}\n[modules."{evil}"]\nrun = "hub.modules.driver"\n[camera]\nsource = "{evil}"\n'
+        f'[mapping]\nfolder = "{evil}"\n["{evil}"]\n',
+    )
+    assert len(problems) >= 4
+    assert all(each.isprintable() for each in problems)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a" + ".a" * 100_000 + " = 1",
+        "[a" + ".a" * 100_000 + "]",
+        "[[a" + " . a" * 50_000 + "]]",
+        'x = {"b"' + ".'c'" * 50_000 + " = 1}",
+        "a" * 900_000 + " = 1",
+        'x = """\n[' + " " * 900_000 + "\n" + '"""',
+        '"' * 3 + '"\\n' * 100,
+    ],
+    ids=["key", "header", "array", "inline", "long", "blanks", "quotes"],
+)
+def test_no_text_keeps_the_reader_busy(tmp_path: Path, text: str) -> None:
+    """The parser of Python takes minutes for the first ones."""
+    began = time.process_time()
+    problems = problems_of(tmp_path, text)
+    assert problems
+    assert time.process_time() - began < 5.0
+    if "." in text:  # else there is no long key
+        assert "a key has more than 16 parts" in problems[0]

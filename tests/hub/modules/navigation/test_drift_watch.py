@@ -12,7 +12,9 @@ from hub.gcm.navigation import DriveState
 from hub.grids.grid import Grid
 from hub.modules.mapping.grid import OccupancyGrid
 from hub.modules.navigation.correction import PoseCorrection
+from hub.modules.navigation.doubt import Spread
 from hub.modules.navigation.drift_watch import OLDEST_S, YOUNGEST_S, DriftWatch
+from hub.modules.navigation.matching import drift
 from hub.plane import Pose
 from hub.robots.magellan import SimulatedMagellan
 from hub.sim.arena import load_arena
@@ -99,3 +101,37 @@ def test_what_was_seen_is_laid_onto_a_map_that_does_not_show_it_yet() -> None:
 
 def test_an_old_map_is_not_used() -> None:
     assert shifted(wait=OLDEST_S + 0.1) == 0.0
+
+
+NONSENSE = (math.nan, math.inf, -math.inf, 1e308, -1e308, 1e15, 5e-324)
+
+
+@pytest.mark.parametrize("wrong", NONSENSE)
+@pytest.mark.parametrize("field", ["x", "y", "theta"])
+def test_report_that_cannot_be_does_no_harm_and_is_forgotten(field: str, wrong: float) -> None:
+    correction = PoseCorrection()
+    watch = DriftWatch(correction, 0.205)
+    watch.mapped(_ring(), Pose(), 0.0)
+    for step in range(1, 12):
+        now = step / 10.0
+        state = dataclasses.replace(_seen(now), x=0.05 * (step % 2))
+        watch.reported(dataclasses.replace(state, **{field: wrong}), now)
+        watch.reported(state, now + 0.01)
+    watch.mapped(_ring(), Pose(x=state.x), YOUNGEST_S + 0.2)
+    assert abs(correction.odom.x) < 0.2
+    assert math.isfinite(correction.odom.theta)
+
+
+@pytest.mark.parametrize("wrong", NONSENSE)
+def test_points_and_poses_that_cannot_be_are_not_matched(wrong: float) -> None:
+    grid, spread = _ring(), Spread(turn=0.05, way=0.05)
+    bearings = np.linspace(0.0, 6.2, 60)
+    x, y = 0.6 * np.cos(bearings), 0.6 * np.sin(bearings)
+    good = drift(grid, x, y, Pose(), spread)
+    assert good is not None
+    with_nonsense = drift(grid, np.append(x, wrong), np.append(y, wrong), Pose(), spread)
+    assert with_nonsense is not None
+    assert math.isfinite(with_nonsense.moved.x)
+    for odd in (Pose(x=wrong), Pose(theta=wrong)):
+        match = drift(grid, x, y, odd, spread)
+        assert match is None or math.isfinite(match.moved.x)
