@@ -9,6 +9,7 @@ import asyncio
 import contextlib
 import dataclasses
 import logging
+import math
 import sys
 import time
 from collections.abc import Iterable, Iterator
@@ -87,6 +88,8 @@ _UNHEARD_S = 1.0
 _SWITCH_S = 0.5e-3
 """How long one thread may compute while another has a stick's report or a command to send [s]."""
 _NOT_DONE = "what a widget asked for could not be done; the log says why"
+_FOCUSING_S = 0.3
+"""A click that comes no later than this after the terminal got the focus was to give it [s]."""
 
 
 class Console(MouseApp, inherit_bindings=False):
@@ -130,6 +133,7 @@ class Console(MouseApp, inherit_bindings=False):
         self._undone: set[type] = set()
         self._leaving = self._drawing = False
         self._heard = 0.0
+        self._focused = -math.inf
         beside = partial(self.run_worker, exit_on_error=False)
         self._filing = Filing(links, beside, self._tell)
         self._pane = ViewPane(traits.glyphs.half)
@@ -264,7 +268,8 @@ class Console(MouseApp, inherit_bindings=False):
         # A cell is two pixels high; which of them the mouse is on, terminals do not tell.
         state = self.state
         hits = self._view.hits(int(event.screen_x), 2 * int(event.screen_y) + 1, state)
-        moved = ControlEvent(name=MOUSE + part, pressed=pressed, value=value, hits=hits)
+        stray = pressed and now - self._focused < _FOCUSING_S
+        moved = ControlEvent(name=MOUSE + part, pressed=pressed, value=value, hits=hits, old=stray)
         self._execute(self._dispatch.handle(moved, state))
 
     def _joysticks_moved(self) -> None:
@@ -290,6 +295,10 @@ class Console(MouseApp, inherit_bindings=False):
     def on_paste(self) -> None:
         """Pasted text is no driving: let go of all."""
         self._let_go()
+
+    def on_app_focus(self) -> None:
+        """The terminal is in front again; the click that did that means nothing else."""
+        self._focused = self._look_up()
 
     def on_app_blur(self) -> None:
         """Keys can go up unseen while the terminal is not in front: let go of all."""

@@ -47,6 +47,9 @@ _UNLESS_BOUND: Mapping[str, Effect] = {
 _CLOSE_HELP = "escape"
 _YES = "enter"
 _TYPED_WHILE_AWAY = "what was typed while the console was held up does not count: press it again"
+_CLICKED_TO_FOCUS = (
+    "that click brought the terminal to the front and means nothing else: click again"
+)
 _TO_ROBOTS = SendEffect | ControlEffect | ExportEffect | WishPictures | ToggleNight
 
 
@@ -160,7 +163,8 @@ class Dispatch:
         if safe:
             return self._woken(event, safe, state)
         meant = waiting or event.name in _UNLESS_BOUND
-        return (Tell.now(state, _TYPED_WHILE_AWAY),) if meant and not event.repeat else ()
+        text = _CLICKED_TO_FOCUS if event.name.startswith(MOUSE) else _TYPED_WHILE_AWAY
+        return (Tell.now(state, text),) if meant and not event.repeat else ()
 
     def act(self, action: Action, state: ConsoleState) -> tuple[Effect, ...]:
         """Effects of an action that somebody chose from a list, as if its first input was used."""

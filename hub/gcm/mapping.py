@@ -98,8 +98,9 @@ class InterestPoint:
         x: Where, in `map` [m].
         y: Where, in `map` [m].
         uncertainty: How far off the place may be [m]; NaN if that is not known. In a picture, the
-            diagonal of the ground that the clicked pixel covers; on the map, half that of the pixel
-            or the cell. Rather a bound than one standard deviation, and without the robot's error.
+            diagonal of the ground that the clicked pixel covers, or what map or ranges leave open;
+            on the map, half the diagonal of the pixel or the cell. Rather a bound than one standard
+            deviation. What is seen in a picture includes two standard deviations of the pose.
         distance: How far from the robot it was seen [m]; NaN if that is not known. When a point is
             marked, 0 says so as well, of both.
         stamp: When it was marked [s since the epoch].

@@ -8,6 +8,7 @@ same until the first correction.
 from __future__ import annotations
 
 import enum
+import math
 from dataclasses import dataclass
 from typing import Annotated, TypeAlias
 
@@ -172,6 +173,8 @@ class RobotState:
         held_back: How much of the commanded velocity is held back now, 0 (nothing) to 1.
         frame: Number of the frame `map`. With another number, positions cannot be compared with
             those of before: the robot has lost its place. 0: not told.
+        position_off: Standard deviation of the position in the map [m]; NaN if it is not known.
+        heading_off: Standard deviation of the heading in the map [rad]; NaN if it is not known.
     """
 
     stamp: Stamp
@@ -192,12 +195,14 @@ class RobotState:
     assistance: Assistance = Assistance.ON
     held_back: Share = 0.0
     frame: Number = 0
+    position_off: LengthIfKnown = math.nan
+    heading_off: RadiansIfKnown = math.nan
 
 
 ROBOT_STATE = MessageDefinition(
     name="GCM_RobotState",
     format="{double,double,double,double,double,double,double,double,[float:16],[float:16],"
-    "uint,float,float,{enum:6},uint,{enum:1},float,uint}",
+    "uint,float,float,{enum:6},uint,{enum:1},float,uint,float,float}",
     type=RobotState,
     rate_hz=20.0,
 )

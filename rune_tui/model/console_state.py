@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Self
 
+from hub.gcm.mapping import PointKind
 from hub.gcm.vision import ImageCoding, ImageKind
 from rune_tui.layout.actions import inputs_of
 from rune_tui.layout.spec import CHOSEN, LayoutSpec
@@ -15,6 +16,7 @@ from rune_tui.model.display_state import DisplayState
 from rune_tui.model.joystick_state import JoystickState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import DARK, Theme
+from rune_tui.model.world import WorldPoint
 
 MOST_NOTICES = 200
 
@@ -53,6 +55,21 @@ class Banner:
     robot: str
     text: str
     more: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ghost:
+    """A mark that was pointed at and is not made yet.
+
+    Attributes:
+        kind: What would be marked.
+        place: Where.
+        until: When it ends by itself, on the console's monotonic clock [s].
+    """
+
+    kind: PointKind
+    place: WorldPoint
+    until: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,6 +124,7 @@ class ConsoleState:
         inputs: Which input wakes a handler first, in words, by the handler and its robot.
         joysticks: All that is known of the layout's joysticks, by name.
         banner: The alarm that stands over everything; panes do not repeat it.
+        ghosts: Marks that were pointed at and are not made yet, by robot.
     """
 
     now: float
@@ -136,6 +154,7 @@ class ConsoleState:
     inputs: Mapping[tuple[str, str], str] = field(default_factory=dict)
     joysticks: Mapping[str, JoystickState] = field(default_factory=dict)
     banner: Banner | None = None
+    ghosts: Mapping[str, Ghost] = field(default_factory=dict)
 
     @classmethod
     def at_start(cls, layout: LayoutSpec, now: float, operator: str = "") -> Self:

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from hub.gcm.control import ControlAction
 from hub.ipc.definition import MessageDefinition
-from rune_tui.model.console_state import MOST_NOTICES, ConsoleState, Notice, PictureWish
+from rune_tui.model.console_state import MOST_NOTICES, ConsoleState, Ghost, Notice, PictureWish
 from rune_tui.model.theme import THEMES
 
 LEAST_ZOOM = 0.05
@@ -221,6 +221,19 @@ class FillView:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ShowGhost:
+    """Show where a mark would be, or no longer.
+
+    Attributes:
+        robot: On whose map.
+        ghost: The mark; None: there is none.
+    """
+
+    robot: str
+    ghost: Ghost | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Tell:
     """Tell the operator something.
 
@@ -246,6 +259,7 @@ StateEffect = (
     | SetTheme
     | ToggleHelp
     | AskToLeave
+    | ShowGhost
     | Tell
 )
 """What only changes the console's state."""
@@ -279,12 +293,8 @@ def changed(state: ConsoleState, effect: StateEffect) -> ConsoleState:
             zoom = state.zooms.get(name, 1.0) * factor if factor > 0.0 else 1.0
             zoom = min(MOST_ZOOM, max(LEAST_ZOOM, zoom))
             return dataclasses.replace(state, zooms=_with(state.zooms, name, zoom))
-        case WishPictures(robot=name, wish=wish):
-            return dataclasses.replace(state, wishes=_with(state.wishes, name, wish))
-        case ToggleNight(robot=name, on=on):
-            wanted = name not in state.night if on is None else on
-            night = state.night | {name} if wanted else state.night - {name}
-            return dataclasses.replace(state, night=night)
+        case WishPictures() | ToggleNight() | ShowGhost():
+            return _of_robot(state, effect)
         case SetTheme(name=name):
             theme = THEMES.get(name or _next(state.theme.name, THEMES), state.theme)
             return dataclasses.replace(state, theme=theme)
@@ -302,6 +312,21 @@ def _covered(state: ConsoleState, effect: FillView | ToggleHelp | AskToLeave) ->
             return dataclasses.replace(state, help=not state.help)
         case AskToLeave(reasons=reasons):
             return dataclasses.replace(state, leaving=reasons, help=state.help and not reasons)
+
+
+def _of_robot(state: ConsoleState, effect: WishPictures | ToggleNight | ShowGhost) -> ConsoleState:
+    """The state after an effect that concerns one robot."""
+    match effect:
+        case WishPictures(robot=name, wish=wish):
+            return dataclasses.replace(state, wishes=_with(state.wishes, name, wish))
+        case ToggleNight(robot=name, on=on):
+            wanted = name not in state.night if on is None else on
+            night = state.night | {name} if wanted else state.night - {name}
+            return dataclasses.replace(state, night=night)
+        case ShowGhost(robot=name, ghost=ghost):
+            others = {each: shown for each, shown in state.ghosts.items() if each != name}
+            ghosts = others if ghost is None else {**others, name: ghost}
+            return dataclasses.replace(state, ghosts=ghosts)
 
 
 def _showing(state: ConsoleState, effect: ShowViewport) -> ConsoleState:

@@ -15,6 +15,7 @@ from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.geometry import PictureGeometry
+from rune_tui.model.line_of_sight import Surroundings, place_of_pixel
 from rune_tui.model.pose import Pose
 from rune_tui.model.robot_state import Picture, RobotState
 from rune_tui.model.theme import Theme
@@ -25,10 +26,15 @@ from rune_tui.raster.shapes import drawing
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.notice import link_trouble, write_notice
 from rune_tui.visualizers.picture_frame import FIT, FIT_OPTION, PictureFrame
+from rune_tui.visualizers.picture_marks import draw_marks, marks_source
 from rune_tui.visualizers.staleness import age_look, mark_age, weather
 
 _ASIDE_DEG: Final = 5.0
 _BRIGHT: Final = 255
+_SAME_MOMENT_S: Final = 0.5
+_SAME_PLACE_M: Final = 0.05
+_SAME_HEADING: Final = math.radians(2.0)
+"""Ranges tell of the picture if they are of the same moment, place and heading."""
 _CROSS: Final = (2, 4, 6)
 """From the middle of the crosshair to where its colours begin and end [pixels]."""
 
@@ -91,6 +97,7 @@ class CameraImage:
             _paste(canvas, picture, frame)
             _darken(canvas, state.theme.picture)
             weather(canvas, age)
+            self._draw_marks(canvas, robot, picture, state)
             if self.crosshair:
                 _mark_middle(canvas, frame, state.theme)
                 self._write_direction(canvas, picture.camera, state.theme)
@@ -104,7 +111,7 @@ class CameraImage:
         if robot.picture is None:
             return words, state.theme.name
         look = age_look(robot.picture, state.now)
-        return robot.picture.number, look, words, state.theme.name
+        return robot.picture.number, look, words, marks_source(robot, state), state.theme.name
 
     def picture_size(self, width: int, height: int) -> tuple[int, int]:
         """Width and height of the 4:3 picture that a viewport of this size can show [pixels]."""
@@ -129,7 +136,7 @@ class CameraImage:
         robot: RobotState,
         state: ConsoleState,
     ) -> WorldPoint | None:
-        """The place on the ground that a pixel shows; None above the horizon.
+        """The place that a pixel shows, as `line_of_sight` finds it; None where nothing says so.
 
         Also None beside the picture, and when where the robot was is not known.
         """
@@ -141,19 +148,18 @@ class CameraImage:
         if pose is None or whole is None:
             return None
         frame = self._frame(picture, size, state)
-        geometry = frame.shown(whole)
-        seen, spread = geometry.ground_point(*pixel), geometry.spread(*pixel)
-        if seen is None or spread is None:
-            return None
-        x, y = pose.to_map(seen).tolist()
         # An enlarged picture tells no more than its own pixels do.
         coarse = max(1.0, frame.width / columns, frame.height / rows)
-        return WorldPoint(
-            x=x,
-            y=y,
-            uncertainty=coarse * math.hypot(spread.along, spread.across),
-            distance=math.hypot(*seen),
-        )
+        return place_of_pixel(frame.shown(whole), pixel, coarse, _surroundings(robot, pose))
+
+    def _draw_marks(
+        self, canvas: Canvas, robot: RobotState, picture: Picture, state: ConsoleState
+    ) -> None:
+        rows, columns = picture.pixels.shape[:2]
+        pose, whole = Pose.of(picture.camera), PictureGeometry.of(picture.camera, columns, rows)
+        if pose is not None and whole is not None:
+            frame = self._frame(picture, (canvas.width, canvas.height), state)
+            draw_marks(canvas, frame.shown(whole), pose, robot, state)
 
     def _frame(self, picture: Picture, size: tuple[int, int], state: ConsoleState) -> PictureFrame:
         height, width = picture.pixels.shape[:2]
@@ -170,6 +176,27 @@ class CameraImage:
         with drawing(canvas) as pen:
             pen.rectangle(column, 2 * row, column + len(shown), 2 * row + 2, theme.panel)
         canvas.text(column, row, shown, theme.warning)
+
+
+def _surroundings(robot: RobotState, pose: Pose) -> Surroundings:
+    """What is known of the place where the newest picture was taken."""
+    navigation, near = robot.navigation, False
+    if navigation is not None and robot.picture is not None:
+        value = navigation.value
+        turned = math.remainder(value.theta - pose.theta, math.tau)
+        near = (
+            abs(navigation.measured - robot.picture.measured) < _SAME_MOMENT_S
+            and math.hypot(value.x - pose.x, value.y - pose.y) < _SAME_PLACE_M
+            and abs(turned) < _SAME_HEADING
+        )
+    off = (navigation.value.position_off, navigation.value.heading_off) if navigation else (0, 0)
+    return Surroundings(
+        pose=pose,
+        grid=robot.map.value if robot.map is not None else None,
+        navigation=navigation.value if navigation is not None and near else None,
+        position_off=off[0] if math.isfinite(off[0]) else 0.0,
+        heading_off=off[1] if math.isfinite(off[1]) else 0.0,
+    )
 
 
 def aside_words(pan: float, least_deg: float) -> str:

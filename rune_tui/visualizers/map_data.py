@@ -127,7 +127,7 @@ class MapData:
         if window is None:
             canvas.fill(theme.panel)
         else:
-            self._draw_world(canvas, window, robot, state.now, theme)
+            self._draw_world(canvas, window, robot, state)
             age = 0.0 if robot.navigation is None else robot.navigation.age(state.now)
             weather(canvas, age)
             _write_remark(canvas, _remark(robot, state.now), theme)
@@ -153,6 +153,7 @@ class MapData:
             tuple((point.number, point.kind, point.x, point.y) for point in _points(robot)),
             _route(robot).tobytes(),
             _goal(robot, state.now),
+            state.ghosts.get(robot.name),
             robot.navigation and age_look(robot.navigation, state.now),
             (_remark(robot, state.now), _explanation(robot, state.now)),
             self._zoom(state),
@@ -177,8 +178,9 @@ class MapData:
         return WorldPoint(x=x, y=y, uncertainty=uncertainty)
 
     def _draw_world(
-        self, canvas: Canvas, window: MapWindow, robot: RobotState, now: float, theme: Theme
+        self, canvas: Canvas, window: MapWindow, robot: RobotState, state: ConsoleState
     ) -> None:
+        theme = state.theme
         _draw_grid(canvas, window, robot, theme)
         pose, route = self._follow(robot), _route(robot)
         if pose is not None and robot.camera is not None:
@@ -188,7 +190,9 @@ class MapData:
             map_marks.draw_route(pen, window, route, theme)
         if pose is not None:
             map_marks.draw_robot(canvas, window, pose, robot.body, theme)
-        map_marks.write_goal(canvas, window, *_goal(robot, now), theme)
+        if (ghost := state.ghosts.get(robot.name)) is not None:
+            map_marks.write_ghost(canvas, window, ghost, theme)
+        map_marks.write_goal(canvas, window, *_goal(robot, state.now), theme)
         map_marks.write_points(canvas, window, _points(robot), theme)
         map_marks.write_north(canvas, window, theme)
         map_marks.write_scale(canvas, window, theme)

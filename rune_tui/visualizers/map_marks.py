@@ -12,6 +12,7 @@ from hub.gcm.body import RobotBody
 from hub.gcm.mapping import InterestPoint, PointKind
 from hub.gcm.vision import CameraState
 from rune_tui.model.body import corners, largest_radius
+from rune_tui.model.console_state import Ghost
 from rune_tui.model.map_window import MapWindow
 from rune_tui.model.pose import Pose
 from rune_tui.model.sightings import Floats
@@ -121,6 +122,13 @@ def write_points(
         word = f"{'V' if victim else 'L'}{point.number}"
         ink = theme.warning if victim else theme.good
         write_at(canvas, _point(window.pixels((point.x, point.y))), word, ink, theme)
+
+
+def write_ghost(canvas: Canvas, window: MapWindow, ghost: Ghost, theme: Theme) -> None:
+    """A letter with a question mark where a mark would be."""
+    word = "V?" if ghost.kind is PointKind.VICTIM else "L?"
+    spot = _point(window.pixels((ghost.place.x, ghost.place.y)))
+    write_at(canvas, spot, word, theme.warning, theme)
 
 
 def write_goal(

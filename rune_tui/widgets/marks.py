@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
@@ -16,10 +17,10 @@ from hub.gcm.mapping import (
     PointKind,
 )
 from rune_tui.controls.events import ControlEvent
-from rune_tui.layout.rules import HandlerRule, TextOption
+from rune_tui.layout.rules import ChoiceOption, HandlerRule, TextOption
 from rune_tui.layout.spec import WidgetSpec
-from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import Effect, SendEffect, Tell
+from rune_tui.model.console_state import ConsoleState, Ghost
+from rune_tui.model.effects import Effect, SendEffect, ShowGhost, Tell
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.world import WorldPoint, metres_text
 from rune_tui.raster.thumbnail import thumbnail
@@ -28,6 +29,10 @@ from rune_tui.widgets.pointing import PointedWidget
 OPERATOR: Final = TextOption(longest=64, meaning="who marks; empty: the user's name")
 ANSWER_S = 3.0
 """A mark that is not among the robot's points after this was not taken [s]."""
+GHOST_S = 10.0
+"""A mark that is not confirmed is forgotten after this [s]."""
+_SAME_M = 0.3
+"""A click no farther from a ghost than this, or than the ghost may be off, confirms it [m]."""
 _NO_PICTURE: Final = np.empty(0, np.uint8)
 
 
@@ -51,8 +56,14 @@ class _Pending:
 def _rule(what: str) -> HandlerRule:
     """What layouts may say of a widget that marks such things."""
     return HandlerRule(
-        meaning=f"Marks a {what} where you click, with a small picture of it.",
+        meaning=f"Marks a {what} where you click, with a small picture of it. "
+        "The first click shows where it would be and how far away, a second one there marks it.",
         options={
+            "confirm": ChoiceOption(
+                default="on",
+                choices=("on", "off"),
+                meaning="whether a second click has to confirm what the first one shows",
+            ),
             "note": TextOption(longest=200, meaning="words to go with it"),
             "operator": OPERATOR,
         },
@@ -71,12 +82,31 @@ class _SetMark(PointedWidget):
     def __init__(self, spec: WidgetSpec, robot: str) -> None:
         super().__init__(spec, robot)
         self._pending: list[_Pending] = []
+        self._picture = _NO_PICTURE
 
     def point(
         self, place: WorldPoint, event: ControlEvent, robot: RobotState, state: ConsoleState
     ) -> tuple[Effect, ...]:
+        """The ghost of a mark, or the mark if there is a ghost of it already."""
+        if self.spec.options.word("confirm") != "on":
+            return self._mark(place, picture_at(event, robot), robot, state)
+        ghost = state.ghosts.get(robot.name)
+        if ghost is not None and ghost.kind is self.kind and _same(ghost.place, place):
+            picture = self._picture if self._picture.size else picture_at(event, robot)
+            gone = ShowGhost(robot=robot.name, ghost=None)
+            return (gone, *self._mark(ghost.place, picture, robot, state))
+        self._picture = picture_at(event, robot)
+        ghost = Ghost(kind=self.kind, place=place, until=state.now + GHOST_S)
+        return (ShowGhost(robot=robot.name, ghost=ghost),)
+
+    def _mark(
+        self,
+        place: WorldPoint,
+        picture: npt.NDArray[np.uint8],
+        robot: RobotState,
+        state: ConsoleState,
+    ) -> tuple[Effect, ...]:
         """The mark; when it was made, the robot's map notes by its own clock."""
-        picture = picture_at(event, robot)
         mark = InterestPoint(
             kind=self.kind,
             x=place.x,
@@ -97,7 +127,11 @@ class _SetMark(PointedWidget):
 
     def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
         """What became of the marks that were sent."""
-        told: list[Effect] = []
+        told: list[Effect] = [
+            ShowGhost(robot=name, ghost=None)
+            for name, ghost in state.ghosts.items()
+            if ghost.kind is self.kind and state.now >= ghost.until
+        ]
         for pending in tuple(self._pending):
             taken = self._taken(pending, state)
             if taken is None and state.now - pending.since < ANSWER_S:
@@ -147,6 +181,11 @@ def _sure_words(mark: InterestPoint) -> str:
     off, away = metres_text(mark.uncertainty, 2), metres_text(mark.distance, 1)
     words = f", give or take {off} m" if off else ""
     return f"{words}, seen from {away} m away" if away else words
+
+
+def _same(ghost: WorldPoint, place: WorldPoint) -> bool:
+    off = ghost.uncertainty if math.isfinite(ghost.uncertainty) else 0.0
+    return math.hypot(place.x - ghost.x, place.y - ghost.y) <= max(_SAME_M, off)
 
 
 def picture_at(event: ControlEvent, robot: RobotState) -> npt.NDArray[np.uint8]:

@@ -38,7 +38,7 @@ class PointedWidget(PressWidget):
             return ()
         place = place_of(event, self.spec.viewport, robot.name)
         if place is None:
-            text = f"not {self.purpose}: no ground is known where you clicked"
+            text = f"not {self.purpose}: nothing tells how far away that is; click on the floor"
             return (Tell.now(state, text, robot=robot.name),)
         return self.point(place, event, robot, state)
 

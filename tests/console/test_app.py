@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Self
 
 import pytest
+from textual import events
 from textual.pilot import Pilot
 
 from hub.gcm.mapping import INTEREST_POINTS, POINT_COMMAND, PointAction, PointCommand
@@ -205,6 +206,9 @@ def test_a_click_on_the_floor_is_a_mark_on_the_robots_map_and_undo_takes_it_back
 ):
     async def script(desk: Desk) -> None:
         await desk.pilot.click(offset=(29, 14))
+        await desk.until(lambda: desk.console.state.ghosts)
+        assert desk.robot.book.message.count == 0
+        await desk.pilot.click(offset=(29, 14))
         await desk.until(lambda: desk.robot.book.message.count)
         (point,) = desk.robot.book.message.points
         assert (point.x, point.y) == pytest.approx((10 * 29.5 / 60, -10 * 29.5 / 40))
@@ -222,6 +226,9 @@ def test_the_words_of_a_mark_are_changed_and_keys_do_not_drive_meanwhile(
 ):
     async def script(desk: Desk) -> None:
         await desk.pilot.click(offset=(29, 14))
+        await desk.until(lambda: desk.console.state.ghosts)
+        assert desk.robot.book.message.count == 0
+        await desk.pilot.click(offset=(29, 14))
         await desk.until(lambda: desk.robot.book.message.count)
         await desk.until(lambda: any("victim 1 is marked" in text for text in desk.told))
         await desk.pilot.click(offset=(29, 14), button=3)
@@ -237,7 +244,7 @@ def test_the_words_of_a_mark_are_changed_and_keys_do_not_drive_meanwhile(
 def test_a_click_on_a_wall_marks_nothing_and_says_so(play: Callable[[Script], None]):
     async def script(desk: Desk) -> None:
         await desk.pilot.click(offset=(29, 3))
-        await desk.until(lambda: any("no ground" in text for text in desk.told))
+        await desk.until(lambda: any("nothing tells how far" in text for text in desk.told))
         await desk.commands(2)
         assert desk.robot.book.message.count == 0
 
@@ -459,5 +466,18 @@ def test_an_answer_that_its_widget_cannot_take_leaves_the_console_running(
         await desk.press("x", "enter")
         await desk.until(lambda: any("could not be done" in text for text in desk.told))
         await desk.drive()
+
+    play(script)
+
+
+def test_the_click_that_brings_the_terminal_to_the_front_marks_nothing(
+    play: Callable[[Script], None],
+):
+    async def script(desk: Desk) -> None:
+        desk.console.post_message(events.AppBlur())
+        desk.console.post_message(events.AppFocus())
+        await desk.pilot.click(offset=(29, 14))
+        await desk.until(lambda: any("click again" in text for text in desk.told))
+        assert not desk.console.state.ghosts
 
     play(script)

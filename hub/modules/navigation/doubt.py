@@ -71,10 +71,16 @@ class Doubt:
     @property
     def spread(self) -> Spread:
         """How far the pose may be off now, as far as it is worth looking for."""
+        whole = self.whole
+        return Spread(turn=min(whole.turn, _MOST_TURN), way=min(whole.way, _MOST_WAY))
+
+    @property
+    def whole(self) -> Spread:
+        """How far the pose may be off now."""
         turn = self._turn_variance + (SLIP * self._turned) ** 2 + _LEAST_TURN**2
         # A heading that was off on the way, by a share that grew evenly, has led aside.
         way = self._way_variance + self._gone**2 * turn / 3.0 + _LEAST_WAY**2
-        return Spread(turn=min(math.sqrt(turn), _MOST_TURN), way=min(math.sqrt(way), _MOST_WAY))
+        return Spread(turn=math.sqrt(turn), way=math.sqrt(way))
 
     def matched(self, spread: Spread) -> None:
         """The pose was corrected, and may be off by so much yet."""

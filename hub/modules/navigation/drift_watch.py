@@ -8,7 +8,7 @@ from collections import deque
 from hub.gcm.navigation import DriveState
 from hub.grids.grid import Grid
 from hub.modules.navigation.correction import PoseCorrection
-from hub.modules.navigation.doubt import Doubt
+from hub.modules.navigation.doubt import Doubt, Spread
 from hub.modules.navigation.matching import FARTHEST, Sightings, drift
 from hub.plane import Pose
 
@@ -45,6 +45,11 @@ class DriftWatch:
         self._sightings = Sightings()
         self._maps.clear()
         self._matched = -math.inf
+
+    @property
+    def spread(self) -> Spread:
+        """How far the pose may be off in the map."""
+        return self._doubt.whole
 
     def reported(self, drive: DriveState, now: float) -> None:
         """The hardware has reported; a pose that cannot be is left out."""

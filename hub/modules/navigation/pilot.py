@@ -22,6 +22,7 @@ from hub.grids.grid import Grid
 from hub.grids.planner import plan
 from hub.modules.navigation.assistance import AssistanceSwitch
 from hub.modules.navigation.correction import PoseCorrection
+from hub.modules.navigation.doubt import Spread
 from hub.modules.navigation.drift_watch import DriftWatch
 from hub.modules.navigation.dynamic_window import Body, DynamicWindow
 from hub.modules.navigation.hindrances import Hindrances
@@ -76,6 +77,11 @@ class Pilot:
         """Where the robot is in `map`; the origin before its first report."""
         drive = self._drive
         return self.correction.odom if drive is None else self.correction.pose(*_odom(drive))
+
+    @property
+    def spread(self) -> Spread:
+        """How far the pose may be off."""
+        return self._drift.spread
 
     def reported(self, drive: DriveState, now: float) -> None:
         """The hardware has reported."""

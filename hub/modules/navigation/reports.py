@@ -13,6 +13,7 @@ def robot_state(
     drive: DriveState, pilot: Pilot, motion: MotionState, refused: int, frame: int, now: float
 ) -> RobotState:
     """What is known of the robot, from what its hardware reports."""
+    spread = pilot.spread
     pose = pilot.correction.pose(drive.x, drive.y, drive.theta)
     return RobotState(
         stamp=drive.stamp,
@@ -33,6 +34,8 @@ def robot_state(
         assistance=pilot.assistance(now),
         held_back=pilot.held_back,
         frame=frame,
+        position_off=spread.way,
+        heading_off=min(spread.turn, math.pi),
     )
 
 

@@ -153,7 +153,8 @@ def test_an_enlarged_picture_is_no_surer_than_its_own_pixels(made) -> None:
     ],
 )
 def test_where_no_ground_is_shown_there_is_no_place(made, pixel, size, changes) -> None:
-    assert CameraImage().locate(pixel, size, seen_at(made, **changes), STATE) is None
+    robot = seen_at(made, **changes).with_(messages={})
+    assert CameraImage().locate(pixel, size, robot, STATE) is None
 
 
 def test_without_a_picture_there_is_no_place(made) -> None:

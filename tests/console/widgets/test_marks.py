@@ -22,10 +22,19 @@ from hub.gcm.mapping import (
 from hub.gcm.navigation import LANDMARK_CORRECTION
 from hub.plane import Pose
 from rune_tui.controls.events import ControlEvent, Hit
-from rune_tui.model.effects import AskEffect, Effect, ExportEffect, SendEffect, Tell
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.effects import (
+    AskEffect,
+    Effect,
+    ExportEffect,
+    SendEffect,
+    StateEffect,
+    Tell,
+    changed,
+)
 from rune_tui.model.robot_state import Picture
 from rune_tui.model.world import WorldPoint
-from rune_tui.widgets.marks import ANSWER_S
+from rune_tui.widgets.marks import ANSWER_S, GHOST_S
 from tests.console.visualizers.conftest import NOW, received
 from tests.console.widgets.presses import (
     LANDMARK,
@@ -63,7 +72,7 @@ def told(effects: tuple[Effect, ...]) -> str:
     ("handler", "kind"), [("widgetSetVictim", VICTIM), ("widgetSetLandmark", LANDMARK)]
 )
 def test_a_click_on_the_ground_marks_it_with_who_and_how_sure(handler: str, kind: PointKind):
-    point = sent(widget_of(handler).handle(click(), LEFT, seeing())).point
+    point = sent(widget_of(handler, confirm="off").handle(click(), LEFT, seeing())).point
     assert (point.kind, point.x, point.y, point.number) == (kind, 3.0, -1.0, 0)
     assert point.by == "jane"
     assert (point.uncertainty, point.distance, point.note) == (0.125, 2.5, "")
@@ -71,7 +80,7 @@ def test_a_click_on_the_ground_marks_it_with_who_and_how_sure(handler: str, kind
 
 
 def test_the_layout_may_say_who_marks_and_what_to_note():
-    widget = widget_of("widgetSetVictim", operator="team 1", note="warm")
+    widget = widget_of("widgetSetVictim", operator="team 1", note="warm", confirm="off")
     place = WorldPoint(x=1.0, y=2.0, uncertainty=math.nan)
     point = sent(widget.handle(click(place), LEFT, seeing())).point
     assert (point.by, point.note) == ("team 1", "warm")
@@ -82,12 +91,12 @@ def test_the_layout_may_say_who_marks_and_what_to_note():
 @pytest.mark.parametrize("handler", ["widgetSetVictim", "widgetRemoveMark", "widgetGoTo"])
 def test_a_click_beside_the_ground_sends_nothing_and_says_so(handler: str):
     effects = widget_of(handler).handle(click(None), LEFT, seeing(marked(1)))
-    assert "no ground is known" in told(effects)
+    assert "nothing tells how far away" in told(effects)
 
 
 def test_a_place_on_another_robots_viewport_does_not_count():
     effects = widget_of("widgetSetVictim").handle(click(robot="blimp"), LEFT, seeing())
-    assert "no ground is known" in told(effects)
+    assert "nothing tells how far away" in told(effects)
 
 
 def test_the_own_viewport_says_where_before_those_in_front_of_it():
@@ -95,7 +104,54 @@ def test_the_own_viewport_says_where_before_those_in_front_of_it():
     other = WorldPoint(x=9.0, y=9.0, uncertainty=0.1)
     own = Hit(viewport="camera", x=0.5, y=0.5, place=other, robot="magellan")
     event = ControlEvent(name="mouse left", pressed=True, hits=(near, own))
-    assert sent(widget_of("widgetSetVictim").handle(event, LEFT, seeing())).point.x == 9.0
+    assert (
+        sent(widget_of("widgetSetVictim", confirm="off").handle(event, LEFT, seeing())).point.x
+        == 9.0
+    )
+
+
+def after(state: ConsoleState, effects: tuple[Effect, ...]) -> ConsoleState:
+    """The console's state with what these effects change of it."""
+    for effect in effects:
+        if isinstance(effect, StateEffect):
+            state = changed(state, effect)
+    return state
+
+
+def test_the_first_click_shows_a_ghost_and_a_second_one_there_marks_what_it_showed():
+    widget = widget_of("widgetSetVictim")
+    effects = widget.handle(click(), LEFT, seeing())
+    assert not [effect for effect in effects if isinstance(effect, SendEffect)]
+    state = after(seeing(), effects)
+    assert state.ghosts["magellan"].place == PLACE
+    beside = dataclasses.replace(PLACE, x=PLACE.x + 0.2)
+    effects = widget.handle(click(beside), LEFT, state)
+    assert (sent(effects).point.x, sent(effects).point.y) == (PLACE.x, PLACE.y)
+    assert not after(state, effects).ghosts
+
+
+def test_a_click_elsewhere_moves_the_ghost_and_marks_nothing():
+    widget = widget_of("widgetSetVictim")
+    state = after(seeing(), widget.handle(click(), LEFT, seeing()))
+    there = dataclasses.replace(PLACE, x=PLACE.x + 1.0)
+    effects = widget.handle(click(there), LEFT, state)
+    assert not [effect for effect in effects if isinstance(effect, SendEffect)]
+    assert after(state, effects).ghosts["magellan"].place == there
+
+
+def test_a_click_of_another_kind_does_not_confirm_a_ghost():
+    state = after(seeing(), widget_of("widgetSetVictim").handle(click(), LEFT, seeing()))
+    effects = widget_of("widgetSetLandmark").handle(click(), LEFT, state)
+    assert not [effect for effect in effects if isinstance(effect, SendEffect)]
+    assert after(state, effects).ghosts["magellan"].kind is LANDMARK
+
+
+def test_a_ghost_that_nobody_confirms_ends():
+    widget = widget_of("widgetSetVictim")
+    state = after(seeing(), widget.handle(click(), LEFT, seeing()))
+    assert widget.tick(dataclasses.replace(state, now=NOW + 0.9 * GHOST_S)) == ()
+    late = dataclasses.replace(state, now=NOW + GHOST_S)
+    assert not after(late, widget.tick(late)).ghosts
 
 
 def decoded(point: InterestPoint) -> np.ndarray:
@@ -107,12 +163,17 @@ def test_the_small_picture_shows_what_was_clicked():
     pixels[60:, 80:] = (255, 0, 0)
     state = seeing(picture=received(Picture(pixels=pixels, camera=camera_state())))
     corner = sent(
-        widget_of("widgetSetVictim").handle(click(in_picture=(0.9, 0.9)), LEFT, state)
+        widget_of("widgetSetVictim", confirm="off").handle(
+            click(in_picture=(0.9, 0.9)), LEFT, state
+        )
     ).point
     assert corner.length == len(corner.thumbnail) > 0
     red, green, blue = decoded(corner).mean(axis=(0, 1))
     assert red > 240 > 15 > max(green, blue)
-    assert sent(widget_of("widgetSetVictim").handle(click(), LEFT, state)).point.length == 0
+    assert (
+        sent(widget_of("widgetSetVictim", confirm="off").handle(click(), LEFT, state)).point.length
+        == 0
+    )
 
 
 @given(
@@ -126,13 +187,15 @@ def test_small_pictures_fit_into_a_point_whatever_they_show(
 ):
     noise = np.random.default_rng(seed).integers(0, 256, (height, width, 3), np.uint8)
     state = seeing(picture=received(Picture(pixels=noise, camera=camera_state())))
-    point = sent(widget_of("widgetSetVictim").handle(click(in_picture=centre), LEFT, state)).point
+    point = sent(
+        widget_of("widgetSetVictim", confirm="off").handle(click(in_picture=centre), LEFT, state)
+    ).point
     assert 0 < point.length <= 4096
     assert decoded(point).size
 
 
 def test_a_mark_that_the_robot_takes_is_told_with_its_number():
-    widget = widget_of("widgetSetVictim")
+    widget = widget_of("widgetSetVictim", confirm="off")
     widget.handle(click(), LEFT, seeing(marked(4, x=0.0)))
     assert widget.tick(seeing(marked(4, x=0.0), now=NOW + 0.1)) == ()
     sure = dataclasses.replace(marked(5), uncertainty=0.125, distance=2.5)
@@ -143,14 +206,14 @@ def test_a_mark_that_the_robot_takes_is_told_with_its_number():
 
 
 def test_a_mark_of_which_is_not_known_how_sure_it_is_is_told_without_that():
-    widget = widget_of("widgetSetVictim")
+    widget = widget_of("widgetSetVictim", confirm="off")
     widget.handle(click(), LEFT, seeing())
     text = told(widget.tick(seeing(marked(5), now=NOW + 0.2)))
     assert text == "victim 5 is marked at 3.0, -1.0 m"
 
 
 def test_a_mark_that_the_robot_refuses_is_an_alarm():
-    widget = widget_of("widgetSetVictim")
+    widget = widget_of("widgetSetVictim", confirm="off")
     same_place = marked(4)
     widget.handle(click(), LEFT, seeing(same_place))
     (effect,) = widget.tick(seeing(same_place, now=NOW + ANSWER_S))
@@ -219,5 +282,5 @@ def test_export_is_of_the_widgets_robot():
 
 def test_a_chosen_robots_marks_go_to_it_by_name():
     state = dataclasses.replace(seeing(), chosen="magellan")
-    effects = widget_of("widgetSetVictim", "*").handle(click(), LEFT, state)
+    effects = widget_of("widgetSetVictim", "*", confirm="off").handle(click(), LEFT, state)
     assert [effect.robot for effect in effects if isinstance(effect, SendEffect)] == ["magellan"]

@@ -10,7 +10,7 @@ import pytest
 from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Twist
 from hub.gcm.vision import CAMERA_COMMAND, CameraCommand, CameraMotion
 from rune_tui.controls.events import ControlEvent
-from rune_tui.model.effects import AskEffect, QuitEffect, SendEffect
+from rune_tui.model.effects import AskEffect, QuitEffect, SendEffect, ShowGhost, changed
 from rune_tui.widgets.registry import WIDGETS
 from rune_tui.widgets.speed import SetSpeed
 from tests.console.widgets.presses import (
@@ -212,6 +212,10 @@ def test_a_widget_sends_what_it_announced_and_all_of_it_can_be_encoded(handler: 
     widget = WIDGETS[handler].from_spec(spec(handler), "magellan")
     control = next(iter(rule.controls), "")
     effects = widget.handle(click(), event_spec("mouse left", control), seeing(marked(1, LANDMARK)))
+    ghosts = [effect for effect in effects if isinstance(effect, ShowGhost)]
+    for effect in ghosts:  # a second click confirms what the first one shows
+        state = changed(seeing(marked(1, LANDMARK)), effect)
+        effects += widget.handle(click(), event_spec("mouse left", control), state)
     answers = [effect.answer("yes") for effect in effects if isinstance(effect, AskEffect)]
     effects = effects + tuple(itertools.chain(*answers))
     sent = [effect for effect in effects if isinstance(effect, SendEffect)]

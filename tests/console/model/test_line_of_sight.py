@@ -1,0 +1,160 @@
+"""Where the line of sight of a click ends, and what says so."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rune_tui.model.geometry import PictureGeometry
+from rune_tui.model.line_of_sight import SURE_HEIGHT_M, Surroundings, hidden, place_of_pixel
+from rune_tui.model.pose import Pose
+from rune_tui.model.robot_state import OccupancyMap
+from rune_tui.model.world import SaidBy, WorldPoint
+from tests.messages import camera_state, robot_state
+
+WIDTH, HEIGHT = 160, 120
+HERE = Pose(x=0.0, y=0.0, theta=0.0)
+WALL_M = 1.5
+"""How far ahead of the origin the wall's near side is [m]."""
+
+
+def geometry(mount_height: float = 0.37, tilt: float = -0.1) -> PictureGeometry:
+    camera = camera_state(tilt=tilt, mount_forward=0.0, mount_height=mount_height)
+    made = PictureGeometry.of(camera, WIDTH, HEIGHT)
+    assert made is not None
+    return made
+
+
+def wall(resolution: float = 0.05) -> OccupancyMap:
+    """Ten metres square around the origin, free, with a wall across, 1.5 m ahead."""
+    size = round(10.0 / resolution)
+    cells = np.zeros((size, size), np.int8)
+    column = round((WALL_M + 5.0) / resolution)
+    cells[:, column : column + 3] = 100
+    return OccupancyMap(cells=cells, resolution=resolution, origin_x=-5.0, origin_y=-5.0)
+
+
+def unknown() -> OccupancyMap:
+    cells = np.full((200, 200), -1, np.int8)
+    return OccupancyMap(cells=cells, resolution=0.05, origin_x=-5.0, origin_y=-5.0)
+
+
+def clicked(row: float, seen: PictureGeometry | None = None, **known: object) -> WorldPoint | None:
+    """The place of a pixel in the picture's middle column."""
+    around = Surroundings(pose=HERE, **known)  # type: ignore[arg-type]
+    return place_of_pixel(seen or geometry(), (WIDTH / 2.0, row), 1.0, around)
+
+
+def row_of_floor(distance: float) -> float:
+    pixel = geometry().pixel(distance, 0.0).pixel
+    assert pixel is not None
+    return pixel[1]
+
+
+def test_floor_before_all_that_is_known_is_where_it_was() -> None:
+    place = clicked(row_of_floor(1.0), grid=wall())
+    assert place is not None
+    assert (place.x, place.said_by) == (pytest.approx(1.0), SaidBy.FLOOR)
+    assert place.height == 0.0
+
+
+def test_a_body_before_a_wall_is_not_marked_behind_the_wall() -> None:
+    """Its breast is seen where the floor would be three metres away."""
+    row = row_of_floor(3.1)
+    assert clicked(row).x == pytest.approx(3.1)  # type: ignore[union-attr]
+    place = clicked(row, grid=wall())
+    assert place is not None
+    assert place.x == pytest.approx(WALL_M, abs=0.05)
+    assert place.said_by is SaidBy.MAP
+    assert place.height == pytest.approx(0.37 * (1.0 - WALL_M / 3.1), abs=0.02)
+    assert place.uncertainty < 0.2
+
+
+def test_above_the_horizon_a_wall_of_the_map_is_a_place_and_nothing_is_none() -> None:
+    row = geometry().horizon - 20.0
+    assert clicked(row) is None
+    place = clicked(row, grid=wall())
+    assert place is not None
+    assert place.x == pytest.approx(WALL_M, abs=0.05)
+    assert place.height > 0.37
+
+
+def test_an_echo_counts_where_the_map_knows_nothing() -> None:
+    sonar = np.full(16, 2.0, np.float32)
+    place = clicked(row_of_floor(4.0), grid=unknown(), navigation=robot_state(sonar=sonar))
+    assert place is not None
+    assert (place.x, place.said_by) == (pytest.approx(2.0), SaidBy.RANGES)
+    assert place.uncertainty == pytest.approx(2.0 * math.sin(math.pi / 16), rel=0.1)
+
+
+def test_ground_that_the_map_knows_as_free_is_not_cut_by_an_echo_from_beside() -> None:
+    sonar = np.full(16, 0.8, np.float32)
+    place = clicked(row_of_floor(1.2), grid=wall(), navigation=robot_state(sonar=sonar))
+    assert place is not None
+    assert (place.x, place.said_by) == (pytest.approx(1.2), SaidBy.FLOOR)
+
+
+def test_what_infrared_sees_ends_the_line_whatever_the_map_says() -> None:
+    """A person who came after the map was made."""
+    infrared = np.full(16, np.inf, np.float32)
+    infrared[0] = 0.6
+    place = clicked(row_of_floor(1.3), grid=wall(), navigation=robot_state(infrared=infrared))
+    assert place is not None
+    assert (place.x, place.said_by) == (pytest.approx(0.6), SaidBy.RANGES)
+
+
+def test_a_line_that_may_pass_over_the_obstacle_says_that_it_may_be_behind_it() -> None:
+    high = geometry(mount_height=1.5)
+    pixel = high.pixel(2.4, 0.0).pixel
+    assert pixel is not None
+    place = clicked(pixel[1], high, grid=wall())
+    assert place is not None
+    assert place.height > SURE_HEIGHT_M
+    assert place.uncertainty >= 2.4 - WALL_M - 0.05
+
+
+@given(st.floats(0.0, 1.0), st.floats(0.0, 0.5), st.floats(0.3, 1.2))
+def test_a_pose_that_is_not_sure_makes_a_place_less_sure(
+    position: float, heading: float, distance: float
+) -> None:
+    row = row_of_floor(distance)
+    sure = clicked(row, grid=wall())
+    unsure = clicked(row, grid=wall(), position_off=position, heading_off=heading)
+    assert sure is not None
+    assert unsure is not None
+    least = 2.0 * math.hypot(position, heading * distance)
+    assert unsure.uncertainty >= least * (1.0 - 1e-9)
+    assert unsure.uncertainty >= sure.uncertainty
+    assert (unsure.x, unsure.y) == (sure.x, sure.y)
+
+
+@given(
+    st.floats(0.0, WIDTH), st.floats(0.0, HEIGHT), st.floats(-3.2, 3.2), st.floats(-100.0, 100.0)
+)
+def test_any_pixel_from_anywhere_is_a_place_that_the_camera_sees_there_or_none(
+    column: float, row: float, theta: float, x: float
+) -> None:
+    pose = Pose(x=x, y=0.3, theta=theta)
+    around = Surroundings(pose=pose, grid=wall(0.2), navigation=robot_state())
+    seen = geometry()
+    place = place_of_pixel(seen, (column, row), 1.0, around)
+    if place is None:
+        return
+    assert math.isfinite(place.x + place.y + place.height + place.uncertainty)
+    ahead, left = pose.from_map((place.x, place.y)).tolist()
+    up = place.height - seen.mount_height
+    bearing, elevation = seen.mount_angles(seen.image_angles((column, row))).tolist()
+    assert math.remainder(math.atan2(left, ahead) - bearing, math.tau) == pytest.approx(0, abs=1e-6)
+    assert math.atan2(up, math.hypot(ahead, left)) == pytest.approx(elevation, abs=1e-6)
+
+
+def test_a_mark_behind_a_wall_of_the_map_is_hidden_and_one_at_it_is_not() -> None:
+    def is_hidden(x: float) -> bool:
+        return hidden(WorldPoint(x=x, y=0.0, uncertainty=0.1), HERE, 0.0, wall())
+
+    assert [is_hidden(x) for x in (1.0, WALL_M + 0.1, 3.0)] == [False, False, True]
+    assert not hidden(WorldPoint(x=9.0, y=0.0, uncertainty=0.1), HERE, 0.0, None)
