@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable
-from typing import Any, NoReturn
+import struct
+from collections.abc import Callable, Mapping
+from typing import Any, Literal, NoReturn
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +14,7 @@ import numpy.typing as npt
 from hub.ipc import format as formats
 from hub.ipc.codegen import DTYPES, ENCAPSULATION, LETTERS, Buffer, Generator, Order, packed
 
+_ENDS: Mapping[Order, Literal["little", "big"]] = {"<": "little", ">": "big"}
 _TRAILING = 3
 """Bytes that some CDR writers add at the end to fill a word."""
 
@@ -41,6 +43,7 @@ class _Reader(Generator):
     ) -> None:
         super().__init__(tree, order)
         self.otherwise = otherwise
+        self.opened = False
 
     def body(self) -> None:
         self.names |= {
@@ -52,14 +55,15 @@ class _Reader(Generator):
             "flags": _flags,
             "refuse": _refuse,
         }
-        self.emit(f"if payload[:4] != {ENCAPSULATION[self.order]!r}:")
-        self.emit("    return otherwise(payload)")
+        head = len(self.lines)
         result = self.read(self.root)
         self.flush()
-        end = "at" if self.offset is None else str(self.offset)
-        self.emit(f"left = len(payload) - 4 - {end}")
-        self.emit(f"if not 0 <= left <= {_TRAILING}:")
-        self.emit("    refuse(f'{left} bytes are left over')")
+        if not self.opened:
+            look = f"    if payload[:4] != {ENCAPSULATION[self.order]!r}: return otherwise(payload)"
+            self.lines.insert(head, look)
+        end = "at + 4" if self.offset is None else str(self.offset + 4)
+        self.emit(f"if not {end} <= len(payload) <= {end} + {_TRAILING}:")
+        self.emit(f"    refuse(f'{{len(payload) - ({end})}} bytes are left over')")
         self.emit(f"return {result}")
 
     def flush(self) -> None:
@@ -72,6 +76,13 @@ class _Reader(Generator):
             self.emit(f"s = {name}[at & 7]")
             self.emit(f"{targets}, = s.unpack_from(payload, at + 4)")
             self.emit("at += s.size")
+        elif start == 0:
+            # The encapsulation is read with the first numbers, which costs hardly anything.
+            self.opened = True
+            self.names[name] = struct.Struct(f"{self.order}I{self.names[name].format[1:]}")
+            self.emit(f"mark, {targets}, = {name}.unpack_from(payload)")
+            self.emit(f"if mark != {int.from_bytes(ENCAPSULATION[self.order], _ENDS[self.order])}:")
+            self.emit("    return otherwise(payload)")
         else:
             self.emit(f"{targets}, = {name}.unpack_from(payload, {(start or 0) + 4})")
         self.run = []

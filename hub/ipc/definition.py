@@ -179,16 +179,18 @@ class MessageDefinition(Generic[T]):
             RangeError: A value is not what its field declares, and nothing can be taken for it.
             CodecError: The bytes are no message of this definition.
         """
-        value: T
-        if self.unreadable is None:
-            value = self._record.receive(self._codec.decode(payload), note)
-            return value
         try:
-            value = self._record.receive(self._codec.decode(payload), note)
+            value: T = self._receive(self._codec.decode(payload), note)
         except CodecError as error:
+            if self.unreadable is None:
+                raise
             note(f"{self.name} cannot be read, and counts all the same: {error}")
             return self.unreadable
         return value
+
+    @functools.cached_property
+    def _receive(self) -> Callable[[Any, Note], T]:
+        return self._record.receive
 
     def _refuse_unless_flat(self) -> None:
         if self.flat_letters is None:

@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 import struct
 import typing
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -99,18 +99,39 @@ Declared = Range | Text | Most
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Lanes:
+    """An array of floats as one integer, a lane of bits for each.
+
+    Of floats without a sign the bits grow with the number. So one sum over all lanes carries into
+    the sign of each lane with a number that is too large.
+
+    Attributes:
+        bits: Of the whole array.
+        signs: The sign of each lane.
+        above: What carries into the sign of a lane whose number is above the largest allowed.
+        endless: What carries into the sign of a lane that is infinite or NaN, if both are allowed.
+    """
+
+    bits: int
+    signs: int
+    above: int
+    endless: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Check:
     """How generated code checks one member.
 
     Attributes:
-        outside: An expression that is true of `{value}` if it is not within the declaration.
-        known: What the expression knows by name.
+        outside: An expression that is true of `{value}` if it may not be within the declaration.
+            It knows `infinity` and `lined`.
         fix: What is called then.
+        lanes: A quicker way to the same, for the array alone or with others; None: there is none.
     """
 
     outside: str
-    known: dict[str, Any]
     fix: Fix
+    lanes: Lanes | None = None
 
 
 def declared(hint: Any) -> tuple[Declared, ...]:
@@ -147,7 +168,7 @@ def _check(each: Declared, node: formats.Format, where: str, *, strict: bool) ->
         return _text_check(each, where)
     if isinstance(each, Most) and isinstance(node, formats.VariableArray):
         fix = _refuser(lambda value: f"{len(value)} entries, at most {each.count}", where)
-        return Check(outside=f"len({{value}}) > {each.count}", known={}, fix=fix)
+        return Check(outside=f"len({{value}}) > {each.count}", fix=fix)
     if isinstance(each, Range) and name in LETTERS:
         return _number_check(each, name, where, strict=strict)
     if (
@@ -169,14 +190,12 @@ def _text_check(text: Text, where: str) -> Check:
             note(f"{where} is {len(value)} letters long: only {text.most} are taken")
         return value[: text.most]
 
-    known: dict[str, Any] = {}
-    outside = f"len({{value}}) > {text.most} or not {{value}}.isprintable()"
-    if text.lines:
-        outside, known = f"len({{value}}) > {text.most} or not lined({{value}})", {"lined": _lined}
-    return Check(outside=outside, known=known, fix=fix)
+    shown = "lined({value})" if text.lines else "{value}.isprintable()"
+    return Check(outside=f"len({{value}}) > {text.most} or not {shown}", fix=fix)
 
 
-def _lined(text: str) -> bool:
+def lined(text: str) -> bool:
+    """Whether a text of several lines is shown as it is."""
     return is_plain(text, lines=True)
 
 
@@ -203,7 +222,7 @@ def _number_check(wanted: Range, name: str, where: str, *, strict: bool) -> Chec
     if wanted.infinite:
         outside += " and {value} != infinity"
     fix = _number_fix(wanted, where, strict=strict)
-    return Check(outside=outside, known={"infinity": math.inf}, fix=fix)
+    return Check(outside=outside, fix=fix)
 
 
 def _number_fix(wanted: Range, where: str, *, strict: bool) -> Fix:
@@ -246,18 +265,12 @@ def _array_check(
         kept.flags.writeable = False
         return kept
 
-    suspect = _lanes(wanted, node) if isinstance(node, formats.FixedArray) else None
-    if suspect is None:
-        return Check(outside="{value}.size", known={}, fix=fix)
-    return Check(outside="suspect({value})", known={"suspect": suspect}, fix=fix)
+    lanes = _lanes(wanted, node) if isinstance(node, formats.FixedArray) else None
+    return Check(outside="{value}.size", fix=fix, lanes=lanes)
 
 
-def _lanes(wanted: Range, node: formats.FixedArray) -> Callable[[Any], bool] | None:
-    """Whether an array has to be looked at, told from all its bits at once; None: no such way.
-
-    numpy takes several times as long for so few numbers. Of floats without a sign the bits grow
-    with the number, so one sum over all carries into the sign of each that is too large.
-    """
+def _lanes(wanted: Range, node: formats.FixedArray) -> Lanes | None:
+    """How to look at an array of floats at once; None: not at this one."""
     name = getattr(node.element, "name", "")
     if wanted.low != 0.0 or node.count > _MOST_LANES:
         return None
@@ -270,16 +283,37 @@ def _lanes(wanted: Range, node: formats.FixedArray) -> Callable[[Any], bool] | N
     def everywhere(lane: int) -> int:
         return sum(lane << (width * place) for place in range(node.count))
 
-    signs, above = everywhere(sign), everywhere(sign - bits(wanted.high) - 1)
-    # Numbers of all exponents but the highest, which infinity and NaN have.
-    endless = everywhere(sign - bits(math.inf)) if wanted.nan and wanted.infinite else 0
-    read = int.from_bytes
+    both = wanted.nan and wanted.infinite
+    return Lanes(
+        bits=width * node.count,
+        signs=everywhere(sign),
+        above=everywhere(sign - bits(wanted.high) - 1),
+        endless=everywhere(sign - bits(math.inf)) if both else 0,
+    )
 
-    def suspect(value: Any) -> bool:
-        lanes = read(value.tobytes(), "little")
-        if lanes & signs:
-            return True
-        large = (lanes + above) & signs
-        return bool(large) and large != (lanes + endless) & signs
 
-    return suspect
+def known() -> dict[str, Any]:
+    """What expressions of checks know by name."""
+    return {"infinity": math.inf, "lined": lined, "read": int.from_bytes}
+
+
+def suspect(arrays: Sequence[str], lanes: Sequence[Lanes]) -> str:
+    """An expression that is true if one of these arrays has to be looked at closely.
+
+    It needs `read`, which is `int.from_bytes`. Other ways take several times as long for so few
+    numbers.
+
+    Args:
+        arrays: The variables that hold them.
+        lanes: Of each.
+    """
+    signs = above = endless = at = 0
+    for each in lanes:
+        signs, above = signs | each.signs << at, above | each.above << at
+        endless, at = endless | each.endless << at, at + each.bits
+    raw = " + ".join(f"{array}.tobytes()" for array in arrays)
+    large = f"(large := (bits + {above:#x}) & {signs:#x})"
+    return (
+        f"(bits := read({raw}, 'little')) & {signs:#x} or "
+        f"({large} and large != (bits + {endless:#x}) & {signs:#x})"
+    )

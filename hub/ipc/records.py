@@ -11,7 +11,6 @@ import dataclasses
 import difflib
 import enum
 import functools
-import re
 import types
 import typing
 from collections.abc import Callable, Mapping, Sequence
@@ -293,6 +292,7 @@ class _Builder(_Generator):
 
     def function(self, kind: type[Any], members: Sequence[Member]) -> Callable[..., Any]:
         self.known |= {"new": object.__new__, "refuse": _refuse, "faults": FAULTS}
+        self.known |= ranges.known()
         self.known["unnoted"] = ranges.unnoted if self.checked else None
         pattern, made = self.struct(kind, members)
         pattern = f"[{pattern}]" if self.flat else pattern
@@ -308,12 +308,19 @@ class _Builder(_Generator):
             The pattern that takes its values apart, the variable that holds it afterwards.
         """
         patterns, arguments = [], []
+        plain = [
+            (member, self.variable())
+            for member in members
+            if member.record is None or not member.inline
+        ]
+        if self.checked:
+            self.check(plain)
+        variables = iter(plain)
         for member in members:
             if member.record is not None and member.inline:
                 pattern, given = self.struct(member.record.kind, member.record.members)
             else:
-                pattern = given = self.variable()
-                self.check(member, given)
+                pattern = given = next(variables)[1]
                 if member.inward is not None:
                     given = f"{self.constant(member.inward)}({given}, note)"
             patterns.append(pattern)
@@ -330,13 +337,21 @@ class _Builder(_Generator):
             return ", ".join(filter(None, patterns)), made
         return f"[{', '.join(patterns)}]", made
 
-    def check(self, member: Member, value: str) -> None:
-        """Generate the checks of one member."""
-        for check in member.checks if self.checked else ():
-            outside = check.outside.replace("{value}", value)
-            for name, known in check.known.items():
-                outside = re.sub(rf"\b{name}\b", self.constant(known), outside)
-            self.lines.append(f"if {outside}: {value} = {self.constant(check.fix)}({value}, note)")
+    def check(self, given: Sequence[tuple[Member, str]]) -> None:
+        """Generate the checks of members that are in these variables."""
+        found = [(check, value) for member, value in given for check in member.checks]
+        at_once = [(check, check.lanes, value) for check, value in found if check.lanes is not None]
+        for check, value in found:
+            if check.lanes is None:
+                outside = check.outside.replace("{value}", value)
+                self.lines.append(f"if {outside}: {self.fixed(check, value)}")
+        if at_once:
+            values = [value for _, _, value in at_once]
+            self.lines.append(f"if {ranges.suspect(values, [lanes for _, lanes, _ in at_once])}:")
+            self.lines += [f"    {self.fixed(check, value)}" for check, _, value in at_once]
+
+    def fixed(self, check: ranges.Check, value: str) -> str:
+        return f"{value} = {self.constant(check.fix)}({value}, note)"
 
 
 def _refuse(kind: str, error: Exception) -> typing.NoReturn:
