@@ -37,6 +37,9 @@ _JUMP, _TURN = 0.3, 0.5
 """A driver that begins anew farther than this [m, rad] from where the last one was tells another
 place."""
 
+_NOT_TAKEN = ("too old", "out of order", "out of range")
+"""Why the client drops a message, as it counts them."""
+
 _logger = logging.getLogger(__name__)
 
 _CHECK_PERIOD = 0.01
@@ -258,7 +261,7 @@ class Navigation:
         now = self._clock()
         counts = self._client.complaints.counts
         refused = self._governor.refused + self._gate.refused
-        refused += counts["too old"] + counts["out of order"]
+        refused += sum(counts[reason] for reason in _NOT_TAKEN)
         self._frames.corrected(self._pilot.correction.odom)
         motion, frame = self._governor.state(now), self._frames.frame.number
         state = robot_state(drive, self._pilot, motion, refused, frame, now)
