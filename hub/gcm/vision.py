@@ -20,7 +20,7 @@ from hub.gcm.fields import (
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.ranges import Range
 
-FieldOfView: TypeAlias = Annotated[float, Range(0.001, 3.1, unit="rad")]
+FieldOfView: TypeAlias = Annotated[float, Range(1e-6, 3.1, unit="rad")]
 """What a flat picture can show from one edge to the other [rad]."""
 Mount: TypeAlias = Annotated[float, Range(-1000.0, 1000.0, unit="m")]
 Limit: TypeAlias = Annotated[float, Range(0.0, math.tau, unit="rad")]

@@ -6,6 +6,7 @@ import math
 from collections import deque
 from dataclasses import dataclass
 
+from hub.gcm.fields import FARTHEST_M
 from hub.gcm.navigation import RobotState
 from hub.plane import Pose, wrapped
 
@@ -67,11 +68,11 @@ def _carried_on(entry: _Entry, time: float) -> Pose:
         return UNKNOWN
     middle = entry.theta + entry.angular * ahead / 2.0
     # A chord, which for half a second of a wheeled robot is the arc to a millimetre.
-    return Pose(
-        x=entry.x + entry.linear * ahead * math.cos(middle),
-        y=entry.y + entry.linear * ahead * math.sin(middle),
-        theta=wrapped(entry.theta + entry.angular * ahead),
-    )
+    x = entry.x + entry.linear * ahead * math.cos(middle)
+    y = entry.y + entry.linear * ahead * math.sin(middle)
+    if max(abs(x), abs(y)) > FARTHEST_M:
+        return UNKNOWN
+    return Pose(x=x, y=y, theta=wrapped(entry.theta + entry.angular * ahead))
 
 
 def _between(before: _Entry, after: _Entry, time: float) -> Pose:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from random import Random
 from types import SimpleNamespace
@@ -59,14 +59,14 @@ MODULES: dict[str, Callable[[Any, Any], Any]] = {
 
 
 @pytest.fixture
-def steps(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[None]:
+def steps(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """A clock that makes steps, and no files of a user's own."""
     ticks = itertools.count(1000)
     monkeypatch.setattr(time, "monotonic", lambda: next(ticks) * 0.01)
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
-    yield
 
 
+@pytest.mark.filterwarnings("ignore:.*encountered in:RuntimeWarning")
 @pytest.mark.usefixtures("steps")
 @pytest.mark.timeout(3600 if EACH > 100 else 60)
 @pytest.mark.parametrize("module", MODULES)
