@@ -63,8 +63,8 @@ class ImageRequest:
     """
 
     kind: ImageKind = ImageKind.COLOUR
-    width_px: Annotated[int, Range(1, 1 << 16)] = 160
-    height_px: Annotated[int, Range(1, 1 << 16)] = 120
+    width_px: Annotated[int, Range(1, 0x7FFF_FFFF)] = 160
+    height_px: Annotated[int, Range(1, 0x7FFF_FFFF)] = 120
     quality: Annotated[int, Range(1, 100)] = 60
     coding: ImageCoding = ImageCoding.RLE
 

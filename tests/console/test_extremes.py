@@ -107,7 +107,7 @@ def inputs(dispatch: Dispatch, random: Random) -> Iterator[ControlEvent]:
 def test_layout_takes_whatever_robots_say(name: str, caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level(logging.WARNING)
     layout, random = open_layout(ROOT / "layouts" / f"{name}.xml"), Random(3)
-    view, dispatch, watch = View(layout, clock=lambda: 0.0), Dispatch(layout), Watch()
+    view, dispatch, watch = View(layout, lambda: 0.0), Dispatch(layout), Watch()
     view.resize(*SIZE)
     robots = Robots(layout, random)
     state = ConsoleState.at_start(layout, 1000.0, "ada")

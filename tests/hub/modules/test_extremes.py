@@ -40,11 +40,11 @@ def control_desk(bus: Any, _: Any) -> None:
     ControlDesk(bus, peer)
 
 
-def reporting(bus: Any, _: Any) -> None:
+def reporting(bus: Any, robot: Any) -> None:
     supervisor = Supervisor(())
     keeper = SimpleNamespace(supervisor=supervisor, look=lambda: None)
     outputs = SimpleNamespace(lines=lambda *_: None, remembered=dict)
-    Reporting(bus, keeper, outputs, "magellan")  # type: ignore[arg-type]
+    Reporting(bus, keeper, outputs, robot.body)  # type: ignore[arg-type]
 
 
 MODULES: dict[str, Callable[[Any, Any], Any]] = {
