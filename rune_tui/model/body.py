@@ -28,16 +28,16 @@ def largest_radius(body: RobotBody | None) -> float:
 def corners(body: RobotBody | None) -> Floats:
     """Corners of the ground that the robot covers in its frame [m], shape (n, 2).
 
-    None (n is 0) where that is a circle, or not known.
+    None (n is 0) where that is a circle, or not known; two corners are no ground.
     """
-    points = body.footprint if body is not None else ()
+    points = body.footprint if body is not None and len(body.footprint) > 2 else ()
     return np.array([(point.x, point.y) for point in points], np.float64).reshape(-1, 2)
 
 
 @functools.lru_cache(maxsize=64)
 def _rim(body: RobotBody | None, count: int) -> Floats:
     around = corners(body)
-    if len(around) < 3:
+    if not len(around):
         distances = np.full(count, largest_radius(body))
     else:
         distances = _ray_lengths(around, count)
