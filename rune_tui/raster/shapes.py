@@ -19,6 +19,8 @@ Point = tuple[float, float]
 
 _FAR: Final = 4.0
 """Lines that reach farther than so many times width and height of the canvas are cut."""
+_CORNERS: Final = 256
+"""Corners of what stands for a circle of which only a small part is seen."""
 _ARROW_BACK: Final = math.radians(140.0)
 """From an arrow's tip to its other two corners, seen from its middle [rad]."""
 
@@ -107,7 +109,16 @@ class Pen:
         self, centre: Point, radius: float, *, fill: Colour | None = None, rim: Colour | None = None
     ) -> None:
         """A circle, filled, outlined one pixel thick, or both."""
-        self.draw.ellipse(self._box(centre, radius), fill, rim, self.scale if rim else 0)
+        radius = self._visible(centre, radius)
+        if radius <= self._far:
+            self.draw.ellipse(self._box(centre, radius), fill, rim, self.scale if rim else 0)
+            return
+        turns = (math.tau * corner / _CORNERS for corner in range(_CORNERS + 1))
+        edge = [toward(centre, radius, turn) for turn in turns]
+        if fill is not None:
+            self.polygon(edge, fill)
+        if rim is not None:
+            self.line(edge, rim)
 
     def pie(
         self, centre: Point, radius: float, direction: float, opening: float, fill: Colour
@@ -122,7 +133,8 @@ class Pen:
             fill: Its colour.
         """
         start, end = _pillow_angles(direction, opening)
-        if radius > 0.0:
+        radius = self._visible(centre, radius)
+        if 0.0 < radius <= self._far:
             self.draw.pieslice(self._box(centre, radius), start, end, fill)
 
     def arc(
@@ -130,8 +142,20 @@ class Pen:
     ) -> None:
         """The rim of a pie, one pixel thick, inwards of `radius`; arguments as for `pie`."""
         start, end = _pillow_angles(direction, opening)
-        if radius > 0.0:
+        radius = self._visible(centre, radius)
+        if 0.0 < radius <= self._far:
             self.draw.arc(self._box(centre, radius), start, end, colour, self.scale)
+
+    @property
+    def _far(self) -> float:
+        """Pillow takes time for each pixel of a rim, seen or not: so long may a radius be."""
+        return 4.0 * _FAR * (self.width + self.height)
+
+    def _visible(self, centre: Point, radius: float) -> float:
+        """The radius, or one just beyond the farthest corner of the canvas, if that is less."""
+        across = max(abs(centre[0]), abs(self.width - centre[0]))
+        down = max(abs(centre[1]), abs(self.height - centre[1]))
+        return min(radius, math.hypot(across, down) + 2.0)
 
     def _at(self, point: Point) -> Point:
         return point[0] * self.scale, point[1] * self.scale

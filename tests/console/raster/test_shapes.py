@@ -162,3 +162,19 @@ def test_of_a_line_that_comes_from_far_away_only_what_is_seen_is_drawn() -> None
     assert (canvas.pixels[2] == RED).all()
     assert (canvas.pixels[4] == RED).all()
     assert not canvas.pixels[[0, 1, 5]].any()
+
+
+@pytest.mark.timeout(10)
+@pytest.mark.parametrize("radius", [900.0, 1e6, 1e9, 1e12])
+def test_circles_of_any_radius_take_no_time_and_show_the_part_that_is_seen(radius: float) -> None:
+    canvas = Canvas.blank(20, 10)
+    with drawing(canvas) as pen:
+        pen.circle((10.0, 5.0), radius, fill=RED, rim=BLUE)
+    assert (canvas.pixels == RED).all()
+    with drawing(canvas) as pen:  # the rim comes through the middle
+        pen.circle((10.0 + radius, 5.0), radius, fill=BLUE)
+        pen.pie((10.0 + radius, 5.0), radius, 0.0, 1.0, BLUE)
+        pen.arc((10.0 - radius, 5.0), radius, 0.0, 1.0, BLUE)
+    if radius <= 1e6:
+        assert (canvas.pixels[:, 18:] == BLUE).all()
+        assert (canvas.pixels[4:6, :8] == RED).all()
