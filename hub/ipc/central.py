@@ -101,6 +101,7 @@ class Central:
         *,
         gateway: str = "",
         keyring: Keyring | None = None,
+        reserved: frozenset[str] = frozenset(),
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Bind and start.
@@ -110,6 +111,7 @@ class Central:
                 p to p + 6; port 0 takes free ones.
             gateway: tcp:// address for clients with keys on other machines; empty for none.
             keyring: The hub's keys and who else has one; needed for a gateway.
+            reserved: Names that only the robot's own modules may have.
             clock: Monotonic time [s].
 
         Raises:
@@ -135,7 +137,7 @@ class Central:
             answer=lambda to, said: self._send([Outgoing(identity=to, message=said)]),
             hang_up=self._hang_up,
         )
-        self._registry = Registry(clock=clock, complaints=self.complaints)
+        self._registry = Registry(clock=clock, complaints=self.complaints, reserved=reserved)
         try:
             self._bind([security.parse_endpoint(endpoint) for endpoint in endpoints])
             if gateway:

@@ -322,7 +322,14 @@ class Bye:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Watch:
-    """Client: tell me who comes and goes from now on."""
+    """Client: tell me who comes and goes from now on.
+
+    Attributes:
+        module: Tell me only when a module of this name connects, or is connected already, and when
+            its connection ends; empty: tell me all.
+    """
+
+    module: str = ""
 
 
 class Change(enum.IntEnum):
@@ -346,6 +353,7 @@ class Presence:
         pid: Its process id.
         message: The message it is about; empty for a connection.
         count: How many publishers, subscribers or handlers the message has now.
+        publisher: Number of the module in frame headers.
     """
 
     change: Change
@@ -353,6 +361,7 @@ class Presence:
     pid: int
     message: str = ""
     count: int = 0
+    publisher: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -60,8 +60,8 @@ KINDS: tuple[MessageDefinition[Any], ...] = (
     _kind("READY", "{string}", control.Ready),
     _kind("SUBSCRIBED", "{string}", control.Subscribed),
     _kind("LAST", "{uint,string,double}", control.Last),
-    _kind("WATCH", "{}", control.Watch),
-    _kind("PRESENCE", f"{{{_CHANGE},string,int,string,uint}}", control.Presence),
+    _kind("WATCH", "{string}", control.Watch),
+    _kind("PRESENCE", f"{{{_CHANGE},string,int,string,uint,uint}}", control.Presence),
     _kind(
         "REPORT",
         "{uint,<{string,ulong,ulong,ulong,double,ulong}:1>,"

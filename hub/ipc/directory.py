@@ -38,6 +38,7 @@ class Directory:
         self._closing: str | None = None
         self._closings: dict[str, control.Close | control.Refused] = {}
         self._watchers: list[Callable[[control.Presence], None]] = []
+        self._followed: dict[str, Callable[[int], None]] = {}
 
     def listing(self, timeout: float) -> control.Listing:
         """All that central knows: modules, messages, who does what with them, what was dropped.
@@ -74,10 +75,21 @@ class Directory:
         self._watchers.append(handler)
         self.ask_again()
 
+    def follow(self, module: str, learn: Callable[[int], None]) -> None:
+        """Call `learn` with the number of the module of this name; 0 while it is not connected.
+
+        It is the number that central gave that connection. What stands in frames may say anything.
+        """
+        self._followed[module] = learn
+        self._ask_for(module)
+
     def ask_again(self) -> None:
         """Central knows us anew, and not what we had asked."""
         if self._watchers and self._connection.publisher:
             self._connection.tell(control.Watch())
+        for module, learn in self._followed.items():
+            learn(0)  # central tells at once if it is there
+            self._ask_for(module)
         if self._asked is not None:
             self._connection.tell(self._asked)
 
@@ -106,6 +118,10 @@ class Directory:
         self._attend()
         self._connection.tell(control.LogLevel(level=level))
 
+    def _ask_for(self, module: str) -> None:
+        if self._connection.publisher:
+            self._connection.tell(control.Watch(module=module))
+
     def _ask(self, question: Any, answered: Callable[[], object], timeout: float) -> None:
         self._connection.tell(question)
         self._asked = question
@@ -117,6 +133,7 @@ class Directory:
     def told(self, message: Any) -> bool:
         """A control message came; whether it was meant for us."""
         if isinstance(message, control.Presence):
+            self._note(message)
             for watcher in self._watchers:
                 watcher(message)
         elif isinstance(message, control.Listing):
@@ -130,3 +147,10 @@ class Directory:
         else:
             return False
         return True
+
+    def _note(self, presence: control.Presence) -> None:
+        learn = self._followed.get(presence.module)
+        if learn is not None and presence.change is control.Change.CONNECTED:
+            learn(presence.publisher)
+        elif learn is not None and presence.change is control.Change.DISCONNECTED:
+            learn(0)

@@ -26,7 +26,7 @@ from hub.errors import FrameError
 from hub.ipc.codegen import ENCAPSULATION, Buffer
 from hub.ipc.definition import MAX_NAME_LENGTH
 
-VERSION = 3
+VERSION = 4
 """Protocol version; peers with another one are refused."""
 
 MAX_FRAME = 4 << 20

@@ -60,6 +60,7 @@ class Peer:
         publishes: Names of the messages it publishes.
         subscribes: Names of the messages it subscribes to.
         watches: Whether it is told who comes and goes.
+        follows: Names of the modules of whose connections it is told.
         near: Whether others of central's neighbourhood reach it directly.
         doors: Where it can be asked directly, by message name.
         routed: Whom central told of these doors, and for which message.
@@ -77,6 +78,7 @@ class Peer:
     publishes: set[str] = field(default_factory=set)
     subscribes: set[str] = field(default_factory=set)
     watches: bool = False
+    follows: set[str] = field(default_factory=set)
     near: bool = False
     doors: dict[str, str] = field(default_factory=dict)
     routed: set[tuple[Peer, str]] = field(default_factory=set)

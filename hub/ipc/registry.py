@@ -23,9 +23,10 @@ from hub.ipc.definitions import Definitions
 from hub.ipc.hub_time import this_machine, this_neighbourhood
 from hub.ipc.neighbours import Neighbours
 from hub.ipc.peers import Caller, Crowd, Outgoing, Peer
+from hub.ipc.publish_rights import ROBOT_NAMES
 from hub.ipc.quotas import counts_with, quota_of
 from hub.ipc.routes import Routes
-from hub.ipc.security import LOCAL, Bearer
+from hub.ipc.security import LOCAL, Bearer, Role
 from hub.ipc.shortcuts import Shortcuts
 
 _logger = logging.getLogger(__name__)
@@ -34,6 +35,8 @@ MAX_PEERS = 512
 MAX_NAMES = 4096
 """Messages one peer may publish, subscribe to or answer."""
 MAX_TOKEN = 160
+MAX_FOLLOWED = 16
+"""Modules of whose connections one peer is told."""
 LISTING_S = 0.25
 """A LISTING goes to all who have keys for so long before it is made anew [s]."""
 SILENCE_S = 1.7
@@ -58,7 +61,16 @@ class Registry:
         *,
         clock: Callable[[], float],
         complaints: Complaints,
+        reserved: frozenset[str] = frozenset(),
     ) -> None:
+        """Start with nobody.
+
+        Args:
+            clock: Monotonic time [s].
+            complaints: Counts what is refused.
+            reserved: Names of this robot's modules, beside those that every robot may have.
+        """
+        self._reserved = ROBOT_NAMES | reserved
         self.epoch = secrets.randbits(63) | 1
         self._clock = clock
         self._begun = clock()
@@ -212,6 +224,12 @@ class Registry:
         error = "CentralUnreachableError"
         if not 0 < len(name) <= 64 or not name.isprintable():
             text = "a module's name is 1 to 64 printable characters"
+        elif name in self._reserved and bearer.role is not Role.MODULE:
+            error = NotAllowedError.__name__
+            text = (
+                f"{name!r} is the name of a module of the robot, and {bearer.name} has a key to "
+                f"{bearer.role.value}; connect under another name"
+            )
         elif len(self._peers) >= MAX_PEERS:
             text = f"{MAX_PEERS} modules are connected, no more are taken"
         elif name in self._names:
@@ -340,13 +358,12 @@ class Registry:
 
     def _tell(self, change: Change, peer: Peer, name: str = "", count: int = 0) -> list[Outgoing]:
         """What those who watch are told."""
-        message = control.Presence(
-            change=change, module=peer.name, pid=peer.pid, message=name, count=count
-        )
+        message = _presence(change, peer, name, count)
+        comes_or_goes = change in (Change.CONNECTED, Change.DISCONNECTED)
         return [
             Outgoing(identity=other.identity, message=message)
             for other in self._peers.values()
-            if other.watches
+            if other.watches or (comes_or_goes and peer.name in other.follows)
         ]
 
     def _candidates(self, query: control.Query | control.Last) -> Iterable[Peer]:
@@ -381,8 +398,15 @@ class Registry:
         return self._routes.answer(peer, message, attached)
 
     def _watch(self, peer: Peer, message: control.Watch, attached: Buffer | None) -> list[Outgoing]:
-        del message, attached
-        peer.watches = True
+        del attached
+        if not message.module:
+            peer.watches = True
+        elif len(peer.follows) < MAX_FOLLOWED:
+            peer.follows.add(message.module)
+            known = self._names.get(message.module)
+            if known is not None:
+                told = _presence(Change.CONNECTED, known)
+                return [Outgoing(identity=peer.identity, message=told)]
         return []
 
     def _report(
@@ -475,3 +499,14 @@ class Registry:
         outgoing += self._confirmations.drop(peer)
         outgoing += self._routes.drop(peer, self._clock())
         return outgoing + self._tell(Change.DISCONNECTED, peer)
+
+
+def _presence(change: Change, peer: Peer, name: str = "", count: int = 0) -> control.Presence:
+    return control.Presence(
+        change=change,
+        module=peer.name,
+        pid=peer.pid,
+        message=name,
+        count=count,
+        publisher=peer.publisher,
+    )

@@ -19,7 +19,7 @@ from hub.ipc.client import Client
 from hub.ipc.control import Change, Presence
 from hub.ipc.peers import Peer
 from hub.ipc.reception import Reception
-from hub.ipc.security import Action, may
+from hub.ipc.security import Action, Role, may
 from hub.robomon.arbiter import Answer, Arbiter
 from hub.runtime import publish_on_request
 
@@ -103,6 +103,9 @@ class ControlDesk:
 
     def _announced(self, info: ModuleInfo, reception: Reception) -> None:
         del info
+        peer = self._peer_of(reception.publisher)
+        if peer is None or peer.bearer.role is not Role.MODULE:
+            return  # an operator is no module, whoever says so
         if reception.publisher not in self._modules:
             self._modules.add(reception.publisher)
             self._look()

@@ -73,7 +73,10 @@ class Daemon:
             local = f"ipc://{folder}/central"
             keyring = Keyring(Path(robot.keys) if robot.keys else default_folder())
             central = Central(
-                [f"tcp://127.0.0.1:{robot.port}", local], gateway=robot.gateway, keyring=keyring
+                [f"tcp://127.0.0.1:{robot.port}", local],
+                gateway=robot.gateway,
+                keyring=keyring,
+                reserved=frozenset(spec.name for spec in self._table.modules),
             )
             stack.callback(central.close)
             self._gateway = central.endpoints[-1] if robot.gateway else ""

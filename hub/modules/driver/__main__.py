@@ -13,6 +13,7 @@ from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import CONTROL_STATE
 from hub.ipc.client import Client
 from hub.ipc.reception import Reception
+from hub.modules.driver.navigator import Navigator
 from hub.modules.driver.operator_loss import OperatorLoss
 from hub.modules.driver.watchdog import CommandWatchdog
 from hub.robots.description import RobotDescription
@@ -31,6 +32,7 @@ def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
     base = kind_of(robot).open_base(robot)
     loss = OperatorLoss(base, robot)
     watchdog = CommandWatchdog()
+    navigator = Navigator()
     clock = time.monotonic
     last = clock()
     steps = 0
@@ -47,7 +49,8 @@ def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
 
     def command(twist: navigation.Twist, reception: Reception) -> None:
         now = clock()
-        if watchdog.allows(now - reception.age, now, neutral=twist.neutral):
+        obeyed = navigator.obeyed(reception.publisher, now)
+        if obeyed and watchdog.allows(now - reception.age, now, neutral=twist.neutral):
             base.set_velocity(twist.linear.x, twist.angular.z)
             if not twist.neutral:
                 loss.watch.moved(now)
@@ -68,6 +71,7 @@ def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
         base.set_velocity(0.0, 0.0)
         report()
 
+    client.directory.follow(navigator.name, navigator.connected)
     client.subscribe(navigation.DRIVE_COMMAND, command)
     client.subscribe(
         CONTROL_STATE, lambda state, _: loss.watch.controlled_by(state.owner, clock()), last=True

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import logging
 from typing import Any
 
 import pytest
 
-from hub.errors import NameTakenError
+from hub.errors import NameTakenError, NotAllowedError
 from hub.ipc import control, control_frames, definitions, frames, registry, routes
 from hub.ipc.codec import compiled
 from hub.ipc.complaints import Complaints
 from hub.ipc.control import Failure, Query, Refused, Response, Stranger, Welcome
 from hub.ipc.peers import Caller, Outgoing
+from hub.ipc.publish_rights import ROBOT_NAMES
 from hub.ipc.registry import Registry
-from hub.ipc.security import LOCAL, Bearer
+from hub.ipc.security import LOCAL, Bearer, Role
 
 PORTS, PATHS = (2, 3, 4, 5, 6, 7), tuple("abcdef")
 
@@ -432,3 +434,34 @@ def test_complaints_log_each_reason_at_most_once_a_minute(
     bench.now += 60.0
     bench.complaints.count("rubbish", "z")
     assert "rubbish (1001 so far): z" in caplog.records[-1].getMessage()
+
+
+@pytest.mark.parametrize("name", [*sorted(ROBOT_NAMES), "my own module"])
+def test_names_of_the_robots_modules_are_for_modules(name: str) -> None:
+    bench = Bench()
+    bench.registry = registry.Registry(
+        clock=lambda: bench.now,
+        complaints=bench.complaints,
+        reserved=frozenset({"my own module"}),
+    )
+    for who, role in (("a", Role.OBSERVE), ("b", Role.OPERATE), ("c", Role.SUPERVISE)):
+        bench.bearers[who] = Bearer(name="alice", role=role)
+        refused = bench.answer(who, control.Hello(name=name, pid=1))
+        assert refused.error == NotAllowedError.__name__
+        assert f"alice has a key to {role.value}" in refused.text
+    bench.bearers["d"] = Bearer(name="far", role=Role.MODULE)
+    assert isinstance(bench.answer("d", control.Hello(name=name, pid=1)), Welcome)
+    bench.say("d", control.Bye())
+    assert isinstance(bench.answer("e", control.Hello(name=name, pid=1)), Welcome)
+
+
+def test_publisher_numbers_cannot_be_guessed_from_the_one_before(bench: Bench) -> None:
+    numbers = []
+    for index in range(40):
+        welcome = bench.answer("a", control.Hello(name=f"a{index}", pid=1))
+        numbers.append(welcome.publisher)
+        bench.say("a", control.Bye())
+    steps = {abs(later - earlier) for earlier, later in itertools.pairwise(numbers)}
+    assert len(steps) == 39
+    assert min(steps) > 16
+    assert bench.registry.peer_of(numbers[0]) is None

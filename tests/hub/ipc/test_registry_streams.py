@@ -7,8 +7,9 @@ from typing import Any
 
 import pytest
 
-from hub.ipc import control, control_frames
+from hub.ipc import control, control_frames, registry
 from hub.ipc.control import Advertise, Change, Presence, Ready, Subscribe, Subscribed
+from hub.ipc.peers import Outgoing
 from tests.hub.ipc.test_registry import Bench
 
 FORMAT = "{int}"
@@ -82,7 +83,8 @@ def test_those_who_watch_are_told_what_changes(bench: Bench) -> None:
     def told(who: str, message: object) -> list[Presence]:
         return [o.message for o in bench.say(who, message) if o.identity == b"d"]
 
-    b = {"module": "module b", "pid": ord("b")}
+    number = next(peer.publisher for peer in bench.listing("d").peers if peer.name == "module b")
+    b = {"module": "module b", "pid": ord("b"), "publisher": number}
     assert told("b", Advertise(name="M")) == [
         Presence(change=Change.PUBLISHERS, message="M", count=1, **b)
     ]
@@ -101,9 +103,34 @@ def test_those_who_watch_are_told_what_changes(bench: Bench) -> None:
         Presence(change=Change.SUBSCRIBERS, message="M", count=0, **b),
         Presence(change=Change.DISCONNECTED, **b),
     ]
-    assert told("e", control.Hello(name="new", pid=5)) == [
-        Presence(change=Change.CONNECTED, module="new", pid=5)
-    ]
+    (presence,) = told("e", control.Hello(name="new", pid=5))
+    assert bench.registry.peer_of(presence.publisher).name == "new"
+    new = Presence(change=Change.CONNECTED, module="new", pid=5, publisher=presence.publisher)
+    assert presence == new
+
+
+def test_who_follows_a_module_is_told_its_number_and_nothing_of_others(bench: Bench) -> None:
+    def told(outgoing: list[Outgoing]) -> list[Presence]:
+        return [o.message for o in outgoing if o.identity == b"d"]
+
+    assert bench.say("d", control.Watch(module="module z")) == []
+    (here,) = told(bench.say("d", control.Watch(module="module b")))
+    assert bench.registry.peer_of(here.publisher).name == here.module == "module b"
+    assert told(bench.say("b", Advertise(name="M"))) == []
+    assert told(bench.say("e", control.Hello(name="other", pid=1))) == []
+    (gone,) = told(bench.say("b", control.Bye()))
+    assert (gone.change, gone.publisher) == (Change.DISCONNECTED, here.publisher)
+    (back,) = told(bench.say("f", control.Hello(name="module b", pid=2)))
+    assert back.change is Change.CONNECTED
+    assert back.publisher not in (0, here.publisher)
+
+
+def test_one_follows_so_many_modules_and_no_more(bench: Bench) -> None:
+    for number in range(100):
+        bench.say("d", control.Watch(module=f"module {number}"))
+    bench.say("d", control.Watch(module="module b"))
+    peer = next(p for p in bench.registry._peers.values() if p.name == "module d")
+    assert len(peer.follows) == registry.MAX_FOLLOWED
 
 
 def test_query_goes_to_the_handler_with_the_fewest_under_way(bench: Bench) -> None:
