@@ -43,6 +43,20 @@ def peer(known: Peer, now: float) -> control.Peer:
     )
 
 
+def presence(
+    change: control.Change, known: Peer, message: str = "", count: int = 0
+) -> control.Presence:
+    """What a peer has done, for those who watch."""
+    return control.Presence(
+        change=change,
+        module=known.name,
+        pid=known.pid,
+        message=message,
+        count=count,
+        publisher=known.publisher,
+    )
+
+
 def _listed(names: set[str]) -> str:
     """Names for a listing, which has to fit into a frame."""
     text = " ".join(sorted(names))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import secrets
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -115,3 +116,28 @@ class Crowd:
     def count(self, name: str) -> int:
         """How many do it with the message `name`."""
         return len(self._peers.get(name, ()))
+
+
+class Numbers:
+    """Peers by their numbers in frame headers; any thread may ask."""
+
+    def __init__(self) -> None:
+        self._peers: dict[int, Peer] = {}
+
+    def new(self) -> int:
+        """A number that nobody has and nobody can guess."""
+        while (number := secrets.randbits(32)) == 0 or number in self._peers:
+            pass
+        return number
+
+    def of(self, number: int) -> Peer | None:
+        """Who has this number; None if nobody has."""
+        return self._peers.get(number)
+
+    def give(self, peer: Peer) -> None:
+        """`peer` has its number from now on."""
+        self._peers[peer.publisher] = peer
+
+    def forget(self, peer: Peer) -> None:
+        """`peer` is gone."""
+        self._peers.pop(peer.publisher, None)

@@ -113,5 +113,13 @@ def demand_right(bearer: Bearer, client: str, message: str, plane: str) -> None:
     raise NotAllowedError(text)
 
 
+def reserved_text(name: str, bearer: Bearer) -> str:
+    """Why the holder of a key cannot connect under a name of the robot's modules."""
+    return (
+        f"{name!r} is the name of a module of the robot, and {bearer.name} has a key to "
+        f"{bearer.role.value}; connect under another name"
+    )
+
+
 def _publishers(needed: Right) -> str:
     return f"the robot's module {needed.module}" if needed.module else "a module of the robot"

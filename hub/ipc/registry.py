@@ -22,8 +22,8 @@ from hub.ipc.definition import MAX_NAME_LENGTH
 from hub.ipc.definitions import Definitions
 from hub.ipc.hub_time import this_machine, this_neighbourhood
 from hub.ipc.neighbours import Neighbours
-from hub.ipc.peers import Caller, Crowd, Outgoing, Peer
-from hub.ipc.publish_rights import ROBOT_NAMES
+from hub.ipc.peers import Caller, Crowd, Numbers, Outgoing, Peer
+from hub.ipc.publish_rights import ROBOT_NAMES, reserved_text
 from hub.ipc.quotas import counts_with, quota_of
 from hub.ipc.routes import Routes
 from hub.ipc.security import LOCAL, Bearer, Role
@@ -77,7 +77,7 @@ class Registry:
         self._complaints = complaints
         self._peers: dict[bytes, Peer] = {}
         self._names: dict[str, Peer] = {}
-        self._numbers: dict[int, Peer] = {}
+        self._numbers = Numbers()
         self._definitions = Definitions()
         self._listing: control.Listing | None = None
         self._listing_made = -math.inf
@@ -112,7 +112,7 @@ class Registry:
 
     def peer_of(self, publisher: int) -> Peer | None:
         """The peer of this number in frame headers, None if there is none; any thread may ask."""
-        return self._numbers.get(publisher)
+        return self._numbers.of(publisher)
 
     def handle(self, caller: Caller, message: Any, attached: Buffer | None) -> list[Outgoing]:
         """A control message came."""
@@ -195,11 +195,11 @@ class Registry:
                 bearer=caller.bearer,
                 client=message.client,
                 near=caller.bearer is LOCAL and message.neighbourhood == this_neighbourhood() != 0,
-                publisher=self._new_number(),
+                publisher=self._numbers.new(),
                 heard=self._clock(),
             )
             self._peers[identity] = self._names[message.name] = known
-            self._numbers[known.publisher] = known
+            self._numbers.give(known)
             _logger.info("%s connected (pid %d)", message.name, message.pid)
             outgoing += self._tell(Change.CONNECTED, known)
         welcome = control.Welcome(
@@ -214,22 +214,12 @@ class Registry:
         )
         return [Outgoing(identity=identity, message=welcome), *outgoing]
 
-    def _new_number(self) -> int:
-        """A number for frame headers that nobody has and nobody can guess."""
-        while (number := secrets.randbits(32)) == 0 or number in self._numbers:
-            pass
-        return number
-
     def _refusal(self, name: str, bearer: Bearer) -> control.Refused | None:
         error = "CentralUnreachableError"
         if not 0 < len(name) <= 64 or not name.isprintable():
             text = "a module's name is 1 to 64 printable characters"
         elif name in self._reserved and bearer.role is not Role.MODULE:
-            error = NotAllowedError.__name__
-            text = (
-                f"{name!r} is the name of a module of the robot, and {bearer.name} has a key to "
-                f"{bearer.role.value}; connect under another name"
-            )
+            error, text = NotAllowedError.__name__, reserved_text(name, bearer)
         elif len(self._peers) >= MAX_PEERS:
             text = f"{MAX_PEERS} modules are connected, no more are taken"
         elif name in self._names:
@@ -358,7 +348,7 @@ class Registry:
 
     def _tell(self, change: Change, peer: Peer, name: str = "", count: int = 0) -> list[Outgoing]:
         """What those who watch are told."""
-        message = _presence(change, peer, name, count)
+        message = listing.presence(change, peer, name, count)
         comes_or_goes = change in (Change.CONNECTED, Change.DISCONNECTED)
         return [
             Outgoing(identity=other.identity, message=message)
@@ -405,7 +395,7 @@ class Registry:
             peer.follows.add(message.module)
             known = self._names.get(message.module)
             if known is not None:
-                told = _presence(Change.CONNECTED, known)
+                told = listing.presence(Change.CONNECTED, known)
                 return [Outgoing(identity=peer.identity, message=told)]
         return []
 
@@ -483,7 +473,7 @@ class Registry:
         """Forget a peer; who waits for it is told at once."""
         _logger.info("%s is gone: %s", peer.name, why)
         self._peers.pop(peer.identity, None)
-        self._numbers.pop(peer.publisher, None)
+        self._numbers.forget(peer)
         if self._names.get(peer.name) is peer:
             del self._names[peer.name]
         outgoing = self._shortcuts.drop(peer)
@@ -499,14 +489,3 @@ class Registry:
         outgoing += self._confirmations.drop(peer)
         outgoing += self._routes.drop(peer, self._clock())
         return outgoing + self._tell(Change.DISCONNECTED, peer)
-
-
-def _presence(change: Change, peer: Peer, name: str = "", count: int = 0) -> control.Presence:
-    return control.Presence(
-        change=change,
-        module=peer.name,
-        pid=peer.pid,
-        message=name,
-        count=count,
-        publisher=peer.publisher,
-    )
