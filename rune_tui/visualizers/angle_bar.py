@@ -88,7 +88,7 @@ def draw_angle_bar(
         age: How old the angle is [s].
         theme: The colours.
     """
-    canvas.fill(theme.panel)
+    canvas.fill(theme.track)
     across = direction is Direction.ACROSS
     length = canvas.width if across else canvas.height
     whole = 2.0 * limit + field_of_view

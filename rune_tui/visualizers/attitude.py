@@ -78,7 +78,7 @@ class Attitude(Reading[flight.Attitude, _Tilt]):
         reach = _FAR * (canvas.width + height + abs(shift))
         ends = [(x + side * reach * along[0], y + side * reach * along[1]) for side in (-1.0, 1.0)]
         below = [(a + reach * down[0], b + reach * down[1]) for a, b in reversed(ends)]
-        mark = fitting_form(canvas.width // 2, "--- o ---", "--o--", "o")
+        mark = fitting_form(canvas.width // 2, "─── ┼ ───", "──┼──", "┼")
         column, row = (canvas.width - len(mark)) // 2, (canvas.rows - 1) // 2
         with drawing(canvas) as pen:
             pen.polygon([*ends, *below], theme.faint)

@@ -12,13 +12,10 @@ from rune_tui.layout.rules import NumberOption, VisualizerRule
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
-from rune_tui.raster.shapes import drawing
+from rune_tui.visualizers.gauges import Bar, write_gauge
 from rune_tui.visualizers.mood import Mood, ink_of
 from rune_tui.visualizers.reading import Reading
-from rune_tui.visualizers.rows import fitting_form
 from rune_tui.visualizers.status_words import CRITICAL_BATTERY, LOW_BATTERY
-
-_LEAST_BAR = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,41 +71,19 @@ class Battery(Reading[NavigationState, _Charge]):
         return _Charge(round(min(100.0, max(0.0, percent))), volts, mood)
 
     def show(self, canvas: Canvas, reading: _Charge, theme: Theme) -> None:
-        """Words in the first row; the bar below it, or behind them where there is one row."""
-        words = _words(reading, canvas.width)
-        ink = ink_of(reading.mood, theme)
-        canvas.text(0, 0, words, ink)
-        if reading.percent is None:
-            return
-        left = len(words) + 1 if canvas.rows == 1 else 0
-        room = canvas.width - left - 2
-        if room < _LEAST_BAR:
-            return
-        length = round(reading.percent * room / 100.0)
-        if canvas.rows == 1:
-            canvas.text(left, 0, f"[{'#' * length}{'-' * (room - length)}]", ink)
-            return
-        fill = theme.accent if reading.mood is Mood.PLAIN else ink
-        with drawing(canvas) as pen:
-            pen.rectangle(1, 2, 1 + length, canvas.height, fill)
-        for row in range(1, canvas.rows):
-            canvas.text(0, row, "[", theme.ink)
-            canvas.text(canvas.width - 1, row, "]", theme.ink)
+        """A gauge in the first row."""
+        ink = None if reading.mood is Mood.PLAIN else ink_of(reading.mood, theme)
+        bar = None if reading.percent is None else Bar.filled(reading.percent / 100.0)
+        write_gauge(canvas, 0, "battery", bar, _values(reading), theme, ink=ink)
 
 
-def _words(charge: _Charge, columns: int) -> str:
+def _values(charge: _Charge) -> tuple[str, ...]:
     if charge.percent is None:
         volts = charge.volts or "nothing measured"
-        return fitting_form(columns, f"battery: {volts}, charge not known", volts, "?")
+        return f"{volts}, charge not known", volts, "?"
     percent = f"{charge.percent}%"
-    word = {Mood.ALARM: "CRITICAL", Mood.WARNING: "LOW"}.get(charge.mood, "")
-    name = f"battery {word}" if word else "battery"
-    advice = ": bring it home" if charge.mood is Mood.ALARM else ""
-    return fitting_form(
-        columns,
-        f"{name} {percent} {charge.volts}".rstrip() + advice,
-        f"{name} {percent} {charge.volts}".rstrip(),
-        f"{name} {percent}",
-        f"{word} {percent}".strip(),
-        f"!{percent}" if word else percent,
-    )
+    both = f"{percent} {charge.volts}".rstrip()
+    if charge.mood is Mood.PLAIN:
+        return both, percent
+    word = "CRITICAL" if charge.mood is Mood.ALARM else "LOW"
+    return f"{word} {both}", f"{word} {percent}", f"!{percent}"

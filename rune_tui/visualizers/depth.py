@@ -88,8 +88,8 @@ class Depth(Reading[Altitude, _Level]):
         for number in range(first, last + 1):
             row = middle + round(downward * (number * step - level.value) / metres)
             if 0 <= row < rows and row != middle and (number >= 0 or downward < 0.0):
-                canvas.text(0, row, f"{number * step:>6g} -", theme.faint)
-        canvas.text(0, middle, fitting_form(canvas.width, f"{level.value:>6.1f} <"), theme.ink)
+                canvas.text(0, row, f"{number * step:>6g} ┤", theme.soft)
+        canvas.text(0, middle, fitting_form(canvas.width, f"{level.value:>6.1f} ◀"), theme.ink)
 
 
 def _step(least: float) -> float:

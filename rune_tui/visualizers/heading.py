@@ -15,6 +15,8 @@ from rune_tui.visualizers.rows import fitting_form
 _STEPS_DEG = (5, 15, 45, 90, 180)
 _LABEL_COLUMNS = 6
 _DEFAULT_SPAN_DEG = 120.0
+_ROWS = 3
+"""Of the whole tape: the heading, signs, labels."""
 
 
 class Heading(Bearing):
@@ -31,16 +33,15 @@ class Heading(Bearing):
 
     def show(self, canvas: Canvas, reading: float, theme: Theme) -> None:
         """The heading over the tape; in one row, amid it."""
-        last = canvas.rows - 1
         if math.isfinite(reading):
             self._show_tape(canvas, reading, theme)
         words = bearing_words(reading)
-        row = max(0, last - 2)
-        shown = fitting_form(canvas.width, f"[ {words} ]", f"[{words}]", words, words[:4])
-        canvas.text((canvas.width - len(shown)) // 2, row, shown, theme.ink)
+        shown = fitting_form(canvas.width, f" {words} ", words, words[:4])
+        canvas.text((canvas.width - len(shown)) // 2, 0, shown, theme.ink)
 
     def _show_tape(self, canvas: Canvas, bearing: float, theme: Theme) -> None:
-        last = canvas.rows - 1
+        """Labels in the last of at most three rows, and signs above them."""
+        last = min(canvas.rows, _ROWS) - 1
         middle = (canvas.width - 1) // 2
         scale = canvas.width / (self.option or _DEFAULT_SPAN_DEG)
         step = next((s for s in _STEPS_DEG if s * scale >= _LABEL_COLUMNS), _STEPS_DEG[-1])
@@ -48,8 +49,11 @@ class Heading(Bearing):
             ahead = (mark - bearing + 180.0) % 360.0 - 180.0
             column = middle + round(ahead * scale)
             label = letters_of(mark) if mark % 45 == 0 else str(mark)
-            canvas.text(column - len(label) // 2, last, label, theme.ink)
-            if canvas.rows >= 3:
-                canvas.text(column, last - 1, "'", theme.faint)
-        if canvas.rows >= 3:
-            canvas.text(middle, last - 1, "^", theme.ink)
+            first = column - len(label) // 2
+            if first < 0 or first + len(label) > canvas.width:
+                continue  # no half of a label
+            canvas.text(first, last, label, theme.soft)
+            if last == _ROWS - 1:
+                canvas.text(column, 1, "╷", theme.faint)
+        if last == _ROWS - 1:
+            canvas.text(middle, 1, "▼", theme.ink)

@@ -34,7 +34,15 @@ _OPENING = 2.0 * math.pi / SENSOR_COUNT
 _SMOOTHING = 3
 _LEAST_ROOM: Final = 2.0
 """The drawing reaches at least so many radii of the body."""
-_FREE_ALPHA, _UNBOUNDED_ALPHA, _NEAR_ALPHA = 130, 50, 210
+_FREE_ALPHA, _UNBOUNDED_ALPHA, _NEAR_ALPHA = 190, 90, 235
+_PLATE_ALPHA, _RING_ALPHA = 150, 170
+_RING_STEPS: Final = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
+_LEAST_RING: Final = 3.5
+"""From one ring to the next, at least [pixels]."""
+_LEAST_RIM: Final = 8.0
+"""In smaller drawings there are no rings [pixels]."""
+_RING_DIRECTION: Final = math.radians(-146.0)
+"""Where rings say their distance: between two sensors, behind on the right."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +89,8 @@ _MARKS: Final = {Nearness.NEAR: "!", Nearness.CLOSE: "X"}
 class RangeData:
     """A pie for each range sensor, an arc for each infrared one, a wedge for each pressed bumper.
 
+    Where something is near, the rest of its direction has a colour of its own, up to the rim.
+
     What is near has a colour of its own and a mark; a pressed bumper has a "B". All else is
     clear, so that it can lie over video.
 
@@ -98,7 +108,7 @@ class RangeData:
     close_m: float = CLOSE_M
 
     rule: ClassVar = VisualizerRule(
-        meaning="the robot and a pie for each range sensor",
+        meaning="the robot, a pie for each range sensor, and rings at whole distances",
         message="GCM_RobotState",
         others=(ROBOT_DESCRIPTION.name,),
         option=NumberOption(
@@ -149,10 +159,20 @@ class RangeData:
         navigation = robot.navigation.value
         age = robot.navigation.age(state.now)
         plan = self._plan(canvas, robot.body)
+        rings = _rings(plan)
         with drawing(canvas, smoothing=_SMOOTHING) as pen:
-            self._draw_ranges(pen, plan, navigation, robot.body, state.theme)
+            pen.circle(plan.centre, plan.rim, fill=(*state.theme.ground[:3], _PLATE_ALPHA))
+            self._draw_pies(pen, plan, navigation, robot.body, state.theme)
+            line = (*state.theme.faint[:3], _RING_ALPHA)
+            for ring in rings:
+                pen.circle(plan.centre, plan.length(ring), rim=line)
+            for sensor, reading in enumerate(self._arcs(navigation).tolist()):
+                if reading <= plan.rim_m:
+                    reach = max(plan.length(reading), plan.body + 1.0)
+                    pen.arc(plan.centre, reach, _direction(sensor), _OPENING / 2.0, state.theme.ink)
             _draw_body(pen, plan, navigation, state.theme)
         weather(canvas, age)
+        _write_metres(canvas, plan, rings, state.theme)
         self._write_marks(canvas, plan, navigation, robot.body, state.theme)
         mark_age(canvas, age, state.theme)
 
@@ -198,7 +218,7 @@ class RangeData:
     def _nearness(self, room: float) -> Nearness:
         return nearness_of(room, self.near_m, self.close_m)
 
-    def _draw_ranges(
+    def _draw_pies(
         self,
         pen: Pen,
         plan: _Plan,
@@ -212,17 +232,18 @@ class RangeData:
                 continue
             reach, nearness = plan.length(reading), self._nearness(room)
             colour = _colour(nearness, theme)
-            alpha = _NEAR_ALPHA if nearness else _FREE_ALPHA
+            if nearness:
+                # To the rim, so that its side is seen at a glance; what is free, before it.
+                blocked = (*colour[:3], _NEAR_ALPHA)
+                pen.pie(plan.centre, plan.rim, _direction(sensor), _OPENING, blocked)
+                reach = max(reach, plan.body + 1.0)
+                colour = theme.accent
+            alpha = _FREE_ALPHA
             if math.isinf(reading):
                 alpha = _UNBOUNDED_ALPHA
             pen.pie(plan.centre, reach, _direction(sensor), _OPENING, (*colour[:3], alpha))
             if reading <= plan.rim_m:
-                rim = colour if nearness else theme.good
-                pen.arc(plan.centre, reach, _direction(sensor), _OPENING, rim)
-        for sensor, reading in enumerate(self._arcs(navigation).tolist()):
-            if reading <= plan.rim_m:
-                reach = max(plan.length(reading), plan.body + 1.0)
-                pen.arc(plan.centre, reach, _direction(sensor), _OPENING / 2.0, theme.ink)
+                pen.arc(plan.centre, reach, _direction(sensor), _OPENING, theme.good)
 
     def _write_marks(
         self,
@@ -244,6 +265,24 @@ class RangeData:
         for sensor in pressed_bumpers(navigation):
             spot = toward(plan.centre, plan.body + 1.0, _direction(sensor))
             _write_at(canvas, spot, "B", theme.on_alarm)
+
+
+def _rings(plan: _Plan) -> list[float]:
+    """Distances that have a ring [m]: round ones, as many as can be told apart."""
+    metre = plan.rim / plan.rim_m
+    step = next((each for each in _RING_STEPS if each * metre >= _LEAST_RING), 0.0)
+    if plan.rim < _LEAST_RIM or not step:
+        return []
+    return [step * number for number in range(1, math.floor(plan.rim_m / step + 1e-6) + 1)]
+
+
+def _write_metres(canvas: Canvas, plan: _Plan, rings: Sequence[float], theme: Theme) -> None:
+    """Each ring's distance, the unit behind the last."""
+    for number, ring in enumerate(rings):
+        x, y = toward(plan.centre, plan.length(ring), _RING_DIRECTION)
+        words = f"{ring:g} m" if number == len(rings) - 1 else f"{ring:g}"
+        column = max(0, min(canvas.width - len(words), int(x)))
+        canvas.text(column, min(canvas.rows - 1, int(y) // 2), words, theme.soft)
 
 
 def _with_room(

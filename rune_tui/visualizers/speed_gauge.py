@@ -12,14 +12,11 @@ from rune_tui.layout.rules import NumberOption, VisualizerRule
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
-from rune_tui.raster.shapes import drawing
 from rune_tui.raster.urgency import Urgency
+from rune_tui.visualizers.gauges import Bar, write_gauge
 from rune_tui.visualizers.reading import Reading
 from rune_tui.visualizers.rows import fitting_form
-from rune_tui.visualizers.status_words import signed
-
-_COMMANDED = "|"
-_BEYOND = ("<", ">")
+from rune_tui.visualizers.status_words import signed, turn_words
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,9 +28,9 @@ class _Pair:
 
 
 class Speed(Reading[NavigationState, tuple[_Pair, _Pair]]):
-    """Two bars from the middle, ahead to the right and turning to where it turns.
+    """Two gauges from the middle, ahead to the right and turning to where it turns.
 
-    A mark stands at what is commanded, and a row of words above each bar says both.
+    A sign stands at what is commanded, and the words say both.
     """
 
     rule: ClassVar = VisualizerRule(
@@ -61,20 +58,18 @@ class Speed(Reading[NavigationState, tuple[_Pair, _Pair]]):
         )
 
     def show(self, canvas: Canvas, reading: tuple[_Pair, _Pair], theme: Theme) -> None:
-        """Words, and bars below them where there are four rows."""
+        """A gauge each, or both values where there is one row."""
         linear, angular = reading
         if canvas.rows == 1:
-            both = f"{signed(linear.actual, 2)} m/s  {_turn(angular.actual)}°/s"
-            short = f"{signed(linear.actual, 2)} {_turn(angular.actual)}°"
-            canvas.text(0, 0, fitting_form(canvas.width, both, short), theme.ink)
+            both = f"{signed(linear.actual, 2)} m/s  {turn_words(angular.actual)}°/s"
+            short = f"{signed(linear.actual, 2)} {turn_words(angular.actual)}°"
+            words = fitting_form(canvas.width, both, short, signed(linear.actual, 2))
+            canvas.text(0, 0, words, theme.ink)
             return
-        half = canvas.rows // 2
-        canvas.text(0, 0, _linear_words(linear, canvas.width), theme.ink)
-        canvas.text(0, half, _angular_words(angular, canvas.width), theme.ink)
-        if half >= 2:
-            _draw_bar(canvas, range(1, half), linear, self.options.number("linear"), theme)
-            rows = range(half + 1, 2 * half)
-            _draw_bar(canvas, rows, angular, self.options.number("angular_deg"), theme)
+        speed, turn = _linear_words(linear), _angular_words(angular)
+        most = self.options.number("linear"), self.options.number("angular_deg")
+        write_gauge(canvas, 0, "speed", _bar(linear, most[0]), speed, theme)
+        write_gauge(canvas, 1, "turn", _bar(angular, most[1]), turn, theme)
 
 
 def _rounded(value: float, digits: int) -> float:
@@ -82,52 +77,20 @@ def _rounded(value: float, digits: int) -> float:
     return round(value, digits) + 0.0 if math.isfinite(value) else math.inf
 
 
-def _linear_words(pair: _Pair, columns: int) -> str:
+def _linear_words(pair: _Pair) -> tuple[str, ...]:
     actual, commanded = signed(pair.actual, 2), signed(pair.commanded, 2)
-    return fitting_form(
-        columns,
-        f"speed {actual} m/s, commanded {commanded} m/s",
-        f"{actual} m/s of {commanded}",
-        f"{actual} of {commanded}",
-        actual,
-    )
+    return f"{actual} of {commanded} m/s", f"{actual} m/s", actual
 
 
-def _angular_words(pair: _Pair, columns: int) -> str:
-    actual, commanded = _turn(pair.actual), _turn(pair.commanded)
-    return fitting_form(
-        columns,
-        f"turning {actual}°/s, commanded {commanded}°/s",
-        f"{actual}°/s of {commanded}",
-        f"{actual}° of {commanded}",
-        actual,
-    )
+def _angular_words(pair: _Pair) -> tuple[str, ...]:
+    actual, commanded = turn_words(pair.actual), turn_words(pair.commanded)
+    both = f"{actual} of {commanded}°/s"
+    if pair.actual * pair.commanded > 0.0:
+        both = f"{actual} of {abs(pair.commanded):.0f}°/s"
+    return both, f"{actual}°/s", actual
 
 
-def _turn(value: float) -> str:
-    if not math.isfinite(value):
-        return "?"
-    side = "right " if value > 0.0 else "left " if value < 0.0 else ""
-    return f"{side}{abs(value):.0f}"
-
-
-def _draw_bar(canvas: Canvas, rows: range, pair: _Pair, most: float, theme: Theme) -> None:
-    top, bottom = 2 * rows.start, 2 * rows.stop
-    middle = canvas.width / 2.0
-
-    def column(value: float) -> float:
-        return middle + max(-1.0, min(1.0, value / most)) * middle
-
-    with drawing(canvas) as pen:
-        if math.isfinite(pair.actual):
-            low, high = sorted((middle, column(pair.actual)))
-            pen.rectangle(round(low), top, round(high), bottom, theme.accent)
-        zero = canvas.width // 2
-        pen.rectangle(zero, top, zero + 1, bottom, theme.faint)
-    if math.isfinite(pair.commanded):
-        at = min(canvas.width - 1, int(column(pair.commanded)))
-        for row in rows:
-            canvas.text(at, row, _COMMANDED, theme.ink)
-    if math.isfinite(pair.actual) and abs(pair.actual) > most:
-        right = pair.actual > 0.0
-        canvas.text(canvas.width - 1 if right else 0, rows.start, _BEYOND[right], theme.warning)
+def _bar(pair: _Pair, most: float) -> Bar | None:
+    if not math.isfinite(pair.actual):
+        return None
+    return Bar.from_middle(pair.actual / most, pair.commanded / most)

@@ -21,6 +21,7 @@ from tests.messages import camera_state, robot_state
 NOW = 100.0
 GOLDEN = Path(__file__).parents[2] / "golden" / "cells"
 LETTERS = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+LETTERS += "".join(map(chr, range(0x100, 0x17F)))
 
 Draw = Callable[..., Canvas]
 

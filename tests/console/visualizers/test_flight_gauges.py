@@ -108,7 +108,7 @@ def test_the_layout_chooses_the_level(depth) -> None:
 
 
 def labels(canvas) -> list[float]:
-    return [float(row.split()[0]) for row in words(canvas)[:-1] if row.endswith((" -", " <"))]
+    return [float(row.split()[0]) for row in words(canvas)[:-1] if row.endswith((" ┤", " ◀"))]
 
 
 def test_the_tape_of_depth_grows_downward_from_the_surface_and_of_height_upward(depth) -> None:
