@@ -87,7 +87,7 @@ _UNHEARD_S = 1.0
 """So long a button of the mouse is held while nothing is heard of a terminal that answers [s]."""
 _SWITCH_S = 0.5e-3
 """How long one thread may compute while another has a stick's report or a command to send [s]."""
-_NOT_DONE = "what a widget asked for could not be done; the log says why"
+_NOT_DONE = "something could not be done; the log says why"
 _FOCUSING_S = 0.3
 """A click that comes no later than this after the terminal got the focus was to give it [s]."""
 
@@ -130,7 +130,7 @@ class Console(MouseApp, inherit_bindings=False):
             layout.joysticks, Sources(HidReader(), links.pads), CalibrationStore()
         )
         self._stalls = StallGuard()
-        self._undone: set[type] = set()
+        self._undone: set[object] = set()
         self._leaving = self._drawing = False
         self._heard = 0.0
         self._focused = -math.inf
@@ -308,11 +308,22 @@ class Console(MouseApp, inherit_bindings=False):
         now = self._look_up()
         for link in self._links.values():
             link.attend()
+        for look in (self._look_at_hands, self._look_at_robots):
+            with self._sparing(look.__name__):
+                look(now)
+
+    def _look_at_hands(self, now: float) -> None:
         self._handle(self._keyboard.expire(now))
         unheard = self._painter.answers and now - self._heard > _UNHEARD_S
         if self._dispatch.button_held and unheard:
             self._let_go()  # no release comes over a line that is cut
-        self._mind_joysticks(now)
+        for text in self._joysticks.tick(now):
+            self._tell(desk.Outcome(text=text))
+        if self._joysticks.unsaved:
+            self._joysticks.unsaved = False
+            self._filing.keep_calibrations(self._joysticks.store)
+
+    def _look_at_robots(self, now: float) -> None:
         state = self.state
         if any(map(hinders_driving_on, state.robots.values())):
             self._keyboard.resume_none()
@@ -320,13 +331,6 @@ class Console(MouseApp, inherit_bindings=False):
             self._filing.recorder.note(now, state.display)
         self._execute(Tell(notice=notice) for notice in self._watch.look(state))
         self._execute(self._dispatch.tick(state))
-
-    def _mind_joysticks(self, now: float) -> None:
-        for text in self._joysticks.tick(now):
-            self._tell(desk.Outcome(text=text))
-        if self._joysticks.unsaved:
-            self._joysticks.unsaved = False
-            self._filing.keep_calibrations(self._joysticks.store)
 
     def _look_up(self) -> float:
         """The time now; after a pause of the console itself, nothing counts as held."""
@@ -396,14 +400,15 @@ class Console(MouseApp, inherit_bindings=False):
                 self._change(effect) if isinstance(effect, StateEffect) else self._do(effect)
 
     @contextlib.contextmanager
-    def _sparing(self, effect: Effect) -> Iterator[None]:
-        """Go on if an effect fails; what comes after it may be a stop."""
+    def _sparing(self, what: object) -> Iterator[None]:
+        """Go on if an effect or a step fails, and tell it once; what follows may be a stop."""
+        kind = what if isinstance(what, str) else type(what)
         try:
             yield
-        except Exception:  # of a widget of somebody else
-            if type(effect) not in self._undone:
-                self._undone.add(type(effect))
-                _logger.exception("%r was not done", effect)
+        except Exception:  # of a widget of somebody else, or of one robot of several
+            if kind not in self._undone:
+                self._undone.add(kind)
+                _logger.exception("%r was not done", what)
                 self._tell(desk.Outcome(text=_NOT_DONE, alarm=True))
 
     def _do(self, effect: DeedEffect) -> None:

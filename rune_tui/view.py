@@ -187,6 +187,7 @@ class View:
         self._visualizers: dict[str, Visualizer] = {}
         self._viewports = {each.name: each for each in self._spec.viewports if each.visualizer}
         self._complete = False
+        self._failed = False
         self._full = ""
         self._vital: tuple[str, ...] = ()
         self._arrangement = self._spec.arrangements[0]
@@ -249,9 +250,26 @@ class View:
         return self._visualizers[viewport.name]
 
     def render(self, state: ConsoleState) -> Cells | None:
-        """The picture as it is now, or None when it is the one returned last."""
+        """The picture as it is now, or None when it is the one returned last.
+
+        If it cannot be made, it says so: an old picture must not look like a new one.
+        """
         if not self._columns or not self._rows:
             return None
+        try:
+            cells = self._rendered(state)
+        except Exception:  # the operator still has a stop, and has to know that nothing is seen
+            if self._failed:
+                return None
+            self._failed, self._complete = True, False
+            _logger.exception("the picture cannot be made")
+            layers = [self._apology("this cannot be drawn; the log says why", state)]
+            self._urgencies = urgencies_of(self._columns, self._rows, layers)
+            return compose(self._columns, self._rows, self._ground(state.theme), layers)
+        self._failed = False
+        return cells
+
+    def _rendered(self, state: ConsoleState) -> Cells | None:
         self._arrange(state)
         state = dataclasses.replace(state, banner=banner_of(state))
         # Every pane is asked: no short cut after the first that changed.
@@ -268,7 +286,7 @@ class View:
         self._complete = True
         layers = [pane.layer for pane in self._panes if pane.layer is not None]
         if self._too_small:
-            layers = [self._apology(state)]
+            layers = [self._apology("too small", state)]
         elif urgent:
             layers.append(self._urgent(urgent, state))
         elif passing:
@@ -365,9 +383,9 @@ class View:
     def _nearest(self) -> int:
         return max((place.zpos for place in self._arrangement.places), default=0)
 
-    def _apology(self, state: ConsoleState) -> Layer:
+    def _apology(self, text: str, state: ConsoleState) -> Layer:
         canvas = Canvas.blank(self._columns, 2 * self._rows)
-        write_notice(canvas, "too small", state.theme)
+        write_notice(canvas, text, state.theme)
         return Layer(canvas=canvas, x=0, y=0)
 
 

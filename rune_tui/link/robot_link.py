@@ -125,6 +125,7 @@ class RobotLink:
         self._want_due, self._unheard = clock(), _REPEATED
         self._messages = self._bytes = 0
         self._tap: Tap | None = None
+        self._faults: set[tuple[type, object]] = set()
         self._control: ControlLine | None = None
         self._tunnel = tunnel
         self._stopping = threading.Event()
@@ -300,16 +301,30 @@ class RobotLink:
 
     def _run(self) -> None:
         while not self._stopping.is_set():
-            try:
-                self._client.listen(_LISTEN_S)
-            except Exception:  # one bad message must not end the link
-                _logger.exception("the link to %s goes on after a fault", self._state.name)
-            self._note_phase()
+            for work in (self._listen, self._note_phase):
+                try:
+                    work()
+                except Exception as error:  # noqa: BLE001 - one bad message must not end the link
+                    self._note_fault(error)
         try:
             self._client.listen(0.0)
         except HubError as error:
             _logger.warning("the last messages to %s were not sent: %s", self._state.name, error)
         self._client.close()
+
+    def _listen(self) -> None:
+        self._client.listen(_LISTEN_S)
+
+    def _note_fault(self, error: Exception) -> None:
+        """Log a fault and tell the operator; each only once, as it may come with every message."""
+        place = error.__traceback__
+        while place is not None and place.tb_next is not None:
+            place = place.tb_next
+        where = (type(error), place.tb_frame.f_code if place else None)
+        if where not in self._faults:
+            self._faults.add(where)
+            _logger.error("the link to %s goes on after a fault", self._state.name, exc_info=error)
+            self._say("a message could not be taken; the log says why")
 
     def _note_phase(self) -> None:
         link = self._state.link

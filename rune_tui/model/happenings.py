@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import logging
 from collections.abc import Iterator, Mapping
 
 from hub.gcm.control import ControlState
@@ -20,6 +21,8 @@ from rune_tui.model.control import (
 from rune_tui.model.doings import DoingWatch
 from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
 from rune_tui.model.robot_state import LackKind, LinkPhase, RobotState
+
+_logger = logging.getLogger(__name__)
 
 _GONE = {
     Absence.UNPLUGGED: "is unplugged: {} is gone",
@@ -49,12 +52,25 @@ class Watch:
         self._said: dict[str, int] = {}
         self._doings = DoingWatch()
         self._joysticks: dict[str, tuple[JoystickPhase, str]] = {}
+        self._failed: set[str] = set()
 
     def look(self, state: ConsoleState) -> tuple[Notice, ...]:
         """What has happened since the last look."""
-        of_robots = (self._of(robot, state) for robot in state.robots.values())
+        of_robots = (self._spared(robot, state) for robot in state.robots.values())
         of_joysticks = (self._of_joystick(each, state) for each in state.joysticks.values())
         return tuple(notice for some in (*of_robots, *of_joysticks) for notice in some)
+
+    def _spared(self, robot: RobotState, state: ConsoleState) -> tuple[Notice, ...]:
+        """What has happened to a robot; a fault there must not take the others away."""
+        try:
+            return tuple(self._of(robot, state))
+        except Exception:
+            if robot.name in self._failed:
+                return ()
+            self._failed.add(robot.name)
+            _logger.exception("what %s says cannot be followed", robot.name)
+            text = "not all that it says can be followed; the log says why"
+            return (state.notice(text, robot=robot.name, alarm=True),)
 
     def _of_joystick(self, joystick: JoystickState, state: ConsoleState) -> Iterator[Notice]:
         name, device = joystick.name, joystick.device

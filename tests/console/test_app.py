@@ -481,3 +481,20 @@ def test_the_click_that_brings_the_terminal_to_the_front_marks_nothing(
         assert not desk.console.state.ghosts
 
     play(script)
+
+
+def test_a_step_that_fails_ends_no_console_and_leaves_the_others(
+    play: Callable[[Script], None], monkeypatch: pytest.MonkeyPatch
+):
+    def broken(*_: Any) -> Any:
+        text = "a fault of ours"
+        raise ValueError(text)
+
+    async def script(desk: Desk) -> None:
+        with monkeypatch.context() as patch:
+            patch.setattr(desk.console._joysticks, "tick", broken)
+            await desk.until(lambda: any("could not be done" in text for text in desk.told))
+            await desk.drive()
+        assert len([text for text in desk.told if "could not be done" in text]) == 1
+
+    play(script)

@@ -140,3 +140,15 @@ def test_a_visualizer_that_fails_to_tell_what_was_clicked_leaves_a_click_without
     assert [record.message for record in caplog.records] == [
         "viewport foreign cannot tell what was clicked"
     ]
+
+
+def test_a_picture_that_cannot_be_made_says_so_and_is_made_again_when_it_can(
+    view: View, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    assert "drawing 1" in words(view.render(SHOWN))
+    with monkeypatch.context() as patch:
+        patch.setattr(View, "_arrange", lambda *_: 1 / 0)
+        assert "this cannot be drawn" in words(view.render(SHOWN))
+        assert view.render(SHOWN) is None
+    assert len(caplog.records) == 1
+    assert "drawing 2" in words(view.render(SHOWN))

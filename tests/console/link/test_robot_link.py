@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path
 
@@ -184,3 +184,29 @@ def test_states_that_come_sooner_than_the_layout_wants_are_left_out(desk: Desk) 
         until(lambda: link.state.link.messages_per_s != before, 10.0)
         assert link.state.navigation is not None
         assert link.state.navigation.value.x == 1.0
+
+
+def test_a_fault_in_taking_a_message_is_told_once_and_the_link_goes_on(
+    desk: Desk, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    link = desk.link(None)
+    _connected(link)
+    with closing(Client("navigation", desk.central.endpoints[0])) as navigation_module:
+
+        def came(what: Callable[[], bool]) -> bool:
+            navigation_module.publish(navigation.ROBOT_STATE, robot_state(x=1.0))
+            navigation_module.listen(0.01)
+            return what()
+
+        def broken(*_: object) -> None:
+            text = "a fault of ours"
+            raise ValueError(text)
+
+        with monkeypatch.context() as patch:
+            patch.setattr(link, "_received", broken)
+            before = link._messages
+            until(lambda: came(lambda: link._messages > before + 3), 10.0)
+        until(lambda: came(lambda: link.state.navigation is not None), 10.0)
+    assert link.state.link.said == "a message could not be taken; the log says why"
+    assert link.state.link.said_count == 1
+    assert len([each for each in caplog.records if each.exc_info]) == 1

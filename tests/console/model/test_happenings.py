@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from hub.gcm.control import CONTROL_STATE
 from hub.gcm.supervision import (
     CAPABILITY_REPORTS,
     CapabilityPhase,
@@ -149,3 +150,14 @@ def test_a_joystick_that_cannot_be_used_is_told_of_once_with_the_reason():
     assert told_of(watch, JoystickPhase.FORBIDDEN, why="no permission") == []
     lacking = [("pad is F310, it has no rightx", True)]
     assert told_of(watch, JoystickPhase.CONNECTED, why="it has no rightx") == lacking
+
+
+def test_a_robot_that_cannot_be_followed_takes_no_other_away(caplog: pytest.LogCaptureFixture):
+    watch, whole = Watch(), Made().robot(link=Made.link(LinkPhase.CONNECTED))
+    wrong = {CONTROL_STATE.name: received(None)}  # no value of this message
+    robots = {"rover": whole.with_(name="rover", messages=wrong), "magellan": whole}
+    state = ConsoleState(now=1.0, robots=robots)
+    fault = ("not all that it says can be followed; the log says why", True)
+    assert texts(list(watch.look(state))) == [fault, ("linked", False)]
+    assert watch.look(state) == ()
+    assert len([record for record in caplog.records if record.exc_info]) == 1
