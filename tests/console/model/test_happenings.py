@@ -6,7 +6,6 @@ from typing import Any
 
 import pytest
 
-from hub.gcm.control import CONTROL_STATE
 from hub.gcm.supervision import (
     CAPABILITY_REPORTS,
     CapabilityPhase,
@@ -154,7 +153,7 @@ def test_a_joystick_that_cannot_be_used_is_told_of_once_with_the_reason():
 
 def test_a_robot_that_cannot_be_followed_takes_no_other_away(caplog: pytest.LogCaptureFixture):
     watch, whole = Watch(), Made().robot(link=Made.link(LinkPhase.CONNECTED))
-    wrong = {CONTROL_STATE.name: received(None)}  # no value of this message
+    wrong = {CAPABILITY_REPORTS.name: received(None)}  # no value of this message
     robots = {"rover": whole.with_(name="rover", messages=wrong), "magellan": whole}
     state = ConsoleState(now=1.0, robots=robots)
     fault = ("not all that it says can be followed; the log says why", True)
