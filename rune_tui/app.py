@@ -60,6 +60,8 @@ from rune_tui.model.effects import (
     SuspendEffect,
     Tell,
     ToggleHelp,
+    ToggleLog,
+    TurnPage,
     changed,
 )
 from rune_tui.model.happenings import Watch
@@ -262,7 +264,7 @@ class Console(MouseApp, inherit_bindings=False):
             return
         event.stop()
         now = self._heard = self._look_up()
-        meant = part and self._dispatch.waits_for(MOUSE + part)
+        meant = part and (self._console.paged or self._dispatch.waits_for(MOUSE + part))
         if not meant or self._stalls.deaf(now):
             return
         # A cell is two pixels high; which of them the mouse is on, terminals do not tell.
@@ -278,7 +280,7 @@ class Console(MouseApp, inherit_bindings=False):
         What lies over the view, and another window in front, rests them, but for the stop.
         """
         now = self._look_up()
-        resting = self._covered or self._console.help or not self.app_focus
+        resting = self._covered or self._console.paged or not self.app_focus
         for event in self._joysticks.events(now):
             if self._dispatch.waits_for(event.name):
                 state = dataclasses.replace(self.state, help=resting)
@@ -460,7 +462,7 @@ class Console(MouseApp, inherit_bindings=False):
         self._execute(self._dispatch.act(action, self.state))
 
     def _tell(self, said: desk.Outcome) -> None:
-        self._change(Tell.now(self.state, said.text, robot=said.robot, alarm=said.alarm))
+        self._change(Tell.now(self.state, **dataclasses.asdict(said)))
 
     @property
     def _covered(self) -> bool:
@@ -470,9 +472,11 @@ class Console(MouseApp, inherit_bindings=False):
     def _change(self, effect: StateEffect) -> None:
         moved = isinstance(effect, ShowViewport | FillView) and self._dispatch.button_held
         asked = isinstance(effect, AskToLeave) and effect.reasons
-        if moved or asked or isinstance(effect, ChooseRobot | ToggleHelp):
+        if moved or asked or isinstance(effect, ChooseRobot | ToggleHelp | ToggleLog):
             self._let_go()  # what is held was meant for the robot before, seen, and in its place
         self._console = changed(self.state, effect)
+        if isinstance(effect, TurnPage):
+            self._console = self._view.within_page(self._console)
         self._ask_for_pictures()
 
     def _ask_for_pictures(self) -> None:
@@ -488,6 +492,7 @@ class Console(MouseApp, inherit_bindings=False):
             self._console,
             now=time.monotonic(),
             places=self._view.places,
+            rows=self._view.rows,
             clock=time.strftime("%H:%M:%S"),
             held=self._keyboard.held,
             waiting=tuple(filter(self._dispatch.waits_for_hold, self._keyboard.waiting)),

@@ -39,11 +39,13 @@ class Outcome:
         text: One sentence for the operator.
         alarm: Whether it went wrong.
         robot: Whom it is about; empty for the console itself.
+        routine: Whether it only says that what the operator wanted is done.
     """
 
     text: str
     alarm: bool = False
     robot: str = ""
+    routine: bool = False
 
 
 def operator_name() -> str:
@@ -83,7 +85,7 @@ def write_screenshot(cells: Cells, now: datetime.datetime) -> Outcome:
             picture.save(cells, base.with_suffix(suffix))
     except OSError as error:
         return _not_written("screenshot", error)
-    return Outcome(text=f"the screenshot is {base}.png and .txt")
+    return Outcome(text=f"the screenshot is {base}.png and .txt", routine=True)
 
 
 def write_marks(robot: RobotState, now: datetime.datetime) -> Outcome:
@@ -107,7 +109,7 @@ def write_marks(robot: RobotState, now: datetime.datetime) -> Outcome:
     except OSError as error:
         return _not_written("marks", error)
     text = f"what is marked ({len(points)}) is in {base}.csv, .geojson and .html"
-    return Outcome(text=text, robot=robot.name)
+    return Outcome(text=text, robot=robot.name, routine=True)
 
 
 def write_calibrations(store: CalibrationStore) -> Outcome:
@@ -116,7 +118,7 @@ def write_calibrations(store: CalibrationStore) -> Outcome:
         store.save()
     except OSError as error:
         return _not_written("the calibration", error)
-    return Outcome(text=f"the calibration is in {store.path}")
+    return Outcome(text=f"the calibration is in {store.path}", routine=True)
 
 
 def begin_recording(
@@ -137,7 +139,7 @@ def begin_recording(
         recording = Recording(path, about)
     except OSError as error:
         return None, _not_written("the recording", error)
-    return recording, Outcome(text=f"recording into {path}")
+    return recording, Outcome(text=f"recording into {path}", routine=True)
 
 
 def _free(folder: Path, name: str, suffix: str) -> Path:
@@ -155,7 +157,7 @@ def end_recording(recording: Recording) -> Outcome:
         return Outcome(text=f"{text}; then it ended: {recording.fault}", alarm=True)
     if recording.dropped:
         text += f"; {recording.dropped} were left out, as the disk was too slow"
-    return Outcome(text=text, alarm=recording.dropped > 0)
+    return Outcome(text=text, alarm=recording.dropped > 0, routine=True)
 
 
 def _not_written(what: str, error: OSError) -> Outcome:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import logging
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 from typing import cast
@@ -22,15 +22,17 @@ from rune_tui.model.effects import (
     ControlEffect,
     Effect,
     ExportEffect,
-    PaletteEffect,
     QuitEffect,
     SendEffect,
-    SuspendEffect,
     Tell,
     ToggleHelp,
+    ToggleLog,
     ToggleNight,
+    TurnPage,
     WishPictures,
 )
+from rune_tui.model.own_keys import own_effect
+from rune_tui.model.page import scrolled, turned
 from rune_tui.widgets.control import TakeControl
 from rune_tui.widgets.quit import Quit
 from rune_tui.widgets.speed import SetSpeed, StopRobot
@@ -38,13 +40,10 @@ from rune_tui.widgets.widget import Widget
 
 _logger = logging.getLogger(__name__)
 
-_UNLESS_BOUND: Mapping[str, Effect] = {
-    "?": ToggleHelp(),
-    "ctrl+p": PaletteEffect(),
-    "ctrl+z": SuspendEffect(),
-}
-"""What keys do that the layout binds to nothing."""
-_CLOSE_HELP = "escape"
+_CLOSE = "escape"
+_WHEEL = MOUSE + "wheel"
+_WHEEL_LINES = 3
+"""How far a notch of the mouse's wheel moves a page."""
 _YES = "enter"
 _TYPED_WHILE_AWAY = "what was typed while the console was held up does not count: press it again"
 _CLICKED_TO_FOCUS = (
@@ -75,8 +74,8 @@ class Dispatch:
     What only the operator may send who has control is not sent while somebody else has it; what
     drives a free robot takes control of it. When control changes, what is held counts no more.
 
-    While the help covers everything, only the keys of the stop, the help and the quit count; so it
-    is of keys that may have been typed while the console was away.
+    While a page covers the view, only the keys of the stop, the page and the quit count. Of keys
+    that may have been typed while the console was away, those of stop, help and quit count.
 
     The caller executes the effects in order. Before it ends, and whenever it can no longer see
     the keys, it also executes those of `released`.
@@ -126,20 +125,41 @@ class Dispatch:
             return self._of_old(event, state)
         if state.leaving and fresh and not event.name.startswith((MOUSE, JOYSTICK)):
             return self._answered(event, listeners, state)
-        if state.help:
-            # What goes up is still told, but for what is done only then.
-            listeners = [
-                each
-                for each in listeners
-                if each.widget.rule.under_help or not (event.pressed or each.spec.released)
-            ]
-            if event.name == _CLOSE_HELP and fresh:
-                stops = [each for each in listeners if isinstance(each.widget, StopRobot)]
-                return (ToggleHelp(), *self._woken(event, stops, state))
-        if fresh and event.name not in self._by_input and event.name in _UNLESS_BOUND:
-            own = _UNLESS_BOUND[event.name]
-            return (own,) if own == ToggleHelp() or not state.help else ()
+        if state.paged:
+            return self._paged(event, listeners, state)
+        if fresh and event.name not in self._by_input:
+            own = own_effect(event.name, paged=False)
+            return () if own is None else (own,)
         return self._woken(event, listeners, state)
+
+    def _paged(
+        self, event: ControlEvent, listeners: Iterable[_Listener], state: ConsoleState
+    ) -> tuple[Effect, ...]:
+        """What an input does while a page lies over the view: the stop stops, whatever is typed."""
+        # What goes up is still told, but for what is done only then.
+        safe = [
+            each
+            for each in listeners
+            if each.widget.rule.under_help or not (event.pressed or each.spec.released)
+        ]
+        if not event.pressed:
+            return self._woken(event, safe, state)
+        stops = [each for each in safe if isinstance(each.widget, StopRobot)]
+        stopping = self._woken(event, stops, state)
+        if event.name == _WHEEL:
+            page = scrolled(state.page, round(-_WHEEL_LINES * event.value))
+        elif stops and event.name != _CLOSE:
+            return stopping
+        else:
+            page = turned(state.page, event.name, state.rows)
+        if page != state.page:
+            return (TurnPage(page=page), *stopping)
+        if event.repeat or state.page.typing:
+            return stopping
+        if event.name == _CLOSE:
+            return (ToggleHelp() if state.help else ToggleLog(), *stopping)
+        own = None if event.name in self._by_input else own_effect(event.name, paged=True)
+        return self._woken(event, safe, state) if own is None else (own,)
 
     def _answered(
         self, event: ControlEvent, listeners: Iterable[_Listener], state: ConsoleState
@@ -162,7 +182,7 @@ class Dispatch:
         safe = [each for each in waiting if each.widget.rule.under_help]
         if safe:
             return self._woken(event, safe, state)
-        meant = waiting or event.name in _UNLESS_BOUND
+        meant = waiting or own_effect(event.name, paged=False) is not None
         text = _CLICKED_TO_FOCUS if event.name.startswith(MOUSE) else _TYPED_WHILE_AWAY
         return (Tell.now(state, text),) if meant and not event.repeat else ()
 

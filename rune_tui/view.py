@@ -17,7 +17,6 @@ from rune_tui.compositor.blend import Layer, compose, tinted, urgencies_of
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.contrast import make_legible
 from rune_tui.controls.events import Hit
-from rune_tui.help_layer import HelpLayer
 from rune_tui.layout.placing import Area, Placed, arrangement_for, filled, placed
 from rune_tui.layout.rules import Vocabulary
 from rune_tui.layout.spec import LayoutSpec, PlaceSpec, ViewportSpec
@@ -25,6 +24,7 @@ from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.leaving import question
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import DARK, Theme
+from rune_tui.page_layer import PageLayer
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgencies, Urgency
 from rune_tui.visualizers.camera_image import CameraImage
@@ -192,7 +192,10 @@ class View:
         self._vital: tuple[str, ...] = ()
         self._arrangement = self._spec.arrangements[0]
         self.places: Mapping[str, bool] = {}
-        self._help = HelpLayer(layout)
+        self._page = PageLayer(layout)
+        self._paged = False
+        self._page_rows = 0
+        self._sizes: Mapping[str, tuple[int, int]] = {}
         self._banner = BannerLayer()
         self._urgencies: Urgencies = np.zeros((0, 0), np.uint8)
 
@@ -240,8 +243,11 @@ class View:
             name for name, each in self._viewports.items() if not self._visualizer(each).whole_cells
         }
         size = self._columns, self._rows
-        if self._full:
-            return filled(self._arrangement, self._full, self._vital, *size, free=free)
+        if self._full or self._paged:
+            full = "" if self._paged else self._full
+            whole, *others = filled(self._arrangement, full, self._vital, *size, free=free)
+            self._page_rows = whole.area.height // 2
+            return (whole, *others)
         return placed(self._arrangement, *size, free=free)
 
     def _visualizer(self, viewport: ViewportSpec) -> Visualizer:
@@ -275,7 +281,9 @@ class View:
         # Every pane is asked: no short cut after the first that changed.
         changed = [pane.refresh(state) for pane in self._panes]
         changed.append(self._banner.refresh(self._columns, self._rows, state))
-        changed.append(self._help.refresh(self._columns, self._rows, state))
+        top, rows = self._page_place
+        nearest = self._nearest + 1
+        changed.append(self._page.refresh(self._columns, top, rows, nearest, state))
         passing = self._passing(state)
         urgent = question(state.leaving) or state.trouble or _asked(state)
         now_said = (state.theme.name, urgent, passing)
@@ -285,6 +293,7 @@ class View:
         self._said = now_said
         self._complete = True
         layers = [pane.layer for pane in self._panes if pane.layer is not None]
+        layers += self._page.layers
         if self._too_small:
             layers = [self._apology("too small", state)]
         elif urgent:
@@ -293,7 +302,6 @@ class View:
             layers.append(self._told(passing, state))
         if not self._too_small:
             layers += self._banner.layers
-        layers += self._help.layers
         self._urgencies = urgencies_of(self._columns, self._rows, layers)
         cells = compose(self._columns, self._rows, self._ground(state.theme), layers)
         make_legible(cells, state.theme.tint)
@@ -301,7 +309,7 @@ class View:
 
     def hits(self, x: int, y: int, state: ConsoleState) -> tuple[Hit, ...]:
         """The viewports at a pixel of the terminal (column, 2 * row), the nearest first."""
-        if state.help:
+        if state.paged:
             return ()
         panes = sorted(self._panes, key=lambda pane: pane.how.zpos)
         found = (pane.hit(x, y, state) for pane in reversed(panes))
@@ -314,6 +322,8 @@ class View:
         them for none.
         """
         self._arrange(state)
+        if self._paged:
+            return self._sizes  # the page is closed in a moment, and then they have to be new
         sizes: dict[str, tuple[int, int]] = {}
         for pane in self._panes:
             robot, shown = pane.robot(state), pane.visualizer
@@ -321,19 +331,20 @@ class View:
                 across = 2 if pane.fine else 1
                 size = shown.picture_size(across * pane.place.width, across * pane.place.height)
                 sizes[robot.name] = max(size, sizes.get(robot.name, MIN_PICTURE))
+        self._sizes = sizes
         return sizes
 
     def _arrange(self, state: ConsoleState) -> None:
-        """Place the viewports anew if one of them begins to fill the view, or ends to."""
+        """Place the viewports anew if one of them, or a page, begins to fill the view, or ends."""
         full = state.full if state.full in self._viewports else ""
-        vital = tuple(self._watched(full, state)) if full else ()
-        if (full, vital) != (self._full, self._vital):
-            self._full, self._vital = full, vital
+        vital = tuple(self._watched(full, state)) if full or state.paged else ()
+        if (full, vital, state.paged) != (self._full, self._vital, self._paged):
+            self._full, self._vital, self._paged = full, vital, state.paged
             self.resize(self._columns, self._rows)
 
     def _watched(self, full: str, state: ConsoleState) -> list[str]:
         """The vital viewports that are shown, those of the robot that fills the view first."""
-        robot = self._viewports[full].robot
+        robot = self._viewports[full].robot if full else state.chosen
         shown = [
             self._viewports[place.viewport]
             for place in self._arrangement.places
@@ -341,6 +352,22 @@ class View:
         ]
         vital = [each for each in shown if self._visualizer(each).rule.vital]
         return [each.name for each in sorted(vital, key=lambda each: each.robot != robot)]
+
+    @property
+    def rows(self) -> int:
+        """Height of the terminal [cells]."""
+        return self._rows
+
+    @property
+    def _page_place(self) -> tuple[int, int]:
+        """First row and height of a page: below the banner, above what is vital [cells]."""
+        top = min(self._banner.rows, self._page_rows - 1)
+        return max(0, top), max(1, self._page_rows - top)
+
+    def within_page(self, state: ConsoleState) -> ConsoleState:
+        """The state with its page scrolled no farther than to its end."""
+        page = self._page.within(state.page, self._columns, self._page_place[1], state)
+        return dataclasses.replace(state, page=page)
 
     @property
     def _too_small(self) -> bool:
@@ -372,7 +399,7 @@ class View:
     def _on_top(self, canvas: Canvas) -> Layer:
         """Over everything, below the banner."""
         y = 2 * self._banner.rows
-        return Layer(canvas=canvas, x=0, y=y, zpos=self._nearest + 1, urgency=Urgency.ALARM)
+        return Layer(canvas=canvas, x=0, y=y, zpos=self._nearest + 2, urgency=Urgency.ALARM)
 
     def _ground(self, theme: Theme) -> tuple[int, int, int]:
         """What is behind all viewports: a layout's colour suits the theme it was made for only."""

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from rune_tui.layout.input_words import ways
 from rune_tui.layout.names import MOUSE
-from rune_tui.layout.rules import HandlerRule, NumberOption, Option, TextOption
+from rune_tui.layout.rules import (
+    ChoiceOption,
+    HandlerRule,
+    NumberOption,
+    Option,
+    Section,
+    TextOption,
+)
 from rune_tui.layout.spec import ControlKind, EventSpec, LayoutSpec, ViewportSpec, WidgetSpec
 
 _WHEEL = MOUSE + "wheel"
@@ -22,6 +30,8 @@ class Action:
         inputs: Which they are, in words.
         robot: Whom it concerns; empty for the console itself.
         event: The first of their events, as the layout has it.
+        section: Where the help lists it.
+        safe: Whether its inputs count while a page covers the view, as those of the stop do.
         at_once: Whether it is done in a moment, without pointing, and in one direction, so that it
             can be chosen from a list.
     """
@@ -30,6 +40,8 @@ class Action:
     inputs: tuple[str, ...]
     robot: str
     event: EventSpec
+    section: Section
+    safe: bool
     at_once: bool
 
 
@@ -45,6 +57,8 @@ def actions_of(layout: LayoutSpec) -> tuple[Action, ...]:
             inputs=inputs,
             robot=known.robot,
             event=known.event,
+            section=known.section,
+            safe=known.safe,
             at_once=known.at_once,
         )
     order = ["", *(robot.name for robot in layout.robots)]
@@ -78,6 +92,9 @@ def _single_actions(layout: LayoutSpec) -> Iterator[Action]:
                         inputs=(said,),
                         robot=owner if rule.needs_robot else "",
                         event=event,
+                        section=rule.section
+                        or (Section.ROBOT if rule.needs_robot else Section.SCREEN),
+                        safe=rule.under_help,
                         at_once=not (rule.pointed or rule.held or _both_ways(event)),
                     )
 
@@ -94,10 +111,29 @@ def _where(viewport: ViewportSpec) -> str:
 
 
 def _words(widget: WidgetSpec, event: EventSpec, rule: HandlerRule) -> str:
+    if template := rule.says.get(event.control, rule.says.get("", "")):
+        # A rule of somebody else may name what is not there.
+        with contextlib.suppress(KeyError, ValueError, IndexError, AttributeError):
+            return template.format_map(_values(widget, event, rule))
     said = rule.meaning.split(". ")[0].split(";")[0].rstrip(".")
     if more := ", ".join(filter(None, (_direction(event, rule), *_options(widget, event, rule)))):
         said += f": {more}"
     return said
+
+
+def _values(widget: WidgetSpec, event: EventSpec, rule: HandlerRule) -> dict[str, str]:
+    """What the names in braces stand for in what a rule says."""
+    values = {"direction": _direction(event, rule)}
+    for name, option in rule.options.items():
+        value = widget.options.values[name]
+        if isinstance(option, TextOption) and option.names:
+            own = widget.viewport if option.names == "viewport" else "the next one"
+            values[name] = str(value) or own
+        elif isinstance(option, ChoiceOption):
+            values[name] = option.words.get(str(value), str(value))
+        else:
+            values[name] = _shown(value, option)
+    return values
 
 
 def _direction(event: EventSpec, rule: HandlerRule) -> str:
@@ -107,7 +143,7 @@ def _direction(event: EventSpec, rule: HandlerRule) -> str:
     if event.name == _WHEEL or event.kind is ControlKind.BALL:
         return f"{plus} or {minus}" if event.value >= 0.0 else f"{minus} or {plus}"
     size = abs(event.value)
-    share = "" if size == 1.0 else f" ({size:g} of it)"
+    share = "" if size == 1.0 else f", {100 * size:.0f} %"
     return (plus if event.value >= 0.0 else minus) + share
 
 

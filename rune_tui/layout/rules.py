@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import enum
 import math
 import re
 from collections.abc import Mapping
@@ -13,6 +14,17 @@ LOCAL_MESSAGES = frozenset({NIGHT_MODE_MESSAGE})
 """Messages of the report that never leave the console."""
 
 _DECIMAL = re.compile(r"[+-]?([0-9]{1,18}(\.[0-9]{0,99})?|\.[0-9]{1,99})")
+
+
+class Section(enum.Enum):
+    """What kind of thing an input does; the values are the help's headings, in its order."""
+
+    DRIVE = "Stop and drive"
+    LOOK = "Look"
+    MARK = "Mark"
+    ROBOT = "Robot"
+    SCREEN = "Screen"
+    SESSION = "Session"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,12 +72,14 @@ class ChoiceOption:
         choices: All that are allowed.
         meaning: What it does, for the reference.
         renamed: What older spellings are called now; they are still allowed.
+        words: What people call a choice, where that is not its name.
     """
 
     default: str
     choices: tuple[str, ...]
     meaning: str
     renamed: Mapping[str, str] = field(default_factory=dict)
+    words: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def allowed(self) -> str:
@@ -200,6 +214,9 @@ class HandlerRule:
             and the one whose positive is up or forward; None if it cannot.
         held: Whether it acts while an input is held, so that a mere moment of it is nothing.
         under_help: Whether its keys count while the help covers everything.
+        section: Where the help lists it; None: with the robot if it commands one, else the screen.
+        says: What its inputs do, in a few plain words, by control. In braces stand `direction` and
+            names of options, for their values. Empty: made of its meaning.
     """
 
     meaning: str
@@ -213,6 +230,8 @@ class HandlerRule:
     plane: tuple[str, str] | None = None
     held: bool = False
     under_help: bool = False
+    section: Section | None = None
+    says: Mapping[str, str] = field(default_factory=dict)
 
 
 class RuledVisualizer(Protocol):

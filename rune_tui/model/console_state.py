@@ -14,6 +14,7 @@ from rune_tui.layout.actions import inputs_of
 from rune_tui.layout.spec import CHOSEN, LayoutSpec
 from rune_tui.model.display_state import DisplayState
 from rune_tui.model.joystick_state import JoystickState
+from rune_tui.model.page import Page
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import DARK, Theme
 from rune_tui.model.world import WorldPoint
@@ -32,6 +33,7 @@ class Notice:
         robot: Whom it is about; empty for the console itself.
         alarm: Whether it needs a hand.
         quiet: Whether it is for the log only, and not shown by itself where there is none.
+        routine: Whether it only says that what the operator wanted is done, such as a file.
     """
 
     text: str
@@ -40,6 +42,7 @@ class Notice:
     robot: str = ""
     alarm: bool = False
     quiet: bool = False
+    routine: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -112,7 +115,10 @@ class ConsoleState:
         night: Robots whose night mode somebody switched on, by name.
         theme: The colours.
         notices: What happened, the newest last.
-        help: Whether the page that says what keys do lies over everything.
+        help: Whether the page that says what keys do lies over the view.
+        log: Whether the page of all that happened lies over the view.
+        page: How that page is shown.
+        rows: Height of the terminal [cells].
         leaving: What speaks against the end of the console, while the operator is asked about it.
         full: The viewport that is shown over the whole view; empty if none is.
         operator: Who sits here.
@@ -143,6 +149,9 @@ class ConsoleState:
     theme: Theme = DARK
     notices: tuple[Notice, ...] = ()
     help: bool = False
+    log: bool = False
+    page: Page = field(default_factory=Page)
+    rows: int = 24
     leaving: tuple[str, ...] = ()
     full: str = ""
     operator: str = ""
@@ -169,6 +178,11 @@ class ConsoleState:
                 joystick.name: JoystickState(name=joystick.name) for joystick in layout.joysticks
             },
         )
+
+    @property
+    def paged(self) -> bool:
+        """Whether a page lies over the view; then only keys of the page, stop and quit count."""
+        return self.help or self.log
 
     @property
     def latency(self) -> float:

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 from hub.gcm.control import ControlAction
 from hub.ipc.definition import MessageDefinition
 from rune_tui.model.console_state import MOST_NOTICES, ConsoleState, Ghost, Notice, PictureWish
+from rune_tui.model.page import Page
 from rune_tui.model.theme import THEMES
 
 LEAST_ZOOM = 0.05
@@ -199,6 +200,22 @@ class ToggleHelp:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ToggleLog:
+    """Show or hide the page of all that happened."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TurnPage:
+    """Show the page over the view otherwise.
+
+    Attributes:
+        page: How.
+    """
+
+    page: Page
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class AskToLeave:
     """Ask whether the console is to end.
 
@@ -244,21 +261,30 @@ class Tell:
     notice: Notice
 
     @classmethod
-    def now(cls, state: ConsoleState, text: str, *, robot: str = "", alarm: bool = False) -> Tell:
+    def now(
+        cls,
+        state: ConsoleState,
+        text: str,
+        *,
+        robot: str = "",
+        alarm: bool = False,
+        routine: bool = False,
+    ) -> Tell:
         """Tell of something that happens now."""
-        return cls(notice=state.notice(text, robot=robot, alarm=alarm))
+        notice = state.notice(text, robot=robot, alarm=alarm)
+        return cls(notice=dataclasses.replace(notice, routine=routine))
 
 
+CoverEffect = FillView | ToggleHelp | ToggleLog | TurnPage | AskToLeave
+"""What lies over the whole view, or no longer does."""
 StateEffect = (
     ShowViewport
-    | FillView
+    | CoverEffect
     | ChooseRobot
     | Zoom
     | WishPictures
     | ToggleNight
     | SetTheme
-    | ToggleHelp
-    | AskToLeave
     | ShowGhost
     | Tell
 )
@@ -285,7 +311,7 @@ def changed(state: ConsoleState, effect: StateEffect) -> ConsoleState:
     match effect:
         case ShowViewport():
             return _showing(state, effect)
-        case FillView() | ToggleHelp() | AskToLeave():
+        case FillView() | ToggleHelp() | ToggleLog() | TurnPage() | AskToLeave():
             return _covered(state, effect)
         case ChooseRobot(robot=name):
             return dataclasses.replace(state, chosen=name or _next(state.chosen, state.robots))
@@ -303,15 +329,23 @@ def changed(state: ConsoleState, effect: StateEffect) -> ConsoleState:
             return dataclasses.replace(state, notices=notices)
 
 
-def _covered(state: ConsoleState, effect: FillView | ToggleHelp | AskToLeave) -> ConsoleState:
+def _covered(state: ConsoleState, effect: CoverEffect) -> ConsoleState:
     """The state with something over the whole view, or with the view again."""
     match effect:
         case FillView(viewport=name):
             return dataclasses.replace(state, full="" if state.full == name else name)
         case ToggleHelp():
-            return dataclasses.replace(state, help=not state.help)
+            return dataclasses.replace(state, help=not state.help, log=False, page=Page())
+        case ToggleLog():
+            shown = not state.log
+            return dataclasses.replace(state, log=shown, help=False, page=Page())
+        case TurnPage(page=page):
+            return dataclasses.replace(state, page=page)
         case AskToLeave(reasons=reasons):
-            return dataclasses.replace(state, leaving=reasons, help=state.help and not reasons)
+            clear = not reasons
+            return dataclasses.replace(
+                state, leaving=reasons, help=state.help and clear, log=state.log and clear
+            )
 
 
 def _of_robot(state: ConsoleState, effect: WishPictures | ToggleNight | ShowGhost) -> ConsoleState:

@@ -8,8 +8,11 @@ from functools import partial
 from textual.command import CommandPalette, DiscoveryHit, Hit, Hits, Provider
 from textual.content import Content
 
-from rune_tui.help_layer import robot_words
+from rune_tui.help_page import robot_words
 from rune_tui.layout.actions import Action
+from rune_tui.layout.rules import Section
+
+_SECTIONS = list(Section)
 
 Act = Callable[[Action], None]
 
@@ -21,7 +24,7 @@ def palette_of(actions: Sequence[Action], act: Act) -> CommandPalette:
         actions: All actions.
         act: Called with the one that is chosen.
     """
-    listed = {_title(action): action for action in actions if action.at_once}
+    listed = choices(actions)
 
     class Actions(Provider):
         """Finds actions by their words."""
@@ -42,8 +45,23 @@ def palette_of(actions: Sequence[Action], act: Act) -> CommandPalette:
     return CommandPalette([Actions], placeholder="What shall be done?")
 
 
-def _title(action: Action) -> str:
-    return f"{robot_words(action.robot)}: {action.words}"
+def choices(actions: Sequence[Action]) -> dict[str, Action]:
+    """What can be done in a moment by what the list says, in its order."""
+    several = len({action.robot for action in actions if action.robot}) > 1
+    at_once = sorted((action for action in actions if action.at_once), key=_rank)
+    return {_title(action, several=several): action for action in at_once}
+
+
+def _rank(action: Action) -> tuple[bool, bool, int, bool]:
+    """Where an action stands: the first is taken by a careless enter, so it must do no harm."""
+    last = action.section is Section.SESSION
+    harmless = action.section is Section.SCREEN and action.safe
+    return (not harmless, last and action.safe, _SECTIONS.index(action.section), not action.safe)
+
+
+def _title(action: Action, *, several: bool) -> str:
+    whose = f"{robot_words(action.robot)}: " if several and action.robot else ""
+    return f"{whose}{action.words}"
 
 
 def _inputs(action: Action) -> str:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator
+import dataclasses
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from rune_tui.layout.rules import ChoiceOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState, Notice
+from rune_tui.model.notices import KEPT_S, by_weight, merged, shortened
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.mood import Mood, ink_of
@@ -16,6 +18,8 @@ from rune_tui.visualizers.rows import Row, cut, wrapped
 
 _NARROW = 40
 _INDENT = " " * 4
+_MOST_ROWS = 2
+"""Rows that one notice may take."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,26 +55,33 @@ class EventLog:
         return cls(spec.options.word("newest") == "top", spec.options.word("robots") == "all")
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
-        """Write the newest notices, of the newest the beginning at least."""
+        """Write what there is room for, what needs the operator's eyes before all else."""
         canvas.fill(state.theme.panel)
-        rows: list[Row] = []
-        for notice in reversed(self._notices(robot, state)):
-            lines = [*_rows(notice, state.title(notice.robot), canvas.width)]
-            if not rows:
-                lines = lines[: canvas.rows]
-            rows += lines if self.newest_at_top else reversed(lines)
-            if len(rows) >= canvas.rows:
-                break
-        rows = rows[: canvas.rows] or [Row("nothing has happened yet", Mood.FAINT)]
-        if not self.newest_at_top:
-            rows.reverse()
-        for index, row in enumerate(rows):
+        rows = self._chosen(merged(self._notices(robot, state)), canvas.width, canvas.rows, state)
+        for index, row in enumerate(rows or [Row("nothing has happened yet", Mood.FAINT)]):
             canvas.text(0, index, cut(row.text, canvas.width), ink_of(row.mood, state.theme))
+
+    def _chosen(
+        self, notices: Sequence[Notice], columns: int, room: int, state: ConsoleState
+    ) -> list[Row]:
+        """The rows of those notices that weigh most, in the order in which they happened."""
+        chosen: dict[int, list[Row]] = {}
+        places = {id(notice): number for number, notice in enumerate(notices)}
+        for notice in by_weight(notices, state.now):
+            rows = [*_rows(notice, state.title(notice.robot), columns)][:room]
+            room -= len(rows)
+            chosen[places[id(notice)]] = rows
+            if room <= 0:
+                break
+        order = sorted(chosen, reverse=self.newest_at_top)
+        return [row for number in order for row in chosen[number]]
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with the notices."""
         notices = self._notices(robot, state)
-        return notices, tuple(state.title(each.robot) for each in notices), state.theme.name
+        titles = tuple(state.title(each.robot) for each in notices)
+        fresh = sum(state.now - each.when < KEPT_S for each in notices)
+        return notices, titles, fresh, state.theme.name
 
     def _notices(self, robot: RobotState, state: ConsoleState) -> tuple[Notice, ...]:
         if self.of_all:
@@ -79,8 +90,13 @@ class EventLog:
 
 
 def _rows(notice: Notice, robot: str, columns: int) -> Iterator[Row]:
+    """A notice in at most two rows; all of it is on the page of messages."""
     clock = notice.clock if columns >= _NARROW else notice.clock[: len("14:03")]
     whom = f"{robot}:" if robot else ""
-    words = (clock, "!" if notice.alarm else "", whom, notice.text)
+    words = (clock, "!" if notice.alarm else "", whom, shortened(notice.text))
     row = Row(" ".join(filter(None, words)), Mood.ALARM if notice.alarm else Mood.PLAIN)
-    return wrapped(row, columns, _INDENT)
+    lines = [*wrapped(row, columns, _INDENT)]
+    yield from lines[: _MOST_ROWS - 1]
+    for last in lines[_MOST_ROWS - 1 : _MOST_ROWS]:
+        more = " …" if len(lines) > _MOST_ROWS else ""
+        yield dataclasses.replace(last, text=cut(last.text, columns - len(more)) + more)

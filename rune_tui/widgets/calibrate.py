@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from rune_tui.controls.events import ControlEvent
-from rune_tui.layout.rules import HandlerRule, TextOption
+from rune_tui.layout.rules import HandlerRule, Section, TextOption
 from rune_tui.layout.spec import EventSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import CalibrateEffect, Effect
@@ -16,6 +16,8 @@ class Calibrate(PressWidget):
     """Starts the calibration of a joystick, or ends it."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.SESSION,
+        says={"": "Calibrate a joystick"},
         meaning=(
             "Asks for the ends and the rest of a joystick's axes, one after the other, and keeps "
             "them for that device; again: ends it. Meanwhile the joystick drives nothing."

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from hub.gcm.control import CONTROL_STATE, ControlAction
-from rune_tui.layout.rules import ChoiceOption, HandlerRule
+from rune_tui.layout.rules import ChoiceOption, HandlerRule, Section
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.control import Standing, asks, control_of, owner_words, standing
 from rune_tui.model.effects import ControlEffect, Effect, Tell
@@ -19,6 +19,8 @@ class TakeControl(OrderWidget):
     """Takes control of a robot, or asks who has it."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.ROBOT,
+        says={"": "Take control, or ask for it"},
         meaning=(
             "Takes control of the robot, or asks who has it to hand it over. Who has control "
             "commands the robot alone; everybody can stop it."
@@ -52,6 +54,8 @@ class TakeOver(OrderWidget):
     """Takes control from whoever has it."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.ROBOT,
+        says={"": "Take control from whoever has it"},
         meaning=(
             "Takes control from whoever has it, without asking; that needs a key made with "
             "`--role supervise`, or a console on the robot itself."
@@ -70,6 +74,8 @@ class ReleaseControl(OrderWidget):
     """Gives up control."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.ROBOT,
+        says={"": "Give up control"},
         meaning="Gives up control of the robot, or no longer asks for it.",
         uses=_USES,
     )
@@ -100,6 +106,8 @@ class GrantControl(_AnswerRequest):
 
     action: ClassVar = ControlAction.GRANT
     rule: ClassVar = HandlerRule(
+        section=Section.ROBOT,
+        says={"": "Hand control to who asks for it"},
         meaning="Hands control of the robot to who asks for it; the robot stands then.",
         uses=_USES,
     )
@@ -110,5 +118,8 @@ class DenyControl(_AnswerRequest):
 
     action: ClassVar = ControlAction.DENY
     rule: ClassVar = HandlerRule(
-        meaning="Keeps control of the robot from who asks for it.", uses=_USES
+        section=Section.ROBOT,
+        says={"": "Keep control from who asks for it"},
+        meaning="Keeps control of the robot from who asks for it.",
+        uses=_USES,
     )

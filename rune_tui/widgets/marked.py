@@ -21,7 +21,7 @@ from hub.gcm.mapping import (
 )
 from hub.gcm.navigation import LANDMARK_CORRECTION, ROBOT_STATE, LandmarkCorrection
 from rune_tui.controls.events import ControlEvent
-from rune_tui.layout.rules import HandlerRule, NumberOption
+from rune_tui.layout.rules import HandlerRule, NumberOption, Section
 from rune_tui.layout.spec import EventSpec, WidgetSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import AskEffect, Effect, ExportEffect, SendEffect, Tell
@@ -45,6 +45,8 @@ class UndoMark(OrderWidget):
     """Takes back the newest mark of this operator."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.MARK,
+        says={"": "Take back your newest mark"},
         meaning="Takes back your newest mark.",
         options={"operator": OPERATOR},
         sends=(POINT_COMMAND.name,),
@@ -73,9 +75,11 @@ class UndoMark(OrderWidget):
         return now - self._removed.get((robot, number), -math.inf) < _REMOVED_S
 
 
-def _rule(meaning: str) -> HandlerRule:
+def _rule(meaning: str, says: str) -> HandlerRule:
     """What layouts may say of a widget that does something with the mark that is clicked."""
     return HandlerRule(
+        section=Section.MARK,
+        says={"": says},
         meaning=meaning,
         options={"radius": _RADIUS},
         sends=(POINT_COMMAND.name,),
@@ -113,7 +117,7 @@ class RemoveMark(_MarkWidget):
     """Removes the mark that was clicked."""
 
     purpose: ClassVar[str] = "removed"
-    rule: ClassVar = _rule("Removes the mark nearest to where you click.")
+    rule: ClassVar = _rule("Removes the mark nearest to where you click.", "Remove the mark there")
 
     def mark(
         self, mark: InterestPoint, robot: RobotState, state: ConsoleState
@@ -126,7 +130,10 @@ class EditMark(_MarkWidget):
     """Changes the words that go with a mark."""
 
     purpose: ClassVar[str] = "changed"
-    rule: ClassVar = _rule("Asks for other words to go with the mark nearest to where you click.")
+    rule: ClassVar = _rule(
+        "Asks for other words to go with the mark nearest to where you click.",
+        "Change the words of the mark there",
+    )
 
     def mark(
         self,
@@ -149,6 +156,8 @@ class CorrectLandmark(PointedWidget):
 
     purpose: ClassVar[str] = "corrected"
     rule: ClassVar = HandlerRule(
+        section=Section.MARK,
+        says={"": "Correct where the robot is: a landmark's foot"},
         meaning=(
             "Corrects where the robot thinks it is: click on the foot of a marked landmark, where "
             "you see it. The nearest marked landmark is the one that is meant."
@@ -197,6 +206,8 @@ class ExportMarks(PressWidget):
     """Writes the marks and the map into files."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.MARK,
+        says={"": "Write all marks into files"},
         meaning=(
             "Writes all marks into files in your documents folder: CSV, GeoJSON, and a page with "
             "the map and the pictures."

@@ -17,7 +17,7 @@ from hub.gcm.mapping import (
     PointKind,
 )
 from rune_tui.controls.events import ControlEvent
-from rune_tui.layout.rules import ChoiceOption, HandlerRule, TextOption
+from rune_tui.layout.rules import ChoiceOption, HandlerRule, Section, TextOption
 from rune_tui.layout.spec import WidgetSpec
 from rune_tui.model.console_state import ConsoleState, Ghost
 from rune_tui.model.effects import Effect, SendEffect, ShowGhost, Tell
@@ -56,6 +56,8 @@ class _Pending:
 def _rule(what: str) -> HandlerRule:
     """What layouts may say of a widget that marks such things."""
     return HandlerRule(
+        section=Section.MARK,
+        says={"": f"Mark a {what} there"},
         meaning=f"Marks a {what} where you click, with a small picture of it. "
         "The first click shows where it would be and how far away, a second one there marks it.",
         options={

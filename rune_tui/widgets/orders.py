@@ -17,7 +17,7 @@ from hub.gcm.navigation import (
     Point,
 )
 from rune_tui.controls.events import ControlEvent
-from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption
+from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption, Section
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, SendEffect, Tell
 from rune_tui.model.robot_state import RobotState
@@ -38,6 +38,8 @@ class GoTo(PointedWidget):
 
     purpose: ClassVar[str] = "sent"
     rule: ClassVar = HandlerRule(
+        section=Section.DRIVE,
+        says={"": "Go there by itself"},
         meaning="Sends the robot where you click; a driving key or a stop ends it.",
         options={
             "linear": NumberOption(
@@ -75,11 +77,19 @@ class Autonomy(OrderWidget):
     """Tells the robot what to do by itself."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.DRIVE,
+        says={"": "{order}"},
         meaning="Tells the robot what to do by itself; a driving key or a stop ends it.",
         options={
             "order": ChoiceOption(
                 default="explore",
                 choices=tuple(_ORDERS),
+                words={
+                    "explore": "Explore by itself",
+                    "return": "Return to the start by itself",
+                    "hold": "Do nothing by itself",
+                    "wander": "Wander by itself",
+                },
                 meaning="explore what is not mapped, return to where it started, hold still for "
                 "the operator, or wander about",
             )
@@ -100,13 +110,18 @@ class Safety(OrderWidget):
     """Has the robot hold back what would lead it into something, or no longer."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.ROBOT,
+        says={"": "Stop before obstacles: {assistance}"},
         meaning=(
             "Switches the robot's help on or off. With it, it stops before what is in its way; "
             "without it, it follows you into walls."
         ),
         options={
             "assistance": ChoiceOption(
-                default="toggle", choices=("toggle", "on", "off"), meaning="what is wanted"
+                default="toggle",
+                choices=("toggle", "on", "off"),
+                words={"toggle": "on or off"},
+                meaning="what is wanted",
             )
         },
         sends=(ASSISTANCE_COMMAND.name,),

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from hub.gcm.vision import CAMERA_COMMAND, CameraCommand, CameraMotion
 from rune_tui.controls.events import ControlEvent
-from rune_tui.layout.rules import HandlerRule, NumberOption
+from rune_tui.layout.rules import HandlerRule, NumberOption, Section
 from rune_tui.layout.spec import EventSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, SendEffect
@@ -33,6 +33,8 @@ class AdjustPan(_AdjustCamera):
     """Turns the camera; a positive value is to the left."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.LOOK,
+        says={"": "Look {direction}"},
         meaning="Turns the camera by steps while held; positive is left.",
         options={
             "step_deg": NumberOption(
@@ -52,6 +54,8 @@ class AdjustTilt(_AdjustCamera):
     """Tilts the camera; a positive value is upwards."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.LOOK,
+        says={"": "Look {direction}"},
         meaning="Tilts the camera by steps while held; positive is up.",
         options={
             "step_deg": NumberOption(
@@ -71,6 +75,8 @@ class AdjustPanTilt(_AdjustCamera):
     """Turns and tilts the camera: a hat switch, two axes or four keys."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.LOOK,
+        says={"pan": "Look {direction}", "tilt": "Look {direction}"},
         meaning=(
             "Turns and tilts the camera by steps while held; positive `pan` is left, positive "
             "`tilt` is up."
@@ -99,6 +105,8 @@ class AdjustZoom(_AdjustCamera):
     """Zooms; a positive value is closer."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.LOOK,
+        says={"": "Zoom {direction}"},
         meaning="Zooms by steps while held; positive is closer.",
         options={
             "step": NumberOption(
@@ -118,6 +126,8 @@ class HomePTZ(PressWidget):
     """Sends the camera home: straight ahead, wide."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.LOOK,
+        says={"": "Look straight ahead, wide"},
         meaning="Sends the camera straight ahead, wide.",
         sends=("GCM_Camera_Command",),
     )

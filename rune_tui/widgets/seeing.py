@@ -12,7 +12,7 @@ from hub.gcm.vision import (
     ImageKind,
     NightCommand,
 )
-from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption
+from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption, Section
 from rune_tui.model.console_state import ConsoleState, PictureWish
 from rune_tui.model.effects import Effect, SendEffect, Tell, ToggleNight, WishPictures
 from rune_tui.model.robot_state import RobotState
@@ -28,6 +28,8 @@ class SetImageRequest(OrderWidget):
     """Asks for another kind of pictures, and for the usual ones again."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.LOOK,
+        says={"": "Other pictures, or the usual ones"},
         meaning="Asks for other pictures; pressed again, for the usual ones.",
         options={
             "kind": ChoiceOption(default="colour", choices=_KINDS, meaning="colours"),
@@ -80,6 +82,8 @@ class ToggleNightMode(OrderWidget):
     """Has the robot see in the dark, or no longer."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.LOOK,
+        says={"": "Night mode on or off"},
         meaning=(
             "Switches night mode on or off: brighter pictures, and the headlight of a robot that "
             "has one."
@@ -99,6 +103,8 @@ class Headlight(OrderWidget):
     """Lights the headlight, or puts it out."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.LOOK,
+        says={"": "Headlight on or off"},
         meaning=(
             "Lights the headlight or puts it out. Lighting it switches night mode on; putting it "
             "out leaves that as it is."

@@ -6,7 +6,7 @@ from abc import abstractmethod
 from typing import ClassVar
 
 from rune_tui.controls.events import ControlEvent
-from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption, TextOption
+from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption, Section, TextOption
 from rune_tui.layout.spec import EventSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import (
@@ -56,11 +56,16 @@ class ShowViewportWidget(_Showing):
     """Shows or hides a viewport."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.SCREEN,
+        says={"": "{shown} {viewport}"},
         meaning="Shows or hides a viewport.",
         options={
             "viewport": _VIEWPORT,
             "shown": ChoiceOption(
-                default="toggle", choices=tuple(_SHOWN), meaning="what is wanted"
+                default="toggle",
+                choices=tuple(_SHOWN),
+                words={"toggle": "Show or hide", "show": "Show", "hide": "Hide"},
+                meaning="what is wanted",
             ),
         },
         needs_robot=False,
@@ -76,6 +81,8 @@ class FullScreen(_Showing):
     """Shows one viewport over the whole view, and all of them again."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.SCREEN,
+        says={"": "Full screen: {viewport}"},
         meaning="Shows one viewport over the whole view; again, all of them.",
         options={"viewport": _VIEWPORT},
         needs_robot=False,
@@ -90,6 +97,8 @@ class ZoomMap(SteppingWidget):
     """Shows the world larger or smaller."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.SCREEN,
+        says={"": "Show {viewport} {direction}"},
         meaning="Shows the world larger or smaller. The value 0 shows it as the layout says.",
         options={
             "viewport": _VIEWPORT,
@@ -111,6 +120,8 @@ class ChooseRobotWidget(_Showing):
     """Chooses the robot that some viewports show and command."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.ROBOT,
+        says={"": "Choose the robot: {robot}"},
         meaning=(
             "Chooses the robot that viewports of the robot `*` show and command. What is held is "
             "let go first."
@@ -128,6 +139,8 @@ class NextLayout(_Showing):
     """Opens the next layout."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.SESSION,
+        says={"": "Open the next layout"},
         meaning="Opens the next of the layouts that the console was started with.",
         needs_robot=False,
     )
@@ -141,6 +154,8 @@ class ThemeWidget(_Showing):
     """Takes other colours."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.SCREEN,
+        says={"": "Colours: {theme}"},
         meaning="Takes other colours.",
         options={
             "theme": ChoiceOption(
@@ -148,6 +163,7 @@ class ThemeWidget(_Showing):
                 choices=(_NEXT, *THEMES),
                 meaning="which; or the next of them",
                 renamed=RENAMED,
+                words={_NEXT: "the next theme"},
             )
         },
         needs_robot=False,
@@ -163,6 +179,8 @@ class Help(_Showing):
     """Shows what keys do."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.SCREEN,
+        says={"": "This help"},
         meaning="Shows what keys, the mouse and joysticks do, and hides it again.",
         needs_robot=False,
         under_help=True,
@@ -177,6 +195,8 @@ class Screenshot(_Showing):
     """Writes what is shown into files."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.SESSION,
+        says={"": "Keep a picture of the screen"},
         meaning="Writes what is shown into files in your pictures folder: PNG and text.",
         needs_robot=False,
     )
@@ -190,6 +210,8 @@ class RecordWidget(_Showing):
     """Records, or ends it."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.SESSION,
+        says={"": "Record, or end it"},
         meaning=(
             "Records all that comes from the robots and goes to them into an MCAP file in your "
             "documents folder; again: ends it."

@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Stop, Twist
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.names import joystick_input
-from rune_tui.layout.rules import HandlerRule, NumberOption
+from rune_tui.layout.rules import HandlerRule, NumberOption, Section
 from rune_tui.layout.spec import ControlKind, EventSpec, WidgetSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, SendEffect
@@ -38,6 +38,13 @@ class SetSpeed:
     """
 
     rule: ClassVar = HandlerRule(
+        section=Section.DRIVE,
+        says={
+            "translate": "Drive {direction}",
+            "rotate": "Turn {direction}",
+            _ENABLE: "Hold it: sticks drive",
+            _TURBO: "Hold it: faster",
+        },
         meaning=(
             "Drives while held; positive `translate` is forward, positive `rotate` is "
             "counter-clockwise (to the left). Each control follows the newest of its keys, buttons "
@@ -210,6 +217,8 @@ class StopRobot(PressWidget):
     """Stops a robot; dispatch then releases the robot's other widgets."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.DRIVE,
+        says={"": "Stop"},
         meaning=(
             "Stops the robot at once. Keys that are still held no longer drive; press them anew. "
             "A stick has to be let go first."

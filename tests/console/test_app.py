@@ -260,7 +260,7 @@ def test_under_the_palette_keys_do_not_drive_and_what_is_chosen_is_done(
         assert desk.console.state.held == ()
         await desk.until(lambda: len(desk.console.screen_stack) == 2)
         await desk.until(lambda: desk.robot.speeds[-1] == 0.0)
-        await desk.press("w", "q", "backspace", "backspace", *"stops")
+        await desk.press("w", "q", "backspace", "backspace", *"stop")
         assert set(await desk.commands(3)) == {0.0}
         assert desk.robot.stops == []
         # The list appears as fast as the machine allows, and enter takes what is in it by then.

@@ -111,6 +111,37 @@ def test_a_long_notice_is_wrapped_and_begins_where_it_is_read_first(log, newest)
     assert log((20, 2), newest=newest) == lines[:1]
 
 
+def told(text: str, age: float, **how) -> Notice:
+    return Notice(text=text, when=NOW - age, clock="14:03:22", **how)
+
+
+def test_a_notice_takes_two_rows_at_most_and_of_paths_the_file_alone(log) -> None:
+    long = "recording into /home/jane/Documents/Rune/run1.mcap " + "and on " * 20
+    lines = log((40, 20), (told(long, 1.0),))
+    assert len(lines) == 2
+    assert "…/run1.mcap" in lines[0]
+    assert lines[1].endswith(" …")
+
+
+def test_a_refusal_is_not_pushed_out_by_files_within_ten_seconds(log) -> None:
+    refused = told("you may not", 9.0, alarm=True)
+    unmarked = told("not marked: no ground there", 8.0)
+    files = tuple(told(f"file {number}", 1.0, routine=True) for number in range(5))
+    shown = log((60, 6), (refused, unmarked, *files))
+    assert [line.split(" ", 1)[1] for line in shown] == [
+        "! you may not",
+        "not marked: no ground there",
+        "file 4",
+    ]
+    old = told("you may not", 11.0, alarm=True)
+    assert "you may not" not in "".join(log((60, 4), (old, *files)))
+
+
+def test_what_is_said_again_and_again_takes_one_row(log) -> None:
+    again = tuple(told("refused", age) for age in (3.0, 2.0, 1.0))
+    assert log((60, 12), again) == ["14:03:22 refused (3 times)"]
+
+
 def test_the_log_of_one_robot_leaves_out_the_others(log) -> None:
     assert log((60, 12), robots="its own") == [
         "14:03:01 magellan: connected",

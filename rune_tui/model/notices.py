@@ -1,0 +1,56 @@
+"""What happened, made fit to be read: repeated notices as one, long paths short; pure."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Iterable, Sequence
+
+from rune_tui.model.console_state import Notice
+
+KEPT_S = 10.0
+"""How long what needs the operator's eyes is not pushed out by what does not [s]."""
+_PATH = re.compile(r"(?:~|/)(?:[^\s/]+/)+([^\s/]+)")
+
+
+def merged(notices: Sequence[Notice]) -> tuple[Notice, ...]:
+    """The notices, those that say the same one after the other as one, with how often."""
+    found: list[Notice] = []
+    counts: list[int] = []
+    for notice in notices:
+        last = found[-1] if found else None
+        if last is not None and _same(last, notice):
+            found[-1] = notice
+            counts[-1] += 1
+        else:
+            found.append(notice)
+            counts.append(1)
+    return tuple(
+        notice if count == 1 else dataclasses.replace(notice, text=f"{notice.text} ({count} times)")
+        for notice, count in zip(found, counts, strict=True)
+    )
+
+
+def _same(one: Notice, other: Notice) -> bool:
+    return (one.text, one.robot, one.alarm) == (other.text, other.robot, other.alarm)
+
+
+def shortened(text: str) -> str:
+    """A text in which of each path only the file's name is left."""
+    return _PATH.sub(r"…/\1", text)
+
+
+def by_weight(notices: Iterable[Notice], now: float) -> list[Notice]:
+    """The notices, those first that a short log must show, and of these the newest first.
+
+    For a while an alarm comes before all else, and what was only done as asked comes last.
+    """
+
+    def weight(place: tuple[int, Notice]) -> tuple[int, int]:
+        number, notice = place
+        fresh = now - notice.when < KEPT_S
+        rank = 0 if not fresh else 2 if notice.alarm else 0 if notice.routine else 1
+        return rank, number
+
+    ordered = sorted(enumerate(notices), key=weight, reverse=True)
+    return [notice for _, notice in ordered]

@@ -1,0 +1,53 @@
+"""Keys that the console has itself, in every layout that binds them to nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from rune_tui.layout.rules import Section
+from rune_tui.model.effects import Effect, PaletteEffect, SuspendEffect, ToggleHelp, ToggleLog
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OwnKey:
+    """A key of the console.
+
+    Attributes:
+        key: Its name, as layouts know it.
+        effect: What it does.
+        words: The same in plain words.
+        section: Where the help lists it.
+    """
+
+    key: str
+    effect: Effect
+    words: str
+    section: Section = Section.SCREEN
+
+
+OWN_KEYS = (
+    OwnKey(key="f1", effect=ToggleHelp(), words="This help"),
+    OwnKey(key="?", effect=ToggleHelp(), words="This help"),
+    OwnKey(key="ctrl+e", effect=ToggleLog(), words="All messages, to read and to search"),
+    OwnKey(key="ctrl+p", effect=PaletteEffect(), words="A list of all this, to choose from"),
+    OwnKey(
+        key="ctrl+z",
+        effect=SuspendEffect(),
+        words="Back to the shell, until fg",
+        section=Section.SESSION,
+    ),
+)
+_PAGES = (ToggleHelp(), ToggleLog())
+
+
+def own_effect(key: str, *, paged: bool) -> Effect | None:
+    """What a key does that a layout binds to nothing; under a page those of pages alone."""
+    found = next((each.effect for each in OWN_KEYS if each.key == key), None)
+    return None if paged and found not in _PAGES else found
+
+
+def unbound(bound: Iterable[str]) -> Iterator[OwnKey]:
+    """The console's keys that a layout leaves alone."""
+    taken = set(bound)
+    return (each for each in OWN_KEYS if each.key not in taken)

@@ -1,0 +1,79 @@
+"""A page of text over the view, the help or the messages: how far it is scrolled, what is searched.
+
+Which keys turn it is a table of its own, as they are no part of a layout.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+LONGEST_SEARCH = 60
+"""Letters that can be searched for."""
+_END = 1_000_000
+"""More lines than a page has."""
+_SEARCH = "/"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Page:
+    """How a page is shown.
+
+    Attributes:
+        top: How many lines are above its upper edge.
+        search: Lines without this are left out; empty: none are.
+        typing: Whether letters that are typed belong to what is searched for.
+    """
+
+    top: int = 0
+    search: str = ""
+    typing: bool = False
+
+
+def turned(page: Page, key: str, rows: int) -> Page:
+    """The page after a key; the same one where the key means nothing to it.
+
+    Args:
+        page: As it is.
+        key: Its name, as layouts know it; "mouse wheel" and its value are `scrolled`.
+        rows: Height of the terminal [cells].
+    """
+    if key in _MOVES:
+        return scrolled(page, _MOVES[key](max(1, rows // 2)))
+    if page.typing:
+        return _typed(page, key)
+    if key == _SEARCH:
+        return dataclasses.replace(page, typing=True)
+    if key == "escape" and page.search:
+        return Page()
+    return page
+
+
+def scrolled(page: Page, lines: int) -> Page:
+    """The page so many lines farther down; its end is where the one who draws it knows it."""
+    return dataclasses.replace(page, top=max(0, page.top + lines))
+
+
+def _typed(page: Page, key: str) -> Page:
+    if key == "enter":
+        return dataclasses.replace(page, typing=False)
+    if key == "escape":
+        return Page()
+    if key == "backspace":
+        return dataclasses.replace(page, search=page.search[:-1], top=0)
+    letter = " " if key == "space" else key
+    if len(letter) == 1 and len(page.search) < LONGEST_SEARCH:
+        return dataclasses.replace(page, search=page.search + letter, top=0)
+    return page
+
+
+_MOVES: Mapping[str, Callable[[int], int]] = {
+    "up": lambda _: -1,
+    "down": lambda _: 1,
+    "pageup": lambda half: -half,
+    "pagedown": lambda half: half,
+    "home": lambda _: -_END,
+    "end": lambda _: _END,
+}
+"""How many lines a key moves a page down, by half the terminal's height."""

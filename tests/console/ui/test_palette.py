@@ -1,0 +1,31 @@
+"""What stands in the list of actions, and in which order."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rune_tui.layout.actions import actions_of
+from rune_tui.opening import open_layout
+from rune_tui.ui.palette import choices
+
+LAYOUTS = sorted((Path(__file__).parents[3] / "layouts").glob("*.xml"))
+
+
+def listed(path: Path) -> list[str]:
+    """Titles of the list before anything is typed."""
+    return list(choices(actions_of(open_layout(path))))
+
+
+@pytest.mark.parametrize("path", LAYOUTS, ids=lambda path: path.stem)
+def test_a_careless_enter_neither_ends_the_console_nor_commands_a_robot(path: Path):
+    titles = listed(path)
+    if "Quit" in titles and len(titles) > 1:
+        assert titles[-1] == "Quit"
+    assert len(titles) == 1 or titles[0] == "This help" or titles[0].endswith("Stop")
+
+
+def test_titles_are_plain_words_with_the_robot_where_there_are_several():
+    assert "Explore by itself" in listed(LAYOUTS[0].with_name("search.xml"))
+    assert "left: Stop" in listed(LAYOUTS[0].with_name("two-robots.xml"))
