@@ -28,6 +28,7 @@ from rune_tui.controls.joysticks import Joysticks
 from rune_tui.controls.keyboard import KeyboardHold, name_of_key
 from rune_tui.controls.sources import Sources
 from rune_tui.controls.stall_guard import StallGuard
+from rune_tui.deeds import Deeds
 from rune_tui.dispatch import Dispatch
 from rune_tui.filing import Filing
 from rune_tui.following import LayoutFollower
@@ -42,19 +43,12 @@ from rune_tui.model.control import hinders_driving_on
 from rune_tui.model.effects import (
     AskEffect,
     AskToLeave,
-    CalibrateEffect,
     ChooseRobot,
-    ControlEffect,
     DeedEffect,
     Effect,
-    ExportEffect,
     FillView,
-    NextLayoutEffect,
     PaletteEffect,
     QuitEffect,
-    RecordEffect,
-    ScreenshotEffect,
-    SendEffect,
     ShowViewport,
     StateEffect,
     SuspendEffect,
@@ -138,6 +132,7 @@ class Console(MouseApp, inherit_bindings=False):
         self._focused = -math.inf
         beside = partial(self.run_worker, exit_on_error=False)
         self._filing = Filing(links, beside, self._tell)
+        self._deeds = Deeds(links, self._filing, self._joysticks, self._layouts, self._tell)
         self._pane = ViewPane(traits.glyphs.half)
         self._painter = Painter(self, self._pane, traits, round_trip)
 
@@ -415,15 +410,6 @@ class Console(MouseApp, inherit_bindings=False):
 
     def _do(self, effect: DeedEffect) -> None:
         match effect:
-            case SendEffect() | ControlEffect():
-                self._send(effect)
-            case ScreenshotEffect() | RecordEffect() | ExportEffect():
-                self._filing.do(effect, self._shown_layout, self.state, self._pane.cells)
-            case CalibrateEffect(joystick=name, control=control):
-                self._joysticks.calibrate(name, control, time.monotonic())
-            case NextLayoutEffect():
-                if not self._layouts.next():
-                    self._tell(desk.Outcome(text="the console was started with no other layout"))
             case SuspendEffect():
                 self._suspend()
             case PaletteEffect():
@@ -433,21 +419,14 @@ class Console(MouseApp, inherit_bindings=False):
                 self._ask(effect)
             case QuitEffect():
                 self._leave_if_sure()
+            case _:
+                self._deeds.do(effect, self._shown_layout, self.state, self._pane.cells)
 
     def _suspend(self) -> None:
         self._let_go()
         if not suspend():
             text = "Ctrl-Z does nothing here: no shell would have the console go on"
             self._tell(desk.Outcome(text=text))
-
-    def _send(self, effect: SendEffect | ControlEffect) -> None:
-        link = self._links[effect.robot]
-        if isinstance(effect, ControlEffect):
-            link.control(effect.action, by_driving=effect.by_driving)
-        else:
-            link.send(effect.definition, effect.value)
-        if (outcome := desk.undelivered(effect, link.state)) is not None:
-            self._tell(outcome)
 
     def _ask(self, effect: AskEffect) -> None:
         self._let_go()

@@ -1,0 +1,92 @@
+"""Carries out what widgets want done beyond the console's own state and screen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rune_tui import desk
+from rune_tui.compositor.cells import Cells
+from rune_tui.controls.joysticks import Joysticks
+from rune_tui.filing import Filing
+from rune_tui.following import LayoutFollower
+from rune_tui.layout.spec import LayoutSpec
+from rune_tui.link.robot_links import RobotLinks
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.effects import (
+    CalibrateEffect,
+    ControlEffect,
+    ExportEffect,
+    NextLayoutEffect,
+    RecordEffect,
+    ScreenshotEffect,
+    SendEffect,
+)
+
+Deed = (
+    SendEffect
+    | ControlEffect
+    | ScreenshotEffect
+    | RecordEffect
+    | ExportEffect
+    | CalibrateEffect
+    | NextLayoutEffect
+)
+"""What is done here; what concerns the screen, the console does itself."""
+
+
+class Deeds:
+    """Sends, files, calibrates and opens what widgets ask for."""
+
+    def __init__(
+        self,
+        links: RobotLinks,
+        filing: Filing,
+        joysticks: Joysticks,
+        layouts: LayoutFollower,
+        tell: Callable[[desk.Outcome], None],
+    ) -> None:
+        """Prepare.
+
+        Args:
+            links: Where messages go.
+            filing: Writes files.
+            joysticks: Calibrates.
+            layouts: Opens the next layout.
+            tell: Tells the operator what became of it.
+        """
+        self._links = links
+        self._filing = filing
+        self._joysticks = joysticks
+        self._layouts = layouts
+        self._tell = tell
+
+    def do(
+        self, effect: Deed, layout: LayoutSpec, state: ConsoleState, cells: Cells | None
+    ) -> None:
+        """Do what a widget wants.
+
+        Args:
+            effect: What that is.
+            layout: What is shown.
+            state: What the console knows.
+            cells: What the operator sees; None before the first picture.
+        """
+        match effect:
+            case SendEffect() | ControlEffect():
+                self._send(effect)
+            case ScreenshotEffect() | RecordEffect() | ExportEffect():
+                self._filing.do(effect, layout, state, cells)
+            case CalibrateEffect(joystick=name, control=control):
+                self._joysticks.calibrate(name, control, state.now)
+            case NextLayoutEffect():
+                if not self._layouts.next():
+                    self._tell(desk.Outcome(text="the console was started with no other layout"))
+
+    def _send(self, effect: SendEffect | ControlEffect) -> None:
+        link = self._links[effect.robot]
+        if isinstance(effect, ControlEffect):
+            link.control(effect.action, by_driving=effect.by_driving)
+        else:
+            link.send(effect.definition, effect.value)
+        if (outcome := desk.undelivered(effect, link.state)) is not None:
+            self._tell(outcome)
