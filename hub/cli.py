@@ -363,8 +363,8 @@ def _add_keys(keys: argparse.ArgumentParser) -> None:
         choices=[role.value for role in Role],
         required=True,
         metavar="|".join(role.value for role in Role),
-        help="observe: see all; operate: command as well; supervise: also take control from "
-        "others; module: be a part of the robot",
+        help="observe: see all, and stop the robot; operate: command as well; supervise: also take "
+        "control from others, start and stop modules; module: be a part of the robot",
     )
     listing = tasks.add_parser("list", parents=[where], help="show all keys")
     listing.add_argument("--json", action="store_true", help="JSON, one line a key")
