@@ -15,7 +15,7 @@ from hub.ipc import control
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.reception import Reception
-from hub.ipc.security import Role
+from hub.ipc.security import ON_THE_ROBOT
 
 _ANSWER_S = 2.0
 
@@ -106,8 +106,8 @@ def log_level(client: Client, level: str) -> int:
     client.directory.set_log_level(level)
     now = client.directory.listing(_ANSWER_S).level
     if now != level:
-        text = f"the hub still logs from {now} on; to change that needs a key made with --role "
-        raise NotAllowedError(text + Role.MODULE.value)
+        text = f"the hub still logs from {now} on, as this key may not change it; {ON_THE_ROBOT}"
+        raise NotAllowedError(text)
     put(f"central logs from {now} on")
     return 0
 

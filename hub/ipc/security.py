@@ -37,6 +37,9 @@ class Role(enum.Enum):
 _ROLES = tuple(Role)
 
 
+ON_THE_ROBOT = "do it on the robot's machine, where no key is needed"
+
+
 class Action(enum.Enum):
     """What a client asks central for; the value says it in an error.
 
@@ -105,10 +108,10 @@ def demand(bearer: Bearer, action: Action) -> None:
     """
     if not may(bearer.role, action):
         least = next(role for role in Role if may(role, action))
-        text = (
-            f"{bearer.name} has a key to {bearer.role.value} and may not {action.value}; "
-            f"that needs a key made with --role {least.value}"
-        )
+        way = f"that needs a key made with --role {least.value}"
+        if least is Role.MODULE:  # a key that is a part of the robot is no remedy for a person
+            way = ON_THE_ROBOT
+        text = f"{bearer.name} has a key to {bearer.role.value} and may not {action.value}; {way}"
         raise NotAllowedError(text)
 
 
