@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, NoReturn
 from hub.errors import CentralUnreachableError, HubError, QueryError
 from hub.ipc.security import DEFAULT_ENDPOINT, DEFAULT_PORT, Role
 from hub.logs import LEVELS, start_logging
+from hub.plain_text import plain
 
 if TYPE_CHECKING:
     from hub.ipc.client import Client
@@ -64,7 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stderr.close()  # whoever read our output has seen enough
         return ExitCode.OK
     except HubError as error:
-        sys.stderr.write(f"rune-hub: {error}\n")
+        sys.stderr.write(f"rune-hub: {plain(str(error), lines=True)}\n")
         if isinstance(error, (CentralUnreachableError, QueryError)):
             return ExitCode.NO_HUB
         return ExitCode.USAGE

@@ -13,6 +13,8 @@ import sys
 import threading
 import time
 
+from hub.plain_text import plain
+
 LEVELS = ("debug", "info", "warning", "error")
 """What people call how much is logged."""
 
@@ -32,7 +34,7 @@ class UnhurriedHandler(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Put the record's line into the queue, or count it as dropped."""
-        self.pass_on(self.format(record) + "\n")
+        self.pass_on(plain(self.format(record), lines=True) + "\n")
 
     def pass_on(self, line: str) -> None:
         """Put a whole line into the queue, or count it as dropped."""

@@ -6,13 +6,12 @@ Nothing here decides anything: what is drawn is up to `view`, what keys mean is 
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import dataclasses
 import logging
 import math
 import sys
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from functools import partial
 from typing import ClassVar
 
@@ -68,6 +67,7 @@ from rune_tui.ui.mouse import MouseApp
 from rune_tui.ui.painter import Painter
 from rune_tui.ui.palette import palette_of
 from rune_tui.ui.question import Question
+from rune_tui.ui.sparing import Sparing
 from rune_tui.ui.terminal import suspend, terminal_driver
 from rune_tui.ui.view_pane import ViewPane, ViewScreen
 from rune_tui.ui.waking import waker
@@ -83,7 +83,6 @@ _UNHEARD_S = 1.0
 """So long a button of the mouse is held while nothing is heard of a terminal that answers [s]."""
 _SWITCH_S = 0.5e-3
 """How long one thread may compute while another has a stick's report or a command to send [s]."""
-_NOT_DONE = "something could not be done; the log says why"
 _FOCUSING_S = 0.3
 """A click that comes no later than this after the terminal got the focus was to give it [s]."""
 
@@ -98,7 +97,12 @@ class Console(MouseApp, inherit_bindings=False):
     CSS = "Screen { layers: view; overflow: hidden; }"
 
     def __init__(
-        self, source: LayoutSource, links: RobotLinks, traits: Traits, round_trip: float = 0.0
+        self,
+        source: LayoutSource,
+        links: RobotLinks,
+        traits: Traits,
+        round_trip: float = 0.0,
+        trouble: str = "",
     ) -> None:
         """Prepare.
 
@@ -107,10 +111,12 @@ class Console(MouseApp, inherit_bindings=False):
             links: A connection for each robot of the layout, not yet started.
             traits: What the terminal can do.
             round_trip: How long it takes to answer [s].
+            trouble: What does not work from the start, for the operator; empty if all does.
         """
         super().__init__(driver_class=terminal_driver())
         layout = source.layout
         self.title = f"Rune {layout.path}"
+        self._trouble = trouble
         self._layouts = LayoutFollower(source, self._open, self._complain)
         self._shown_layout = layout
         self._links = links
@@ -126,7 +132,7 @@ class Console(MouseApp, inherit_bindings=False):
             layout.joysticks, Sources(HidReader(), links.pads), CalibrationStore()
         )
         self._stalls = StallGuard()
-        self._undone: set[object] = set()
+        self._sparing = Sparing(self._tell)
         self._leaving = self._drawing = False
         self._heard = 0.0
         self._focused = -math.inf
@@ -173,6 +179,8 @@ class Console(MouseApp, inherit_bindings=False):
         self.set_interval(_FRAME_S, self._draw)
         self.set_interval(_TICK_S, self._tick)
         self.run_worker(self._layouts.run())
+        if self._trouble:
+            self._tell(desk.Outcome(text=self._trouble, alarm=True))
         self.set_timer(_SETTLED_S, self._miss_keys)
 
     def _come_back(self, _: App[None]) -> None:
@@ -395,18 +403,6 @@ class Console(MouseApp, inherit_bindings=False):
         for effect in effects:
             with self._sparing(effect):
                 self._change(effect) if isinstance(effect, StateEffect) else self._do(effect)
-
-    @contextlib.contextmanager
-    def _sparing(self, what: object) -> Iterator[None]:
-        """Go on if an effect or a step fails, and tell it once; what follows may be a stop."""
-        kind = what if isinstance(what, str) else type(what)
-        try:
-            yield
-        except Exception:  # of a widget of somebody else, or of one robot of several
-            if kind not in self._undone:
-                self._undone.add(kind)
-                _logger.exception("%r was not done", what)
-                self._tell(desk.Outcome(text=_NOT_DONE, alarm=True))
 
     def _do(self, effect: DeedEffect) -> None:
         match effect:

@@ -13,8 +13,9 @@ import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
+from hub.plain_text import plain
 from rune_tui.arguments import parser
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import GlyphSet
@@ -77,28 +78,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if error.name not in _CONSOLE_LIBRARIES:
             raise
         text = f"{error.name} is missing; install it with pip install 'robot-user-nexus[console]'"
-        sys.stderr.write(f"rune: {text}\n")
+        _complain(text)
         return ExitCode.USAGE
     except (TunnelError, CentralUnreachableError) as error:
-        sys.stderr.write(f"rune: {error}\n")
+        _complain(str(error))
         return ExitCode.NO_HUB
     except (ConsoleError, HubError) as error:
-        sys.stderr.write(f"rune: {error}\n")
+        _complain(str(error))
         return ExitCode.USAGE
     except OSError as error:
-        sys.stderr.write(f"rune: the output cannot be written: {error.strerror}\n")
+        _complain(f"the output cannot be written: {error.strerror}")
         return ExitCode.FAULT
 
 
 def _run(options: argparse.Namespace) -> int:
     _need_terminal()
     source = _source(options.layouts, options.set, watched=options.watch)
-    _log_to_file()
+    log = _log_to_file()
     with _tunnels(options, source.layout) as tunnels:
         links = _links(
             source.layout, _endpoints(options.hub), options.keys, tunnels, options.operator
         )
-        return _console(source, links, options)
+        return _console(source, links, options, log)
 
 
 def _demo(options: argparse.Namespace) -> int:
@@ -109,13 +110,15 @@ def _demo(options: argparse.Namespace) -> int:
     _need_terminal()
     log = _log_to_file()
     with ExitStack() as stack:
-        hubs = [stack.enter_context(DemoHub(_DEMO_ROBOT, log))]
+        hubs = [stack.enter_context(DemoHub(_DEMO_ROBOT, log.path))]
         import rune_tui.app  # noqa: F401 - loaded while the hub starts
 
         source = _source([options.layout], options.set, watched=True)
-        hubs += [stack.enter_context(DemoHub(_DEMO_ROBOT, log)) for _ in source.layout.robots[1:]]
+        hubs += [
+            stack.enter_context(DemoHub(_DEMO_ROBOT, log.path)) for _ in source.layout.robots[1:]
+        ]
         links = _links(source.layout, [hub.endpoint() for hub in hubs], operator=options.operator)
-        return _console(source, links, options)
+        return _console(source, links, options, log)
 
 
 def _source(
@@ -139,10 +142,10 @@ def _check(options: argparse.Namespace) -> int:
         try:
             layout = _load(path, options.set)
         except LayoutError as error:
-            sys.stderr.write(f"{error}\n")
+            sys.stderr.write(f"{plain(str(error), lines=True)}\n")
             code = ExitCode.USAGE
         else:
-            sys.stdout.write(f"{path}: ok\n")
+            sys.stdout.write(f"{plain(path)}: ok\n")
             sys.stdout.writelines(f"  {line}\n" for line in arrangement_notes(layout))
             sys.stdout.writelines(
                 f"  note: {note}\n" for note in (*layout.notes, *key_notes(layout))
@@ -165,7 +168,7 @@ def _shot(options: argparse.Namespace) -> int:
         hubs = _endpoints(options.hub)
         if options.demo:
             log = _log_to_file()
-            demo = [stack.enter_context(DemoHub(_DEMO_ROBOT, log)) for _ in layout.robots]
+            demo = [stack.enter_context(DemoHub(_DEMO_ROBOT, log.path)) for _ in layout.robots]
             hubs = [hub.endpoint() for hub in demo]
         tunnels = stack.enter_context(_tunnels(options, layout))
         answered = shot.take(
@@ -179,7 +182,7 @@ def _shot(options: argparse.Namespace) -> int:
         )
     if answered:
         return ExitCode.OK
-    sys.stderr.write(f"rune: no hub answered, {path} shows that; is rune-hub running?\n")
+    _complain(f"no hub answered, {path} shows that; is rune-hub running?")
     return ExitCode.NO_HUB
 
 
@@ -233,12 +236,15 @@ def _pad(options: argparse.Namespace) -> int:
     return ExitCode.OK
 
 
-def _console(source: LayoutSource, links: RobotLinks, options: argparse.Namespace) -> int:
+def _console(
+    source: LayoutSource, links: RobotLinks, options: argparse.Namespace, log: _Log
+) -> int:
     from rune_tui.app import Console
 
     traits, answers, took, _ = _asked_terminal(options)
     gc.freeze()  # what was loaded stays: no search for rubbish, and no end, goes through it
-    return Console(source, links, traits, took if answers.complete else 0.0).run_to_end()
+    round_trip = took if answers.complete else 0.0
+    return Console(source, links, traits, round_trip, log.trouble).run_to_end()
 
 
 def _terminal(options: argparse.Namespace) -> int:
@@ -320,20 +326,45 @@ def _need_terminal() -> None:
         raise _UsageError(text)
 
 
-def _log_to_file() -> Path:
-    """Send the log to the user's log folder, away from the picture; the file."""
+class _Log(NamedTuple):
+    """Where the log goes.
+
+    Attributes:
+        path: The file; where none can be written, the system's file for what nobody reads.
+        trouble: Why no log is kept, in one sentence; empty if it is.
+    """
+
+    path: Path
+    trouble: str = ""
+
+
+def _log_to_file() -> _Log:
+    """Send the log to the user's log folder, away from the picture.
+
+    A folder that cannot be written to keeps nobody from driving: then no log is kept, and the
+    operator is told.
+    """
     import platformdirs
 
     folder = Path(platformdirs.user_log_dir("rune", appauthor=False))
+    handler: logging.Handler
     try:
         folder.mkdir(parents=True, exist_ok=True)
         path = folder / "rune.log"
         handler = logging.handlers.RotatingFileHandler(
             path, maxBytes=_LOG_BYTES, backupCount=2, encoding="utf-8"
         )
+        log = _Log(path)
     except OSError as error:
-        text = f"the log cannot be written: {error}"
-        raise _UsageError(text) from error
+        log = _Log(Path(os.devnull), f"no log is kept: {folder}: {error.strerror}")
+        handler = logging.NullHandler()
+        _complain(log.trouble)
     handler.setFormatter(logging.Formatter("%(asctime)s console %(levelname)s %(message)s"))
     logging.basicConfig(level=logging.INFO, handlers=[handler])
-    return path
+    logging.raiseExceptions = False  # a disk that is full must not write into the picture
+    return log
+
+
+def _complain(text: str) -> None:
+    """Write a sentence to standard error; names of files and words of ssh are not trusted."""
+    sys.stderr.write(f"rune: {plain(text, lines=True)}\n")

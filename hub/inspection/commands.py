@@ -21,13 +21,14 @@ from hub.gcm.catalog import BY_NAME
 from hub.gcm.common import CommonResult
 from hub.gcm.control import CONTROL_STATE, RESTRICTED
 from hub.inspection import values
-from hub.inspection.writing import outcome, printable, put
+from hub.inspection.writing import complain, outcome, put
 from hub.ipc import control
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.description import from_listing
 from hub.ipc.keys import read_client_keys
 from hub.ipc.reception import Reception, decode
+from hub.plain_text import plain
 from hub.toml_tables import nearest
 
 T = TypeVar("T")
@@ -129,7 +130,7 @@ def send(
     owner = _owner(client) if name in RESTRICTED else ""
     if owner:
         text = f"{owner} has control, so the robot refuses this; `rune-hub control` says more"
-        sys.stderr.write(f"rune-hub: {printable(text)}\n")
+        complain(plain(text))
     client.define(definition)
     client.wait_defined(_ANSWER_S)
     if zero_first:

@@ -17,8 +17,9 @@ from hub.gcm.control import (
 )
 from hub.inspection import values
 from hub.inspection.supervision import no_daemon
-from hub.inspection.writing import outcome, printable, put, span
+from hub.inspection.writing import outcome, put, span
 from hub.ipc.client import Client
+from hub.plain_text import plain
 
 _ANSWER_S = 2.0
 
@@ -35,7 +36,7 @@ def show(client: Client, *, as_json: bool) -> int:
         put(json.dumps(values.plain(state)))
         return 0
     for line in _lines(state):
-        put(printable(line))
+        put(plain(line))
     return 0
 
 
@@ -54,7 +55,7 @@ def release(client: Client, *, force: bool) -> int:
     except NoHandlerError as error:
         raise no_daemon(client) from error
     if result.done:
-        put(printable(result.text))
+        put(plain(result.text))
     return outcome(result)
 
 

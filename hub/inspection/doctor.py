@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterator, Mapping
 from hub.errors import RobotFileError
 from hub.inspection import library_checks, machine_checks, port_checks, robot_checks
 from hub.inspection.finding import Finding, Level, ok, problem, warning
-from hub.inspection.writing import printable, put
+from hub.inspection.writing import put
+from hub.plain_text import plain
 from hub.robots.description import RobotDescription, find_robot_file, read_description
 
 _NOTHING_WRONG, _WRONG, _WRONG_ROBOT_FILE = 0, 1, 2
@@ -109,7 +110,7 @@ def _readable(name_or_path: str) -> RobotDescription | None:
 def _as_line(check: str, finding: Finding) -> str:
     said = f"{finding.level.value:8}{check}: {finding.text}"
     said += f" -> {finding.advice}" if finding.advice else ""
-    return printable(said)
+    return plain(said)
 
 
 def _as_json(check: str, finding: Finding) -> str:

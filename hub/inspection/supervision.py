@@ -20,9 +20,10 @@ from hub.gcm import supervision
 from hub.gcm.common import COMMON_RESULT
 from hub.gcm.supervision import CapabilityPhase, ModuleOrder
 from hub.inspection import values
-from hub.inspection.writing import outcome, printable, put, span, table
+from hub.inspection.writing import outcome, put, span, table
 from hub.ipc.client import Client
 from hub.ipc.reception import Reception
+from hub.plain_text import plain
 
 _ANSWER_S = 2.0
 _RENEW_S = supervision.LEASE_S / 3
@@ -83,7 +84,7 @@ def order(client: Client, module: str, wanted: str) -> int:
     except NoHandlerError as error:
         raise no_daemon(client) from error
     if result.done:
-        put(printable(result.text))
+        put(plain(result.text))
     else:
         _need_known(client, module, result.text)
     return outcome(result)
@@ -160,7 +161,7 @@ def _need_known(client: Client, module: str, text: str) -> None:
     """That something is not done may be because there is no such module: then it is wrong usage."""
     reports = _last(client, supervision.MODULE_REPORTS)
     if module not in (each.name for each in reports.modules):
-        raise UnknownModuleError(printable(text))
+        raise UnknownModuleError(plain(text))
 
 
 def _last(client: Client, definition: Any) -> Any:  # noqa: ANN401 - a report of any kind

@@ -6,11 +6,12 @@ import sys
 from collections.abc import Sequence
 
 from hub.gcm.common import CommonResult
+from hub.plain_text import plain
 
 
 def put(line: str) -> None:
-    """Write a line, at once."""
-    sys.stdout.write(line + "\n")
+    """Write a line, at once; what a terminal would obey in it is spelt out."""
+    sys.stdout.write(plain(line, lines=True) + "\n")
     sys.stdout.flush()
 
 
@@ -18,13 +19,13 @@ def outcome(result: CommonResult) -> int:
     """The exit code for an answer to a request; a refusal is told on standard error."""
     if result.done:
         return 0
-    sys.stderr.write(f"rune-hub: {printable(result.text)}\n")
+    complain(plain(result.text))
     return 1
 
 
-def printable(text: str) -> str:
-    """A text of others on one line: it may hold anything, also what a terminal obeys."""
-    return "".join(c if c.isprintable() else "?" for c in text)
+def complain(text: str) -> None:
+    """Write a sentence to standard error."""
+    sys.stderr.write(f"rune-hub: {plain(text, lines=True)}\n")
 
 
 def table(heads: Sequence[str], rows: Sequence[Sequence[str]], *, words: int = 1) -> None:

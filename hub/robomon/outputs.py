@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import IO
 
 from hub import folders, logs
+from hub.plain_text import plain
 from hub.robomon.log_file import LogFile
 
 _logger = logging.getLogger(__name__)
@@ -35,7 +36,6 @@ _ROOM = 5000
 _CHUNK = 65_536
 _LAST_WORDS_S = 1.0
 _FOLDERS = 9
-_CONTROL = {code: f"\\x{code:02x}" for code in (*range(9), *range(10, 32), *range(127, 160))}
 
 
 @dataclass(slots=True)
@@ -205,7 +205,7 @@ class Outputs:
 
 def _readable(line: bytes) -> str:
     """The text of a line; control characters, which command terminals, as their numbers."""
-    return line.decode(errors="replace").rstrip("\r").translate(_CONTROL)
+    return plain(line.decode(errors="replace").rstrip("\r"), lines=True)
 
 
 class LogFolder:

@@ -18,6 +18,7 @@ from pathlib import Path
 
 from lxml import etree
 
+from hub.plain_text import plain
 from rune_tui.errors import LayoutError, LayoutProblem
 from rune_tui.layout.building import SpecBuilder
 from rune_tui.layout.checks import find_mistakes
@@ -113,13 +114,11 @@ def _refusal(shown: str, message: str, line: int = 0, column: int = 0) -> Layout
 
 
 def _problem(mistake: Mistake) -> LayoutProblem:
-    # Names from the file reach the operator's terminal, so nothing in them may control it.
-    plain = "".join(
-        one if one.isprintable() else one.encode("unicode_escape").decode()
-        for one in mistake.message
+    # Names of and in the file reach the operator's terminal, so nothing in them may control it.
+    place, message = mistake.place, plain(mistake.message)
+    return LayoutProblem(
+        path=plain(place.path), line=place.line, column=place.column, message=message
     )
-    place = mistake.place
-    return LayoutProblem(path=place.path, line=place.line, column=place.column, message=plain)
 
 
 def _read_text(path: Path, shown: str) -> str:

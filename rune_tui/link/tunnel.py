@@ -20,6 +20,7 @@ from typing import Final
 
 from hub.errors import EndpointError
 from hub.ipc.security import DEFAULT_ENDPOINT, IpcEndpoint, parse_endpoint
+from hub.plain_text import plain
 from rune_tui.errors import HubChoiceError, TunnelError
 from rune_tui.layout.spec import LayoutSpec
 
@@ -65,6 +66,8 @@ exit $code
 """Runs ssh, and ends it after a line on standard input, or when that ends, as it does when the
 console is killed; then the folder, which is the script's name, goes too.
 """
+_MOST_WORDS: Final = 500
+"""Letters of what ssh says last; more would hide what else there is to say."""
 _DESTINATION: Final = re.compile(r"([^\s:@-][^\s:]*?)(?::([0-9]{1,5}))?")
 
 
@@ -217,7 +220,7 @@ class Tunnel:
         except OSError:
             said = []
         words = [line.strip() for line in said if line.strip()]
-        return words[-1].rstrip(".") if words else "it says nothing of why"
+        return plain(words[-1])[:_MOST_WORDS].rstrip(".") if words else "it says nothing of why"
 
 
 @contextlib.contextmanager

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from contextlib import closing
 from importlib.metadata import version
 from pathlib import Path
@@ -12,7 +13,8 @@ from PIL import Image
 from hub.ipc.central import Central
 from hub.ipc.keyring import Keyring
 from hub.ipc.security import Role
-from rune_tui.cli import ExitCode, main
+from hub.plain_text import is_plain
+from rune_tui.cli import ExitCode, _log_to_file, main
 from rune_tui.compositor.glyph_set import GlyphSet
 
 
@@ -92,3 +94,37 @@ def test_a_picture_is_drawn_in_the_colours_asked_for(tmp_path: Path, colors: str
     with Image.open(path) as picture:
         corner = picture.getpixel((1, 100))
     assert corner == {"truecolor": (24, 28, 34), "256": (28, 28, 28)}.get(colors, (0, 0, 0))
+
+
+def test_no_name_of_a_file_commands_the_terminal(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    minimal = (Path(__file__).parents[2] / "layouts" / "minimal.xml").read_text()
+    part = tmp_path / "p\x1b]0;PWNED\x07\u202e.xml"
+    part.write_text("<part><nothing/></part>")
+    included = f'<include file="{part.name.encode("ascii", "xmlcharrefreplace").decode()}"/></view>'
+    for number, name in enumerate((part, tmp_path / "lay\x1b[31m\x9b.xml")):
+        name.write_text(minimal if number else "<part><nothing/></part>")
+        main(["check", str(name)])
+    layout = tmp_path / "whole.xml"
+    layout.write_text(minimal.replace("</view>", included))
+    main(["check", str(layout)])
+    main(["check", "no\x1b[2Jlayout"])
+    said = capsys.readouterr()
+    assert said.out
+    assert said.err
+    assert is_plain(said.out + said.err, lines=True)
+
+
+def test_a_log_that_cannot_be_written_is_told_and_keeps_nobody_from_driving(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    nowhere = tmp_path / "a file"
+    nowhere.touch()
+    monkeypatch.setenv("XDG_STATE_HOME", str(nowhere))
+    monkeypatch.setattr(logging, "raiseExceptions", True)
+    log = _log_to_file()
+    assert log.trouble.startswith("no log is kept: ")
+    with log.path.open("ab"):
+        pass
+    assert capsys.readouterr().err == f"rune: {log.trouble}\n"

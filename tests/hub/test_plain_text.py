@@ -1,0 +1,36 @@
+"""Text of others never commands a terminal."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hub.plain_text import is_plain, plain
+
+HOSTILE = "\x1b]0;PWNED\x07\x9b31m\u202e\u2066\u200b\u2028\ud800\x7f\r\x08"
+
+
+@given(text=st.text())
+def test_what_comes_out_is_plain_and_what_is_plain_stays(text: str) -> None:
+    shown = plain(text)
+    assert is_plain(shown)
+    assert shown.isprintable() or "\xa0" in shown or not text.isprintable()
+    assert (shown == text) == is_plain(text)
+    assert is_plain(plain(text, lines=True), lines=True)
+
+
+def test_what_commands_a_terminal_is_spelt_out() -> None:
+    shown = plain(HOSTILE)
+    assert shown.startswith("\\x1b]0;PWNED\\x07\\x9b31m\\u202e\\u2066\\u200b\\u2028\\ud800\\x7f")
+    assert shown.isascii()
+
+
+@pytest.mark.parametrize("text", ["", "Änne prüft", "10\xa0m", "地図", "3 °/s ½ ▀", "e\u0301"])
+def test_what_people_write_stays(text: str) -> None:
+    assert plain(text) == text
+
+
+def test_lines_stay_where_there_may_be_several() -> None:
+    assert plain("one\n\ttwo\r\n", lines=True) == "one\n\ttwo\\r\n"
+    assert plain("one\n\ttwo") == "one\\n\\ttwo"
