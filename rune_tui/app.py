@@ -38,7 +38,6 @@ from rune_tui.layout.spec import LayoutSpec
 from rune_tui.layout.watching import LayoutSource
 from rune_tui.link.robot_links import RobotLinks
 from rune_tui.model.console_state import ConsoleState, carried_over
-from rune_tui.model.control import hinders_driving_on
 from rune_tui.model.effects import (
     AskEffect,
     AskToLeave,
@@ -48,6 +47,7 @@ from rune_tui.model.effects import (
     FillView,
     PaletteEffect,
     QuitEffect,
+    ReleaseFirst,
     ShowViewport,
     StateEffect,
     SuspendEffect,
@@ -127,7 +127,7 @@ class Console(MouseApp, inherit_bindings=False):
         self._console = dataclasses.replace(start, pixel_height=traits.aspect / 2.0)
         self._actions = actions_of(layout)
         self._watch = Watch()
-        self._keyboard = KeyboardHold()
+        self._keyboard = KeyboardHold(self._drives)
         self._joysticks = Joysticks(
             layout.joysticks, Sources(HidReader(), links.pads), CalibrationStore()
         )
@@ -228,8 +228,8 @@ class Console(MouseApp, inherit_bindings=False):
         event.prevent_default()
         now = self._look_up()
         key = name_of_key(event.key, event.character)
-        old = self._stalls.deaf(now)
-        self._handle(self._keyboard.press(key, now, read=event.time, old=old))
+        stale = self._stalls.deaf(now)
+        self._handle(self._keyboard.press(key, now, read=event.time, stale=stale))
 
     def on_key_moved(self, event: KeyMoved) -> None:
         """A key moved, on a terminal that tells when it goes up."""
@@ -242,14 +242,17 @@ class Console(MouseApp, inherit_bindings=False):
         elif self._covered or key == WAY_OUT:
             self.post_message(events.Key(event.key, event.character))
         else:
-            repeat, old = event.move is KeyMove.REPEAT, self._stalls.deaf(now)
-            self._handle(self._keyboard.down(key, now, repeat=repeat, old=old))
+            repeat, stale = event.move is KeyMove.REPEAT, self._stalls.deaf(now)
+            self._handle(self._keyboard.down(key, now, repeat=repeat, stale=stale))
 
     def on_releases_told(self, event: ReleasesTold) -> None:
         """The terminal says whether it tells when keys go up."""
         if not event.told:
             self._let_go()  # what it has told of would be held for ever
         self._console = dataclasses.replace(self._console, releases_told=event.told)
+
+    def _drives(self, key: str) -> bool:
+        return self._dispatch.waits_for_hold(key)
 
     def _miss_keys(self) -> None:
         """Say, once for each layout, what of it this terminal cannot tell."""
@@ -274,7 +277,9 @@ class Console(MouseApp, inherit_bindings=False):
         state = self.state
         hits = self._view.hits(int(event.screen_x), 2 * int(event.screen_y) + 1, state)
         stray = pressed and now - self._focused < _FOCUSING_S
-        moved = ControlEvent(name=MOUSE + part, pressed=pressed, value=value, hits=hits, old=stray)
+        moved = ControlEvent(
+            name=MOUSE + part, pressed=pressed, value=value, hits=hits, stale=stray
+        )
         self._execute(self._dispatch.handle(moved, state))
 
     def _joysticks_moved(self) -> None:
@@ -318,6 +323,7 @@ class Console(MouseApp, inherit_bindings=False):
                 look(now)
 
     def _look_at_hands(self, now: float) -> None:
+        self._keyboard.answers(itself=self._painter.answers_itself)
         self._handle(self._keyboard.expire(now))
         unheard = self._painter.answers and now - self._heard > _UNHEARD_S
         if self._dispatch.button_held and unheard:
@@ -330,25 +336,24 @@ class Console(MouseApp, inherit_bindings=False):
 
     def _look_at_robots(self, now: float) -> None:
         state = self.state
-        if any(map(hinders_driving_on, state.robots.values())):
-            self._keyboard.resume_none()
         if state.display is not None:
             self._filing.recorder.note(now, state.display)
         self._execute(Tell(notice=notice) for notice in self._watch.look(state))
         self._execute(self._dispatch.tick(state))
 
     def _look_up(self) -> float:
-        """The time now; after a pause of the console itself, nothing counts as held."""
+        """The time now; nothing counts as held after a pause of the console, or a stop."""
         now = time.monotonic()
         if self._stalls.stalled(now):
             self._let_go()
+        self._execute(self._dispatch.look(self.state))
         return now
 
     async def on_frame_answered(self, event: FrameAnswered) -> None:
         """The terminal shows a frame; the next need not wait for the clock."""
         waited = not self._painter.ready(event.when)
-        self._painter.answered(event.when, event.report)
-        self._keyboard.heard(event.when)
+        asked = self._painter.answered(event.when, event.report)
+        self._keyboard.heard(event.when, asked)
         self._heard = event.when
         if waited:
             await self._draw()
@@ -358,8 +363,8 @@ class Console(MouseApp, inherit_bindings=False):
         if self._drawing or not self._painter.ready(time.monotonic()):
             return
         state, view = self.state, self._view
-        if self._keyboard.waits_for_releases or self._dispatch.button_held:
-            self._painter.ask(state.now)
+        if self._keyboard.needs_answers or self._dispatch.button_held:
+            self._painter.ask(state.now, soon=self._keyboard.hurries)
         cells = view.render(state)
         self._drawing = cells is not None
         try:
@@ -413,6 +418,8 @@ class Console(MouseApp, inherit_bindings=False):
                 self.push_screen(palette_of(self._actions, self._act))
             case AskEffect():
                 self._ask(effect)
+            case ReleaseFirst(keys=keys):
+                self._keyboard.stop(keys, time.monotonic())
             case QuitEffect():
                 self._leave_if_sure()
             case _:
@@ -470,7 +477,7 @@ class Console(MouseApp, inherit_bindings=False):
             rows=self._view.rows,
             clock=time.strftime("%H:%M:%S"),
             held=self._keyboard.held,
-            waiting=tuple(filter(self._dispatch.waits_for_hold, self._keyboard.waiting)),
+            must_release=self._keyboard.must_release,
             hold_s=self._keyboard.hold_s,
             robots={name: link.state for name, link in self._links.items()},
             display=self._painter.display(time.monotonic()),

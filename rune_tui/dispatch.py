@@ -23,6 +23,7 @@ from rune_tui.model.effects import (
     Effect,
     ExportEffect,
     QuitEffect,
+    ReleaseFirst,
     SendEffect,
     Tell,
     ToggleHelp,
@@ -33,6 +34,7 @@ from rune_tui.model.effects import (
 )
 from rune_tui.model.own_keys import own_effect
 from rune_tui.model.page import scrolled, turned
+from rune_tui.model.robot_state import RobotState
 from rune_tui.widgets.control import TakeControl
 from rune_tui.widgets.quit import Quit
 from rune_tui.widgets.speed import SetSpeed, StopRobot
@@ -88,6 +90,7 @@ class Dispatch:
         self._buttons: set[str] = set()
         self._failed: set[int] = set()
         self._standings: dict[str, Standing] = {}
+        self._stops: dict[str, int] = {}
         owners = [(viewport.robot, viewport.widgets) for viewport in layout.view.viewports]
         kinds = layout.vocabulary.widgets
         for robot, specs in (("", layout.view.widgets), *owners):
@@ -113,16 +116,18 @@ class Dispatch:
 
     def handle(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
         """Effects of an event, from every widget that it matches."""
-        return (*self._heed(state), *self._handled(event, state))
+        return (*self.look(state), *self._handled(event, state))
 
     def _handled(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
         fresh = event.pressed and not event.repeat
         listeners = self._listeners(event)
-        if event.stayed:
+        if event.must_release_first:
             listeners = [each for each in listeners if not each.widget.rule.held]
+        elif event.proven:
+            listeners = [each for each in listeners if each.widget.rule.held]
         self._note_button(event, listeners)
-        if event.old:
-            return self._of_old(event, state)
+        if event.stale:
+            return self._of_stale(event, state)
         if state.leaving and fresh and not event.name.startswith((MOUSE, JOYSTICK)):
             return self._answered(event, listeners, state)
         if state.paged:
@@ -176,7 +181,7 @@ class Dispatch:
         stay = AskToLeave(reasons=())
         return (stay, *self._woken(event, listeners, state))
 
-    def _of_old(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
+    def _of_stale(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
         """What a key does that may have been typed long ago: stop, help and quit, or nothing."""
         waiting = self._by_input.get(event.name, ())
         safe = [each for each in waiting if each.widget.rule.under_help]
@@ -215,7 +220,7 @@ class Dispatch:
                 if isinstance(effect, SendEffect) and effect.definition is STOP:
                     stopped[effect.robot] = None
         for robot in stopped:
-            effects += self._release(robot, state)
+            effects += self._stop(robot, state)
         return tuple(effects)
 
     def _note_button(self, event: ControlEvent, listeners: Iterable[_Listener]) -> None:
@@ -241,7 +246,7 @@ class Dispatch:
 
     def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
         """Effects of time going by; to be called 20 times a second."""
-        effects = self._heed(state)
+        effects = self.look(state)
         for widget in self._widgets:
             if not self._silent(widget, state):
                 asked = self._asked(widget, partial(widget.tick, state), state)
@@ -249,16 +254,38 @@ class Dispatch:
                     effects += self._allowed(widget, asked, state, fresh=False)
         return tuple(effects)
 
-    def _heed(self, state: ConsoleState) -> list[Effect]:
-        """Let go where control has changed: a key that was held before must be pressed anew."""
+    def look(self, state: ConsoleState) -> list[Effect]:
+        """Let go where control has changed, or the robot was stopped: keys must be released.
+
+        To be done before keys are taken for presses or repeats.
+        """
         effects: list[Effect] = []
         for name, robot in state.robots.items():
             now = standing(robot)
             before = self._standings.get(name, Standing.UNKNOWN)
             self._standings[name] = now
-            if is_lost(before, now):
-                effects += self._release(name, state)
+            if is_lost(before, now) or self._was_stopped(robot):
+                effects += self._stop(name, state)
         return effects
+
+    def _was_stopped(self, robot: RobotState) -> bool:
+        """Whether the robot says that it was stopped since it was asked last."""
+        if robot.navigation is None:
+            return False
+        now = robot.navigation.value.stops
+        before = self._stops.get(robot.name, now)
+        self._stops[robot.name] = now
+        return now != before
+
+    def _stop(self, robot: str, state: ConsoleState) -> list[Effect]:
+        """What drives a robot is let go, and its keys must be released before they drive."""
+        keys = frozenset(
+            name
+            for name, listeners in self._by_input.items()
+            for each in listeners
+            if each.widget.rule.held and _commanded(each.widget, state) == robot
+        )
+        return [*self._release(robot, state), ReleaseFirst(keys=keys)]
 
     def _allowed(
         self, widget: Widget, asked: list[Effect], state: ConsoleState, *, fresh: bool

@@ -175,6 +175,8 @@ class RobotState:
             those of before: the robot has lost its place. 0: not told.
         position_off: Standard deviation of the position in the map [m]; NaN if it is not known.
         heading_off: Standard deviation of the heading in the map [rad]; NaN if it is not known.
+        stops: Counts how often whoever drives had to become neutral first: stops, silences,
+            hand-overs, other drivers. Another number than before means that there was one.
     """
 
     stamp: Stamp
@@ -197,12 +199,13 @@ class RobotState:
     frame: Number = 0
     position_off: LengthIfKnown = math.nan
     heading_off: RadiansIfKnown = math.nan
+    stops: Number = 0
 
 
 ROBOT_STATE = MessageDefinition(
     name="GCM_RobotState",
     format="{double,double,double,double,double,double,double,double,[float:16],[float:16],"
-    "uint,float,float,{enum:6},uint,{enum:1},float,uint,float,float}",
+    "uint,float,float,{enum:6},uint,{enum:1},float,uint,float,float,uint}",
     type=RobotState,
     rate_hz=20.0,
 )

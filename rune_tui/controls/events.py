@@ -42,10 +42,12 @@ class ControlEvent:
         value: How far: 1 for keys, the clicks of a wheel, positive away from the operator, the
             counts of a ball; of an axis where it is, -1 to 1.
         hits: The viewports under the mouse, the nearest first.
-        stayed: Whether it may have been down since before all was let go, so that it must not
-            drive.
-        old: Whether it may have been typed while the console was away, so that it counts only where
-            it cannot move a robot.
+        timed: Whether nobody reports its release, so that it is guessed by time.
+        must_release_first: Whether it must not drive: a key that was down at a stop or the like
+            must be released first.
+        proven: Whether this press was reported before with `must_release_first`, and may drive now.
+        stale: Whether it may have been typed while the console was away, so that it counts only
+            where it cannot move a robot.
     """
 
     name: str
@@ -53,5 +55,7 @@ class ControlEvent:
     repeat: bool = False
     value: float = 1.0
     hits: tuple[Hit, ...] = ()
-    stayed: bool = False
-    old: bool = False
+    timed: bool = False
+    must_release_first: bool = False
+    proven: bool = False
+    stale: bool = False

@@ -101,7 +101,7 @@ class ConsoleState:
     Attributes:
         now: The console's monotonic clock [s].
         held: Keys that count as held down, in the order they were pressed.
-        waiting: Keys that are down, and drive only when they are pressed anew.
+        must_release: Keys that must be released before a key drives.
         hold_s: How long a key that repeats counts as held where no release is told [s].
         releases_told: Whether the terminal tells when keys go up.
         run_number: The layout's run number.
@@ -135,7 +135,7 @@ class ConsoleState:
 
     now: float
     held: tuple[str, ...] = ()
-    waiting: tuple[str, ...] = ()
+    must_release: tuple[str, ...] = ()
     hold_s: float = 0.6
     releases_told: bool = False
     run_number: int = 0

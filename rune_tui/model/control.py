@@ -8,13 +8,12 @@ from collections.abc import Iterable, Iterator
 from typing import TypeGuard
 
 from hub.gcm.control import CONTROL_STATE, DRIVING, RESTRICTED, ControlAction, ControlState
-from hub.gcm.navigation import MotionState, Twist
+from hub.gcm.navigation import Twist
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import ControlEffect, Effect, SendEffect, Tell
 from rune_tui.model.robot_state import LinkPhase, RobotState
 
 _ANSWERS = (("widgetGrantControl", "hands it over"), ("widgetDenyControl", "keeps it"))
-_DRIVEN = frozenset({MotionState.STANDING, MotionState.MOVING})
 
 
 class Standing(enum.Enum):
@@ -143,12 +142,3 @@ def is_lost(before: Standing, now: Standing) -> bool:
     if before is Standing.UNKNOWN:
         return now is Standing.OTHERS
     return (before, now) != (Standing.FREE, Standing.MINE)
-
-
-def hinders_driving_on(robot: RobotState) -> bool:
-    """Whether what was held before may not go on as it was: others have it, or it was stopped."""
-    stands = standing(robot)
-    if stands is not Standing.MINE:
-        return stands is Standing.OTHERS
-    navigation = robot.navigation
-    return navigation is None or navigation.value.motion not in _DRIVEN

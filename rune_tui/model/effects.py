@@ -49,6 +49,17 @@ class ControlEffect:
     by_driving: bool = False
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReleaseFirst:
+    """A robot was stopped: its keys that are down must be released before a key drives.
+
+    Attributes:
+        keys: All that drive it.
+    """
+
+    keys: frozenset[str]
+
+
 @dataclass(frozen=True, slots=True)
 class QuitEffect:
     """End the console."""
@@ -292,6 +303,7 @@ StateEffect = (
 DeedEffect = (
     SendEffect
     | ControlEffect
+    | ReleaseFirst
     | QuitEffect
     | NextLayoutEffect
     | ScreenshotEffect

@@ -43,6 +43,8 @@ _STILL_S: Final = 0.15
 """So long after such a picture it is worth while to make the last one more exact [s]."""
 _SILENT_S: Final = 0.2
 """After so long without a frame the terminal is asked for a sign of life, if one is needed [s]."""
+_SOON_S: Final = 0.03
+"""The same where somebody waits for the answer [s]."""
 _COUNTED_S: Final = 1.0
 """Frames of so long are counted [s]."""
 
@@ -135,20 +137,32 @@ class Painter:
             frame = Frame(first=frame.first, picture=finer.picture)
         return frame
 
-    def ask(self, now: float) -> None:
-        """Have the terminal say that it is there, unless a frame has asked it just now."""
+    @property
+    def answers_itself(self) -> bool:
+        """Whether no multiplexer answers for the terminal."""
+        return self._pacer.answers and not self._traits.discards
+
+    def ask(self, now: float, *, soon: bool = False) -> None:
+        """Have the terminal say that it is there, unless a frame has asked it just now.
+
+        Args:
+            now: The time [s].
+            soon: Whether somebody waits for the answer.
+        """
         asked = max((frame.sent for frame in self._pacer.under_way), default=self._asked)
         driver = driver_of(self._app)
-        if driver is not None and now - max(asked, self._asked) > _SILENT_S:
+        if driver is not None and now - max(asked, self._asked) > (_SOON_S if soon else _SILENT_S):
             driver.write(f"{self._pacer.sent(now, 0)}{self._home}")
             self._asked = now
 
-    def answered(self, now: float, report: CursorReport) -> None:
-        """The terminal says where its cursor is."""
+    def answered(self, now: float, report: CursorReport) -> float | None:
+        """The terminal says where its cursor is; returns when it was asked [s], if it was."""
         answer = self._pacer.answered(now, report)
-        if answer is not None:
-            self._latency = answer.age
-            self._control.acknowledged(now, answer)
+        if answer is None:
+            return None
+        self._latency = answer.age
+        self._control.acknowledged(now, answer)
+        return answer.frame.sent
 
     def restart(self) -> None:
         """The terminal was away, or is another one."""

@@ -264,8 +264,8 @@ def _recording(state: ConsoleState) -> Iterator[Part]:
 
 
 def _held(state: ConsoleState) -> Iterator[Part]:
-    if state.waiting:
-        yield Part(f"LET GO OF {' '.join(state.waiting)} FIRST", 8, Mood.WARNING)
+    if state.must_release:
+        yield Part(f"LET GO OF {' '.join(state.must_release)} FIRST", 8, Mood.WARNING)
     if state.held:
         yield Part(f"keys {' '.join(state.held)}", 1)
 

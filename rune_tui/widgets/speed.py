@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import ClassVar, Self
 
-from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Stop, Twist
+from hub.gcm.navigation import ROBOT_STATE, STOP, VELOCITY_COMMAND, Stop, Twist
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.names import joystick_input
 from rune_tui.layout.rules import HandlerRule, NumberOption, Section
@@ -64,6 +64,7 @@ class SetSpeed:
             ),
         },
         sends=("GCM_Velocity_Command",),
+        uses=(ROBOT_STATE.name,),
         words={"translate": ("forward", "backward"), "rotate": ("left", "right")},
         plane=("rotate", "translate"),
         held=True,

@@ -361,8 +361,8 @@ def test_a_key_that_was_let_go_of_for_the_operator_has_to_go_up_first(
         desk.console.on_app_blur()
         await desk.press("w")
         assert desk.console.state.held == ()
-        assert desk.console.state.waiting == ("w",)
-        await desk.until(lambda: not desk.console.state.waiting)
+        assert desk.console.state.must_release == ("w",)
+        await desk.until(lambda: not desk.console.state.must_release)
         await desk.drive()
 
     play(script)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import random
 from collections.abc import Iterable
 from pathlib import Path
@@ -14,20 +13,19 @@ from hypothesis import strategies as st
 
 from hub.gcm.autonomy import AUTONOMY_COMMAND
 from hub.gcm.control import CONTROL_STATE, RESTRICTED, ControlAction, ControlState
-from hub.gcm.navigation import ROBOT_STATE, STOP, VELOCITY_COMMAND, MotionState
+from hub.gcm.navigation import STOP, VELOCITY_COMMAND
 from hub.gcm.vision import CAMERA_COMMAND, NIGHT_COMMAND
 from rune_tui.controls.events import ControlEvent
 from rune_tui.dispatch import Dispatch
 from rune_tui.layout.actions import inputs_of
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.control import hinders_driving_on, owner_words
+from rune_tui.model.control import owner_words
 from rune_tui.model.effects import ControlEffect, Effect, SendEffect, Tell, ToggleNight
 from rune_tui.model.happenings import Watch
 from rune_tui.model.robot_state import LinkPhase, LinkState, RobotState
 from rune_tui.opening import open_layout
 from tests.console.states import robot_of
 from tests.console.visualizers.conftest import received
-from tests.messages import robot_state
 
 LAYOUT = """\
 <rune>
@@ -305,25 +303,3 @@ def test_words_say_who_has_control(hands: Hands) -> None:
         "you have control since 12:03",
         "bob has control since 12:03",
     ]
-
-
-@pytest.mark.parametrize(
-    ("control", "motion", "hinders"),
-    [
-        (MINE, MotionState.MOVING, False),
-        (MINE, MotionState.STANDING, False),
-        (MINE, MotionState.STOPPED, True),
-        (MINE, MotionState.SILENCE, True),
-        (MINE, MotionState.WAITING, True),
-        (MINE, MotionState.GOING, True),
-        (BOBS, MotionState.MOVING, True),
-        (NOBODY, MotionState.WAITING, False),
-        (None, MotionState.WAITING, False),
-    ],
-)
-def test_what_was_held_drives_on_with_robots_only_that_are_driven_or_nobodys(
-    hands: Hands, control: ControlState | None, motion: MotionState, *, hinders: bool
-) -> None:
-    hands.control = control
-    messages = {**hands.robot.messages, ROBOT_STATE.name: received(robot_state(motion=motion))}
-    assert hinders_driving_on(dataclasses.replace(hands.robot, messages=messages)) is hinders

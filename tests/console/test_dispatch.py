@@ -248,7 +248,7 @@ def test_under_the_help_only_stop_help_and_quit_count(two_robots: LayoutSpec):
 
 
 def old(key: str, *, repeat: bool = False) -> ControlEvent:
-    return ControlEvent(name=key, pressed=True, repeat=repeat, stayed=True, old=True)
+    return ControlEvent(name=key, pressed=True, repeat=repeat, must_release_first=True, stale=True)
 
 
 def test_of_what_may_have_been_typed_while_the_console_was_away_stop_and_quit_count(

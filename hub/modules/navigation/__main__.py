@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import random
 import sys
 import time
 
@@ -56,7 +57,10 @@ class Navigation:
     def __init__(self, client: Client, robot: RobotDescription) -> None:
         self._client = client
         self._clock = time.monotonic
-        self._governor = SpeedGovernor(robot.linear_limit, robot.angular_limit, self._clock())
+        # From another number each time, so that a console notices that navigation began anew.
+        self._governor = SpeedGovernor(
+            robot.linear_limit, robot.angular_limit, self._clock(), stops=random.getrandbits(32)
+        )
         self._pilot = Pilot(body_of(robot))
         self._frames = FrameMemory(for_pose(robot.name))
         self._wanted = (0.0, 0.0)
@@ -263,8 +267,8 @@ class Navigation:
         refused = self._governor.refused + self._gate.refused
         refused += sum(counts[reason] for reason in _NOT_TAKEN)
         self._frames.corrected(self._pilot.correction.odom)
-        motion, frame = self._governor.state(now), self._frames.frame.number
-        state = robot_state(drive, self._pilot, motion, refused, frame, now)
+        frame = self._frames.frame.number
+        state = robot_state(drive, self._pilot, self._governor, refused, frame, now)
         self._client.publish(navigation.ROBOT_STATE, state, measured=measured)
 
     def _publish_status(self) -> None:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 
-from hub.gcm.navigation import DriveState, MotionState, NavigationStatus, Point, RobotState
+from hub.gcm.navigation import DriveState, NavigationStatus, Point, RobotState
 from hub.modules.navigation.pilot import Pilot
+from hub.modules.navigation.speed_governor import SpeedGovernor
 from hub.modules.navigation.task import Errand
 
 
 def robot_state(
-    drive: DriveState, pilot: Pilot, motion: MotionState, refused: int, frame: int, now: float
+    drive: DriveState, pilot: Pilot, governor: SpeedGovernor, refused: int, frame: int, now: float
 ) -> RobotState:
     """What is known of the robot, from what its hardware reports."""
     spread = pilot.spread
@@ -29,13 +30,14 @@ def robot_state(
         bumpers=drive.bumpers,
         battery_voltage=drive.battery_voltage,
         battery_fraction=drive.battery_fraction,
-        motion=motion,
+        motion=governor.state(now),
         refused=refused,
         assistance=pilot.assistance(now),
         held_back=pilot.held_back,
         frame=frame,
         position_off=spread.way,
         heading_off=min(spread.turn, math.pi),
+        stops=governor.stops,
     )
 
 

@@ -30,6 +30,7 @@ DEAF_S = 0.1
 SETTLE_S = 0.2
 """A task steers again when nothing was missing for this time [s]."""
 _MAX_SENDERS = 256
+_COUNTS = 1 << 32
 
 
 class SpeedGovernor:
@@ -39,6 +40,7 @@ class SpeedGovernor:
         refused: Commands that were not followed: not finite, old, not from neutral, or from
             somebody else while one drives.
         held: Why the wheels of a task stand; NONE: it may steer.
+        stops: Counts how often whoever drives had to become neutral first; 32 bits.
     """
 
     def __init__(
@@ -48,6 +50,7 @@ class SpeedGovernor:
         now: float,
         *,
         silence_s: float = SILENCE_S,
+        stops: int = 0,
     ) -> None:
         self._linear_limit = linear_limit
         self._angular_limit = angular_limit
@@ -63,6 +66,7 @@ class SpeedGovernor:
         self._settled_at = now
         self.refused = 0
         self.held = Cause.NONE
+        self.stops = stops
 
     def command(
         self, sender: int, linear: float, angular: float, measured: float, now: float
@@ -119,16 +123,16 @@ class SpeedGovernor:
 
     def stop(self) -> None:
         """Somebody wants the robot to stop: it stands until neutral comes."""
-        self._halt(MotionState.STOPPED)
-        self._armed.clear()
+        self._disarm(MotionState.STOPPED)
 
     def driver_began_anew(self) -> None:
         """Another driver reports than before: who drives has to send a neutral command first."""
-        self._armed.clear()
         if self.has_task:
+            self._armed.clear()
+            self._count_stop()
             self._hold(Cause.DRIVER, self._looked)
         else:
-            self._halt(MotionState.WAITING)
+            self._disarm(MotionState.WAITING)
 
     def controlled_by(self, owner: int, before: int) -> None:
         """Somebody else has control than before, by numbers; 0: nobody.
@@ -137,8 +141,7 @@ class SpeedGovernor:
         stands as well when it becomes free while it is driven; a task of its own goes on then.
         """
         if (owner and before) or self._sender not in (owner, None):
-            self._halt(MotionState.WAITING)
-            self._armed.clear()
+            self._disarm(MotionState.WAITING)
 
     def driver_reported(self, now: float) -> None:
         """The driver lives."""
@@ -172,6 +175,15 @@ class SpeedGovernor:
             max(-self._angular_limit, min(self._angular_limit, angular)),
         )
 
+    def _disarm(self, state: MotionState) -> None:
+        """Stop; everybody has to send neutral before they drive again."""
+        self._halt(state)
+        self._armed.clear()
+        self._count_stop()
+
+    def _count_stop(self) -> None:
+        self.stops = (self.stops + 1) % _COUNTS
+
     def _halt(self, state: MotionState) -> None:
         self._state = state
         self._velocity = (0.0, 0.0)
@@ -200,6 +212,7 @@ class SpeedGovernor:
         elif now >= self._fresh_until:
             self._armed.pop(self._sender or 0, None)
             self._halt(MotionState.SILENCE)
+            self._count_stop()
 
     def _look_at_task(self, now: float, *, away: bool) -> None:
         """Hold the wheels of a task while something is missing, and let it steer again."""

@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import Any
 
 from hub.gcm.control import CONTROL_STATE, ConsoleHeartbeat, ControlAction, ControlState
-from hub.gcm.navigation import STOP, VELOCITY_COMMAND
+from hub.gcm.navigation import ROBOT_STATE, STOP, VELOCITY_COMMAND
 from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.hid_reader import Gone, Opened, Scanned
 from rune_tui.controls.joystick.store import CalibrationStore
@@ -23,18 +23,22 @@ from rune_tui.controls.stall_guard import StallGuard
 from rune_tui.dispatch import Dispatch
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import ControlEffect, Effect, SendEffect
+from rune_tui.model.effects import ControlEffect, Effect, ReleaseFirst, SendEffect
 from rune_tui.model.robot_state import LinkPhase, LinkState, Received, RobotState
 from tests.console.controls.joystick.fake_reader import FakeReader
 from tests.console.controls.joystick.pads import LEFT_X, LEFT_Y, PAD, REST, device
 from tests.console.controls.pure_agent import HeardPads, PadAgent
 from tests.console.controls.pure_robot import STEP_S, Robot
 from tests.console.controls.slow_link import Link
+from tests.messages import robot_state
 
 TICK_S = 0.05
 """How often the console does [s]."""
 ROBOT = "magellan"
 _REPEAT_S = 0.03
+_GAPS = 0.15
+"""The share of repeats that come late, where there are gaps."""
+_ROUND_TRIP_S = 0.02
 _HAND_S = 0.06
 _CENTRE, _THROW = 128, 127
 
@@ -63,17 +67,17 @@ class Console:
         self.joysticks = Joysticks(layout.joysticks, self.reader, CalibrationStore())
         self.joysticks.start(lambda: None)
         self.resting = False
-        self._keyboard = KeyboardHold()
-        self._stalls = StallGuard()
         self._dispatch = Dispatch(layout)
-        self._owner = 0
+        self._keyboard = KeyboardHold(self._dispatch.waits_for_hold)
+        self._stalls = StallGuard()
+        self._owner = self._stops = 0
         self._due = now + phase * TICK_S
         self._robots = self._known()
 
-    def hears(self, owner: int) -> None:
-        """The robot says who has control."""
-        if owner != self._owner:
-            self._owner = owner
+    def hears(self, owner: int, stops: int) -> None:
+        """The robot says who has control, and how often it was stopped."""
+        if (owner, stops) != (self._owner, self._stops):
+            self._owner, self._stops = owner, stops
             self._robots = self._known()
 
     def connected(self) -> None:
@@ -87,12 +91,16 @@ class Console:
             self._due = max(self._due + TICK_S, now)
             self.link.send(ConsoleHeartbeat(holds=int(self._owner == self.link.number)), now)
             self._look_up(now)
+            self._execute(self._dispatch.look(self._state(now)), now)
+            self._keyboard.answers(itself=True)
+            self._keyboard.heard(now, now - _ROUND_TRIP_S)
             self._handle(self._keyboard.expire(now), now)
             self._execute(self._dispatch.tick(self._state(now)), now)
 
     def key(self, key: str, now: float) -> None:
         self._look_up(now)
-        self._handle(self._keyboard.press(key, now, old=self._stalls.deaf(now)), now)
+        self._execute(self._dispatch.look(self._state(now)), now)
+        self._handle(self._keyboard.press(key, now, stale=self._stalls.deaf(now)), now)
 
     def moved(self, now: float) -> None:
         """The pad has something to tell."""
@@ -119,6 +127,8 @@ class Console:
         for effect in effects:
             if isinstance(effect, SendEffect | ControlEffect):
                 self.link.send(effect, now)
+            elif isinstance(effect, ReleaseFirst):
+                self._keyboard.stop(effect.keys, now)
 
     def _state(self, now: float) -> ConsoleState:
         return ConsoleState(
@@ -129,7 +139,9 @@ class Console:
         number = self.link.number
         link = LinkState(phase=LinkPhase.CONNECTED, since=0.0, endpoint="", number=number)
         state = Received(value=ControlState(owner=self._owner), measured=0.0, number=1)
-        robot = RobotState(name=ROBOT, link=link, messages={CONTROL_STATE.name: state})
+        driven = Received(value=robot_state(stops=self._stops), measured=0.0, number=1)
+        messages = {CONTROL_STATE.name: state, ROBOT_STATE.name: driven}
+        robot = RobotState(name=ROBOT, link=link, messages=messages)
         return MappingProxyType({ROBOT: robot})
 
 
@@ -139,6 +151,7 @@ class World:
     Attributes:
         now: The robot's clock [s].
         ahead: How much the operator's clock is ahead of it [s].
+        gaps: Whether repeats of a key that is held are missing now and then.
         told_since: When the wheels were last told anything but to stand [s].
         moved_since: When they last moved [s].
         agent: What the pad is plugged in at; None: the console's machine.
@@ -158,7 +171,9 @@ class World:
         self._paths = 0
         self._stick: tuple[float, float] | None = None
         self._key = ""
-        self._hand_due = self._repeat_due = self._rival_due = 0.0
+        self.gaps = False
+        self._hand_due = self._repeat_due = self._rival_due = self._report_due = 0.0
+        self._reported_stops = 0
         self._path = ""
         self._rival: Console | None = None
         self._rival_key = ""
@@ -234,6 +249,7 @@ class World:
     def neutral(self) -> None:
         """Hands off."""
         self._stick, self._key, self._rival_key = None, "", ""
+        self.gaps = False
         self._report(REST)
 
     def push(self) -> None:
@@ -245,7 +261,10 @@ class World:
         self._report(self._positions())
 
     def hold_key(self) -> None:
+        """It repeats after the keyboard's delay."""
         self._key = self.chance.choice("ws")
+        self.console.key(self._key, self.now + self.ahead)
+        self._repeat_due = self.now + self.chance.uniform(0.25, 0.55)
 
     def wait(self, seconds: float, until: Callable[[], bool] = lambda: False) -> None:
         """Let time pass, so much or until this holds."""
@@ -264,9 +283,12 @@ class World:
             for sent, effect in console.link.arrived(self.now + ahead):
                 self._take(effect, console.link.number, sent - ahead)
         self.robot.pass_time(self.now)
+        if self.now >= self._report_due:
+            self._report_due = self.now + 1.0 / ROBOT_STATE.rate_hz
+            self._reported_stops = self.robot.stops
         for console in self.consoles:
             if console.runs and not (console.link.cut or console.link.gone):
-                console.hears(self.robot.owner)
+                console.hears(self.robot.owner, self._reported_stops)
         if self.robot.driven:
             self.told_since = self.now
         if self.robot.moves:
@@ -300,11 +322,17 @@ class World:
             self._hand_due = self.now + _HAND_S
             self._report(self._positions(self.chance.uniform(0.8, 1.0)))
         if self._key and self.now >= self._repeat_due and self.console.runs:
-            self._repeat_due = self.now + _REPEAT_S
+            self._repeat_due = self.now + self._pause()
             self.console.key(self._key, self.now + self.ahead)
         if self._rival_key and self.now >= self._rival_due:
             self._rival_due = self.now + _REPEAT_S
             self.rival.key(self._rival_key, self.now)
+
+    def _pause(self) -> float:
+        """Until the key that is held repeats again [s]."""
+        if self.gaps and self.chance.random() < _GAPS:
+            return self.chance.uniform(0.1, 0.5)
+        return _REPEAT_S
 
     def _positions(self, share: float = 1.0) -> tuple[tuple[int, int | None], ...]:
         """The stick, with the wobble of a hand."""

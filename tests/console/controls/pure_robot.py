@@ -114,6 +114,10 @@ class Robot:
         return self.arbiter.owner.number if self.arbiter.owner else 0
 
     @property
+    def stops(self) -> int:
+        return self._governor.stops
+
+    @property
     def driven(self) -> bool:
         return self.told != (0.0, 0.0)
 

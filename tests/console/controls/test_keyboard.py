@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -15,11 +17,15 @@ RATE = 0.033
 
 
 def press(key: str) -> ControlEvent:
-    return ControlEvent(name=key, pressed=True)
+    return ControlEvent(name=key, pressed=True, timed=True)
 
 
 def repeat(key: str) -> ControlEvent:
-    return ControlEvent(name=key, pressed=True, repeat=True)
+    return ControlEvent(name=key, pressed=True, repeat=True, timed=True)
+
+
+def told_press(key: str) -> ControlEvent:
+    return ControlEvent(name=key, pressed=True)
 
 
 def release(key: str) -> ControlEvent:
@@ -32,6 +38,16 @@ def hold_down(keyboard: KeyboardHold, key: str, start: float, repeats: int, rate
     for number in range(repeats):
         assert keyboard.press(key, start + DELAY + number * rate) == (repeat(key),)
     return start + DELAY + (repeats - 1) * rate
+
+
+def assert_drives_when_proven(keyboard: KeyboardHold, key: str, moment: float) -> None:
+    """A press after a stop drives when no repeat followed it for long enough."""
+    (event,) = keyboard.press(key, moment)
+    assert (event.must_release_first, event.repeat) == (True, False)
+    assert keyboard.expire(moment + 0.46) == ()
+    proven = ControlEvent(name=key, pressed=True, timed=True, proven=True)
+    assert keyboard.expire(moment + 0.48) == (proven,)
+    assert keyboard.held == (key,)
 
 
 def assert_held_until(keyboard: KeyboardHold, moment: float, key: str) -> None:
@@ -117,13 +133,13 @@ def test_a_key_that_was_held_back_on_the_way_drives_when_it_is_pressed_anew():
     keyboard = KeyboardHold()
     keyboard.press("w", 0.0)
     assert keyboard.press("w", 0.0) == (repeat("w"),)
-    stayed = ControlEvent(name="w", pressed=True, repeat=True, stayed=True)
-    assert keyboard.press("w", 0.0) == (release("w"), stayed)
+    late = dataclasses.replace(repeat("w"), must_release_first=True)
+    assert keyboard.press("w", 0.0) == (release("w"), late)
     # It is still down, and repeats at its own rate.
     for number in range(40):
-        assert keyboard.press("w", 0.03 + number * RATE) == (stayed,)
-    assert keyboard.press("w", 9.0) == (press("w"),)
-    assert keyboard.held == ("w",)
+        assert keyboard.press("w", 0.03 + number * RATE) == (late,)
+    keyboard.expire(8.0)
+    assert_drives_when_proven(keyboard, "w", 9.0)
 
 
 def test_when_a_key_was_read_counts_and_not_when_the_console_had_time_for_it():
@@ -187,37 +203,47 @@ def test_a_key_that_stays_down_when_all_are_let_go_says_so_until_it_was_silent()
     keyboard.release_all(last)
     for number in range(40):
         (event,) = keyboard.press("w", last + 0.3 + number * RATE)
-        assert (event.stayed, event.repeat) == (True, number > 0)
+        assert (event.must_release_first, event.repeat) == (True, number > 0)
         assert keyboard.held == ()
-    assert keyboard.press("w", last + 0.3 + 39 * RATE + 0.16) == (release("w"), press("w"))
+    keyboard.expire(last + 0.3 + 39 * RATE + 0.73)
+    assert_drives_when_proven(keyboard, "w", last + 0.3 + 39 * RATE + 0.73)
 
 
 def test_a_key_that_may_have_been_typed_long_ago_says_so_until_it_was_silent():
     keyboard = KeyboardHold()
     for number in range(40):
-        (event,) = keyboard.press("w", number * RATE, old=number < 6)
-        assert (event.stayed, event.repeat, event.old) == (True, number > 0, number < 6)
+        (event,) = keyboard.press("w", number * RATE, stale=number < 6)
+        assert (event.must_release_first, event.repeat, event.stale) == (
+            True,
+            number > 0,
+            number < 6,
+        )
         assert keyboard.held == ()
-    assert keyboard.press("w", 39 * RATE + 0.16) == (press("w"),)
+    keyboard.expire(39 * RATE + 0.73)
+    assert_drives_when_proven(keyboard, "w", 39 * RATE + 0.73)
 
 
 def test_a_key_that_may_have_been_pressed_long_ago_drives_when_it_is_pressed_anew():
     keyboard = KeyboardHold()
-    (event,) = keyboard.down("w", 0.0, repeat=False, old=True)
-    assert (event.stayed, event.old) == (True, True)
+    (event,) = keyboard.down("w", 0.0, repeat=False, stale=True)
+    assert (event.must_release_first, event.stale) == (True, True)
     (event,) = keyboard.down("w", 0.5, repeat=True)
-    assert (event.stayed, event.old) == (True, False)
+    assert (event.must_release_first, event.stale) == (True, False)
     assert keyboard.held == ()
     keyboard.up("w", 0.6)
-    assert keyboard.down("w", 1.0, repeat=False) == (press("w"),)
+    assert keyboard.down("w", 1.0, repeat=False) == (told_press("w"),)
 
 
-def test_a_key_that_was_up_when_all_were_let_go_is_a_press():
+def test_no_key_drives_before_the_one_that_may_be_down_was_silent():
     keyboard = KeyboardHold()
     keyboard.press("w", 0.0)
     keyboard.release_all(0.1)
-    assert keyboard.press("d", 0.2) == (press("d"),)
-    assert keyboard.press("w", 0.7) == (press("w"),)
+    (event,) = keyboard.press("d", 0.2)
+    assert event.must_release_first
+    assert keyboard.must_release == ("d", "w")
+    keyboard.expire(0.93)
+    assert keyboard.must_release == ()
+    assert_drives_when_proven(keyboard, "d", 1.0)
 
 
 def test_the_names_of_a_key_are_one_key():
@@ -277,13 +303,17 @@ def test_presses_and_releases_of_a_key_alternate_and_everything_ends_released(
             events = keyboard.expire(now)
         else:
             events = keyboard.release_all(now)
-            let_go |= {event.name for event in events}
+            let_go |= set("wasd")
         for number, event in enumerate(events):
-            if event.stayed and release(event.name) in events[:number]:
+            if event.must_release_first and release(event.name) in events[:number]:
                 let_go.add(event.name)  # it came all at once with its press
                 continue
-            assert not event.stayed or event.name in let_go
-            assert (event.name in down) == (event.repeat or not event.pressed) or event.stayed
+            assert not event.must_release_first or event.name in let_go
+            assert (
+                (event.name in down) == (event.repeat or not event.pressed)
+                or event.must_release_first
+                or event.proven
+            )
             (down.add if event.pressed else down.discard)(event.name)
         assert down >= set(keyboard.held)
         assert down - let_go <= set(keyboard.held)
@@ -322,9 +352,9 @@ def test_a_key_that_repeated_and_falls_silent_is_up_though_no_release_was_told(
     last = told_down(keyboard, "w", 0.0, 6.0, rate)
     assert answering(keyboard, last, last + silence - 0.02) == ()
     assert answering(keyboard, last + silence - 0.01, last + silence + 0.02) == (release("w"),)
-    assert not keyboard.waits_for_releases
+    assert not keyboard.needs_answers
     (event,) = keyboard.down("w", 20.0, repeat=True)
-    assert event.stayed
+    assert event.must_release_first
 
 
 def test_a_key_whose_repeats_another_one_took_is_held_with_it_and_after_it():
@@ -364,27 +394,27 @@ def test_a_key_that_never_repeats_is_held_for_as_long_as_keys_move():
 def test_what_window_managers_take_ends_what_is_held(key: str):
     keyboard = KeyboardHold()
     keyboard.down("w", 0.0, repeat=False)
-    assert keyboard.down(key, 0.1, repeat=False) == (release("w"), press(key))
+    assert keyboard.down(key, 0.1, repeat=False) == (release("w"), told_press(key))
     (event,) = keyboard.down("w", 0.2, repeat=True)
-    assert event.stayed
+    assert event.must_release_first
 
 
 def repeating(key: str) -> tuple[ControlEvent, ...]:
-    return (repeat(key),)
+    return (ControlEvent(name=key, pressed=True, repeat=True),)
 
 
 def test_a_key_whose_release_is_told_is_held_until_then():
     keyboard = KeyboardHold()
-    assert keyboard.down("w", 0.0, repeat=False) == (press("w"),)
+    assert keyboard.down("w", 0.0, repeat=False) == (told_press("w"),)
     answering(keyboard, 0.0, 0.5)
     for number in range(300):
         moment = 0.5 + number * RATE
         assert keyboard.down("w", moment, repeat=True) == repeating("w")
         keyboard.heard(moment)
-    assert keyboard.waits_for_releases
+    assert keyboard.needs_answers
     assert keyboard.up("w", 10.5) == (release("w"),)
     assert keyboard.up("w", 10.5) == ()
-    assert not keyboard.waits_for_releases
+    assert not keyboard.needs_answers
     assert keyboard.held == ()
 
 
@@ -405,10 +435,10 @@ def test_a_terminal_that_falls_silent_holds_nothing_and_drives_only_when_pressed
     assert keyboard.expire(1.61) == (release("w"),)
     keyboard.heard(5.0)
     (event,) = keyboard.down("w", 5.0, repeat=True)
-    assert (event.stayed, event.repeat) == (True, True)
+    assert (event.must_release_first, event.repeat) == (True, True)
     assert keyboard.held == ()
     assert keyboard.up("w", 5.1) == ()
-    assert keyboard.down("w", 6.0, repeat=False) == (press("w"),)
+    assert keyboard.down("w", 6.0, repeat=False) == (told_press("w"),)
 
 
 def test_what_stayed_down_when_all_was_let_go_drives_again_only_when_pressed_anew():
@@ -416,22 +446,22 @@ def test_what_stayed_down_when_all_was_let_go_drives_again_only_when_pressed_ane
     keyboard.down("w", 0.0, repeat=False)
     assert keyboard.release_all(0.1) == (release("w"),)
     (event,) = keyboard.down("w", 9.0, repeat=True)
-    assert (event.stayed, event.repeat) == (True, True)
+    assert (event.must_release_first, event.repeat) == (True, True)
     # Its release went to another window, so the next that is heard of it is a press.
-    assert keyboard.down("w", 20.0, repeat=False)[-1] == press("w")
+    assert keyboard.down("w", 20.0, repeat=False)[-1] == told_press("w")
 
 
 def test_a_press_without_the_release_before_it_releases_first():
     keyboard = KeyboardHold()
     keyboard.down("w", 0.0, repeat=False)
-    assert keyboard.down("w", 0.2, repeat=False) == (release("w"), press("w"))
+    assert keyboard.down("w", 0.2, repeat=False) == (release("w"), told_press("w"))
 
 
 def test_a_key_that_came_as_text_is_timed_whatever_the_terminal_tells_of_others():
     keyboard = KeyboardHold()
     keyboard.press("w", 0.0)
     keyboard.heard(0.5)
-    assert not keyboard.waits_for_releases
+    assert not keyboard.needs_answers
     assert_held_until(keyboard, 0.6, "w")
 
 
@@ -442,11 +472,10 @@ def test_a_key_that_comes_late_and_all_at_once_is_waited_for_to_go_up():
     for number in range(8):
         keyboard.press("w", last + 0.3 + number * 1e-3)
     assert keyboard.held == ()
-    assert keyboard.waiting == ("w",)
+    assert keyboard.must_release == ("w",)
     keyboard.expire(last + 2.0)
-    assert keyboard.waiting == ()
-    keyboard.press("w", last + 3.0)
-    assert keyboard.held == ("w",)
+    assert keyboard.must_release == ()
+    assert_drives_when_proven(keyboard, "w", last + 3.0)
 
 
 def after_a_pause(
@@ -464,7 +493,7 @@ def after_a_pause(
         if number == 1:
             assert keyboard.expire(came) == (release("w"),)
         if number == 1 and meanwhile == "stopped":
-            keyboard.resume_none()
+            keyboard.stop({"w"}, came)
         if number == 1 and meanwhile == "let go":
             keyboard.release_all(came)
         keyboard.press("w", came)
@@ -492,4 +521,4 @@ def test_a_key_that_is_down_has_to_go_up_after_a_long_pause_or_when_its_robot_wa
 ):
     keyboard = after_a_pause(pause, meanwhile=meanwhile)
     assert keyboard.held == ()
-    assert keyboard.waiting == ("w",)
+    assert keyboard.must_release == ("w",)

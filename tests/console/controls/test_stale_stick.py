@@ -20,6 +20,7 @@ TIMES = 1000
 TOLD_S = 0.35
 REST_S = 0.7
 INSISTED_S = 0.2
+INSISTED_WITH_GAPS_S = 1.5
 _LAYOUT = """<rune>
   <robot name="magellan"><capability name="NAV_MOVE"/></robot>
   <joystick name="pad"/>
@@ -67,6 +68,16 @@ def press(key: str) -> Deed:
 
 def fall_asleep(world: World) -> None:
     world.console.runs = False
+
+
+def with_gaps(strike: Deed) -> Deed:
+    """From then on, repeats of the key that is held are missing now and then."""
+
+    def struck(world: World) -> None:
+        world.gaps = True
+        strike(world)
+
+    return struck
 
 
 def awake(world: World) -> None:
@@ -166,6 +177,13 @@ CASES = (
         mend=awake,
         keys=True,
     ),
+    Case(
+        name="asleep with a key held and gaps",
+        press=World.hold_key,
+        strike=with_gaps(fall_asleep),
+        mend=awake,
+        keys=True,
+    ),
     Case(name="clock leaps", strike=clock_leaps),
     Case(name="killed", strike=end, mend=start_again),
     Case(name="hub killed", strike=lose_hub, mend=another_hub),
@@ -180,6 +198,12 @@ CASES = (
         mend=World.reconnect,
     ),
     Case(name="stopped from elsewhere", strike=lambda world: world.robot.stop(world.now)),
+    Case(
+        name="stopped from elsewhere with a key held and gaps",
+        press=World.hold_key,
+        strike=with_gaps(lambda world: world.robot.stop(world.now)),
+        keys=True,
+    ),
     Case(name="stopped by key", strike=press("space"), keys=True),
     Case(name="taken over", strike=rival_takes_over, mend=rival_gives_up),
     Case(
@@ -227,7 +251,7 @@ def play(world: World, case: Case) -> None:
     assert world.moved_since - struck <= REST_S
     world.wait(world.chance.uniform(0.0, 0.3))
     case.mend(world)
-    world.wait(INSISTED_S)
+    world.wait(INSISTED_WITH_GAPS_S if world.gaps else INSISTED_S)
     assert world.told_since - struck <= TOLD_S, "it drives with what was held before"
     drive(world, case)
 
@@ -235,8 +259,8 @@ def play(world: World, case: Case) -> None:
 def drive(world: World, case: Case) -> None:
     """From neutral."""
     world.neutral()
-    # So long a key counts as held on terminals that tell of no release, and its repeats as old.
-    world.wait(0.7 if case.keys else 0.25)
+    # After a stop, keys have to be silent for so long on terminals that report no releases.
+    world.wait(0.85 if case.keys else 0.25)
     case.press(world)
-    world.wait(0.2, until=lambda: world.robot.driven)
+    world.wait(0.35, until=lambda: world.robot.driven)
     assert world.robot.driven, "it cannot be driven"

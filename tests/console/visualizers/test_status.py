@@ -253,7 +253,7 @@ def test_the_token_changes_with_the_words_only(made) -> None:
 
 
 def test_keys_that_must_go_up_first_are_named(made) -> None:
-    state = ConsoleState(now=made.now, waiting=("w", "d"))
+    state = ConsoleState(now=made.now, must_release=("w", "d"))
     parts = {part.text: part for part in status_parts(made.robot(), state)}
     assert parts["LET GO OF w d FIRST"].mood is Mood.WARNING
 

@@ -1,0 +1,305 @@
+"""After a stop: which keys must be released before a key drives again; pure.
+
+A finger that was down when the robot was stopped must not move it again. So after a stop, a
+hand-over of control, a silence or a loss of the focus, no key drives before all keys that may be
+down were seen up. `TABLE` below is the rule; this is what its words mean.
+
+| state | meaning |
+| --- | --- |
+| FREE | a press drives |
+| WAITING | keys that may be down must be released first; no press drives |
+| READY | all keys were quiet; where releases are not reported, the next press must be proven |
+| PROVING | a key came that drives if it was a press; a key that is down would soon repeat |
+
+| event | terminal | meaning |
+| --- | --- | --- |
+| STOP_DOWN | any | a stop or the like; a key may be down, or on the line |
+| STOP_UP | any | the same; no key is seen to be down |
+| KEY | reports no releases | a press or a repeat, which look the same |
+| PRESS, LAST_PRESS | reports releases | a press; LAST: no other key is waited for |
+| REPEAT | reports releases | a repeat of a key that does not drive |
+| RELEASE, LAST_RELEASE | reports releases | a key that does not drive went up |
+| QUIET | any | no key came for long enough |
+
+How long is enough, in QUIET:
+
+| state | terminal | time after the last key |
+| --- | --- | --- |
+| WAITING | reports no releases | `QUIET_S` |
+| WAITING | reports releases | never: a key goes up, or down anew if that was lost |
+| PROVING | answers | `PROOF_S` |
+| PROVING | does not answer, or a multiplexer answers for it | `SLOW_PROOF_S` |
+
+A terminal that answers reports its keys and its answers in order. So the time from the last key to
+the question that was answered last is quiet for sure, however slow the line is. On the others, the
+time since the last key counts. For the same reason WAITING lasts until a question is answered that
+was asked after the stop: before, keys may come that were pressed before it.
+"""
+
+from __future__ import annotations
+
+import enum
+import math
+from collections import deque
+from collections.abc import Mapping
+from enum import auto
+from typing import Final
+
+QUIET_S: Final = 0.7
+"""Keys count as up after this time without one [s]; keyboards repeat every 0.02 to 0.125 s."""
+PROOF_S: Final = 0.15
+"""A key that is down repeats within this time [s]; a press repeats after 0.2 s or more."""
+SLOW_PROOF_S: Final = 0.45
+"""The same where the line may hold a key back for up to 0.3 s [s]."""
+_SETTLED_S: Final = 0.02
+"""The time from reading a key to handling it, at most [s]."""
+_ANSWERS_KEPT: Final = 8
+
+
+class GuardState(enum.Enum):
+    """What a press does now; see the table of the module."""
+
+    FREE = auto()
+    WAITING = auto()
+    READY = auto()
+    PROVING = auto()
+
+
+class GuardEvent(enum.Enum):
+    """What happens; see the table of the module."""
+
+    STOP_DOWN = auto()
+    STOP_UP = auto()
+    KEY = auto()
+    PRESS = auto()
+    LAST_PRESS = auto()
+    REPEAT = auto()
+    RELEASE = auto()
+    LAST_RELEASE = auto()
+    QUIET = auto()
+
+
+class GuardAction(enum.Enum):
+    """What becomes of the key.
+
+    Attributes:
+        NOTHING: Nothing changes for it.
+        DRIVE: It drives.
+        HOLD_BACK: It does not drive; it must be released first.
+        PROVE: It does not drive yet.
+        PROVEN: The key that was to be proven drives now.
+    """
+
+    NOTHING = auto()
+    DRIVE = auto()
+    HOLD_BACK = auto()
+    PROVE = auto()
+    PROVEN = auto()
+
+
+_S, _E, _A = GuardState, GuardEvent, GuardAction
+
+TABLE: Final[Mapping[tuple[GuardState, GuardEvent], tuple[GuardAction, GuardState]]] = {
+    (_S.FREE, _E.STOP_DOWN): (_A.NOTHING, _S.WAITING),
+    (_S.FREE, _E.STOP_UP): (_A.NOTHING, _S.READY),
+    (_S.FREE, _E.KEY): (_A.DRIVE, _S.FREE),
+    (_S.FREE, _E.PRESS): (_A.DRIVE, _S.FREE),
+    (_S.FREE, _E.LAST_PRESS): (_A.DRIVE, _S.FREE),
+    (_S.FREE, _E.REPEAT): (_A.HOLD_BACK, _S.WAITING),
+    (_S.FREE, _E.RELEASE): (_A.NOTHING, _S.FREE),
+    (_S.FREE, _E.LAST_RELEASE): (_A.NOTHING, _S.FREE),
+    (_S.FREE, _E.QUIET): (_A.NOTHING, _S.FREE),
+    (_S.WAITING, _E.STOP_DOWN): (_A.NOTHING, _S.WAITING),
+    (_S.WAITING, _E.STOP_UP): (_A.NOTHING, _S.WAITING),
+    (_S.WAITING, _E.KEY): (_A.HOLD_BACK, _S.WAITING),
+    (_S.WAITING, _E.PRESS): (_A.HOLD_BACK, _S.WAITING),
+    (_S.WAITING, _E.LAST_PRESS): (_A.DRIVE, _S.FREE),
+    (_S.WAITING, _E.REPEAT): (_A.HOLD_BACK, _S.WAITING),
+    (_S.WAITING, _E.RELEASE): (_A.NOTHING, _S.WAITING),
+    (_S.WAITING, _E.LAST_RELEASE): (_A.NOTHING, _S.FREE),
+    (_S.WAITING, _E.QUIET): (_A.NOTHING, _S.READY),
+    (_S.READY, _E.STOP_DOWN): (_A.NOTHING, _S.WAITING),
+    (_S.READY, _E.STOP_UP): (_A.NOTHING, _S.READY),
+    (_S.READY, _E.KEY): (_A.PROVE, _S.PROVING),
+    (_S.READY, _E.PRESS): (_A.HOLD_BACK, _S.WAITING),
+    (_S.READY, _E.LAST_PRESS): (_A.DRIVE, _S.FREE),
+    (_S.READY, _E.REPEAT): (_A.HOLD_BACK, _S.WAITING),
+    (_S.READY, _E.RELEASE): (_A.NOTHING, _S.READY),
+    (_S.READY, _E.LAST_RELEASE): (_A.NOTHING, _S.READY),
+    (_S.READY, _E.QUIET): (_A.NOTHING, _S.READY),
+    (_S.PROVING, _E.STOP_DOWN): (_A.NOTHING, _S.WAITING),
+    (_S.PROVING, _E.STOP_UP): (_A.NOTHING, _S.WAITING),
+    (_S.PROVING, _E.KEY): (_A.HOLD_BACK, _S.WAITING),
+    (_S.PROVING, _E.PRESS): (_A.HOLD_BACK, _S.WAITING),
+    (_S.PROVING, _E.LAST_PRESS): (_A.HOLD_BACK, _S.WAITING),
+    (_S.PROVING, _E.REPEAT): (_A.HOLD_BACK, _S.WAITING),
+    (_S.PROVING, _E.RELEASE): (_A.NOTHING, _S.PROVING),
+    (_S.PROVING, _E.LAST_RELEASE): (_A.NOTHING, _S.PROVING),
+    (_S.PROVING, _E.QUIET): (_A.PROVEN, _S.FREE),
+}
+"""For each state and event: what becomes of the key, and the next state."""
+
+
+class ReleaseGuard:
+    """Follows `TABLE`; the clock is passed in. It hears of driving keys only.
+
+    Attributes:
+        state: Where it is in the table.
+        answers: Whether the terminal itself answers questions, so that quiet can be proven.
+    """
+
+    def __init__(self) -> None:
+        self.state = GuardState.FREE
+        self.answers = False
+        self._down: set[str] = set()
+        """Keys that are down as the terminal reports."""
+        self._told: set[str] = set()
+        """Those of them that are waited for."""
+        self._timed: set[str] = set()
+        """Keys without reported releases that are waited for."""
+        self._stopped = -math.inf
+        """When the last stop was [s]."""
+        self._candidate = ""
+        self._last = -math.inf
+        """When the last key came [s]."""
+        self._came: dict[str, float] = {}
+        """When each key without reported releases came last [s]."""
+        self._answered: deque[tuple[float, float]] = deque(maxlen=_ANSWERS_KEPT)
+
+    @property
+    def waited_for(self) -> tuple[str, ...]:
+        """Keys that must be released before a key drives."""
+        if self.state is not GuardState.WAITING:
+            return ()
+        return tuple(sorted(self._told | self._timed))
+
+    @property
+    def hurries(self) -> bool:
+        """Whether an answer of the terminal would soon let a key drive."""
+        proving = self.state is GuardState.PROVING
+        return proving or (self.state is GuardState.WAITING and self._outstanding)
+
+    @property
+    def needs_answers(self) -> bool:
+        """Whether an answer of the terminal would show that keys are up."""
+        return self.state in {GuardState.WAITING, GuardState.PROVING}
+
+    def stop(self, keys: set[str] | None, now: float) -> None:
+        """A stop or the like: those of these keys that may be down must be released.
+
+        Args:
+            keys: The keys that it is about; None: all.
+            now: The time [s].
+        """
+        told = {key for key in self._down if keys is None or key in keys}
+        timed = {
+            key
+            for key, last in self._came.items()
+            if (keys is None or key in keys) and not self._quiet(last, QUIET_S, now)
+        }
+        self._told |= told
+        self._timed |= timed
+        self._stopped = now
+        down = told or timed or self._outstanding
+        self._follow(GuardEvent.STOP_DOWN if down else GuardEvent.STOP_UP)
+
+    def key(self, key: str, read: float) -> GuardAction:
+        """A driving key came, on a terminal that reports no releases.
+
+        Args:
+            key: Its name.
+            read: When it was read [s].
+        """
+        self.saw(key, read)
+        action = self._follow(GuardEvent.KEY)
+        if action is GuardAction.HOLD_BACK:
+            self._timed.add(key)
+        elif action is GuardAction.PROVE:
+            self._candidate = key
+        return action
+
+    def saw(self, key: str, read: float) -> None:
+        """As `key`, for a repeat of a key that drives."""
+        self._last = read
+        self._came[key] = read
+
+    def press(self, key: str, now: float) -> GuardAction:
+        """A driving key went down, on a terminal that reports releases: before, it was up."""
+        self._told.discard(key)
+        self._last = now
+        action = self._follow(self._last_or(GuardEvent.LAST_PRESS, GuardEvent.PRESS))
+        self._down.add(key)
+        if action is GuardAction.HOLD_BACK:
+            self._told.add(key)
+        return action
+
+    def repeat(self, key: str, now: float, *, drives: bool) -> None:
+        """A driving key repeats, on a terminal that reports releases.
+
+        Args:
+            key: Its name.
+            now: The time [s].
+            drives: Whether it drives, and may go on.
+        """
+        self._down.add(key)
+        self._last = now
+        if not drives:
+            self._told.add(key)
+            self._follow(GuardEvent.REPEAT)
+
+    def release(self, key: str) -> None:
+        """A key went up."""
+        self._down.discard(key)
+        if key in self._told:
+            self._told.discard(key)
+            self._follow(self._last_or(GuardEvent.LAST_RELEASE, GuardEvent.RELEASE))
+
+    def resume(self) -> None:
+        """What was waited for is seen to be a finger that may drive on."""
+        self._timed.clear()
+        self._told.clear()
+        self.state = GuardState.FREE
+
+    def heard(self, now: float, asked: float) -> None:
+        """The terminal answered.
+
+        Args:
+            now: When the answer was read [s].
+            asked: When the question was written [s].
+        """
+        self._answered.append((now, asked))
+
+    def look(self, now: float) -> str:
+        """Time goes by; returns the key that is proven to be a press and drives now, if any."""
+        if self.state is GuardState.PROVING:
+            proof = PROOF_S if self.answers else SLOW_PROOF_S
+            if self._quiet(self._last, proof, now):
+                self._follow(GuardEvent.QUIET)
+                return self._candidate
+        elif self.state is GuardState.WAITING:
+            quiet = not self._timed or self._quiet(self._last, QUIET_S, now)
+            if quiet and not (self._told or self._outstanding):
+                self._follow(GuardEvent.QUIET)
+        return ""
+
+    def _follow(self, event: GuardEvent) -> GuardAction:
+        action, self.state = TABLE[self.state, event]
+        if self.state is not GuardState.WAITING:
+            self._told.clear()
+            self._timed.clear()
+        return action
+
+    def _last_or(self, last: GuardEvent, other: GuardEvent) -> GuardEvent:
+        return other if self._told or self._timed or self._outstanding else last
+
+    @property
+    def _outstanding(self) -> bool:
+        """Whether keys may still be on the line that were pressed before the last stop."""
+        return self.answers and all(asked < self._stopped for _, asked in self._answered)
+
+    def _quiet(self, since: float, needed: float, now: float) -> bool:
+        """Whether no key came for so long after a moment."""
+        if not self.answers:
+            return now - _SETTLED_S - since >= needed
+        settled = (asked for read, asked in self._answered if now - read >= _SETTLED_S)
+        return max(settled, default=-math.inf) - since >= needed
