@@ -127,7 +127,7 @@ class Console(MouseApp, inherit_bindings=False):
         self._console = dataclasses.replace(start, pixel_height=traits.aspect / 2.0)
         self._actions = actions_of(layout)
         self._watch = Watch()
-        self._keyboard = KeyboardHold(self._drives)
+        self._keyboard = KeyboardHold(self._dispatch.waits_for_hold)
         self._joysticks = Joysticks(
             layout.joysticks, Sources(HidReader(), links.pads), CalibrationStore()
         )
@@ -197,6 +197,7 @@ class Console(MouseApp, inherit_bindings=False):
         gone = self._links.follow(layout)
         self.title = f"Rune {layout.path}"
         self._view, self._dispatch = view, dispatch
+        self._keyboard.drives = dispatch.waits_for_hold
         self._actions = actions_of(layout)
         self._console = carried_over(self._console, layout)
         self._shown_layout = layout
@@ -251,9 +252,6 @@ class Console(MouseApp, inherit_bindings=False):
             self._let_go()  # what it has told of would be held for ever
         self._console = dataclasses.replace(self._console, releases_told=event.told)
 
-    def _drives(self, key: str) -> bool:
-        return self._dispatch.waits_for_hold(key)
-
     def _miss_keys(self) -> None:
         """Say, once for each layout, what of it this terminal cannot tell."""
         text = "" if self._console.releases_told else untold_keys(self._shown_layout)
@@ -276,10 +274,8 @@ class Console(MouseApp, inherit_bindings=False):
         # A cell is two pixels high; which of them the mouse is on, terminals do not tell.
         state = self.state
         hits = self._view.hits(int(event.screen_x), 2 * int(event.screen_y) + 1, state)
-        stray = pressed and now - self._focused < _FOCUSING_S
-        moved = ControlEvent(
-            name=MOUSE + part, pressed=pressed, value=value, hits=hits, stale=stray
-        )
+        stray, name = pressed and now - self._focused < _FOCUSING_S, MOUSE + part
+        moved = ControlEvent(name=name, pressed=pressed, value=value, hits=hits, stale=stray)
         self._execute(self._dispatch.handle(moved, state))
 
     def _joysticks_moved(self) -> None:
@@ -323,7 +319,7 @@ class Console(MouseApp, inherit_bindings=False):
                 look(now)
 
     def _look_at_hands(self, now: float) -> None:
-        self._keyboard.answers(itself=self._painter.answers_itself)
+        self._keyboard.answers = self._painter.answers_itself
         self._handle(self._keyboard.expire(now))
         unheard = self._painter.answers and now - self._heard > _UNHEARD_S
         if self._dispatch.button_held and unheard:
@@ -352,8 +348,7 @@ class Console(MouseApp, inherit_bindings=False):
     async def on_frame_answered(self, event: FrameAnswered) -> None:
         """The terminal shows a frame; the next need not wait for the clock."""
         waited = not self._painter.ready(event.when)
-        asked = self._painter.answered(event.when, event.report)
-        self._keyboard.heard(event.when, asked)
+        self._keyboard.heard(event.when, self._painter.answered(event.when, event.report))
         self._heard = event.when
         if waited:
             await self._draw()

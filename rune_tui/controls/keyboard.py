@@ -101,6 +101,9 @@ class KeyboardHold:
 
     How fast the keyboard repeats is measured over its last few repeats, whatever the key. The
     longest of these intervals counts, because a slow line delivers repeats in bursts.
+
+    Attributes:
+        drives: Whether a key drives a robot; the guard is about those alone.
     """
 
     def __init__(self, drives: Callable[[str], bool] = lambda _: True) -> None:
@@ -109,7 +112,7 @@ class KeyboardHold:
         Args:
             drives: Whether a key drives a robot; the guard is about those alone.
         """
-        self._drives = drives
+        self.drives = drives
         self._guard = ReleaseGuard()
         self._holds: dict[str, _Hold] = {}
         self._paused: dict[str, tuple[float, float]] = {}
@@ -142,7 +145,7 @@ class KeyboardHold:
         read = now if read is None else read
         due = [*self._due(now), *self._proven(read)]
         hold = self._holds.get(key)
-        if stale and self._drives(key):
+        if stale and self.drives(key):
             self._guard.saw(key, read)
             self._stop({key}, now)
         if hold is None:
@@ -155,7 +158,7 @@ class KeyboardHold:
             hold.must_release = hold.ended = False
             hold.at_once, hold.live_from = 0, math.inf
             return (*due, ControlEvent(name=key, pressed=True, timed=True, proven=True))
-        if self._drives(key):
+        if self.drives(key):
             if hold.must_release:
                 self._guard.key(key, read)
             else:
@@ -201,7 +204,7 @@ class KeyboardHold:
         elif repeat:
             self._repeated(hold, now)
         self._guarded(key, hold, now, repeat=repeat)
-        if stale and self._drives(key):
+        if stale and self.drives(key):
             self._stop({key}, now)
         hold.must_release = hold.must_release or stale
         hold.ended = hold.ended or stale or (repeat and hold.must_release)
@@ -253,8 +256,13 @@ class KeyboardHold:
         """How long a repeat holds where no release is reported [s]."""
         return self._repeat_hold()
 
-    def answers(self, *, itself: bool) -> None:
+    @property
+    def answers(self) -> bool:
         """Whether the terminal itself answers questions, in the order of its keys."""
+        return self._guard.answers
+
+    @answers.setter
+    def answers(self, itself: bool) -> None:  # noqa: FBT001 - a property
         self._guard.answers = itself
 
     def expire(self, now: float) -> tuple[ControlEvent, ...]:
@@ -299,13 +307,13 @@ class KeyboardHold:
         for key, hold in self._holds.items():
             hold.live_from = math.inf
             if keys is None or key in keys:
-                hold.must_release = hold.must_release or self._drives(key)
+                hold.must_release = hold.must_release or self.drives(key)
         self._guard.stop(keys, now)
 
     def _first(self, key: str, read: float, now: float, *, stale: bool) -> ControlEvent:
         """A key came, on a terminal that reports no releases, that was not down."""
         hold = _Hold(last=read, deadline=now + _FIRST_HOLD_S, must_release=stale, ended=stale)
-        if self._drives(key):
+        if self.drives(key):
             action = self._guard.key(key, read)
             hold.must_release = action is not GuardAction.DRIVE
         until, live_from = self._paused.pop(key, (read, math.inf))
@@ -317,7 +325,7 @@ class KeyboardHold:
 
     def _late(self, key: str, hold: _Hold, now: float) -> tuple[ControlEvent, ...]:
         """Its repeats came at once with it: it drives no longer."""
-        if not self._drives(key):
+        if not self.drives(key):
             return ()
         free = self._guard.state is GuardState.FREE
         self._guard.stop({key}, now)
@@ -327,7 +335,7 @@ class KeyboardHold:
 
     def _guarded(self, key: str, hold: _Hold, now: float, *, repeat: bool) -> None:
         """Ask the guard about a key whose release will be reported."""
-        if not self._drives(key):
+        if not self.drives(key):
             return
         if repeat:
             self._guard.repeat(key, now, drives=not hold.must_release)

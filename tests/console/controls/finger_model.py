@@ -62,7 +62,7 @@ class Scene:
     def __init__(self, terminal: Terminal) -> None:
         self.terminal = terminal
         self.keyboard = KeyboardHold()
-        self.keyboard.answers(itself=terminal is not Terminal.MUTE)
+        self.keyboard.answers = terminal is not Terminal.MUTE
         self.now = 100_000
         self.down: set[str] = set()
         self.unseen: set[str] = set()

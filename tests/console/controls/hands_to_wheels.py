@@ -92,7 +92,7 @@ class Console:
             self.link.send(ConsoleHeartbeat(holds=int(self._owner == self.link.number)), now)
             self._look_up(now)
             self._execute(self._dispatch.look(self._state(now)), now)
-            self._keyboard.answers(itself=True)
+            self._keyboard.answers = True
             self._keyboard.heard(now, now - _ROUND_TRIP_S)
             self._handle(self._keyboard.expire(now), now)
             self._execute(self._dispatch.tick(self._state(now)), now)

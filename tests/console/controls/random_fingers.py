@@ -105,7 +105,7 @@ class Play:
         self._kind = chance.choice(("stop", "focus lost", "suspended"))
         self._stops = [(at, at + chance.uniform(0.35, 1.5)) for at in stops]
         self.keyboard = KeyboardHold()
-        self.keyboard.answers(itself=self.around.terminal is not Terminal.MUTE)
+        self.keyboard.answers = self.around.terminal is not Terminal.MUTE
         self._unseen: dict[str, float] = {}
         self._came = dict.fromkeys("wd", -math.inf)
         self._sent: dict[str, list[float]] = {"w": [], "d": []}

@@ -55,7 +55,7 @@ def test_after_a_stop_a_fresh_press_drives_after_a_moment(
     silence: float, round_trip: float
 ) -> None:
     keyboard = KeyboardHold()
-    keyboard.answers(itself=True)
+    keyboard.answers = True
     now, pressed, last = 0.0, 0.0, 0.0
     for number in range(1, 200):
         now = number * 0.05
