@@ -262,7 +262,7 @@ class KeyboardHold:
         return self._guard.answers
 
     @answers.setter
-    def answers(self, itself: bool) -> None:  # noqa: FBT001 - a property
+    def answers(self, itself: bool) -> None:
         self._guard.answers = itself
 
     def expire(self, now: float) -> tuple[ControlEvent, ...]:
