@@ -8,7 +8,7 @@ TEST := $(BIN)/pytest --numprocesses 3 --dist worksteal
 # Tests start hundreds of processes, each of which would compile all files of ours anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test check fix bench bench-peers bench-notcurses soak tools setup lock clean
+.PHONY: demo test check fix wheel bench bench-peers bench-notcurses soak tools setup lock clean
 
 demo: $(READY)  ## open the console on a simulated robot
 	@$(BIN)/rune demo
@@ -26,6 +26,10 @@ check: $(READY) tools  ## everything CI asks for; changes no file
 fix: $(READY)  ## format, and mend what the linter can
 	$(BIN)/ruff format
 	$(BIN)/ruff check --fix
+
+wheel: $(READY)  ## build dist/*.whl, to be copied and installed elsewhere
+	$(BIN)/pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation -w dist .
+	@ls dist
 
 bench: $(READY)  ## every figure, or one script's with ONLY=sim
 	@for script in benchmarks/$(ONLY).py; do \

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import enum
 import gc
 import io
 import logging
@@ -14,6 +13,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
+from hub.command_line import (
+    CommandParser,
+    Commands,
+    ExitCode,
+    ShowVersion,
+    add_completion,
+    write_completion,
+)
 from hub.errors import CentralUnreachableError, HubError, QueryError
 from hub.ipc.security import DEFAULT_ENDPOINT, DEFAULT_PORT, Role
 from hub.logs import LEVELS, start_logging
@@ -24,29 +31,6 @@ if TYPE_CHECKING:
 
 
 _OF_MODULES = ("modules", "capabilities", "start", "stop", "restart", "want", "logs")
-
-
-class _ShowVersion(argparse.Action):
-    """Looks the version up when it is asked for: to import what finds it costs 30 ms."""
-
-    def __init__(self, option_strings: Sequence[str], dest: str) -> None:
-        text = "show program's version number and exit"
-        super().__init__(option_strings, dest, nargs=0, default=argparse.SUPPRESS, help=text)
-
-    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
-        from importlib.metadata import version
-
-        sys.stdout.write(f"rune-hub {version('robot-user-nexus')}\n")
-        parser.exit()
-
-
-class ExitCode(enum.IntEnum):
-    """How a command ends."""
-
-    OK = 0
-    FAULT = 1
-    USAGE = 2
-    NO_HUB = 3
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -83,6 +67,8 @@ def _leave() -> NoReturn:
 
 
 def _run_command(options: argparse.Namespace) -> int:
+    if options.command == "completion":
+        return write_completion(_parser, options.shell)
     if options.command == "run":
         return _run_daemon(options)
     if options.command == "keys":
@@ -196,7 +182,7 @@ def _run_daemon(options: argparse.Namespace) -> int:
     from hub.robomon.daemon import Daemon
     from hub.robomon.table import load_robot_table
 
-    table = load_robot_table(options.robot)
+    table = load_robot_table(options.robot, options.set)
     if options.port is not None:
         table = dataclasses.replace(
             table, robot=dataclasses.replace(table.robot, port=options.port)
@@ -237,19 +223,26 @@ def _whole(text: str) -> int:
     return int(text)
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+def _parser() -> CommandParser:
+    parser = CommandParser(
         prog="rune-hub",
         description="The hub on a robot: carries messages between modules and keeps them alive.",
         epilog="Exit codes: 0 ok, 1 a fault or what was asked for cannot be done, 2 wrong usage or "
         "robot file, 3 no hub or no answer.",
     )
-    parser.add_argument("--version", action=_ShowVersion)
+    parser.add_argument("--version", action=ShowVersion)
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
     run = commands.add_parser("run", help="start central and a robot's modules; Ctrl-C ends all")
     run.add_argument("robot", help="a robot file (TOML), or the name of a shipped one: magellan")
     run.add_argument("--port", type=_port, help="TCP port instead of the file's; 0: a free one")
+    run.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="TABLE.KEY=VALUE",
+        help="in place of what the file says, such as simulation.arena=empty; as often as needed",
+    )
     run.add_argument("--json", action="store_true", help="say what happens as JSON lines")
     run.add_argument("--stop-with-stdin", action="store_true", help="stop when standard input ends")
 
@@ -260,7 +253,7 @@ def _parser() -> argparse.ArgumentParser:
     doctor.add_argument("robot", nargs="?", default="magellan", help="robot file (%(default)s)")
     doctor.add_argument("--json", action="store_true", help="JSON, one line a finding")
 
-    look = argparse.ArgumentParser(add_help=False)
+    look = CommandParser(add_help=False)
     look.add_argument(
         "--hub",
         type=_endpoint,
@@ -268,9 +261,9 @@ def _parser() -> argparse.ArgumentParser:
         help="HOST, HOST:PORT or an endpoint (%(default)s)",
     )
     look.add_argument("--keys", type=Path, help="your key's file, for a hub on another machine")
-    name = argparse.ArgumentParser(add_help=False, parents=[look])
+    name = CommandParser(add_help=False, parents=[look])
     name.add_argument("name", help="message name; `rune-hub list` shows all")
-    fields = argparse.ArgumentParser(add_help=False, parents=[name])
+    fields = CommandParser(add_help=False, parents=[name])
     fields.add_argument(
         "fields", nargs="*", metavar="FIELD=VALUE", help="linear.x=0.5; fields left out are zero"
     )
@@ -307,12 +300,11 @@ def _parser() -> argparse.ArgumentParser:
         command.add_argument("--json", action="store_true", help="JSON, one line a message")
     _add_control(commands, look)
     _add_keys(commands.add_parser("keys", help="who may connect from other machines"))
+    add_completion(commands)
     return parser
 
 
-def _add_supervision(
-    commands: argparse._SubParsersAction[argparse.ArgumentParser], look: argparse.ArgumentParser
-) -> list[argparse.ArgumentParser]:
+def _add_supervision(commands: Commands, look: CommandParser) -> list[CommandParser]:
     """Add the commands for the daemon; those that show a table."""
     modules = commands.add_parser(
         "modules", parents=[look], help="the robot's modules, what they do and take, and why"
@@ -339,9 +331,7 @@ def _add_supervision(
     return [modules, capabilities]
 
 
-def _add_control(
-    commands: argparse._SubParsersAction[argparse.ArgumentParser], look: argparse.ArgumentParser
-) -> None:
+def _add_control(commands: Commands, look: CommandParser) -> None:
     control = commands.add_parser(
         "control", parents=[look], help="who has control of the robot, and who asks for it"
     )
@@ -352,8 +342,8 @@ def _add_control(
     control.add_argument("--force", action="store_true", help="release what somebody else has")
 
 
-def _add_keys(keys: argparse.ArgumentParser) -> None:
-    where = argparse.ArgumentParser(add_help=False)
+def _add_keys(keys: CommandParser) -> None:
+    where = CommandParser(add_help=False)
     where.add_argument("--folder", type=Path, help="folder of the keys (~/.config/rune/keys)")
     tasks = keys.add_subparsers(dest="task", required=True, metavar="TASK")
 

@@ -74,7 +74,7 @@ def run_module(
     gc.freeze()  # what was loaded stays: no search for rubbish, and no end, goes through it
     health = _Health()
     try:
-        robot, _ = read_description(options.robot)
+        robot, _ = read_description(options.robot, options.set)
         can = abilities(robot)
         if options.describe:
             sys.stdout.write(json.dumps(dataclasses.asdict(can)) + "\n")
@@ -114,6 +114,13 @@ def _parser(name: str, purpose: str) -> argparse.ArgumentParser:
     )
     robot_help = "; ".join(filter(None, ("the robot file", settings(name))))
     parser.add_argument("--robot", required=True, type=Path, help=robot_help)
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="TABLE.KEY=VALUE",
+        help="in place of the file's",
+    )
     parser.add_argument("--hub", default=DEFAULT_ENDPOINT, help="endpoint of central (%(default)s)")
     parser.add_argument(
         "--describe", action="store_true", help="say as JSON what it can do there, and end"

@@ -260,6 +260,27 @@ def load(
         raise error(str(path), [f"is not TOML: {fault}"]) from fault
 
 
+def apply_settings(data: dict[str, Any], settings: Iterable[str], problems: Problems) -> None:
+    """Put values in place of a file's.
+
+    Args:
+        data: What the file holds; it is changed.
+        settings: Each as "TABLE.KEY=VALUE"; what is no TOML value is taken as text.
+        problems: What is wrong with the settings is added.
+    """
+    for setting in settings:
+        names, is_given, text = setting.partition("=")
+        table, dot, key = names.partition(".")
+        if not (is_given and dot and table and key) or not isinstance(data.get(table, {}), dict):
+            problems.append(f"--set {shorten(setting)}: write TABLE.KEY=VALUE")
+            continue
+        try:
+            value = tomllib.loads(f"value = {text}")["value"]
+        except (tomllib.TOMLDecodeError, RecursionError, ValueError):
+            value = text
+        data.setdefault(table, {})[key] = value
+
+
 def read_table(
     keys: Mapping[str, Key],
     values: object,

@@ -3,30 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import sys
-from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn
 
+from hub.command_line import CommandParser, Commands, ShowVersion, add_completion
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import GlyphSet
 
 DEMO_LAYOUT = "demo"
 _LONGEST_NAME = 64
-
-
-class _ShowVersion(argparse.Action):
-    """Looks the version up when it is asked for: to import what finds it costs 30 ms."""
-
-    def __init__(self, option_strings: Sequence[str], dest: str) -> None:
-        text = "show program's version number and exit"
-        super().__init__(option_strings, dest, nargs=0, default=argparse.SUPPRESS, help=text)
-
-    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
-        from importlib.metadata import version
-
-        sys.stdout.write(f"rune {version('robot-user-nexus')}\n")
-        parser.exit()
 
 
 def _variable(text: str) -> tuple[str, str]:
@@ -75,14 +59,14 @@ def _aspect(text: str) -> float:
     return ratio
 
 
-def parser() -> argparse.ArgumentParser:
+def parser() -> CommandParser:
     """What reads the command line, and says what is wrong with it."""
-    parser = argparse.ArgumentParser(
+    parser = CommandParser(
         prog="rune",
         description="Rune, the Robot-User Nexus: drive robots from a terminal.",
         epilog="Exit codes: 0 ok, 1 a fault, 2 wrong usage or layout, 3 no hub.",
     )
-    parser.add_argument("--version", action=_ShowVersion)
+    parser.add_argument("--version", action=ShowVersion)
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     layout_help = "a layout file, or the name of a shipped layout"
     keys_help = "your key's file, for a hub on another machine"
@@ -103,6 +87,12 @@ def parser() -> argparse.ArgumentParser:
 
     demo = commands.add_parser("demo", help="open the console on a simulated robot")
     demo.add_argument("layout", nargs="?", default=DEMO_LAYOUT, help="default: %(default)s")
+    demo.add_argument(
+        "--arena", metavar="ARENA", help="a shipped arena, or the path of one that you wrote"
+    )
+
+    layouts = commands.add_parser("layouts", help="list the layouts that come with Rune")
+    layouts.add_argument("--json", action="store_true", help="JSON, one line a layout")
 
     check = commands.add_parser("check", help="report all that is wrong with layout files")
     check.add_argument("layouts", nargs="+", metavar="LAYOUT", help=layout_help)
@@ -120,6 +110,7 @@ def parser() -> argparse.ArgumentParser:
     shot.add_argument("--ssh", action="append", default=[], metavar="HOST", help=ssh_help)
     shot.add_argument("--keys", type=Path, help=keys_help)
     source.add_argument("--demo", action="store_true", help="on a simulated robot of its own")
+    shot.add_argument("--offline", action="store_true", help="draw it even if no hub answers")
     terminal = commands.add_parser("terminal", help="say what this terminal can do, and why")
     terminal.add_argument("--json", action="store_true", help="in one line, for machines")
     for command in (run, demo):
@@ -134,16 +125,9 @@ def parser() -> argparse.ArgumentParser:
     for command in (run, demo, terminal):
         command.add_argument("--colors", choices=colors, help=colors_help)
         command.add_argument("--aspect", type=_aspect, metavar="RATIO", help=aspect_help)
-    joytest = commands.add_parser("joytest", help="show what joysticks report")
-    joytest.add_argument(
-        "layout", nargs="?", metavar="LAYOUT", help="show what becomes of it in this layout"
-    )
-    what = joytest.add_mutually_exclusive_group()
-    what.add_argument("--list", action="store_true", help="list what is plugged in, and end")
-    what.add_argument("--udev", action="store_true", help="print the rule that lets you read it")
-    what.add_argument("--learn", action="store_true", help="print how layouts name what you move")
-    joytest.add_argument("--json", action="store_true", help="the list, for programs")
+    joytest = _add_joytest(commands)
     _add_pad(commands, keys_help)
+    add_completion(commands)
     for command in (run, demo, check, shot, joytest):
         command.add_argument(
             "--set",
@@ -156,7 +140,20 @@ def parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _add_pad(commands: argparse._SubParsersAction[argparse.ArgumentParser], keys_help: str) -> None:
+def _add_joytest(commands: Commands) -> CommandParser:
+    joytest = commands.add_parser("joytest", help="show what joysticks report")
+    joytest.add_argument(
+        "layout", nargs="?", metavar="LAYOUT", help="show what becomes of it in this layout"
+    )
+    what = joytest.add_mutually_exclusive_group()
+    what.add_argument("--list", action="store_true", help="list what is plugged in, and end")
+    what.add_argument("--udev", action="store_true", help="print the rule that lets you read it")
+    what.add_argument("--learn", action="store_true", help="print how layouts name what you move")
+    joytest.add_argument("--json", action="store_true", help="the list, for programs")
+    return joytest
+
+
+def _add_pad(commands: Commands, keys_help: str) -> None:
     pad = commands.add_parser(
         "pad",
         help="send this machine's joystick to a console that runs elsewhere",

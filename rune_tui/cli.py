@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import enum
 import functools
 import gc
 import logging
@@ -15,6 +14,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from hub.command_line import ExitCode, write_completion
 from hub.plain_text import plain
 from rune_tui.arguments import parser
 from rune_tui.compositor.depth import ColourDepth
@@ -39,15 +39,6 @@ _OBJECTS_PER_LOOK = 10_000
 _CONSOLE_LIBRARIES = ("textual", "rich", "PIL", "lxml", "platformdirs")
 
 
-class ExitCode(enum.IntEnum):
-    """How a command ends."""
-
-    OK = 0
-    FAULT = 1
-    USAGE = 2
-    NO_HUB = 3
-
-
 class _UsageError(ConsoleError):
     """The command cannot be carried out as it was given."""
 
@@ -65,6 +56,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "run": _run,
         "demo": _demo,
         "check": _check,
+        "layouts": _layouts,
+        "completion": lambda options: write_completion(parser, options.shell),
         "shot": _shot,
         "terminal": _terminal,
         "joytest": _joytest,
@@ -110,12 +103,14 @@ def _demo(options: argparse.Namespace) -> int:
     _need_terminal()
     log = _log_to_file()
     with ExitStack() as stack:
-        hubs = [stack.enter_context(DemoHub(_DEMO_ROBOT, log.path))]
+        settings = [f"simulation.arena={_arena(options.arena)}"] if options.arena else []
+        hubs = [stack.enter_context(DemoHub(_DEMO_ROBOT, log.path, settings))]
         import rune_tui.app  # noqa: F401 - loaded while the hub starts
 
         source = _source([options.layout], options.set, watched=True)
         hubs += [
-            stack.enter_context(DemoHub(_DEMO_ROBOT, log.path)) for _ in source.layout.robots[1:]
+            stack.enter_context(DemoHub(_DEMO_ROBOT, log.path, settings))
+            for _ in source.layout.robots[1:]
         ]
         links = _links(source.layout, [hub.endpoint() for hub in hubs], operator=options.operator)
         return _console(source, links, options, log)
@@ -153,6 +148,32 @@ def _check(options: argparse.Namespace) -> int:
     return code
 
 
+def _arena(named: str) -> str:
+    """A path as the hub finds it from anywhere; the name of a shipped arena as it is."""
+    path = Path(named)
+    if path.suffix != ".toml":
+        return named
+    if not path.is_file():
+        text = f"there is no arena file {named}"
+        raise _UsageError(text)
+    return str(path.resolve())
+
+
+def _layouts(options: argparse.Namespace) -> int:
+    import json
+
+    from rune_tui.opening import shipped_layouts
+
+    shipped = shipped_layouts()
+    widest = max(map(len, shipped))
+    for name, meaning in shipped.items():
+        if options.json:
+            sys.stdout.write(json.dumps({"name": name, "meaning": meaning}) + "\n")
+        else:
+            sys.stdout.write(f"{name:{widest}}  {meaning}\n")
+    return ExitCode.OK
+
+
 def _shot(options: argparse.Namespace) -> int:
     from contextlib import ExitStack
 
@@ -178,11 +199,14 @@ def _shot(options: argparse.Namespace) -> int:
             seconds=options.seconds,
             depth=ColourDepth(options.colors),
             glyphs=GlyphSet(options.glyphs or GlyphSet.HALF),
+            offline=options.offline,
             path=path,
         )
-    if answered:
+    if answered or options.offline:
         return ExitCode.OK
-    _complain(f"no hub answered, {path} shows that; is rune-hub running?")
+    where = " and ".join(hubs or [robot.hub for robot in layout.robots])
+    text = f"no hub answered at {where}, so {path} is not written; --offline draws it all the same"
+    _complain(text)
     return ExitCode.NO_HUB
 
 

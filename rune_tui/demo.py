@@ -7,6 +7,7 @@ import selectors
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -20,18 +21,20 @@ _STOP_S = 8.0
 class DemoHub:
     """`rune-hub run` of a shipped robot; it ends with this process, however that ends."""
 
-    def __init__(self, robot: str, log: Path) -> None:
+    def __init__(self, robot: str, log: Path, settings: Sequence[str] = ()) -> None:
         """Start the process; it goes on starting while the console does.
 
         Args:
             robot: Name of a shipped robot.
             log: File for what the hub logs.
+            settings: Values in place of the robot file's, such as "simulation.arena=empty".
 
         Raises:
             DemoError: The process cannot be started.
         """
         self._log = log
         command = [sys.executable, "-m", "hub", "run", robot, "--port", "0", "--json"]
+        command += [word for setting in settings for word in ("--set", setting)]
         try:
             with log.open("ab") as file:
                 self._process = subprocess.Popen(

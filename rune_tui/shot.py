@@ -32,6 +32,7 @@ def take(
     seconds: float,
     depth: ColourDepth,
     glyphs: GlyphSet,
+    offline: bool,
     path: Path,
 ) -> bool:
     """Watch the robots for a while, then write what the console would show.
@@ -43,10 +44,11 @@ def take(
         seconds: How long to watch [s].
         depth: What colours the terminal would have.
         glyphs: What it would make pictures of.
+        offline: Whether it is written although no hub answers.
         path: File to write; its ending says what: .txt, .svg or .png.
 
     Returns:
-        Whether every robot's hub answered.
+        Whether every robot's hub answered; if not, nothing is written, but for `offline`.
 
     Raises:
         PictureFileError: The file cannot be written.
@@ -74,13 +76,14 @@ def take(
     finally:
         for link in links.values():
             link.close()
-    if cells is not None:
+    answered = all(robot.link.phase is LinkPhase.CONNECTED for robot in robots.values())
+    if (answered or offline) and cells is not None:
         try:
             picture.save(at_depth(cells, depth), path)
         except OSError as error:
             text = f"{path} cannot be written: {error.strerror or error}"
             raise PictureFileError(text) from error
-    return all(robot.link.phase is LinkPhase.CONNECTED for robot in robots.values())
+    return answered
 
 
 def _waits(links: Mapping[str, RobotLink], pictured: Collection[str]) -> bool:

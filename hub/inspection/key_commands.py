@@ -9,6 +9,8 @@ from hub.inspection.writing import put
 from hub.ipc.keyring import Keyring, default_folder
 from hub.ipc.security import Role
 
+_ROLE_WIDTH, _KEY_WIDTH = 11, 42
+
 
 def keyring(folder: Path | None) -> Keyring:
     """The keys in this folder, or in the one where they belong.
@@ -41,12 +43,14 @@ def list_all(keys: Keyring, *, as_json: bool) -> int:
     holders = keys.holders()
     if not holders and not as_json:
         put(f"no keys in {keys.folder}; make one with: rune-hub keys make NAME --role ROLE")
+    if holders and not as_json:
+        put(f"{'ROLE':<{_ROLE_WIDTH}}{'PUBLIC KEY':<{_KEY_WIDTH}}NAME")
     for holder in holders:
         if as_json:
             shown = {"name": holder.name, "role": holder.role.value, "public": holder.public}
             put(json.dumps(shown))
         else:
-            put(f"{holder.role.value:8}{holder.public}  {holder.name}")
+            put(f"{holder.role.value:<{_ROLE_WIDTH}}{holder.public:<{_KEY_WIDTH}}{holder.name}")
     return 0
 
 

@@ -149,7 +149,10 @@ class Client:
             NotAllowedError: It refuses our key.
             NameTakenError: Another live module has our name.
         """
-        why = f"no hub answers at {self.endpoint}; is rune-hub running there?"
+        why = (
+            f"no hub answers at {self.endpoint}; is rune-hub running there? A gateway answers only "
+            "to a key: give its file with --keys"
+        )
         if self._keys is not None:
             # To who has the key of another hub this one looks as if it were not there.
             why = (

@@ -96,13 +96,13 @@ class Daemon:
         if self._notifier.period is not None:
             client.every(self._notifier.period, self._notifier.alive)
         self._notifier.ready(f"{self._table.robot.name}: starting modules")
-        robot_file = self._table.robot.path
+        robot = self._table.robot
         keeper = Keeper(
             self._supervisor,
             client,
             outputs,
-            arguments=hub_arguments(local, robot_file),
-            description_arguments=robot_arguments(robot_file),
+            arguments=hub_arguments(local, robot),
+            description_arguments=robot_arguments(robot),
             changed=lambda: self._changed(reporting),
         )
         reporting = Reporting(client, keeper, outputs, self._table.robot.body)

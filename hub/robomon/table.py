@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import importlib.util
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from hub import toml_tables as toml
@@ -118,14 +118,18 @@ _MODULE = {
 }
 
 
-def load_robot_table(name_or_path: str) -> RobotTable:
+def load_robot_table(name_or_path: str, settings: Sequence[str] = ()) -> RobotTable:
     """Read and check a robot file.
+
+    Args:
+        name_or_path: A path, or the name of a shipped robot.
+        settings: Values in place of the file's, each as "TABLE.KEY=VALUE".
 
     Raises:
         RobotFileError: All that is wrong with it.
     """
     path = find_robot_file(name_or_path)
-    robot, problems = read_description(path)
+    robot, problems = read_description(path, settings)
     if robot.kind:
         try:
             kind_of(robot)
@@ -173,11 +177,12 @@ def _importable(module: str) -> bool:
         return False
 
 
-def robot_arguments(robot_file: Path) -> list[str]:
-    """The option that tells a module for which robot it is."""
-    return ["--robot", str(robot_file.resolve())]
+def robot_arguments(robot: RobotDescription) -> list[str]:
+    """The options that say to a module which robot it belongs to."""
+    settings = [word for setting in robot.settings for word in ("--set", setting)]
+    return ["--robot", str(robot.path.resolve()), *settings]
 
 
-def hub_arguments(endpoint: str, robot_file: Path) -> list[str]:
+def hub_arguments(endpoint: str, robot: RobotDescription) -> list[str]:
     """The options that every module gets when it is to run."""
-    return ["--hub", endpoint, *robot_arguments(robot_file), "--stop-with-stdin"]
+    return ["--hub", endpoint, *robot_arguments(robot), "--stop-with-stdin"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import enum
 import math
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -42,6 +43,7 @@ class RobotDescription:
 
     Attributes:
         path: The file.
+        settings: Values that stand in place of the file's, each as "TABLE.KEY=VALUE".
         name: The robot's name.
         kind: Its kind; `hub.robots.registry` knows which there are.
         port: TCP port of its central; 0 takes a free one.
@@ -79,6 +81,7 @@ class RobotDescription:
     """
 
     path: Path
+    settings: tuple[str, ...]
     name: str
     kind: str
     port: int
@@ -269,13 +272,20 @@ def find_robot_file(name_or_path: str) -> Path:
     raise RobotFileError(name_or_path, [problem + hint])
 
 
-def read_description(path: Path) -> tuple[RobotDescription, toml.Problems]:
+def read_description(
+    path: Path, settings: Sequence[str] = ()
+) -> tuple[RobotDescription, toml.Problems]:
     """What the file says of the robot, and all that is wrong with it.
+
+    Args:
+        path: The robot file.
+        settings: Values in place of the file's, each as "TABLE.KEY=VALUE".
 
     Raises:
         RobotFileError: The file cannot be read or is not TOML.
     """
     data, problems = toml.load(path, RobotFileError)
+    toml.apply_settings(data, settings, problems)
     fields = toml.read_table(_TOP, data, toml.TOP, problems, tables=[*_TABLES, "modules"])
     for name, keys in _TABLES.items():
         fields |= toml.read_table(keys, data.get(name, {}), f"[{name}]", problems)
@@ -292,7 +302,9 @@ def read_description(path: Path) -> tuple[RobotDescription, toml.Problems]:
     if fields["camera_source"] != ROBOTS_OWN and "://" not in fields["camera_source"]:
         fields["camera_source"] = _located(fields["camera_source"], beside)
     fields["camera_fov"] = math.radians(fields["camera_fov"])
-    return RobotDescription(path=path, modules=modules, **fields), problems
+    return RobotDescription(
+        path=path, settings=tuple(settings), modules=modules, **fields
+    ), problems
 
 
 def settings(module: str) -> str:

@@ -12,12 +12,26 @@ _MOST_NAMED = 3
 
 
 def key_notes(layout: LayoutSpec) -> tuple[str, ...]:
-    """A sentence for each key that only some terminals tell, in the order of the file.
+    """A sentence for each key that does not do what the layout seems to mean.
 
-    Not for those for which the layout binds as well what other terminals report.
+    Those that only some terminals tell, in the order of the file, but not where the layout binds as
+    well what other terminals report; and those that drive and do something else as well.
     """
     bound = {event.name for widget in _widgets(layout) for event in widget.events}
-    return tuple(_note(key, bound) for key in _without_another(layout))
+    return (*(_note(key, bound) for key in _without_another(layout)), *_collisions(layout))
+
+
+def _collisions(layout: LayoutSpec) -> Iterator[str]:
+    """A sentence for each key that is held to do one thing and also does another."""
+    rules = layout.vocabulary.widgets
+    users: dict[str, dict[str, bool]] = {}
+    for widget in _widgets(layout):
+        for event in widget.events:
+            held = rules[widget.handler].rule.held
+            users.setdefault(event.name, {}).setdefault(widget.handler, held)
+    for name, handlers in users.items():
+        if len(handlers) > 1 and any(handlers.values()) and not all(handlers.values()):
+            yield f"{name} wakes {' and '.join(handlers)}: holding it does both"
 
 
 def untold_keys(layout: LayoutSpec) -> str:

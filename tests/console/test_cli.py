@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 from contextlib import closing
 from importlib.metadata import version
@@ -16,6 +17,8 @@ from hub.ipc.security import Role
 from hub.plain_text import is_plain
 from rune_tui.cli import ExitCode, _log_to_file, main
 from rune_tui.compositor.glyph_set import GlyphSet
+
+LAYOUTS = Path(__file__).parents[2] / "layouts"
 
 
 def test_it_tells_its_version(capsys: pytest.CaptureFixture[str]) -> None:
@@ -81,19 +84,80 @@ def test_a_picture_is_drawn_of_a_robot_behind_a_gateway(tmp_path: Path) -> None:
 @pytest.mark.parametrize("glyphs", [glyphs.value for glyphs in GlyphSet])
 def test_a_picture_is_drawn_of_the_glyphs_asked_for(tmp_path: Path, glyphs: str) -> None:
     path = tmp_path / "shot.png"
-    where = ["--hub", f"ipc://{tmp_path}/nobody", "--seconds", "0", "-o", str(path)]
-    assert main(["shot", "demo", *where, "--glyphs", glyphs]) == ExitCode.NO_HUB
+    where = ["--hub", f"ipc://{tmp_path}/nobody", "--seconds", "0", "-o", str(path), "--offline"]
+    assert main(["shot", "demo", *where, "--glyphs", glyphs]) == ExitCode.OK
     assert path.stat().st_size
 
 
 @pytest.mark.parametrize("colors", ["truecolor", "256", "16", "mono"])
 def test_a_picture_is_drawn_in_the_colours_asked_for(tmp_path: Path, colors: str) -> None:
     path = tmp_path / "shot.png"
-    where = ["--hub", f"ipc://{tmp_path}/nobody", "--seconds", "0", "-o", str(path)]
-    assert main(["shot", "demo", *where, "--colors", colors]) == ExitCode.NO_HUB
+    where = ["--hub", f"ipc://{tmp_path}/nobody", "--seconds", "0", "-o", str(path), "--offline"]
+    assert main(["shot", "demo", *where, "--colors", colors]) == ExitCode.OK
     with Image.open(path) as picture:
         corner = picture.getpixel((1, 100))
     assert corner == {"truecolor": (24, 28, 34), "256": (28, 28, 28)}.get(colors, (0, 0, 0))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "hint"),
+    [(["dmeo"], "did you mean 'demo'?"), (["shot", "demo", "--glyphs", "halv"], "mean 'half'?")],
+)
+def test_a_misspelt_word_is_answered_with_the_nearest_one(
+    capsys: pytest.CaptureFixture[str], arguments: list[str], hint: str
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(arguments)
+    assert ended.value.code == ExitCode.USAGE
+    said = capsys.readouterr().err
+    assert hint in said
+    assert said.count("\n") == 1
+
+
+def test_without_a_command_the_commands_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main([])
+    assert ended.value.code == ExitCode.USAGE
+    said = capsys.readouterr().err
+    assert "open the console with a layout" in said
+    assert "required" not in said
+
+
+def test_a_misspelt_layout_is_answered_with_the_nearest_one(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["check", "serach"]) == ExitCode.USAGE
+    assert "did you mean 'search'?" in capsys.readouterr().err
+
+
+def test_the_shipped_layouts_are_listed_with_what_they_are_for(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["layouts"]) == ExitCode.OK
+    rows = capsys.readouterr().out.splitlines()
+    assert [row.split()[0] for row in rows] == sorted(path.stem for path in LAYOUTS.glob("*.xml"))
+    assert all(len(row.split()) > 3 for row in rows)
+    assert main(["layouts", "--json"]) == ExitCode.OK
+    listed = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert {"name": "demo", "meaning": rows[0].split(maxsplit=1)[1]} in listed
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "tcsh"])
+def test_completion_knows_every_command(capsys: pytest.CaptureFixture[str], shell: str) -> None:
+    assert main(["completion", shell]) == ExitCode.OK
+    script = capsys.readouterr().out
+    assert all(word in script for word in ("demo", "layouts", "joytest"))
+
+
+def test_a_key_that_drives_and_does_something_else_is_noted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    layout = tmp_path / "both.xml"
+    text = (LAYOUTS / "minimal.xml").read_text("utf-8")
+    stop = '<widget handler="widgetStop"><event key="w"/></widget></viewport>'
+    layout.write_text(text.replace("</viewport>", stop), "utf-8")
+    assert main(["check", str(layout)]) == ExitCode.OK
+    assert "w wakes widgetSetSpeed and widgetStop" in capsys.readouterr().out
 
 
 def test_no_name_of_a_file_commands_the_terminal(

@@ -47,7 +47,7 @@ CHANGING = [
     if command.startswith(("rune-hub start ", "rune-hub stop ", "rune-hub restart "))
 ]
 """After these, a hub has other processes than before."""
-ALONE = ("run", "keys", "doctor", "service")
+ALONE = ("run", "keys", "doctor", "service", "completion")
 """Commands of `rune-hub` that ask no hub."""
 
 

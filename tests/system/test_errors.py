@@ -49,14 +49,17 @@ def test_missing_hub(tmp_path: Path) -> None:
     picture = tmp_path / "lost.txt"
     arguments = ("--hub", "127.0.0.1:1", "--seconds", "0.5", "-o", str(picture))
     said = complaint(run("rune_tui", "shot", "minimal", *arguments), 3)
-    assert "no hub answered" in said
-    assert "connecting to magellan at tcp://127.0.0.1:1" in picture.read_text()
+    assert "no hub answered at tcp://127.0.0.1:1, so" in said
+    assert not picture.exists()
 
 
 @pytest.mark.parametrize("command", ["list", *in_soak("modules", "status")])
 def test_missing_hub_for_looking_into_it(command: str) -> None:
     said = complaint(run("hub", command, "--hub", "tcp://127.0.0.1:1"), 3)
-    assert said == "rune-hub: no hub answers at tcp://127.0.0.1:1; is rune-hub running there?\n"
+    assert said.startswith(
+        "rune-hub: no hub answers at tcp://127.0.0.1:1; is rune-hub running there?"
+    )
+    assert "--keys" in said
 
 
 def test_hub_elsewhere_is_refused() -> None:

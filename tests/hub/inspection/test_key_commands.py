@@ -29,7 +29,13 @@ def test_made_key_is_listed_until_it_is_removed() -> None:
     path = Path(said("make", "alice", "--role", "operate").splitlines()[-1])
     made = read_client_keys(path)
     assert made.role is Role.OPERATE
-    assert said("list").split() == ["operate", made.pair.public, "alice"]
+    head, row = said("list").splitlines()
+    assert head.split() == ["ROLE", "PUBLIC", "KEY", "NAME"]
+    assert row.split() == ["operate", made.pair.public, "alice"]
+    assert [head.index(word) for word in ("PUBLIC", "NAME")] == [
+        row.index(made.pair.public),
+        row.index("alice"),
+    ]
     shown = {"name": "alice", "role": "operate", "public": made.pair.public}
     assert json.loads(said("list", "--json")) == shown
     said("remove", "alice")
@@ -72,4 +78,4 @@ def test_mistake_is_one_sentence_and_a_usage_error(arguments: list[str]) -> None
 def test_role_and_task_have_to_be_known(arguments: list[str]) -> None:
     done = keys(*arguments)
     assert done.returncode == ExitCode.USAGE
-    assert "usage: rune-hub keys" in done.stderr
+    assert "rune-hub keys" in done.stderr
