@@ -19,7 +19,7 @@ from tests.hub.inspection.robots import robot
 
 def test_libraries_of_this_environment_are_well() -> None:
     said = library_checks.versions()
-    assert [finding.level for finding in said] == [Level.OK] * 3
+    assert [finding.level for finding in said] == [Level.OK] * 4
     assert said[1].text.startswith("numpy ")
 
 
