@@ -12,7 +12,7 @@ import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TextIO
 
 from hub.command_line import ExitCode, write_completion
 from hub.plain_text import plain
@@ -85,7 +85,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    _need_terminal()
+    _need_screen(options.layouts, options.set)
     source = _source(options.layouts, options.set, watched=options.watch)
     log = _log_to_file()
     with _tunnels(options, source.layout) as tunnels:
@@ -100,7 +100,7 @@ def _demo(options: argparse.Namespace) -> int:
 
     from rune_tui.demo import DemoHub
 
-    _need_terminal()
+    _need_screen([options.layout], options.set)
     log = _log_to_file()
     with ExitStack() as stack:
         settings = [f"simulation.arena={_arena(options.arena)}"] if options.arena else []
@@ -233,8 +233,8 @@ def _watch_layouts_joysticks(options: argparse.Namespace) -> None:
     if options.list or options.json or options.udev or options.learn:
         text = "joytest takes a layout, or one of --list, --udev, --learn and --json, not both"
         raise _UsageError(text)
-    _need_terminal()
     joysticks = _load(options.layout, options.set).joysticks
+    _need_terminal()
     if not joysticks:
         text = f"{options.layout} has no joystick; leave it out to see what is plugged in"
         raise _UsageError(text)
@@ -344,8 +344,21 @@ def _endpoints(hubs: Sequence[str]) -> list[str]:
     return [endpoint_of(hub) for hub in hubs]
 
 
-def _need_terminal() -> None:
-    if not all(stream and stream.isatty() for stream in (sys.stdin, sys.stderr)):
+def _need_screen(layouts: Sequence[str], variables: Sequence[tuple[str, str]]) -> None:
+    """Refuse what cannot show a console; mistakes of the layouts come first, as they are nearer."""
+    try:
+        _need_terminal(sys.stdout)
+    except _UsageError:
+        for name in layouts:
+            _load(name, variables)
+        raise
+    if os.environ.get("TERM", "") == "dumb":
+        text = "this terminal can draw nothing (TERM is dumb); open rune in another one"
+        raise _UsageError(text)
+
+
+def _need_terminal(*others: TextIO | None) -> None:
+    if not all(stream and stream.isatty() for stream in (sys.stdin, sys.stderr, *others)):
         text = "this needs a terminal; without one, `rune shot` draws a picture into a file"
         raise _UsageError(text)
 

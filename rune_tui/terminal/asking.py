@@ -10,7 +10,7 @@ import termios
 import time
 import tty
 from collections.abc import Iterator
-from typing import Final
+from typing import Any, Final
 
 from rune_tui.terminal.questions import QUESTIONS, Answers, read_answers
 
@@ -19,10 +19,16 @@ WAIT_S: Final = 2.0
 _MOST_BYTES: Final = 65_536
 _ENTER: Final = "\x1b[?1049h"
 _LEAVE: Final = "\x1b[?1049l"
+_MODES: Final = (1000, 1002, 1003, 1006, 1015, 1004, 2004, 2026)
+"""Reports of the mouse, of focus and of pasting, and drawing that waits for its end."""
+TIDY: Final = "".join(f"\x1b[?{mode}l" for mode in _MODES) + "\x1b[<9u\x1b[0m\x1b[?25h"
+"""What a console that was killed has left on is off again: modes, keyboard protocol, colours."""
 
 
 def ask(source: int, sink: int, wait_s: float = WAIT_S) -> tuple[Answers, float]:
     """What a terminal says of itself, and how long it took to [s].
+
+    A console that was killed leaves its modes behind; they are ended first.
 
     The questions are asked on the alternate screen, so that a terminal that takes one for text does
     not show it for long. Keys that are pressed meanwhile are lost.
@@ -35,7 +41,7 @@ def ask(source: int, sink: int, wait_s: float = WAIT_S) -> tuple[Answers, float]
     began = time.monotonic()
     received = b""
     with _unbuffered(source), contextlib.suppress(OSError):
-        os.write(sink, f"{_ENTER}{QUESTIONS}".encode())
+        os.write(sink, f"{_ENTER}{TIDY}{QUESTIONS}".encode())
         with selectors.DefaultSelector() as selector:
             selector.register(source, selectors.EVENT_READ)
             while len(received) < _MOST_BYTES and not read_answers(received).complete:
@@ -54,9 +60,9 @@ def ask(source: int, sink: int, wait_s: float = WAIT_S) -> tuple[Answers, float]
 
 @contextlib.contextmanager
 def _unbuffered(source: int) -> Iterator[None]:
-    """Input byte by byte, without echo; afterwards as it was."""
+    """Input byte by byte, without echo; afterwards as it was, or as a shell wants it."""
     try:
-        before = termios.tcgetattr(source)
+        before = _for_a_shell(termios.tcgetattr(source))
     except termios.error:  # not a terminal
         yield
         return
@@ -66,6 +72,16 @@ def _unbuffered(source: int) -> Iterator[None]:
     finally:
         with contextlib.suppress(termios.error):
             termios.tcsetattr(source, termios.TCSANOW, before)
+
+
+def _for_a_shell(modes: list[Any]) -> list[Any]:
+    """The terminal's modes, with lines and echo where a console that was killed took both."""
+    incoming, outgoing, control, local, *others = modes
+    if not local & (termios.ICANON | termios.ECHO):
+        incoming |= termios.ICRNL
+        outgoing |= termios.OPOST | termios.ONLCR
+        local |= termios.ICANON | termios.ECHO | termios.ISIG | termios.IEXTEN
+    return [incoming, outgoing, control, local, *others]
 
 
 def ask_own(wait_s: float = WAIT_S) -> tuple[Answers, float]:

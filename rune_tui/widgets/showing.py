@@ -19,6 +19,7 @@ from rune_tui.model.effects import (
     SetTheme,
     ShowViewport,
     ToggleHelp,
+    ToggleLog,
     Zoom,
 )
 from rune_tui.model.theme import RENAMED, THEMES
@@ -189,6 +190,22 @@ class Help(_Showing):
     def effect(self) -> Effect:
         """The help."""
         return ToggleHelp()
+
+
+class Messages(_Showing):
+    """Shows all that happened."""
+
+    rule: ClassVar = HandlerRule(
+        section=Section.SCREEN,
+        says={"": "All messages, to read and to search"},
+        meaning="Shows all that happened, to scroll and to search, and hides it again.",
+        needs_robot=False,
+        under_help=True,
+    )
+
+    def effect(self) -> Effect:
+        """The page of messages."""
+        return ToggleLog()
 
 
 class Screenshot(_Showing):

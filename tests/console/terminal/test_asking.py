@@ -6,6 +6,7 @@ import os
 import pty
 import termios
 import threading
+import tty
 from collections.abc import Iterator
 
 import pytest
@@ -49,6 +50,24 @@ def test_a_terminal_that_answers_is_understood_and_left_as_it_was(pair: tuple[in
     assert answers.truecolour
     assert took < 20.0
     assert termios.tcgetattr(inner) == before
+
+
+def test_what_a_killed_console_left_behind_is_ended_before_anything_is_asked(
+    pair: tuple[int, int],
+) -> None:
+    outer, inner = pair
+    usual = termios.tcgetattr(inner)
+    tty.setraw(inner)
+    ask(inner, inner, 0.0)
+    written = ""
+    while QUESTIONS not in written:
+        written += os.read(outer, 65_536).decode()
+    asked = written.index(QUESTIONS)
+    for mode in ("?1000l", "?1003l", "?1006l", "?2004l", "<9u"):
+        assert 0 <= written.find(f"\x1b[{mode}") < asked, mode
+    now = termios.tcgetattr(inner)
+    for flag in (termios.ICANON, termios.ECHO, termios.ISIG):
+        assert now[3] & flag == usual[3] & flag != 0
 
 
 def test_a_terminal_that_says_nothing_is_waited_for_so_long_and_no_longer(

@@ -23,6 +23,7 @@ from rune_tui.model.effects import (
     ShowViewport,
     Tell,
     ToggleHelp,
+    ToggleLog,
     ToggleNight,
     WishPictures,
     Zoom,
@@ -157,6 +158,7 @@ def test_a_robot_without_headlight_is_sent_nothing():
         ("widgetTheme", {}, SetTheme()),
         ("widgetTheme", {"theme": "light"}, SetTheme(name="light")),
         ("widgetHelp", {}, ToggleHelp()),
+        ("widgetMessages", {}, ToggleLog()),
         ("widgetScreenshot", {}, ScreenshotEffect()),
         ("widgetCalibrate", {}, CalibrateEffect()),
         (
