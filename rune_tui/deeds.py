@@ -16,6 +16,7 @@ from rune_tui.model.effects import (
     CalibrateEffect,
     ControlEffect,
     ExportEffect,
+    MissionEffect,
     NextLayoutEffect,
     RecordEffect,
     ScreenshotEffect,
@@ -25,6 +26,7 @@ from rune_tui.model.effects import (
 Deed = (
     SendEffect
     | ControlEffect
+    | MissionEffect
     | ScreenshotEffect
     | RecordEffect
     | ExportEffect
@@ -72,7 +74,7 @@ class Deeds:
             cells: What the operator sees; None before the first picture.
         """
         match effect:
-            case SendEffect() | ControlEffect():
+            case SendEffect() | ControlEffect() | MissionEffect():
                 self._send(effect)
             case ScreenshotEffect() | RecordEffect() | ExportEffect():
                 self._filing.do(effect, layout, state, cells)
@@ -82,10 +84,12 @@ class Deeds:
                 if not self._layouts.next():
                     self._tell(desk.Outcome(text="the console was started with no other layout"))
 
-    def _send(self, effect: SendEffect | ControlEffect) -> None:
+    def _send(self, effect: SendEffect | ControlEffect | MissionEffect) -> None:
         link = self._links[effect.robot]
         if isinstance(effect, ControlEffect):
             link.control(effect.action, by_driving=effect.by_driving)
+        elif isinstance(effect, MissionEffect):
+            link.mission(effect.action, effect.name)
         else:
             link.send(effect.definition, effect.value)
         if (outcome := desk.undelivered(effect, link.state)) is not None:

@@ -19,7 +19,7 @@ from rune_tui.controls.joystick.store import CalibrationStore
 from rune_tui.export.points import csv_table, geojson
 from rune_tui.export.report import html_page
 from rune_tui.layout.spec import LayoutSpec
-from rune_tui.model.effects import ControlEffect, SendEffect
+from rune_tui.model.effects import ControlEffect, MissionEffect, SendEffect
 from rune_tui.model.robot_state import LinkPhase, RobotState
 
 if TYPE_CHECKING:
@@ -56,10 +56,14 @@ def operator_name() -> str:
         return ""
 
 
-def undelivered(effect: SendEffect | ControlEffect, robot: RobotState) -> Outcome | None:
+def undelivered(
+    effect: SendEffect | ControlEffect | MissionEffect, robot: RobotState
+) -> Outcome | None:
     """Why an order cannot arrive now; None if it can, or if a newer one follows it anyway."""
     if isinstance(effect, ControlEffect):
         what = "request for control"
+    elif isinstance(effect, MissionEffect):
+        what = "mission"
     elif effect.definition.keep is Keep.ALL:
         what = effect.definition.name.removeprefix("GCM_").replace("_", " ").lower()
     else:

@@ -22,6 +22,7 @@ from rune_tui.model.effects import (
     ControlEffect,
     Effect,
     ExportEffect,
+    MissionEffect,
     QuitEffect,
     ReleaseFirst,
     SendEffect,
@@ -51,7 +52,7 @@ _TYPED_WHILE_AWAY = "what was typed while the console was held up does not count
 _CLICKED_TO_FOCUS = (
     "that click brought the terminal to the front and means nothing else: click again"
 )
-_TO_ROBOTS = SendEffect | ControlEffect | ExportEffect | WishPictures | ToggleNight
+_TO_ROBOTS = SendEffect | ControlEffect | MissionEffect | ExportEffect | WishPictures | ToggleNight
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -84,10 +84,15 @@ class PointBook:
         )
 
     def same(self, point: InterestPoint, by: str) -> InterestPoint | None:
-        """The point that says the same as a new one, to the last bit; None if none does.
+        """The point that says the same already, to the last bit; None if none does.
 
-        Who gets no answer sends a mark again, and it must not become two.
+        Who gets no answer sends a mark or a change again: it must be neither two nor refused.
         """
+        changed = self._points.get(point.number)
+        if changed is not None and changed.version == point.version + 1:
+            now = (changed.kind, changed.x, changed.y, changed.note)
+            if now == (point.kind, point.x, point.y, point.note):
+                return changed
         for known in self._points.values():
             alike = (known.kind, known.x, known.y) == (point.kind, point.x, point.y)
             if alike and known.by == _who(point, by) and point.number == 0:

@@ -21,6 +21,7 @@ from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.capability import Capability
 from hub.gcm.catalog import BY_NAME
 from hub.gcm.control import CONTROL_STATE, ControlAction, ControlState
+from hub.gcm.mission import MISSION_STATE, MissionAction
 from hub.gcm.navigation import VELOCITY_COMMAND
 from hub.gcm.providers import PROVIDED_BY
 from hub.gcm.supervision import (
@@ -40,6 +41,7 @@ from rune_tui.controls.far_pads import FarPads
 from rune_tui.layout.names import CAPABILITY_INTERVALS_MS
 from rune_tui.layout.spec import RobotSpec
 from rune_tui.link.control_line import ControlLine
+from rune_tui.link.mission_line import MissionLine
 from rune_tui.link.pad_line import PadLine
 from rune_tui.link.picture_stream import PictureStream
 from rune_tui.link.pictures import map_of, picture_of
@@ -73,7 +75,10 @@ _REPEATED = 2
 _LEASE_INTERVALS = 2.5
 """What is wanted holds for so many intervals between two keep-alives; one of them may be lost."""
 _MOST_LETTERS = 1000
-_ALWAYS = frozenset({ROBOT_DESCRIPTION.name, CAPABILITY_REPORTS.name, CONTROL_STATE.name})
+_ALWAYS = frozenset(
+    definition.name
+    for definition in (ROBOT_DESCRIPTION, CAPABILITY_REPORTS, CONTROL_STATE, MISSION_STATE)
+)
 """What is followed whatever the layout shows."""
 _ANSWERS = frozenset({vision.IMAGE.name, mapping.MAP.name})
 """What comes on request only."""
@@ -127,6 +132,7 @@ class RobotLink:
         self._tap: Tap | None = None
         self._faults: set[tuple[type, object]] = set()
         self._control: ControlLine | None = None
+        self._mission: MissionLine | None = None
         self._tunnel = tunnel
         self._stopping = threading.Event()
         own_keys = read_client_keys(keys) if keys else None
@@ -160,6 +166,7 @@ class RobotLink:
             self._client.define(CAPABILITY_WANTS)
             self._client.every(_KEEP_ALIVE_LOOK_S, self._keep_alive)
             self._control = ControlLine(self._client, operator, lambda: self._state, self._say)
+            self._mission = MissionLine(self._client, operator, self._say)
         self._client.every(_REQUEST_CHECK_S, self._pictures.look)
         self._client.every(_REQUEST_CHECK_S, self._maps.look)
         self._client.every(_REQUEST_CHECK_S, self._streams.look)
@@ -208,6 +215,11 @@ class RobotLink:
         """
         if self._control is not None and self._state.link.phase is LinkPhase.CONNECTED:
             self._control.want(action, by_driving=by_driving)
+
+    def mission(self, action: MissionAction, name: str) -> None:
+        """Begin, name or end the robot's mission; lost while there is no connection."""
+        if self._mission is not None and self._state.link.phase is LinkPhase.CONNECTED:
+            self._mission.want(action, name)
 
     def attend(self) -> None:
         """Somebody looks after this console: it keeps control for a second more, if it has it."""

@@ -129,6 +129,8 @@ class ConsoleState:
         pixel_height: Height of a pixel, half a cell of the terminal, over its width.
         inputs: Which input wakes a handler first, in words, by the handler and its robot.
         joysticks: All that is known of the layout's joysticks, by name.
+        unconfirmed: How many marks a widget has sent that no robot has confirmed, by the widget.
+        overdue: How many of those should be confirmed long ago, by the widget.
         banner: The alarm that stands over everything; panes do not repeat it.
         ghosts: Marks that were pointed at and are not made yet, by robot.
     """
@@ -162,6 +164,8 @@ class ConsoleState:
     pixel_height: float = 1.0
     inputs: Mapping[tuple[str, str], str] = field(default_factory=dict)
     joysticks: Mapping[str, JoystickState] = field(default_factory=dict)
+    unconfirmed: Mapping[int, int] = field(default_factory=dict)
+    overdue: Mapping[int, int] = field(default_factory=dict)
     banner: Banner | None = None
     ghosts: Mapping[str, Ghost] = field(default_factory=dict)
 
@@ -216,6 +220,10 @@ def carried_over(state: ConsoleState, layout: LayoutSpec) -> ConsoleState:
     """
     robots = {robot.name for robot in layout.robots}
     viewports = {viewport.name for viewport in layout.view.viewports}
+    if lost := sum(state.unconfirmed.values()):
+        text = f"{lost} marks were not confirmed before the layout changed: are they there?"
+        notices = (*state.notices, state.notice(text, alarm=True))
+        state = dataclasses.replace(state, notices=notices, unconfirmed={}, overdue={})
     return dataclasses.replace(
         state,
         run_number=layout.run_number,

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from hub.gcm.control import ControlAction
+from hub.gcm.mission import MissionAction
 from hub.ipc.definition import MessageDefinition
 from rune_tui.model.console_state import MOST_NOTICES, ConsoleState, Ghost, Notice, PictureWish
 from rune_tui.model.page import Page
@@ -16,6 +17,7 @@ from rune_tui.model.theme import THEMES
 LEAST_ZOOM = 0.05
 MOST_ZOOM = 50.0
 
+K = TypeVar("K")
 T = TypeVar("T")
 
 
@@ -95,6 +97,36 @@ class AskEffect:
     asked: str
     text: str
     answer: Callable[[str], tuple[Effect, ...]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MissionEffect:
+    """Begin, name or end a robot's mission.
+
+    Attributes:
+        robot: The robot's name in the layout.
+        action: What is wanted.
+        name: The mission's name.
+    """
+
+    robot: str
+    action: MissionAction
+    name: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MarksWaiting:
+    """Marks that a widget has sent and no robot has confirmed yet.
+
+    Attributes:
+        source: Which widget.
+        count: How many.
+        overdue: How many of them should be confirmed long ago.
+    """
+
+    source: int
+    count: int
+    overdue: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -295,6 +327,7 @@ StateEffect = (
     | Zoom
     | WishPictures
     | ToggleNight
+    | MarksWaiting
     | SetTheme
     | ShowGhost
     | Tell
@@ -304,6 +337,7 @@ DeedEffect = (
     SendEffect
     | ControlEffect
     | ReleaseFirst
+    | MissionEffect
     | QuitEffect
     | NextLayoutEffect
     | ScreenshotEffect
@@ -333,6 +367,12 @@ def changed(state: ConsoleState, effect: StateEffect) -> ConsoleState:
             return dataclasses.replace(state, zooms=_with(state.zooms, name, zoom))
         case WishPictures() | ToggleNight() | ShowGhost():
             return _of_robot(state, effect)
+        case MarksWaiting(source=source, count=count, overdue=overdue):
+            return dataclasses.replace(
+                state,
+                unconfirmed=_with(state.unconfirmed, source, count),
+                overdue=_with(state.overdue, source, overdue),
+            )
         case SetTheme(name=name):
             theme = THEMES.get(name or _next(state.theme.name, THEMES), state.theme)
             return dataclasses.replace(state, theme=theme)
@@ -386,7 +426,7 @@ def _showing(state: ConsoleState, effect: ShowViewport) -> ConsoleState:
     return dataclasses.replace(state, shown=_with(state.shown, name, wanted))
 
 
-def _with(mapping: Mapping[str, T], name: str, value: T) -> Mapping[str, T]:
+def _with(mapping: Mapping[K, T], name: K, value: T) -> Mapping[K, T]:
     return {**mapping, name: value}
 
 

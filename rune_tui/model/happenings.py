@@ -20,6 +20,7 @@ from rune_tui.model.control import (
 )
 from rune_tui.model.doings import DoingWatch
 from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
+from rune_tui.model.mission import MissionWatch
 from rune_tui.model.robot_state import LackKind, LinkPhase, RobotState
 
 _logger = logging.getLogger(__name__)
@@ -51,6 +52,7 @@ class Watch:
         self._control: dict[str, ControlState] = {}
         self._said: dict[str, int] = {}
         self._doings = DoingWatch()
+        self._missions = MissionWatch()
         self._joysticks: dict[str, tuple[JoystickPhase, str]] = {}
         self._failed: set[str] = set()
 
@@ -108,6 +110,7 @@ class Watch:
             yield state.notice(link.said, robot=name, alarm=True)
         yield from self._handed_over(robot, state)
         yield from self._doings.look(robot, state)
+        yield from self._missions.look(robot, state)
         if link.phase is LinkPhase.CONNECTED:
             yield from self._capabilities(robot, state)
 

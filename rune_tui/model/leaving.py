@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from hub.gcm.navigation import MotionState
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.control import Standing, standing
+from rune_tui.model.mission import mission_of
 
 
 def reasons_to_stay(state: ConsoleState) -> tuple[str, ...]:
@@ -27,7 +28,23 @@ def _on_its_own(state: ConsoleState) -> Iterator[str]:
             yield f"{robot.name} goes on by itself, and nobody watches it"
 
 
-_REASONS: tuple[Callable[[ConsoleState], Iterator[str]], ...] = (_recording, _on_its_own)
+def _unkept(state: ConsoleState) -> Iterator[str]:
+    """Marks that no robot has confirmed, and what robots have in memory only."""
+    waiting = sum(state.unconfirmed.values())
+    if waiting:
+        marks = "1 mark is" if waiting == 1 else f"{waiting} marks are"
+        yield f"{marks} lost, which no robot has confirmed"
+    for robot in state.robots.values():
+        mission = mission_of(robot)
+        if mission is not None and mission.unkept:
+            yield f"nobody sees that {robot.title} does not keep its mission: {mission.fault}"
+
+
+_REASONS: tuple[Callable[[ConsoleState], Iterator[str]], ...] = (
+    _recording,
+    _on_its_own,
+    _unkept,
+)
 """Each says what speaks against the end, in a few words; the next one is added here."""
 
 

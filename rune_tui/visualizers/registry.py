@@ -22,6 +22,7 @@ from rune_tui.visualizers.label import Label
 from rune_tui.visualizers.link_words import Link
 from rune_tui.visualizers.map_data import MapData
 from rune_tui.visualizers.marks import Marks
+from rune_tui.visualizers.mission import Mission
 from rune_tui.visualizers.modules import Modules
 from rune_tui.visualizers.night_mode import NightMode
 from rune_tui.visualizers.pan_data import PanData
@@ -56,6 +57,7 @@ VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
     "visualizeJoystick": Joystick,
     "visualizeLink": Link,
     "visualizeMarks": Marks,
+    "visualizeMission": Mission,
     "visualizeModules": Modules,
     "visualizeButton": Button,
     "visualizePlot": Plot,

@@ -7,6 +7,7 @@ from typing import Final
 
 from hub.gcm.navigation import Assistance
 from rune_tui.model.console_state import Banner, ConsoleState
+from rune_tui.model.mission import mission_of
 from rune_tui.model.robot_state import LackKind, RobotState
 from rune_tui.visualizers.mood import Mood, Part
 from rune_tui.visualizers.range_data import pressed_bumpers
@@ -62,6 +63,11 @@ def _more(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
             yield Part(f"BUMPER PRESSED {' and '.join(sides)}", 8, Mood.ALARM)
         if navigation.assistance is Assistance.OFF:
             yield Part("ASSISTANCE OFF: it drives into walls", 5, Mood.WARNING)
+    mission = mission_of(robot)
+    if mission is not None and mission.fault:
+        yield Part(f"NOT KEPT: {mission.fault}", 8, Mood.ALARM)
+    if waiting := sum(state.overdue.values()):
+        yield Part(f"NOT CONFIRMED BY THE ROBOT: {waiting} marks", 8, Mood.ALARM)
     starts = state.now - robot.link.since < START_S
     for name, lack in sorted(robot.link.lacking.items()):
         if lack.kind is LackKind.BROKEN or (lack.kind is LackKind.COMING and not starts):

@@ -28,7 +28,8 @@ from rune_tui.model.effects import AskEffect, Effect, ExportEffect, SendEffect, 
 from rune_tui.model.pose import Pose
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.world import WorldPoint
-from rune_tui.widgets.marks import OPERATOR, points_of
+from rune_tui.widgets.confirming import USES, Confirming, points_of
+from rune_tui.widgets.marks import OPERATOR
 from rune_tui.widgets.pointing import PointedWidget
 from rune_tui.widgets.widget import OrderWidget, PressWidget
 
@@ -50,12 +51,13 @@ class UndoMark(OrderWidget):
         meaning="Takes back your newest mark.",
         options={"operator": OPERATOR},
         sends=(POINT_COMMAND.name,),
-        uses=(INTEREST_POINTS.name,),
+        uses=USES,
     )
 
     def __init__(self, spec: WidgetSpec, robot: str) -> None:
         super().__init__(spec, robot)
         self._removed: dict[tuple[str, int], float] = {}
+        self._confirming = Confirming(_removed_words)
 
     def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
         """The removal; numbers are never given twice, so the highest is the newest."""
@@ -69,7 +71,11 @@ class UndoMark(OrderWidget):
             return (Tell.now(state, "you have marked nothing yet", robot=robot.name),)
         newest = max(mine, key=lambda point: point.number)
         self._removed[robot.name, newest.number] = state.now
-        return _removal(newest, robot, state)
+        return self._confirming.send(_removal(newest), robot, state)
+
+    def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
+        """What became of the removals."""
+        return self._confirming.tick(state)
 
     def _gone(self, robot: str, number: int, now: float) -> bool:
         return now - self._removed.get((robot, number), -math.inf) < _REMOVED_S
@@ -83,13 +89,21 @@ def _rule(meaning: str, says: str) -> HandlerRule:
         meaning=meaning,
         options={"radius": _RADIUS},
         sends=(POINT_COMMAND.name,),
-        uses=(INTEREST_POINTS.name,),
+        uses=USES,
         pointed=True,
     )
 
 
 class _MarkWidget(PointedWidget):
     """A widget that does something with the mark that was clicked."""
+
+    def __init__(self, spec: WidgetSpec, robot: str) -> None:
+        super().__init__(spec, robot)
+        self._confirming = Confirming(_outcome_words)
+
+    def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
+        """What became of it."""
+        return self._confirming.tick(state)
 
     @abstractmethod
     def mark(
@@ -123,7 +137,7 @@ class RemoveMark(_MarkWidget):
         self, mark: InterestPoint, robot: RobotState, state: ConsoleState
     ) -> tuple[Effect, ...]:
         """The removal."""
-        return _removal(mark, robot, state)
+        return self._confirming.send(_removal(mark), robot, state)
 
 
 class EditMark(_MarkWidget):
@@ -139,14 +153,14 @@ class EditMark(_MarkWidget):
         self,
         mark: InterestPoint,
         robot: RobotState,
-        state: ConsoleState,  # noqa: ARG002 - the words do not depend on it
+        state: ConsoleState,
     ) -> tuple[Effect, ...]:
         """The question."""
         asked = f"Words for {mark.kind.name.lower()} {mark.number} of {robot.title}"
 
         def answer(note: str) -> tuple[Effect, ...]:
             changed = PointCommand(point=dataclasses.replace(mark, note=note))
-            return (SendEffect(robot=robot.name, definition=POINT_COMMAND, value=changed),)
+            return self._confirming.send(changed, robot, state)
 
         return (AskEffect(robot=robot.name, asked=asked, text=mark.note, answer=answer),)
 
@@ -225,14 +239,29 @@ class ExportMarks(PressWidget):
         return (ExportEffect(robot=self.robot),)
 
 
-def _removal(point: InterestPoint, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
+def _removal(point: InterestPoint) -> PointCommand:
     emptied = InterestPoint(
-        number=point.number, kind=point.kind, x=point.x, y=point.y, thumbnail=np.empty(0, np.uint8)
+        number=point.number,
+        kind=point.kind,
+        x=point.x,
+        y=point.y,
+        version=point.version,
+        thumbnail=np.empty(0, np.uint8),
     )
-    command = PointCommand(action=PointAction.REMOVE, point=emptied)
-    text = f"{point.kind.name.lower()} {point.number} is removed"
-    send = SendEffect(robot=robot.name, definition=POINT_COMMAND, value=command)
-    return (send, Tell.now(state, text, robot=robot.name))
+    return PointCommand(action=PointAction.REMOVE, point=emptied)
+
+
+def _removed_words(command: PointCommand, kept: InterestPoint | None) -> str:
+    """What is said of a mark that is removed."""
+    del kept
+    return f"{command.point.kind.name.lower()} {command.point.number} is removed"
+
+
+def _outcome_words(command: PointCommand, kept: InterestPoint | None) -> str:
+    """What is said of a mark that is changed or removed."""
+    if kept is None:
+        return _removed_words(command, kept)
+    return f"{kept.kind.name.lower()} {kept.number} is changed"
 
 
 def _nearest(

@@ -3,54 +3,29 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import ClassVar, Final
 
 import numpy as np
 import numpy.typing as npt
 
-from hub.gcm.mapping import (
-    INTEREST_POINTS,
-    POINT_COMMAND,
-    InterestPoint,
-    PointCommand,
-    PointKind,
-)
+from hub.gcm.mapping import POINT_COMMAND, InterestPoint, PointCommand, PointKind
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.rules import ChoiceOption, HandlerRule, Section, TextOption
 from rune_tui.layout.spec import WidgetSpec
 from rune_tui.model.console_state import ConsoleState, Ghost
-from rune_tui.model.effects import Effect, SendEffect, ShowGhost, Tell
+from rune_tui.model.effects import Effect, ShowGhost
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.world import WorldPoint, metres_text
 from rune_tui.raster.thumbnail import thumbnail
+from rune_tui.widgets.confirming import USES, Confirming
 from rune_tui.widgets.pointing import PointedWidget
 
 OPERATOR: Final = TextOption(longest=64, meaning="who marks; empty: the user's name")
-ANSWER_S = 3.0
-"""A mark that is not among the robot's points after this was not taken [s]."""
 GHOST_S = 10.0
 """A mark that is not confirmed is forgotten after this [s]."""
 _SAME_M = 0.3
 """A click no farther from a ghost than this, or than the ghost may be off, confirms it [m]."""
 _NO_PICTURE: Final = np.empty(0, np.uint8)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Pending:
-    """A mark that is not yet among the robot's points.
-
-    Attributes:
-        robot: On whose map.
-        place: Where, in `map` [m].
-        after: The highest number of a point when it was made; its own will be higher.
-        since: When it was made [s].
-    """
-
-    robot: str
-    place: tuple[float, float]
-    after: int
-    since: float
 
 
 def _rule(what: str) -> HandlerRule:
@@ -70,20 +45,20 @@ def _rule(what: str) -> HandlerRule:
             "operator": OPERATOR,
         },
         sends=(POINT_COMMAND.name,),
-        uses=(INTEREST_POINTS.name,),
+        uses=USES,
         pointed=True,
     )
 
 
 class _SetMark(PointedWidget):
-    """Marks the place that was clicked, and says whether the robot took it."""
+    """Marks the place that was clicked, and says whether the robot keeps it."""
 
     kind: ClassVar[PointKind]
     purpose: ClassVar[str] = "marked"
 
     def __init__(self, spec: WidgetSpec, robot: str) -> None:
         super().__init__(spec, robot)
-        self._pending: list[_Pending] = []
+        self._confirming = Confirming(_marked_words)
         self._picture = _NO_PICTURE
 
     def point(
@@ -120,42 +95,11 @@ class _SetMark(PointedWidget):
             length=len(picture),
             thumbnail=picture,
         )
-        after = max((known.number for known in points_of(robot)), default=0)
-        self._pending.append(
-            _Pending(robot=robot.name, place=(mark.x, mark.y), after=after, since=state.now)
-        )
-        command = PointCommand(point=mark)
-        return (SendEffect(robot=robot.name, definition=POINT_COMMAND, value=command),)
+        return self._confirming.send(PointCommand(point=mark), robot, state)
 
     def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
         """What became of the marks that were sent."""
-        told: list[Effect] = [
-            ShowGhost(robot=name, ghost=None)
-            for name, ghost in state.ghosts.items()
-            if ghost.kind is self.kind and state.now >= ghost.until
-        ]
-        for pending in tuple(self._pending):
-            taken = self._taken(pending, state)
-            if taken is None and state.now - pending.since < ANSWER_S:
-                continue
-            self._pending.remove(pending)
-            where = f"at {pending.place[0]:.1f}, {pending.place[1]:.1f} m"
-            if taken is None:
-                text = f"the {self.kind.name.lower()} {where} was not taken; its log says why"
-            else:
-                sure = _sure_words(taken)
-                text = f"{self.kind.name.lower()} {taken.number} is marked {where}{sure}"
-            told.append(Tell.now(state, text, robot=pending.robot, alarm=taken is None))
-        return tuple(told)
-
-    def _taken(self, pending: _Pending, state: ConsoleState) -> InterestPoint | None:
-        """The mark as the robot keeps it; None if the robot does not have it."""
-        robot = state.robot(pending.robot)
-        for point in points_of(robot) if robot is not None else ():
-            there = (point.x, point.y) == pending.place and point.kind is self.kind
-            if there and point.number > pending.after:
-                return point
-        return None
+        return self._confirming.tick(state)
 
 
 class SetVictim(_SetMark):
@@ -172,10 +116,11 @@ class SetLandmark(_SetMark):
     rule: ClassVar = _rule("landmark")
 
 
-def points_of(robot: RobotState) -> tuple[InterestPoint, ...]:
-    """What is marked on a robot's map, as far as the console knows."""
-    newest = robot.newest(INTEREST_POINTS)
-    return newest.value.points if newest is not None else ()
+def _marked_words(command: PointCommand, kept: InterestPoint | None) -> str:
+    """What is said of a mark that the robot keeps."""
+    mark = kept or command.point
+    where = f"at {mark.x:.1f}, {mark.y:.1f} m"
+    return f"{mark.kind.name.lower()} {mark.number} is marked {where}{_sure_words(mark)}"
 
 
 def _sure_words(mark: InterestPoint) -> str:

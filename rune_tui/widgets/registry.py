@@ -14,6 +14,7 @@ from rune_tui.widgets.control import (
 )
 from rune_tui.widgets.marked import CorrectLandmark, EditMark, ExportMarks, RemoveMark, UndoMark
 from rune_tui.widgets.marks import SetLandmark, SetVictim
+from rune_tui.widgets.mission import Mission
 from rune_tui.widgets.orders import Autonomy, GoTo, Safety
 from rune_tui.widgets.ptz import AdjustPan, AdjustPanTilt, AdjustTilt, AdjustZoom, HomePTZ
 from rune_tui.widgets.quit import Quit
@@ -59,6 +60,7 @@ WIDGETS: Mapping[str, type[Widget]] = {
     "widgetRemoveMark": RemoveMark,
     "widgetCorrectLandmark": CorrectLandmark,
     "widgetExportMarks": ExportMarks,
+    "widgetMission": Mission,
     "widgetShowViewport": ShowViewportWidget,
     "widgetFullScreen": FullScreen,
     "widgetZoomMap": ZoomMap,

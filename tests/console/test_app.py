@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import dataclasses
 import time
 from collections.abc import Callable, Coroutine, Hashable, Iterator
 from contextlib import ExitStack, closing
@@ -13,7 +14,13 @@ import pytest
 from textual import events
 from textual.pilot import Pilot
 
-from hub.gcm.mapping import INTEREST_POINTS, POINT_COMMAND, PointAction, PointCommand
+from hub.gcm.mapping import (
+    INTEREST_POINTS,
+    POINT_COMMAND,
+    InterestPoints,
+    PointAction,
+    PointCommand,
+)
 from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Stop, Twist
 from hub.ipc.central import Central
 from hub.ipc.client import Client
@@ -114,7 +121,8 @@ class Robot:
             self.book.drop(command.point.number)
         else:
             self.book.mark(command.point, "somebody", 1.0)
-        self.client.publish(INTEREST_POINTS, self.book.message)
+        kept = tuple(dataclasses.replace(point, kept=1) for point in self.book.points)
+        self.client.publish(INTEREST_POINTS, InterestPoints(count=len(kept), points=kept))
 
     def _drive(self, twist: Twist) -> None:
         self.speeds.append(twist.linear.x)

@@ -66,7 +66,10 @@ def click(
 def marked(
     number: int, kind: PointKind = VICTIM, *, x: float = 3.0, y: float = -1.0, by: str = "jane"
 ) -> InterestPoint:
-    return InterestPoint(number=number, kind=kind, x=x, y=y, by=by, thumbnail=np.empty(0, np.uint8))
+    empty = np.empty(0, np.uint8)
+    return InterestPoint(
+        number=number, kind=kind, x=x, y=y, by=by, version=1, kept=1, thumbnail=empty
+    )
 
 
 def points(*marks: InterestPoint, number: int = 1) -> dict[str, Received[Any]]:

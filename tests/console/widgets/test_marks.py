@@ -27,6 +27,7 @@ from rune_tui.model.effects import (
     AskEffect,
     Effect,
     ExportEffect,
+    MarksWaiting,
     SendEffect,
     StateEffect,
     Tell,
@@ -34,7 +35,7 @@ from rune_tui.model.effects import (
 )
 from rune_tui.model.robot_state import Picture
 from rune_tui.model.world import WorldPoint
-from rune_tui.widgets.marks import ANSWER_S, GHOST_S
+from rune_tui.widgets.marks import GHOST_S
 from tests.console.visualizers.conftest import NOW, received
 from tests.console.widgets.presses import (
     LANDMARK,
@@ -62,7 +63,7 @@ def sent(effects: tuple[Effect, ...]) -> PointCommand:
 
 def told(effects: tuple[Effect, ...]) -> str:
     """What the operator is told, where nothing is sent."""
-    (effect,) = effects
+    (effect,) = [effect for effect in effects if not isinstance(effect, MarksWaiting)]
     assert isinstance(effect, Tell)
     assert effect.notice.robot == "magellan"
     return effect.notice.text
@@ -197,7 +198,8 @@ def test_small_pictures_fit_into_a_point_whatever_they_show(
 def test_a_mark_that_the_robot_takes_is_told_with_its_number():
     widget = widget_of("widgetSetVictim", confirm="off")
     widget.handle(click(), LEFT, seeing(marked(4, x=0.0)))
-    assert widget.tick(seeing(marked(4, x=0.0), now=NOW + 0.1)) == ()
+    (waiting,) = widget.tick(seeing(marked(4, x=0.0), now=NOW + 0.1))
+    assert isinstance(waiting, MarksWaiting)
     sure = dataclasses.replace(marked(5), uncertainty=0.125, distance=2.5)
     assert told(widget.tick(seeing(sure, now=NOW + 0.2))) == (
         "victim 5 is marked at 3.0, -1.0 m, give or take 0.12 m, seen from 2.5 m away"
@@ -210,16 +212,6 @@ def test_a_mark_of_which_is_not_known_how_sure_it_is_is_told_without_that():
     widget.handle(click(), LEFT, seeing())
     text = told(widget.tick(seeing(marked(5), now=NOW + 0.2)))
     assert text == "victim 5 is marked at 3.0, -1.0 m"
-
-
-def test_a_mark_that_the_robot_refuses_is_an_alarm():
-    widget = widget_of("widgetSetVictim", confirm="off")
-    same_place = marked(4)
-    widget.handle(click(), LEFT, seeing(same_place))
-    (effect,) = widget.tick(seeing(same_place, now=NOW + ANSWER_S))
-    assert isinstance(effect, Tell)
-    assert effect.notice.alarm
-    assert "not taken" in effect.notice.text
 
 
 def test_undo_removes_the_newest_mark_of_this_operator_and_then_the_one_before():

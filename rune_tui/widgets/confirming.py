@@ -1,0 +1,187 @@
+"""Marks, changes and removals on the way to a robot: sent again until the robot confirms them.
+
+| what the robot tells | then |
+| --- | --- |
+| it has it, on its disk | it is confirmed, and the operator told so |
+| it has it, in memory only, for ANSWER_S | an alarm; it waits on |
+| it refuses it | the link has told why; it is given up |
+| its map has another sheet | an alarm: the place says nothing any more; it is given up |
+| nothing for AGAIN_S | it is sent again, while there is a link |
+| nothing for ANSWER_S | an alarm, once; it is sent on |
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from hub.gcm.mapping import (
+    INTEREST_POINTS,
+    POINT_COMMAND,
+    POINT_REFUSAL,
+    InterestPoint,
+    PointAction,
+    PointCommand,
+)
+from hub.gcm.mission import MISSION_STATE
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.effects import Effect, MarksWaiting, SendEffect, Tell
+from rune_tui.model.robot_state import LinkPhase, RobotState
+
+ANSWER_S = 3.0
+"""What is not confirmed after this is an alarm [s]."""
+AGAIN_S = 1.0
+"""What is not confirmed is sent again so often [s]."""
+USES = (INTEREST_POINTS.name, POINT_REFUSAL.name, MISSION_STATE.name)
+"""Messages that say what became of a command."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Waiting:
+    """A command that is not confirmed.
+
+    Attributes:
+        robot: To whom.
+        command: What was sent.
+        after: The highest number of a point when it was made; a new one will be higher.
+        sheet: The sheet of the map that it is on; 0: not known.
+        since: When it was made [s].
+        sent: When it was sent last [s].
+        alarmed: Whether the operator was told that it is not confirmed.
+    """
+
+    robot: str
+    command: PointCommand
+    after: int
+    sheet: int
+    since: float
+    sent: float
+    alarmed: bool = False
+
+
+class Confirming:
+    """The commands of one widget that are not confirmed."""
+
+    def __init__(self, words: Callable[[PointCommand, InterestPoint | None], str]) -> None:
+        """Begin; nothing waits.
+
+        Args:
+            words: Says for the operator what is confirmed.
+        """
+        self._words = words
+        self._waiting: list[_Waiting] = []
+        self._told = (0, 0)
+
+    def send(
+        self, command: PointCommand, robot: RobotState, state: ConsoleState
+    ) -> tuple[Effect, ...]:
+        """Send a command, and wait for what becomes of it."""
+        points = points_of(robot)
+        self._waiting.append(
+            _Waiting(
+                robot=robot.name,
+                command=command,
+                after=max((known.number for known in points), default=0),
+                sheet=_sheet(robot),
+                since=state.now,
+                sent=state.now,
+            )
+        )
+        return (_effect(robot.name, command),)
+
+    def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
+        """What became of the commands, and those that are sent again."""
+        before, self._waiting = self._waiting, []
+        effects = [effect for waiting in before for effect in self._look(waiting, state)]
+        now = len(self._waiting), sum(waiting.alarmed for waiting in self._waiting)
+        if now != self._told:
+            self._told = now
+            effects.append(MarksWaiting(source=id(self), count=now[0], overdue=now[1]))
+        return tuple(effects)
+
+    def _look(self, waiting: _Waiting, state: ConsoleState) -> Iterator[Effect]:
+        robot = state.robot(waiting.robot)
+        if robot is None:
+            return
+        what = _name(waiting.command)
+        confirmed, point = _outcome(waiting, robot)
+        if confirmed:
+            text = self._words(waiting.command, point)
+            yield Tell.now(state, text, robot=waiting.robot)
+            return
+        if _refused(waiting, robot):
+            return
+        sheet = _sheet(robot)
+        if waiting.sheet and sheet and sheet != waiting.sheet:
+            text = f"{what} is LOST: the robot began sheet {sheet} of its map before it had it"
+            yield Tell.now(state, text, robot=waiting.robot, alarm=True)
+            return
+        late = state.now - waiting.since >= ANSWER_S
+        if late and not waiting.alarmed:
+            waiting = dataclasses.replace(waiting, alarmed=True)
+            yield Tell.now(state, _lateness(what, point, robot), robot=waiting.robot, alarm=True)
+        linked = robot.link.phase is LinkPhase.CONNECTED
+        if point is None and linked and state.now - waiting.sent >= AGAIN_S:
+            waiting = dataclasses.replace(waiting, sent=state.now)
+            yield _effect(waiting.robot, waiting.command)
+        self._waiting.append(waiting)
+
+
+def points_of(robot: RobotState) -> tuple[InterestPoint, ...]:
+    """What is marked on a robot's map, as far as the console knows."""
+    newest = robot.newest(INTEREST_POINTS)
+    return newest.value.points if newest is not None else ()
+
+
+def _outcome(waiting: _Waiting, robot: RobotState) -> tuple[bool, InterestPoint | None]:
+    """Whether a command is confirmed, and the point as the robot has it since."""
+    command, wanted = waiting.command, waiting.command.point
+    newest = robot.newest(INTEREST_POINTS)
+    if newest is None or (wanted.number and newest.measured < waiting.since):
+        return False, None
+    for point in newest.value.points:
+        if wanted.number == 0:
+            same = (point.kind, point.x, point.y) == (wanted.kind, wanted.x, wanted.y)
+            if same and point.number > waiting.after:
+                return bool(point.kept), point
+        elif point.number == wanted.number:
+            if command.action is PointAction.REMOVE or point.version <= wanted.version:
+                return False, None
+            return bool(point.kept), point
+    return wanted.number != 0, None
+
+
+def _refused(waiting: _Waiting, robot: RobotState) -> bool:
+    newest = robot.newest(POINT_REFUSAL)
+    if newest is None or newest.measured < waiting.since:
+        return False
+    ours = newest.value.sender == robot.link.number
+    return ours and newest.value.number == waiting.command.point.number
+
+
+def _lateness(what: str, point: InterestPoint | None, robot: RobotState) -> str:
+    if point is not None:
+        newest = robot.newest(MISSION_STATE)
+        fault = newest.value.fault if newest is not None else ""
+        return f"{what} is in the robot's memory only{': ' if fault else ''}{fault}"
+    return f"{what} is NOT KEPT: the robot has not confirmed it; it is sent again until it does"
+
+
+def _sheet(robot: RobotState) -> int:
+    newest = robot.newest(MISSION_STATE)
+    return newest.value.sheet if newest is not None else 0
+
+
+def _name(command: PointCommand) -> str:
+    point = command.point
+    kind = point.kind.name.lower()
+    if command.action is PointAction.REMOVE:
+        return f"the removal of {kind} {point.number}"
+    if point.number:
+        return f"the change of {kind} {point.number}"
+    return f"the {kind} at {point.x:.1f}, {point.y:.1f} m"
+
+
+def _effect(robot: str, command: PointCommand) -> SendEffect:
+    return SendEffect(robot=robot, definition=POINT_COMMAND, value=command)

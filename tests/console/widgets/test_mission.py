@@ -1,0 +1,121 @@
+"""The mission on a console: its key, its pane, what is told of it, what speaks against leaving."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+import pytest
+
+from hub.gcm.mission import MISSION_STATE, MissionAction, MissionState
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.effects import AskEffect, Effect, MissionEffect, Tell
+from rune_tui.model.leaving import reasons_to_stay
+from rune_tui.model.mission import MissionWatch
+from rune_tui.visualizers.mission import _rows
+from rune_tui.visualizers.troubles import troubles
+from tests.console.visualizers.conftest import received
+from tests.console.widgets.presses import down, event_spec, seeing, widget_of
+
+RUNS = MissionState(
+    id="20261122-150000", name="cellar", running=1, begun=1e9, running_s=200.0, marks=3,
+    map_age_s=4.0,
+)  # fmt: skip
+FULL = dataclasses.replace(RUNS, unkept=2, fault="the disk is full")
+KEY = event_spec("m")
+
+
+def on(mission: MissionState | None, **changes: Any) -> ConsoleState:
+    state = seeing()
+    if mission is not None:
+        robot = state.robots["magellan"]
+        told = {**robot.messages, MISSION_STATE.name: received(mission)}
+        state = dataclasses.replace(state, robots={"magellan": robot.with_(messages=told)})
+    return dataclasses.replace(state, **changes)
+
+
+def asked(do: str, mission: MissionState | None, **changes: Any) -> AskEffect:
+    (effect,) = widget_of("widgetMission", do=do).handle(down("m"), KEY, on(mission, **changes))
+    assert isinstance(effect, AskEffect)
+    return effect
+
+
+def wanted(effects: tuple[Effect, ...]) -> tuple[MissionAction, str]:
+    (effect,) = effects
+    assert isinstance(effect, MissionEffect)
+    return effect.action, effect.name
+
+
+@pytest.mark.parametrize("mission", [None, dataclasses.replace(RUNS, running=0)])
+def test_the_key_begins_a_mission_under_the_name_that_is_typed(
+    mission: MissionState | None,
+) -> None:
+    question = asked("ask", mission)
+    assert wanted(question.answer("attic")) == (MissionAction.BEGIN, "attic")
+    assert wanted(question.answer("")) == (MissionAction.BEGIN, "")
+    assert wanted(question.answer("end")) == (MissionAction.BEGIN, "end")
+
+
+def test_the_key_names_or_ends_a_mission_that_runs() -> None:
+    question = asked("ask", RUNS)
+    assert question.text == "cellar"
+    assert wanted(question.answer("attic")) == (MissionAction.NAME, "attic")
+    assert wanted(question.answer("End")) == (MissionAction.END, "")
+    assert question.answer("cellar") == question.answer("") == ()
+    assert asked("end", RUNS).answer("yes") == ()
+    assert wanted(asked("end", RUNS).answer("end")) == (MissionAction.END, "")
+
+
+def test_ending_says_what_is_not_confirmed() -> None:
+    assert "2 marks are NOT CONFIRMED" in asked("end", RUNS, unconfirmed={1: 2}).asked
+
+
+@pytest.mark.parametrize(("do", "mission"), [("begin", RUNS), ("end", None), ("name", None)])
+def test_what_cannot_be_is_said(do: str, mission: MissionState | None) -> None:
+    (effect,) = widget_of("widgetMission", do=do).handle(down("m"), KEY, on(mission))
+    assert isinstance(effect, Tell)
+
+
+def test_what_is_not_kept_is_an_alarm_everywhere() -> None:
+    state = on(FULL)
+    robot = state.robots["magellan"]
+    assert any("NOT KEPT: the disk is full" in part.text for part in troubles(robot, state))
+    assert any("the disk is full" in reason for reason in reasons_to_stay(state))
+    assert any("NOT KEPT" in part.text for part in _rows(FULL, 0))
+    watch = MissionWatch()
+    list(watch.look(on(RUNS).robots["magellan"], on(RUNS)))
+    (notice,) = watch.look(robot, state)
+    assert (notice.text, notice.alarm) == ("NOT KEPT: the disk is full", True)
+    (notice,) = watch.look(on(RUNS).robots["magellan"], on(RUNS))
+    assert (notice.text, notice.alarm) == ("all of the mission is kept again", False)
+
+
+def test_who_joins_is_told_of_the_mission_and_of_what_changes() -> None:
+    watch = MissionWatch()
+
+    def told(mission: MissionState) -> list[str]:
+        state = on(mission)
+        return [notice.text for notice in watch.look(state.robots["magellan"], state)]
+
+    assert told(RUNS) == ["mission cellar runs, 3 marks kept"]
+    assert told(dataclasses.replace(RUNS, name="attic")) == ["the mission is named attic"]
+    moved = dataclasses.replace(RUNS, name="attic", sheet=2, marks=0, earlier=3)
+    assert told(moved) == ["sheet 2 of the map begins; 3 marks stay on the sheets before"]
+    ended = dataclasses.replace(moved, running=0)
+    assert told(ended) == ["mission attic is ended, 3 marks kept"]
+    assert told(dataclasses.replace(RUNS, begun=2e9)) == ["mission cellar begins"]
+
+
+def test_the_pane_says_name_time_marks_and_the_saved_map() -> None:
+    assert [part.text for part in _rows(RUNS, 0)] == [
+        "cellar, 3 min", "3 marks kept", "map saved 4 s ago",
+    ]  # fmt: skip
+    fresh = dataclasses.replace(RUNS, running_s=3.0, marks=1, map_age_s=math.nan)
+    assert [part.text for part in _rows(fresh, 0)] == [
+        "cellar, 3 s", "1 mark kept", "map not saved yet",
+    ]  # fmt: skip
+    assert [part.text for part in _rows(FULL, 1)][1:] == [
+        "3 marks, 2 changes in memory only", "map saved 4 s ago",
+        "NOT CONFIRMED BY THE ROBOT: 1", "NOT KEPT: the disk is full",
+    ]  # fmt: skip
