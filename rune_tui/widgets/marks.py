@@ -98,8 +98,13 @@ class _SetMark(PointedWidget):
         return self._confirming.send(PointCommand(point=mark), robot, state)
 
     def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
-        """What became of the marks that were sent."""
-        return self._confirming.tick(state)
+        """What became of the marks that were sent, and the end of ghosts nobody confirmed."""
+        ended = [
+            ShowGhost(robot=name, ghost=None)
+            for name, ghost in state.ghosts.items()
+            if ghost.kind is self.kind and state.now >= ghost.until
+        ]
+        return (*ended, *self._confirming.tick(state))
 
 
 class SetVictim(_SetMark):
