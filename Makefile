@@ -43,7 +43,7 @@ bench-notcurses:  ## the same of notcurses, built from Debian's source
 	@benchmarks/peers/build_notcurses.sh
 
 soak: $(READY) tools  ## the tests that run for minutes
-	HYPOTHESIS_PROFILE=thorough $(TEST) tests/hub tests/console --timeout 600
+	RUNE_EXTREMES=20000 HYPOTHESIS_PROFILE=thorough $(TEST) tests/hub tests/console --timeout 600
 	$(BIN)/pytest -m soak --timeout 1800
 
 tools:  ## virtual joysticks and what else the tests use of the system, where that can be installed
