@@ -16,6 +16,8 @@ from hub.ipc.ranges import Most, Range, Text
 
 FARTHEST_M: Final = 1e6
 """No place is farther than this from the origin along one axis [m]."""
+LONGEST_M: Final = 1e10
+"""No way is longer [m], not even one that leads to and fro between the farthest places."""
 MOST_REPORTS: Final = 1000
 """Entries of the longest list that everybody takes, such as modules."""
 
@@ -28,9 +30,9 @@ SecondsIfKnown: TypeAlias = Annotated[float, Range(0.0, 1e9, unit="s", nan=True)
 Metres: TypeAlias = Annotated[float, Range(-FARTHEST_M, FARTHEST_M, unit="m")]
 """A place along one axis [m]."""
 MetresIfKnown: TypeAlias = Annotated[float, Range(-FARTHEST_M, FARTHEST_M, unit="m", nan=True)]
-Length: TypeAlias = Annotated[float, Range(0.0, FARTHEST_M, unit="m")]
+Length: TypeAlias = Annotated[float, Range(0.0, LONGEST_M, unit="m")]
 """A distance [m]."""
-LengthIfKnown: TypeAlias = Annotated[float, Range(0.0, FARTHEST_M, unit="m", nan=True)]
+LengthIfKnown: TypeAlias = Annotated[float, Range(0.0, LONGEST_M, unit="m", nan=True)]
 
 Radians: TypeAlias = Annotated[float, Range(-math.tau, math.tau, unit="rad")]
 """A direction [rad]; a whole turn more than (-pi, pi] does no harm."""

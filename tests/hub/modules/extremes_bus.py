@@ -23,6 +23,10 @@ from tests import extremes
 OWN = 1
 
 
+def _unheard(*_: Any, **__: Any) -> None:
+    """Who comes and goes is not told here."""
+
+
 class ExtremesBus:
     """What a module sees of a `Client`, as far as modules use it."""
 
@@ -33,7 +37,7 @@ class ExtremesBus:
 
     def __init__(self, clock: Callable[[], float], random: Random) -> None:
         self.complaints = SimpleNamespace(counts=Counter())
-        self.directory = SimpleNamespace(watch=lambda _: None)
+        self.directory = SimpleNamespace(watch=_unheard, follow=_unheard)
         self.handlers: defaultdict[str, list[Callable[[Any], None]]] = defaultdict(list)
         self.timers: list[Callable[[], None]] = []
         self.published: Counter[str] = Counter()
