@@ -269,7 +269,9 @@ class Central:
             return sockets.make_plane(self._context, kind, Plane(plane))
 
         inner = {plane.value: _inner(plane) for plane in sockets.PLANES}
-        door = CommandDoor(self._registry.peer_of, self.complaints, self._clock)
+        door = CommandDoor(
+            self._registry.peer_of, self.complaints, self._clock, accounts=self._accounts
+        )
         self._gateway = Gateway(
             self._context,
             endpoint,

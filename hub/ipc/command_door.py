@@ -20,6 +20,7 @@ from hub.ipc.complaints import Complaints
 from hub.ipc.definition import Plane
 from hub.ipc.peers import Peer
 from hub.ipc.publish_rights import demand_right, right
+from hub.ipc.quotas import QUOTAS, STOPS_PER_S, Accounts
 from hub.ipc.security import Bearer, parse_bearer
 from hub.ipc.sockets import Socket
 
@@ -47,6 +48,8 @@ class CommandDoor:
         peer_of: Callable[[int], Peer | None],
         complaints: Complaints,
         clock: Callable[[], float] = time.monotonic,
+        *,
+        accounts: Accounts,
     ) -> None:
         """Start to decide.
 
@@ -54,7 +57,9 @@ class CommandDoor:
             peer_of: Who has a number at central; None if nobody has it.
             complaints: Counts what is dropped.
             clock: Monotonic time [s].
+            accounts: How many commands each key has sent.
         """
+        self._accounts = accounts
         self._peer_of = peer_of
         self._complaints = complaints
         self._clock = clock
@@ -86,7 +91,7 @@ class CommandDoor:
             known = self._bearers[user_id] = parse_bearer(user_id)  # as many as there are keys
         return known
 
-    def _command(self, raw: bytes, bearer: Bearer) -> bytes:
+    def _command(self, raw: bytes, bearer: Bearer) -> bytes | None:
         frame = frames.unpack(raw)
         if frame.kind != frames.INLINE:
             text = f"a command {frame.name} is of kind {frame.kind}, which no command is"
@@ -96,11 +101,22 @@ class CommandDoor:
             text = f"{bearer} sends {frame.name} under number {frame.publisher}, not its own"
             raise NotAllowedError(text)
         demand_right(bearer, sender.name, frame.name, Plane.COMMAND.value)
+        if not self._accounts.of(bearer).may_command(self._clock()):
+            self._too_many(bearer)
+            return None
         return raw
 
-    def _stop(self, raw: bytes, bearer: Bearer) -> bytes:
-        """A stop passes in any case, but under nobody else's number."""
+    def _too_many(self, bearer: Bearer) -> None:
+        most = QUOTAS[bearer.role].commands_per_s
+        text = f"the key {bearer.name!r} may send {most:.0f} a second, and {STOPS_PER_S:.0f} stops"
+        self._complaints.count("too many commands", text)
+
+    def _stop(self, raw: bytes, bearer: Bearer) -> bytes | None:
+        """A stop passes whatever else its sender does, but under nobody else's number."""
         now = self._clock()
+        if not self._accounts.of(bearer).may_stop(now):
+            self._too_many(bearer)
+            return None  # the last one that passed was a moment ago
         if now >= self._next_word:
             self._next_word = now + _SAY_STOP_S
             _logger.info("a stop comes from the holder of the key %s", bearer)

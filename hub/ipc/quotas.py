@@ -32,6 +32,7 @@ class Quota:
         requests_at_once: The same, in one burst after a rest.
         bytes_per_s: Bytes of control messages of one key [B/s].
         bytes_at_once: The same, in one burst after a rest [B].
+        commands_per_s: Commands of one key that are broadcast, stops not among them [1/s].
         handshakes_per_s: New connections of one key to one place [1/s].
         handshakes_at_once: The same, in one burst after a rest.
     """
@@ -48,6 +49,7 @@ class Quota:
     requests_at_once: float
     bytes_per_s: float
     bytes_at_once: float
+    commands_per_s: float
     handshakes_per_s: float = 1.0
     handshakes_at_once: float = 40.0
 
@@ -65,6 +67,7 @@ _OPERATE = Quota(
     requests_at_once=12_000.0,
     bytes_per_s=float(2 << 20),
     bytes_at_once=float(16 << 20),
+    commands_per_s=400.0,
 )
 QUOTAS: Mapping[Role, Quota] = MappingProxyType(
     {
@@ -81,6 +84,7 @@ QUOTAS: Mapping[Role, Quota] = MappingProxyType(
             requests_at_once=4000.0,
             bytes_per_s=float(256 << 10),
             bytes_at_once=float(1 << 20),
+            commands_per_s=0.0,
         ),
         Role.OPERATE: _OPERATE,
         Role.SUPERVISE: _OPERATE,
@@ -97,6 +101,7 @@ QUOTAS: Mapping[Role, Quota] = MappingProxyType(
             requests_at_once=64_000.0,
             bytes_per_s=float(64 << 20),
             bytes_at_once=float(128 << 20),
+            commands_per_s=4000.0,
             handshakes_per_s=4.0,
             handshakes_at_once=160.0,
         ),
@@ -115,6 +120,8 @@ PRICES: Mapping[type, float] = MappingProxyType(
     }
 )
 """What a control message costs that makes central work more or tell others; all others cost 1."""
+STOPS_PER_S, STOPS_AT_ONCE = 20.0, 40.0
+"""Stops of one key that are handed on; who sends more has stopped the robot already."""
 _EXCESS = 2000.0
 """A connection that was refused so much, less its rate since then, is ended."""
 _MAX_EXCESSIVE = 256
@@ -176,6 +183,8 @@ class Account:
         self._requests = Bucket(quota.requests_per_s, quota.requests_at_once)
         self._bytes = Bucket(quota.bytes_per_s, quota.bytes_at_once)
         self._answers = Bucket(1.0, 1.0)
+        self._commands = Bucket(quota.commands_per_s, quota.commands_per_s)
+        self._stops = Bucket(STOPS_PER_S, STOPS_AT_ONCE)
         self._excess: dict[bytes, Bucket] = {}
         self._handshakes: dict[str, Bucket] = {}
         self._barred_until = -1.0
@@ -215,6 +224,14 @@ class Account:
         self._barred_until = now + _BARRED_S
         return Verdict.ENDED
 
+    def may_command(self, now: float) -> bool:
+        """Whether one more command is handed on now."""
+        return self._commands.take(1.0, now)
+
+    def may_stop(self, now: float) -> bool:
+        """Whether one more stop is handed on now, which no command keeps out."""
+        return self._stops.take(1.0, now)
+
     def may_answer(self, now: float) -> bool:
         """Whether a refusal is answered; one a second is."""
         return self._answers.take(1.0, now)
@@ -238,6 +255,6 @@ class Accounts:
     def of(self, bearer: Bearer) -> Account:
         """The account of this key; it begins with the first use."""
         account = self._accounts.get(bearer)
-        if account is None:
-            account = self._accounts[bearer] = Account(bearer, QUOTAS[bearer.role])
+        if account is None:  # another thread may ask at the same time
+            account = self._accounts.setdefault(bearer, Account(bearer, QUOTAS[bearer.role]))
         return account

@@ -15,6 +15,7 @@ from hub.ipc import frames
 from hub.ipc.command_door import CommandDoor
 from hub.ipc.complaints import Complaints
 from hub.ipc.peers import Peer
+from hub.ipc.quotas import QUOTAS, STOPS_AT_ONCE, STOPS_PER_S, Accounts
 from hub.ipc.security import LOCAL, Bearer, Role
 
 ALICE, BOB, EYE, FAR, DRIVES = 11, 12, 13, 14, 15
@@ -54,8 +55,9 @@ class Door:
     """The door of a central with these peers, and what it dropped."""
 
     def __init__(self) -> None:
+        self.now = 0.0
         self.complaints = Complaints(logging.getLogger(__name__), lambda: 0.0)
-        self._door = CommandDoor(PEERS.get, self.complaints, lambda: 0.0)
+        self._door = CommandDoor(PEERS.get, self.complaints, lambda: self.now, accounts=Accounts())
 
     def admit(self, raw: bytes, who: str) -> bytes | None:
         return self._door.admit(raw, str(BEARERS[who]) if who in BEARERS else who)
@@ -156,3 +158,25 @@ def test_no_command_is_a_batch_or_lies_in_a_ring(kind: int) -> None:
     door = Door()
     assert door.admit(bytes(raw), "alice") is None
     assert door.complaints.counts["malformed command"] == 1
+
+
+def test_flood_of_commands_is_cut_to_the_rate_of_its_key_and_stops_pass_beside_it() -> None:
+    door = Door()
+    velocity = frame(navigation.VELOCITY_COMMAND, Twist.planar(0.1, 0.0), ALICE)
+    most = QUOTAS[Role.OPERATE].commands_per_s
+    assert sum(door.admit(velocity, "alice") is not None for _ in range(2000)) == most
+    stop = frame(navigation.STOP, Stop(reason="now"), ALICE)
+    assert door.admit(stop, "alice") == stop
+    other = frame(navigation.VELOCITY_COMMAND, Twist.planar(0.1, 0.0), BOB)
+    assert door.admit(other, "bob") == other
+    door.now += 0.1
+    assert sum(door.admit(velocity, "alice") is not None for _ in range(2000)) == most * 0.1
+
+
+def test_flood_of_stops_reaches_the_robot_as_often_as_it_matters() -> None:
+    door = Door()
+    stop = frame(navigation.STOP, Stop(reason="now"), EYE)
+    assert sum(door.admit(stop, "eye") is not None for _ in range(2000)) == STOPS_AT_ONCE
+    door.now += 1.0
+    assert sum(door.admit(stop, "eye") is not None for _ in range(2000)) == STOPS_PER_S
+    assert door.complaints.counts["too many commands"] > 0
