@@ -17,7 +17,9 @@ from __future__ import annotations
 
 import argparse
 import os
+import signal
 import statistics
+import sys
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 
@@ -369,6 +371,8 @@ def main() -> None:
     ]
     flows = {(SMALL, 1): FLOWS[SMALL, 1]} if options.quick else FLOWS
     paces = {(SMALL, 1000.0): PACES[SMALL, 1000.0]} if options.quick else PACES
+    # Ends as an error does: with it end the brokers, and their files are removed.
+    signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
     say(f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}")
     with stages(wanted) as ready:
         work: dict[str, Callable[[], None]] = {

@@ -186,7 +186,7 @@ class Stage:
         command = [self.contender.python, "-m", "benchmarks.peers.process", role]
         with self._log.open("ab") as log:
             return subprocess.Popen(
-                [*command, self.contender.module, job.to_json()],
+                [*command, self.contender.module, job.to_json(), str(os.getpid())],
                 cwd=ROOT,
                 env=os.environ | {"PYTHONPATH": str(ROOT)},
                 stdin=subprocess.DEVNULL,
