@@ -20,9 +20,14 @@ RETRY_S = 1.0
 
 
 class LogFile:
-    """A file that text is added to; what cannot be written is lost, and that is said once.
+    """A file that whole lines are added to; lines that cannot be written are lost and counted.
 
-    The older ones have a number behind their name, 1 for the last.
+    How many are missing is said where they are, as soon as there is room. The older files have a
+    number behind their name, 1 for the last.
+
+    Attributes:
+        lost: Lines lost since the beginning.
+        reason: Why the last of them was lost.
     """
 
     def __init__(self, path: Path) -> None:
@@ -31,24 +36,62 @@ class LogFile:
         self._file = -1
         self._room = 0
         self._retry_at = -math.inf
-        self._failed = False
+        self._missing = 0
+        self.lost = 0
+        self.reason = ""
 
     def write(self, text: str, now: float) -> None:
-        """Add this, unless the file could not be written a moment ago [s]."""
+        """Add these lines; they are lost if the file could not be written a moment ago [s]."""
+        lines = text.count("\n")
         if now < self._retry_at:
+            self._lose(lines)
             return
-        data = text.encode(errors="replace")
         try:
-            self._prepare(len(data))
-            self._room -= os.write(self._file, data)
+            self._add(self._notice() + text)
         except OSError as error:
             self.close()
             self._retry_at = now + RETRY_S
-            if not self._failed:
-                self._failed = True
+            if not self._missing:
                 _logger.error("the log file %s cannot be written: %s", self._path, error.strerror)
+            self.reason = error.strerror or str(error)
+            self._lose(lines)
         else:
-            self._failed = False
+            self._missing = 0
+
+    def retry(self, now: float) -> None:
+        """Say what is missing, if it was not said yet and there is room now [s]."""
+        if self._missing:
+            self.write("", now)
+
+    def _lose(self, lines: int) -> None:
+        self._missing += lines
+        self.lost += lines
+
+    def _notice(self) -> str:
+        """A line that says how many are missing before it; empty if none are."""
+        if not self._missing:
+            return ""
+        what = f"{self._missing} lines were" if self._missing > 1 else "a line was"
+        return f"({what} lost here: {self.reason})\n"
+
+    def _add(self, text: str) -> None:
+        """Write all of it or, if an error comes, nothing."""
+        data = text.encode(errors="replace")
+        self._prepare(len(data))
+        written = 0
+        try:
+            while written < len(data):
+                written += os.write(self._file, data[written:])
+        except OSError:
+            self._take_back(written)
+            raise
+        self._room -= written
+
+    def _take_back(self, written: int) -> None:
+        """Remove the beginning of what had no room, so that the file ends with a whole line."""
+        with contextlib.suppress(OSError):  # a pipe, or a file that is gone
+            if written:
+                os.ftruncate(self._file, os.fstat(self._file).st_size - written)
 
     def close(self) -> None:
         """Write no more."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import logging
+import math
 import os
 import queue
 import selectors
@@ -22,7 +23,7 @@ from typing import IO
 
 from hub import folders, logs
 from hub.plain_text import plain
-from hub.robomon.log_file import LogFile
+from hub.robomon.log_file import RETRY_S, LogFile
 
 _logger = logging.getLogger(__name__)
 
@@ -69,6 +70,7 @@ class Outputs:
         """
         self._folder = folder
         self._sources: dict[str, _Source] = {}
+        self._files: dict[str, LogFile] = {}
         self._lock = threading.Lock()
         self._selector = selectors.DefaultSelector()
         self._wake, self._waker = os.pipe()
@@ -106,6 +108,14 @@ class Outputs:
             oldest = source.count - len(lines) + 1 if source else 1
         skip = max(0, first - oldest) if first > 0 else max(0, len(lines) - most)
         return oldest + min(skip, len(lines)), lines[skip : skip + most]
+
+    def trouble(self, name: str) -> str:
+        """What is wrong with the log file of a module, after its name; empty if nothing is."""
+        file = self._files.get(name)
+        if file is None or not file.lost:
+            return ""
+        lines = f"{file.lost} lines" if file.lost > 1 else "a line"
+        return f"has lost {lines} of its log: {file.reason}"
 
     def close(self) -> None:
         """Write what has come, and end the threads."""
@@ -179,10 +189,14 @@ class Outputs:
                     self._written.put_nowait((source.name, source.missing() + text))
 
     def _write(self) -> None:
-        files: dict[str, LogFile] = {}
         going_on = True
         while going_on:
-            item = self._written.get()
+            try:
+                item = self._written.get(timeout=RETRY_S if self._any_lost() else None)
+            except queue.Empty:
+                for file in self._files.values():
+                    file.retry(time.monotonic())
+                continue
             going_on = item is not None
             written = [item] if item else []
             if self._written.empty():
@@ -190,17 +204,22 @@ class Outputs:
                     missing = [(each.name, each.missing()) for each in self._sources.values()]
                 written += [(name, text) for name, text in missing if text]
             for name, text in written:
-                self._write_one(files, name, text)
-        for file in files.values():
+                self._write_one(name, text)
+        for file in self._files.values():
+            file.retry(math.inf)
             file.close()
 
-    def _write_one(self, files: dict[str, LogFile], name: str, text: str) -> None:
+    def _any_lost(self) -> bool:
+        return any(file.lost for file in self._files.values())
+
+    def _write_one(self, name: str, text: str) -> None:
         logs.pass_on(text)
         if self._folder is None:
             return
-        if name not in files:
-            files[name] = LogFile(self._folder / f"{name}.log")
-        files[name].write(text, time.monotonic())
+        if name not in self._files:
+            # A new table: another thread may be looking through the old one.
+            self._files = {**self._files, name: LogFile(self._folder / f"{name}.log")}
+        self._files[name].write(text, time.monotonic())
 
 
 def _readable(line: bytes) -> str:

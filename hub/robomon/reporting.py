@@ -147,7 +147,7 @@ class Reporting:
             processor=self._keeper.processor(name),
             memory_mb=self._keeper.memory_mb(name),
             age_s=now - life.since if life.has_process else 0.0,
-            why=life.why,
+            why="; it ".join(filter(None, (life.why, self._outputs.trouble(name)))),
         )
 
     def _publish_capabilities(self) -> None:

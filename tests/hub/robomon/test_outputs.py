@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
+import stat
 import threading
 from collections.abc import Iterator
 from contextlib import closing
@@ -53,7 +55,8 @@ def test_file_that_cannot_be_written_is_said_once_and_tried_again(
     path.parent.unlink()
     file.write("lost as well\n", 2.0 * RETRY_S + 0.3)
     file.write("kept\n", 4.0 * RETRY_S)
-    assert path.read_text() == "kept\n"
+    assert path.read_text() == "(5 lines were lost here: File exists)\nkept\n"
+    assert file.lost == 5
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="Linux only")
@@ -62,6 +65,62 @@ def test_full_disk_is_no_fault(tmp_path: Path, caplog: pytest.LogCaptureFixture)
     with closing(LogFile(tmp_path / "full.log")) as file:
         file.write("lost\n", 0.0)
     assert "No space left on device" in caplog.text
+
+
+class Disk:
+    """A disk with so much room for os.write, real files on it [bytes]."""
+
+    def __init__(self, room: int) -> None:
+        self.room = room
+        self._write = os.write
+
+    def write(self, file: int, data: bytes) -> int:
+        if not stat.S_ISREG(os.fstat(file).st_mode):
+            return self._write(file, data)
+        if not self.room:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        written = self._write(file, data[: self.room])
+        self.room -= written
+        return written
+
+
+@pytest.mark.parametrize("room", range(24, 40))
+def test_full_disk_leaves_whole_lines_and_says_how_many_are_missing(
+    file: LogFile, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, room: int
+) -> None:
+    disk = Disk(room)
+    monkeypatch.setattr(log_file.os, "write", disk.write)
+    for number in range(10):
+        file.write(f"line {number}\n", number * RETRY_S)
+    kept = room // len("line 0\n")
+    whole = "".join(f"line {number}\n" for number in range(kept))
+    assert path_of(tmp_path).read_text() == whole
+    assert file.lost == 10 - kept
+    disk.room = 1 << 20
+    file.write("line 10\n", 100.0)
+    file.write("line 11\n", 100.0)
+    said = f"({10 - kept} lines were lost here: No space left on device)\n"
+    assert path_of(tmp_path).read_text() == f"{whole}{said}line 10\nline 11\n"
+
+
+def test_lost_lines_are_told_of_with_the_module_and_in_its_file_without_another_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    disk = Disk(2)
+    monkeypatch.setattr(log_file.os, "write", disk.write)
+    with closing(Outputs(tmp_path)) as outputs:
+        source, pipe = os.pipe()
+        outputs.add("one", source)
+        with os.fdopen(pipe, "wb", buffering=0) as file:
+            file.write(b"0\n1\n2\n")
+            said = "has lost 2 lines of its log: No space left on device"
+            until(lambda: outputs.trouble("one") == said, 5.0)
+            disk.room = 1 << 20
+            log = tmp_path / "one.log"
+            told = "(2 lines were lost here: No space left on device)\n"
+            until(lambda: log.read_text() == f"0\n{told}", 10.0)
+            assert outputs.trouble("one") == said
+            assert outputs.trouble("another") == ""
 
 
 def test_pipe_that_nobody_reads_in_the_place_of_a_file_does_not_block(tmp_path: Path) -> None:
