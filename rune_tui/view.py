@@ -6,7 +6,7 @@ import dataclasses
 import logging
 import math
 import time
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import cast
 
@@ -31,6 +31,7 @@ from rune_tui.raster.urgency import Urgencies, Urgency
 from rune_tui.visualizers.camera_image import CameraImage
 from rune_tui.visualizers.event_log import EventLog
 from rune_tui.visualizers.notice import write_notice
+from rune_tui.visualizers.title import draw_title, with_title
 from rune_tui.visualizers.troubles import TOLD_S, banner_of
 from rune_tui.visualizers.visualizer import Locating, Picturing, Visualizer
 
@@ -59,10 +60,12 @@ class _Pane:
     visualizer: Visualizer
     how: PlaceSpec
     place: Area
+    head: Area | None
     spent: Callable[[], float]
     fine: bool = False
     rests_until: float = -math.inf
     layer: Layer | None = None
+    titled: tuple[str, Layer] | None = None
     source: Hashable = None
     drawn_of: RobotState | None = None
     failed: bool = False
@@ -115,6 +118,19 @@ class _Pane:
             canvas.text(
                 0, 0, f"slow: drawn every {(1.0 + _REST) * took:.0f} s", state.theme.alarm_ink
             )
+
+    def layers(self, theme: Theme) -> Iterator[Layer]:
+        """What it shows, and its title."""
+        if self.layer is None:
+            return
+        yield self.layer
+        if self.head is not None:
+            if self.titled is None or self.titled[0] != theme.name:
+                canvas = Canvas.blank(self.head.width, self.head.height)
+                draw_title(canvas, self.spec.title, theme)
+                layer = Layer(canvas=canvas, x=self.head.x, y=self.head.y, zpos=self.how.zpos)
+                self.titled = theme.name, layer
+            yield self.titled[1]
 
     def robot(self, state: ConsoleState) -> RobotState | None:
         """The robot that it shows."""
@@ -227,13 +243,16 @@ class View:
             if viewport is None or place.spec.transparency == _INVISIBLE:
                 continue
             shown = self._visualizer(viewport)
+            title = "" if self._full else viewport.title
+            head, area = with_title(place.area, title)
             fine = self.fine and isinstance(shown, CameraImage)
             self._panes.append(
                 _Pane(
                     spec=viewport,
                     visualizer=shown,
                     how=place.spec,
-                    place=place.area,
+                    place=area,
+                    head=head,
                     spent=self._spent,
                     fine=fine,
                 )
@@ -295,7 +314,7 @@ class View:
             return None
         self._said = now_said
         self._complete = True
-        layers = [pane.layer for pane in self._panes if pane.layer is not None]
+        layers = [layer for pane in self._panes for layer in pane.layers(state.theme)]
         layers += self._page.layers
         if self._too_small:
             layers = [self._apology("too small", state)]

@@ -181,6 +181,7 @@ class SpecBuilder:
         robot = viewport_robot(node, self._robots, self._rules)
         return ViewportSpec(
             name=name,
+            title=self._text(node, "title"),
             robot=robot,
             visualizer=visualizers[0] if visualizers else None,
             widgets=tuple(self._widget(child, robot, name) for child in node.of("widget")),

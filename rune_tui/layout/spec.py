@@ -201,6 +201,7 @@ class ViewportSpec:
         visualizer: What draws into it, if anything.
         widgets: What its inputs wake.
         line: Line in the layout file.
+        title: Stands in a rule over it; empty: there is none.
     """
 
     name: str
@@ -208,6 +209,7 @@ class ViewportSpec:
     visualizer: VisualizerSpec | None
     widgets: tuple[WidgetSpec, ...]
     line: int
+    title: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

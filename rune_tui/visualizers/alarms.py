@@ -53,6 +53,8 @@ class Alarms:
         parts = _unsaid(robot, state)
         if not parts:
             words = "nothing else" if state.banner is not None else f"{robot.title}: all well"
+            if len(state.robots) == 1:
+                words = words.removeprefix(f"{robot.title}: ")
             canvas.text(0, 0, cut(words, canvas.width), theme.faint)
             return
         blocks = [_block(part, canvas.width) for part in parts]

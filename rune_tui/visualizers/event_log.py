@@ -68,7 +68,7 @@ class EventLog:
         chosen: dict[int, list[Row]] = {}
         places = {id(notice): number for number, notice in enumerate(notices)}
         for notice in by_weight(notices, state.now):
-            rows = [*_rows(notice, state.title(notice.robot), columns)][:room]
+            rows = [*_rows(notice, _whose(notice, state), columns)][:room]
             room -= len(rows)
             chosen[places[id(notice)]] = rows
             if room <= 0:
@@ -79,7 +79,7 @@ class EventLog:
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with the notices."""
         notices = self._notices(robot, state)
-        titles = tuple(state.title(each.robot) for each in notices)
+        titles = tuple(_whose(each, state) for each in notices)
         fresh = sum(state.now - each.when < KEPT_S for each in notices)
         return notices, titles, fresh, state.theme.name
 
@@ -87,6 +87,11 @@ class EventLog:
         if self.of_all:
             return state.notices
         return tuple(each for each in state.notices if each.robot in {"", robot.name})
+
+
+def _whose(notice: Notice, state: ConsoleState) -> str:
+    """The robot's name, where there are several."""
+    return "" if len(state.robots) == 1 else state.title(notice.robot)
 
 
 def _rows(notice: Notice, robot: str, columns: int) -> Iterator[Row]:

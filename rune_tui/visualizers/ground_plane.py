@@ -14,6 +14,7 @@ from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.body import largest_radius
 from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.covered_ground import covered, covers_of, uncovered
 from rune_tui.model.geometry import PictureGeometry
 from rune_tui.model.ground_lines import visible_lines
 from rune_tui.model.pose import Pose
@@ -30,7 +31,7 @@ _SPACING_M: Final = 1.0
 _RING_STEP: Final = math.radians(5.0)
 _BREAK: Final = np.full((1, 2), np.nan)
 _GRID_ALPHA: Final = 110
-_PLATE_ALPHA: Final = 150
+_PLATE_ALPHA: Final = 235
 _DASH, _GAP = 2.0, 3.0
 _EDGE: Final = 2.0
 """Thickness of the edges of the way [pixels]."""
@@ -153,17 +154,19 @@ class GroundPlane:
         geometry = frame.shown(ground.geometry)
         course = _course(robot, ground, state)
         way = course.way(reach=self.farthest, braking=self.braking) if course else None
+        covers = _covers(robot, state)
         grid = (*state.theme.ink[:3], _GRID_ALPHA)
         stop: list[Floats] | None = None
         with drawing(canvas) as pen:
-            _draw_lines(pen, visible_lines(geometry, self._lines()), grid)
+            _draw_lines(pen, visible_lines(geometry, uncovered(self._lines(), covers)), grid)
             _draw_horizon(pen, geometry, grid)
             if course is not None and way is not None:
                 ink = state.theme.faint if course.old else state.theme.accent
-                stop = _draw_way(pen, geometry, way, ink, state.theme.warning)
+                stop = _draw_way(pen, geometry, way, covers, ink, state.theme.warning)
         _clear_beside(canvas, frame)
-        self._write_distances(canvas, geometry, state.theme)
-        if course is not None and way is not None:
+        self._write_distances(canvas, geometry, covers, state.theme)
+        # Where something near covers it, its way is not out of the picture.
+        if course is not None and way is not None and not (stop is None and covers):
             _write_way(canvas, course, way.stop_distance, stop, state.theme)
         weather(canvas, age)
         mark_age(canvas, age, state.theme)
@@ -174,7 +177,8 @@ class GroundPlane:
         if ground is None:
             return state.theme.name
         look = age_look(ground.received, state.now)
-        return ground.geometry, look, _course(robot, ground, state), state.theme.name
+        course = _course(robot, ground, state)
+        return ground.geometry, look, course, _covers(robot, state), state.theme.name
 
     def _distances(self) -> Floats:
         count = math.floor(self.farthest / self.spacing + 1e-9)
@@ -196,20 +200,23 @@ class GroundPlane:
             lines += [across, _BREAK, across[:, ::-1], _BREAK]
         return np.concatenate(lines)
 
-    def _write_distances(self, canvas: Canvas, geometry: PictureGeometry, theme: Theme) -> None:
+    def _write_distances(
+        self, canvas: Canvas, geometry: PictureGeometry, covers: tuple[float, ...], theme: Theme
+    ) -> None:
         """Write each line's distance where it enters the picture from the left."""
         left = max(0.0, geometry.left) + 1.0
         top, bottom = max(0.0, geometry.top), min(canvas.height, geometry.top + geometry.height)
         rows = np.arange(top, bottom) + 0.5
         seen = geometry.ground(np.stack((np.full_like(rows, left), rows), axis=1))
         measured, word = self._measured(seen.points, geometry)
+        hidden = covered(seen.points, covers)
         taken = -1
         for distance in self._distances():
             over = np.flatnonzero(measured >= distance)
             if not len(over) or over[-1] + 1 >= len(rows):
                 continue
             row = int(rows[over[-1]]) // 2
-            if row == taken or row >= canvas.rows:
+            if row == taken or row >= canvas.rows or hidden[over[-1]]:
                 continue
             taken = row
             _write(canvas, int(left), row, f"{distance:g} m{word}", theme.ink, theme)
@@ -223,6 +230,13 @@ class GroundPlane:
         if abs(cos) >= abs(sin):
             return math.copysign(1.0, cos) * points[:, 0], "" if cos > 0.0 else " behind"
         return math.copysign(1.0, sin) * points[:, 1], " left" if sin > 0.0 else " right"
+
+
+def _covers(robot: RobotState, state: ConsoleState) -> tuple[float, ...]:
+    """How far ground is seen in each direction, as far as that is known now."""
+    if robot.navigation is None or age_look(robot.navigation, state.now)[0] is Staleness.STALE:
+        return ()
+    return covers_of(robot.navigation.value)
 
 
 def _course(robot: RobotState, ground: _Ground, state: ConsoleState) -> Course | None:
@@ -253,16 +267,21 @@ def _draw_horizon(pen: Pen, geometry: PictureGeometry, colour: Colour) -> None:
 
 
 def _draw_way(
-    pen: Pen, geometry: PictureGeometry, way: WayAhead, ink: Colour, stop_ink: Colour
+    pen: Pen,
+    geometry: PictureGeometry,
+    way: WayAhead,
+    covers: tuple[float, ...],
+    ink: Colour,
+    stop_ink: Colour,
 ) -> list[Floats] | None:
     """Draw what is to be seen of the way.
 
     Returns:
         What is to be seen of where it ends if the robot is stopped now; None: nothing of the way.
     """
-    edges = visible_lines(geometry, way.edges)
+    edges = visible_lines(geometry, uncovered(way.edges, covers))
     _draw_lines(pen, edges, ink, _EDGE)
-    _draw_lines(pen, visible_lines(geometry, way.arrows), ink)
+    _draw_lines(pen, visible_lines(geometry, uncovered(way.arrows, covers)), ink)
     stop = visible_lines(geometry, way.stop)
     _draw_lines(pen, stop, stop_ink)
     return stop if edges else None

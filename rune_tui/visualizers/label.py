@@ -14,6 +14,9 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas, printable_text
 from rune_tui.raster.lettering import Font, check_font, letter, measured
 
+_BETWEEN = " · "
+"""Between the pieces of a list, of which those that do not fit into one row are left out."""
+
 
 @dataclass(frozen=True, slots=True)
 class Label:
@@ -47,8 +50,18 @@ class Label:
                 height = measured(line, self.font)[1]
                 letter(canvas, (0.0, row * height), line, self.font, state.theme.ink)
             return
-        for row, line in enumerate(textwrap.wrap(self.text, max(1, canvas.width))):
-            canvas.text(0, row, line, state.theme.ink)
+        for row, line in enumerate(self._lines(canvas)):
+            canvas.text(0, row, line, state.theme.soft)
+
+    def _lines(self, canvas: Canvas) -> list[str]:
+        """The text wrapped; in one row, the pieces of a list that fit, the last one always."""
+        pieces = self.text.split(_BETWEEN)
+        if canvas.rows > 1 or len(pieces) < 3:
+            return textwrap.wrap(self.text, max(1, canvas.width))
+        while len(pieces) > 1 and len(_BETWEEN.join(pieces)) > canvas.width:
+            # The last two stay: they say how to get help, and how to leave.
+            del pieces[-3 if len(pieces) > 2 else 0]
+        return [_BETWEEN.join(pieces)]
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:  # noqa: ARG002
         """Changes with the colours only."""

@@ -35,12 +35,14 @@ class Part:
         weight: Where room is short, parts of the least weight go first.
         mood: How it is meant.
         short: The same in fewer words, for where room is short; empty if there are none.
+        gauge: Whether panes for nothing but that say it too: speed, battery, link.
     """
 
     text: str
     weight: int
     mood: Mood = Mood.PLAIN
     short: str = ""
+    gauge: bool = False
 
 
 def ink_of(mood: Mood, theme: Theme) -> Colour:

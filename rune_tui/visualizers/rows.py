@@ -36,9 +36,17 @@ class Row:
 
 
 def cut(text: str, columns: int) -> str:
-    """The text as it is shown, with an ellipsis in place of what there is no room for."""
+    """The text as it is shown, with an ellipsis in place of the words there is no room for.
+
+    No word is cut, but for one that is alone and wider than the room.
+    """
     shown = printable_text(text)
-    return shown if len(shown) <= columns else f"{shown[: max(0, columns - 1)]}{_ELLIPSIS}"
+    if len(shown) <= columns:
+        return shown
+    words = shown[: max(0, columns - 1)]
+    if not shown[len(words) :].startswith(" ") and " " in words.strip():
+        words = words.rpartition(" ")[0]
+    return f"{words.rstrip()}{_ELLIPSIS}"[: max(0, columns)]
 
 
 @dataclass(frozen=True, slots=True)

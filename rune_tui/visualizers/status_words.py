@@ -86,7 +86,7 @@ def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
 def _link(robot: RobotState, now: float) -> Part:
     seconds = f"{int(max(0.0, now - robot.link.since))} s"
     if robot.link.phase is LinkPhase.CONNECTED:
-        return Part("linked", 2, Mood.GOOD)
+        return Part("linked", 2, Mood.GOOD, gauge=True)
     if robot.link.phase is LinkPhase.CONNECTING:
         return Part(f"connecting {seconds}", 9, Mood.WARNING)
     lost = f"LINK LOST {seconds}"
@@ -122,7 +122,7 @@ def _motion(robot: RobotState, now: float) -> Iterator[Part]:
 def _past(part: Part) -> Part:
     """What was said last, which nobody knows to be so now."""
     short = f"was {part.short}" if part.short else ""
-    return Part(f"was {part.text}", min(part.weight, 4), Mood.FAINT, short)
+    return Part(f"was {part.text}", min(part.weight, 4), Mood.FAINT, short, part.gauge)
 
 
 def _doing(robot: RobotState, navigation: NavigationState, now: float) -> Iterator[Part]:
@@ -138,7 +138,7 @@ def _doing(robot: RobotState, navigation: NavigationState, now: float) -> Iterat
         yield Part(text, 7, mood, short=_SHORT_MOTION.get(text, ""))
     yield from by_itself
     turning = turn_words(-math.degrees(navigation.angular))
-    yield Part(f"{signed(navigation.linear, 2)} m/s {turning}°/s", 6)
+    yield Part(f"{signed(navigation.linear, 2)} m/s {turning}°/s", 6, gauge=True)
     if motion is MotionState.MOVING and navigation.held_back >= _HELD_BACK:
         yield Part(f"HELD BACK {navigation.held_back:.0%}", 6, Mood.WARNING)
 
@@ -169,7 +169,8 @@ def _battery(navigation: NavigationState) -> Iterator[Part]:
     grave = "CRITICAL" if navigation.battery_fraction < CRITICAL_BATTERY else "LOW"
     text = " ".join([f"BATTERY {grave}" if low else "battery", *words])
     mood = (Mood.ALARM if grave == "CRITICAL" else Mood.WARNING) if low else Mood.PLAIN
-    yield Part(text, 6 if low else 3, mood, short=" ".join(text.split()[: 3 if low else 2]))
+    short = " ".join(text.split()[: 3 if low else 2])
+    yield Part(text, 6 if low else 3, mood, short, gauge=not low)
 
 
 def _nearest(navigation: NavigationState, body: RobotBody | None) -> Iterator[Part]:

@@ -57,7 +57,7 @@ NOW: Final = 1000.0
 SIZES: Final = ((80, 24), (120, 40), (160, 48))
 CORRIDOR: Final = Pose(x=5.2, y=2.4, theta=math.pi / 2.0)
 """Where the robot is unless a situation says otherwise."""
-AT_THE_WALL: Final = Pose(x=5.1, y=8.0, theta=math.pi * 0.62)
+AT_THE_WALL: Final = Pose(x=3.83, y=2.3, theta=math.pi * 0.98)
 
 _ME, _OTHER = 7, 9
 _RESOLUTION: Final = 0.05

@@ -71,12 +71,15 @@ def standing(
     place: tuple[int, int, int, int],
     *,
     robot: str = "magellan",
+    title: str = "",
     **how: Any,
 ) -> Standing:
     """A viewport at a place: left, top, width and height [pixels]."""
     x, y, width, height = place
     return Standing(
-        ViewportSpec(name=name, robot=robot, visualizer=visualizer, widgets=(), line=1),
+        ViewportSpec(
+            name=name, robot=robot, visualizer=visualizer, widgets=(), line=1, title=title
+        ),
         PlaceSpec(viewport=name, xpos=x, ypos=y, xsize=width, ysize=height, **how),
     )
 

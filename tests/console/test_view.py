@@ -470,3 +470,21 @@ def test_a_camera_behind_the_help_is_not_seen() -> None:
     helped = dataclasses.replace(STATE, help=True)
     assert rendered(seen, {"magellan": robot()}, helped) is not None
     assert not (seen.urgencies == Urgency.VIDEO).any()
+
+
+def test_a_title_takes_the_first_row_of_a_pane_that_has_room_for_it() -> None:
+    for rows, titled in ((10, True), (3, True), (2, False)):
+        spec = view(
+            viewport("visualizeStatus", (0, 0, 40, 2 * rows), title="what it does"),
+            xsize=40,
+            ysize=2 * rows + 10,
+        )
+        screen = View(layout_of(spec))
+        screen.resize(40, rows + 5)
+        cells = rendered(screen, {"magellan": robot()}, STATE)
+        assert cells is not None
+        first, second = words(cells).splitlines()[:2]
+        assert first.startswith("─ what it does ──") == titled
+        assert ("magellan" in second) == titled
+    hit = screen.hits(5, 1, STATE)
+    assert [each.viewport for each in hit] == ["visualizeStatus"]

@@ -230,7 +230,7 @@ def test_the_worst_comes_first_and_the_rest_is_counted(made, alarms) -> None:
         "! VIS_VID MISSING: not started yet",
     ]
     assert alarms((40, 4), link=link, **wrong)[1].endswith(" +2")
-    assert alarms((20, 2), link=link, **wrong) == ["!! STATE 1.5 s O… +3"]
+    assert alarms((20, 2), link=link, **wrong) == ["!! STATE 1.5 s…   +3"]
     assert alarms((12, 2), link=link, **wrong) == ["!! STATE… +3"]
 
 

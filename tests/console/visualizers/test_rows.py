@@ -55,7 +55,7 @@ def test_columns_stand_below_each_other_and_the_least_one_goes_first() -> None:
 
 def test_free_text_in_the_last_column_is_cut_before_a_column_goes() -> None:
     (line,) = tabled((("a", "b", "some words that go on and on"),), (3, 2, 1), 20)
-    assert line == "a  b  some words th…"
+    assert line == "a  b  some words…"
 
 
 @example("ab ab", 3)
@@ -76,3 +76,11 @@ def test_what_does_not_fit_is_counted_without_what_only_continues(height, shown)
     rows = [Row("a"), Row("b"), Row("  b", continues=True), Row("c")]
     write_rows(canvas, rows, DARK)
     assert words(canvas) == shown
+
+
+@given(st.text("ab ", max_size=30), st.integers(1, 30))
+def test_no_word_is_cut_but_one_that_stands_alone(text: str, columns: int) -> None:
+    shown = cut(text, columns)
+    assert len(shown) <= columns
+    if shown != text and " " in shown.strip():
+        assert set(shown.removesuffix("…").split()) <= set(text.split())

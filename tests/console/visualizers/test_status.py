@@ -122,6 +122,18 @@ def test_what_the_robot_does_by_itself_is_said(made, draw) -> None:
     assert "GOING by itself  " in line(draw(NAME, silent, (200, 2)))
 
 
+def test_what_other_panes_say_is_left_to_them(made, draw) -> None:
+    navigation = made.navigation(battery_fraction=0.15, linear=0.42)
+    robot = made.robot(navigation=made.received(navigation))
+    low = "BATTERY LOW 15% 24.1 V"
+    assert low in line(draw(NAME, robot, (200, 2)))
+    text = line(draw(NAME, robot, (200, 2), beside="alarms and gauges"))
+    assert low not in text
+    assert "m/s" not in text
+    assert "STOPPING" in text
+    assert low in line(draw(NAME, robot, (200, 2), beside="gauges"))
+
+
 def test_no_speed_has_no_sign(said) -> None:
     assert "  0.00 m/s 0°/s  " in said(linear=-0.001, angular=0.001)
 
@@ -198,8 +210,9 @@ def test_an_observer_is_called_one_on_any_link_even_where_room_is_short(made, dr
 @pytest.mark.parametrize("width", range(1, 90))
 def test_where_room_is_short_whole_parts_go_and_the_gravest_stays(made, draw, width) -> None:
     robot = made.robot(link=made.link(LinkPhase.LOST))
-    text = line(draw(NAME, robot, (width, 2)))
-    assert text
+    shown = line(draw(NAME, robot, (width, 2)))
+    text = shown.removesuffix("…")
+    assert shown
     assert "LINK LOST 3 s".startswith(text) or "LINK LOST 3 s" in text
     assert all(part in line(draw(NAME, robot, (200, 2))) for part in text.split("  "))
 
@@ -275,3 +288,12 @@ def test_a_label_says_its_text_wrapped_and_lets_the_rest_be_seen(made, draw, gol
     assert [line(canvas, row) for row in range(3)] == ["Magellan", "Pro of the", "lab"]
     assert not canvas.pixels.any()
     golden("label", canvas)
+
+
+def test_of_a_list_of_keys_whole_pieces_go_and_the_last_two_stay(made, draw) -> None:
+    text = "WASD drive · Space STOP · IJKL look · F1 help · Q quit"
+    for width in range(22, 70):
+        shown = line(draw("visualizeLabel", made.robot(), (width, 2), text=text))
+        assert shown.endswith("F1 help · Q quit")
+        assert set(shown.split(" · ")) <= set(text.split(" · "))
+    assert line(draw("visualizeLabel", made.robot(), (70, 2), text=text)) == text

@@ -1,0 +1,69 @@
+"""Which ground cannot be seen, as something near stands before it; pure."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.gcm.navigation import RobotState as NavigationState
+from rune_tui.model.sightings import Floats
+
+COVERS_M: Final = 1.2
+"""Farther away than this, what a wide beam meets may stand beside what is seen [m]."""
+
+_SLACK_M: Final = 0.1
+"""How far ground is shown behind what was measured [m]."""
+_STEP_M: Final = 0.2
+"""From one point of a line to the next, so that it ends where it is covered [m]."""
+_GRAIN_M: Final = 0.05
+
+
+def covers_of(navigation: NavigationState | None) -> tuple[float, ...]:
+    """How far ground is seen in each direction [m], inf where nothing near stands before it.
+
+    Empty where nothing does at all. In steps, so that noise of the sensors is not seen.
+    """
+    if navigation is None:
+        return ()
+    nearest = np.fmin(navigation.sonar, navigation.infrared).astype(np.float64)
+    near = np.isfinite(nearest) & (nearest < COVERS_M)
+    if not near.any():
+        return ()
+    steps = np.round(nearest / _GRAIN_M) * _GRAIN_M
+    return tuple(np.where(near, steps, np.inf).tolist())
+
+
+def covered(points: Floats, covers: tuple[float, ...]) -> npt.NDArray[np.bool_]:
+    """Which points of the robot's frame [m] are covered; points of shape (n, 2)."""
+    if not covers:
+        return np.zeros(len(points), np.bool_)
+    away = np.hypot(points[:, 0], points[:, 1])
+    turn = 2.0 * np.pi / len(covers)
+    bearing = np.nan_to_num(np.arctan2(points[:, 1], points[:, 0]))
+    sensor = np.round(bearing / turn).astype(np.intp) % len(covers)
+    hidden: npt.NDArray[np.bool_] = away > np.array(covers)[sensor] + _SLACK_M
+    return hidden
+
+
+def uncovered(lines: Floats, covers: tuple[float, ...]) -> Floats:
+    """Lines on the ground, broken where they are covered.
+
+    Args:
+        lines: Corners in the robot's frame [m], shape (n, 2), a row of NaN between two lines.
+        covers: As of `covers_of`.
+    """
+    if not covers or len(lines) < 2:
+        return lines
+    steps = np.diff(lines, axis=0)
+    length = np.nan_to_num(np.hypot(steps[:, 0], steps[:, 1]))
+    count = np.maximum(1, np.ceil(length / _STEP_M)).astype(np.intp)
+    first = np.repeat(np.arange(len(steps)), count)
+    share = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    dense = lines[first] + steps[first] * (share / count[first])[:, None]
+    # A step into or out of a break has no length, and begins at its own corner.
+    dense[share == 0] = lines[:-1][first[share == 0]]
+    dense = np.concatenate((dense, lines[-1:]))
+    dense[covered(dense, covers)] = np.nan
+    return dense

@@ -1,0 +1,30 @@
+"""The title of a pane: its name in a thin rule, which also parts it from the pane above."""
+
+from __future__ import annotations
+
+from rune_tui.layout.placing import Area
+from rune_tui.model.theme import Theme
+from rune_tui.raster.canvas import Canvas, printable_text
+
+_LEAST_ROWS = 3
+"""Panes of fewer rows give their title up [cells]."""
+_RULE = "─"
+_BEFORE = 1
+"""Length of the rule before the name [cells]."""
+
+
+def with_title(area: Area, title: str) -> tuple[Area | None, Area]:
+    """Where the title of a pane is, if it has one and room for it, and where all else is."""
+    if not title or area.height < 2 * _LEAST_ROWS or area.y % 2:
+        return None, area
+    head = Area(x=area.x, y=area.y, width=area.width, height=2)
+    return head, Area(x=area.x, y=area.y + 2, width=area.width, height=area.height - 2)
+
+
+def draw_title(canvas: Canvas, title: str, theme: Theme) -> None:
+    """Draw it into one row; a name that does not fit is left out, and the rule stays."""
+    canvas.fill(theme.ground)
+    canvas.text(0, 0, _RULE * canvas.width, theme.faint)
+    name = f" {printable_text(title)} "
+    if _BEFORE + len(name) <= canvas.width:
+        canvas.text(_BEFORE, 0, name, theme.soft)

@@ -1,0 +1,44 @@
+"""Ground behind what stands near is not drawn."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rune_tui.model.covered_ground import COVERS_M, covered, covers_of, uncovered
+from tests.messages import robot_state
+
+CLEAR = np.full(16, np.inf, np.float32)
+
+
+def ahead(distance: float) -> tuple[float, ...]:
+    sonar = CLEAR.copy()
+    sonar[[15, 0, 1]] = distance
+    return covers_of(robot_state(sonar=sonar))
+
+
+def test_ground_is_covered_behind_a_wall_ahead_and_not_beside_it() -> None:
+    points = np.array([[0.2, 0.0], [2.0, 0.0], [2.0, 0.7], [0.0, 2.0], [-2.0, 0.0]])
+    assert covered(points, ahead(0.27)).tolist() == [False, True, True, False, False]
+
+
+def test_nothing_is_covered_by_what_is_far_or_not_seen() -> None:
+    assert ahead(COVERS_M + 0.1) == ()
+    assert covers_of(None) == ()
+    assert covers_of(robot_state(sonar=np.full(16, np.nan, np.float32))) == ()
+    assert not covered(np.array([[9.0, 0.0]]), ()).any()
+
+
+def test_a_line_goes_as_far_as_the_wall_and_on_beside_it() -> None:
+    line = np.array([[0.0, 0.0], [5.0, 0.0], [np.nan, np.nan], [1.0, -5.0], [1.0, 5.0]])
+    seen = uncovered(line, ahead(0.7))
+    along = seen[np.isfinite(seen[:, 0]) & (seen[:, 1] == 0.0)]
+    assert along[:, 0].max() == pytest.approx(0.8, abs=0.2)
+    beside = seen[np.isfinite(seen[:, 1]) & (np.abs(seen[:, 1]) > 1.0)]
+    assert beside[:, 1].min() == -5.0
+    assert beside[:, 1].max() == 5.0
+    assert uncovered(line, ()) is line
+
+
+def test_what_is_covered_changes_in_steps_only() -> None:
+    assert ahead(0.501) == ahead(0.499) != ahead(0.6)
