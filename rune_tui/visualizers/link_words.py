@@ -45,7 +45,7 @@ class Link:
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Write the words; what there is no room for is left out from the end."""
         canvas.fill(state.theme.panel)
-        lines = [*flowing(_words(robot, state), canvas.width)]
+        lines = [*flowing(_unsaid(robot, state), canvas.width)]
         if robot.link.detail:
             lines += [(row,) for row in wrapped(Row(robot.link.detail), canvas.width)]
         for index, line in enumerate(lines[: canvas.rows]):
@@ -57,7 +57,7 @@ class Link:
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with any word of it."""
-        return tuple(_words(robot, state)), robot.link.detail, state.theme.name
+        return tuple(_unsaid(robot, state)), robot.link.detail, state.theme.name
 
 
 def _words(robot: RobotState, state: ConsoleState) -> Iterator[Row]:
@@ -108,6 +108,13 @@ def _pictures(flow: PictureFlow) -> Iterator[Row]:
     yield Row(f"{flow.per_s:.0f} pictures/s")
     kind = f"{flow.width_px}x{flow.height_px} {flow.coding.name}"
     yield Row(kind if flow.coding is ImageCoding.RAW else f"{kind} {flow.quality}")
+
+
+def _unsaid(robot: RobotState, state: ConsoleState) -> Iterator[Row]:
+    """All that the banner does not say."""
+    banner = state.banner
+    said = banner.text if banner is not None and banner.robot == robot.name else ""
+    return (row for row in _words(robot, state) if not said.startswith(row.text))
 
 
 def _phase(link: LinkState, now: float) -> Row:

@@ -1,0 +1,68 @@
+"""What `search` shows in nine situations, as text files that can be read and compared.
+
+After a wanted change, write them anew: RUNE_WRITE_SNAPSHOTS=1 pytest tests/console
+"""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+
+from rune_tui.compositor.picture import plain_text
+from rune_tui.model.theme import DARK
+from rune_tui.opening import open_layout
+from tests.console.situations import ROOT, SITUATIONS, scene
+
+SNAPSHOTS = ROOT / "tests" / "golden" / "situations"
+SEARCH = open_layout(ROOT / "layouts" / "search.xml")
+ALARMS = {
+    "near-wall": "CLOSE 0.08 m ahead",
+    "stale-picture": "PICTURE 4.2 s OLD",
+    "lost-link": "LINK LOST 30 s",
+    "asked-for-control": "bob ASKS FOR CONTROL, 8 s: P hands it over, B keeps it",
+    "goal-blocked": "no way around the table",
+    "mark-refused": "refused: the place is above the horizon",
+    "low-battery": "BATTERY CRITICAL 8%",
+}
+
+
+def words(cells) -> str:
+    return "\n".join("".join(chr(p or 32) for p in row) for row in cells.glyphs.tolist())
+
+
+@pytest.mark.parametrize("size", [(120, 40), (80, 24)], ids=lambda size: f"{size[0]}")
+@pytest.mark.parametrize("name", SITUATIONS)
+def test_situation_looks_as_it_did(name: str, size: tuple[int, int]) -> None:
+    text = plain_text(scene(SEARCH, SITUATIONS[name], size))
+    path = SNAPSHOTS / f"{name}-{size[0]}x{size[1]}.txt"
+    if os.environ.get("RUNE_WRITE_SNAPSHOTS"):
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text)
+    assert text == path.read_text()
+
+
+@pytest.mark.parametrize("size", [(40, 12), (80, 24), (120, 40), (160, 48), (200, 60)])
+@pytest.mark.parametrize(("name", "told"), ALARMS.items())
+def test_what_must_be_seen_first_is_the_banner_and_stands_there_only(
+    name: str, told: str, size: tuple[int, int]
+) -> None:
+    cells = scene(SEARCH, SITUATIONS[name], size)
+    row = 1 if size[1] >= 30 else 0
+    assert (cells.pixels[2 * row, :, :3] == DARK.alarm[:3]).all()
+    banner = words(cells).splitlines()[row]
+    if len(told) <= size[0] - 2:
+        assert told in banner
+    # The list of events is a record of what happened; all else says it once.
+    recorded = "events" in words(cells) and name in {"goal-blocked", "mark-refused"}
+    assert recorded or words(cells).count(told) <= 1
+
+
+@pytest.mark.parametrize("name", ["driving", "exploring"])
+def test_where_nothing_is_wrong_nothing_is_red(name: str) -> None:
+    cells = scene(SEARCH, SITUATIONS[name], (120, 40))
+    assert "!!" not in words(cells)
+    plate = (cells.pixels[..., :3] == DARK.alarm[:3]).all(axis=2)
+    assert not plate[:4].any()
+    if name == "exploring":
+        assert "EXPLORING" in words(cells)
