@@ -398,13 +398,21 @@ class View:
     def _urgent(self, text: str, state: ConsoleState) -> Layer:
         """What stays until something is done about it, over the upper edge of everything."""
         canvas = Canvas.blank(self._columns, 2 * min(_COMPLAINT_ROWS, self._rows))
-        write_notice(canvas, text, state.theme)
+        if state.leaving:
+            canvas.fill(state.theme.panel)  # nothing else is to be read before it is answered
+        write_notice(canvas, text, state.theme, state.theme.warning if state.leaving else None)
         return self._on_top(canvas)
 
     def _passing(self, state: ConsoleState) -> Notice | None:
         """What happened just now, where neither the banner nor an event log tells of it."""
         newest = state.notices[-1] if state.notices else None
-        if newest is None or newest.quiet or newest.alarm or state.now - newest.when > TOLD_S:
+        if (
+            newest is None
+            or state.log
+            or newest.quiet
+            or newest.alarm
+            or state.now - newest.when > TOLD_S
+        ):
             return None
         logged = any(
             isinstance(pane.visualizer, EventLog) and pane.visible(state) for pane in self._panes
@@ -414,13 +422,15 @@ class View:
     def _told(self, notice: Notice, state: ConsoleState) -> Layer:
         """A notice, over the upper edge of everything for a while."""
         canvas = Canvas.blank(self._columns, 2 * min(_COMPLAINT_ROWS, self._rows))
+        # A page has what its keys do at its upper edge.
+        below = max(0, 2 * self._page_rows - canvas.height) if state.paged else None
         whose = f"{state.title(notice.robot)}: " if notice.robot else ""
         write_notice(canvas, f"{whose}{notice.text}", state.theme)
-        return self._on_top(canvas)
+        return self._on_top(canvas, below)
 
-    def _on_top(self, canvas: Canvas) -> Layer:
-        """Over everything, below the banner."""
-        y = 2 * self._banner.rows
+    def _on_top(self, canvas: Canvas, y: int | None = None) -> Layer:
+        """Over everything, below the banner where no other place is given [pixels]."""
+        y = 2 * self._banner.rows if y is None else y
         return Layer(canvas=canvas, x=0, y=y, zpos=self._nearest + 2, urgency=Urgency.ALARM)
 
     def _ground(self, theme: Theme) -> tuple[int, int, int]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 
 from rune_tui.model.robot_state import LinkPhase, RobotState
-from rune_tui.model.theme import Theme
+from rune_tui.model.theme import Colour, Theme
 from rune_tui.raster.canvas import Canvas, printable_text
 from rune_tui.raster.shapes import drawing
 
@@ -21,10 +21,10 @@ def link_trouble(robot: RobotState, now: float) -> str:
     return f"no link to {robot.title} at {link.endpoint}: retrying, {seconds} s"
 
 
-def write_notice(canvas: Canvas, text: str, theme: Theme) -> None:
+def write_notice(canvas: Canvas, text: str, theme: Theme, ink: Colour | None = None) -> None:
     """Write words on a plate in the middle of a canvas, wrapped to its width.
 
-    What does not fit in height is left out from the end.
+    What does not fit in height is left out from the end. Without an ink it is the theme's.
     """
     margin = 1 if canvas.width >= 12 else 0
     lines = textwrap.wrap(printable_text(text), max(1, canvas.width - 2 * margin))
@@ -37,4 +37,4 @@ def write_notice(canvas: Canvas, text: str, theme: Theme) -> None:
     with drawing(canvas) as pen:
         pen.rectangle(column, 2 * row, column + width, 2 * (row + len(lines)), theme.panel)
     for index, line in enumerate(lines):
-        canvas.text((canvas.width - len(line)) // 2, row + index, line, theme.ink)
+        canvas.text((canvas.width - len(line)) // 2, row + index, line, ink or theme.ink)

@@ -12,6 +12,7 @@ from typing import Any, ClassVar, Self
 
 import pytest
 from textual import events
+from textual.events import MouseScrollUp
 from textual.pilot import Pilot
 
 from hub.gcm.mapping import (
@@ -51,10 +52,16 @@ LAYOUT = """<rune>
     <capability name="NAV_STATE"/><capability name="NAV_MOVE"/><capability name="NAV_GOAL"/>
     <capability name="PRO_MAP"/><capability name="PRO_POINTS"/><capability name="AUT_PILOT"/>
   </robot>
-  <view xsize="60" ysize="40">
+  <view>
+    <arrangement name="usual" xsize="60" ysize="40">
+      <place viewport="floor" xpos="0" ypos="0" xsize="60" ysize="40"/>
+    </arrangement>
+    <arrangement name="wide" min-columns="90" xsize="120" ysize="40">
+      <place viewport="floor" xpos="60" ypos="0" xsize="60" ysize="40"/>
+    </arrangement>
     <widget handler="widgetQuit"><event key="q"/></widget>
     <widget handler="widgetRecord"><event key="r"/></widget>
-    <viewport name="floor" xpos="0" ypos="0" xsize="60" ysize="40">
+    <viewport name="floor">
       <visualizer function="visualizeFloor"/>
       <widget handler="widgetSetSpeed">
         <event key="w" control="translate"/><event mouse="middle" control="translate"/>
@@ -173,6 +180,13 @@ class Desk:
         before = len(self.robot.speeds)
         await self.until(lambda: len(self.robot.speeds) >= before + count)
         return self.robot.speeds[before:]
+
+
+def scrolled_up() -> MouseScrollUp:
+    """The wheel turned away from the operator in the middle of the screen."""
+    return MouseScrollUp(
+        None, 30, 10, 0, 0, 0, shift=False, meta=False, ctrl=False, screen_x=30, screen_y=10
+    )
 
 
 Script = Callable[[Desk], Coroutine[Any, Any, None]]
@@ -397,6 +411,48 @@ def test_a_key_drives_on_while_viewports_come_and_go(play: Callable[[Script], No
         assert "w" in desk.console.state.held
         await desk.until(lambda: len(desk.robot.speeds) > before)
         assert desk.robot.speeds[before] > 0.0
+
+    play(script)
+
+
+def test_a_key_drives_on_and_a_button_is_let_go_when_another_size_moves_viewports(
+    play: Callable[[Script], None],
+):
+    async def script(desk: Desk) -> None:
+        console = desk.console
+        console.post_message(ReleasesTold(told=True))
+        await desk.until(lambda: console.state.releases_told)
+        console.post_message(KeyMoved("w", "w", KeyMove.PRESS))
+        await desk.until(lambda: desk.robot.speeds[-1] > 0.0)
+        await desk.pilot.resize_terminal(120, 20)
+        await desk.until(lambda: console.state.rows and console.size.width == 120)
+        assert "w" in console.state.held
+        assert set(await desk.commands(3)) == {desk.robot.speeds[-1]}
+        console.post_message(KeyMoved("w", "w", KeyMove.RELEASE))
+        await desk.until(lambda: desk.robot.speeds[-1] == 0.0)
+        await desk.pilot.mouse_down(offset=(90, 14), button=2)
+        await desk.until(lambda: desk.robot.speeds[-1] > 0.0)
+        await desk.pilot.resize_terminal(60, 20)
+        await desk.until(lambda: desk.robot.speeds[-1] == 0.0)
+
+    play(script)
+
+
+def test_a_page_is_scrolled_by_keys_and_the_wheel_no_farther_than_its_end(
+    play: Callable[[Script], None],
+):
+    async def script(desk: Desk) -> None:
+        await desk.pilot.resize_terminal(60, 10)
+        await desk.press("f1", "end")
+        end = desk.console.state.page.top
+        assert 0 < end < 100
+        await desk.press("pagedown", "up")
+        assert desk.console.state.page.top == end - 1
+        desk.console.on_mouse_scroll_up(scrolled_up())
+        await desk.until(lambda: desk.console.state.page.top == max(0, end - 4))
+        await desk.press("/", *"vict")
+        assert desk.console.state.page.search == "vict"
+        assert not any(desk.robot.speeds)
 
     play(script)
 

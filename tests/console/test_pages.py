@@ -200,3 +200,28 @@ def test_under_a_page_of_the_view_what_is_vital_and_the_pictures_go_on():
     assert view.picture_sizes(helped) == usual != {}
     scrolled = view.within_page(dataclasses.replace(helped, page=Page(top=10**6)))
     assert 0 < scrolled.page.top < 100
+
+
+def at_size(columns: int, rows: int, **changes) -> tuple[list[str], ConsoleState]:
+    view = View(open_layout(LAYOUTS / "minimal.xml"))
+    view.resize(columns, rows)
+    state = dataclasses.replace(STATE, robots={"magellan": robot()}, **changes)
+    cells = view.render(state)
+    assert cells is not None
+    return words(cells).splitlines(), state
+
+
+@pytest.mark.parametrize("size", [(60, 12), (80, 24), (120, 40)])
+def test_what_happens_meanwhile_covers_no_hint_of_a_page(size: tuple[int, int]):
+    told = (Notice(text="victim 3 is marked", when=STATE.now - 1.0),)
+    rows, _ = at_size(*size, help=True, notices=told)
+    assert "escape: close" in rows[1]
+    assert "victim 3 is marked" in "".join(rows[-4:])
+    rows, _ = at_size(*size, log=True, notices=told)
+    assert sum("victim 3 is marked" in row for row in rows) == 1
+
+
+def test_the_question_about_the_end_stands_on_a_plate_over_the_whole_width():
+    rows, _ = at_size(80, 24, leaving=("the recording ends",))
+    assert "QUIT? Then the recording ends." in "".join(rows[:4])
+    assert not any(row.strip() for row in rows[:4] if "QUIT" not in row and "stay" not in row)
