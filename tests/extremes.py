@@ -54,7 +54,7 @@ def taken(definition: MessageDefinition[Any], random: Random) -> Iterator[Any]:
 
 
 @functools.cache
-def _fields(kind: type[Any]) -> tuple[tuple[str, Any], ...]:
+def fields_of(kind: type[Any]) -> tuple[tuple[str, Any], ...]:
     """Names and types of a dataclass's fields."""
     hints = typing.get_type_hints(kind, include_extras=True)
     return tuple((field.name, hints[field.name]) for field in dataclasses.fields(kind))
@@ -71,7 +71,7 @@ class _Maker:
             if isinstance(member, formats.VariableArray):
                 sizes |= dict.fromkeys((n - 1 for n in member.size_members), self.size(depth))
         values: list[Any] = []
-        for place, ((_, hint), node) in enumerate(zip(_fields(kind), tree.members, strict=True)):
+        for place, ((_, hint), node) in enumerate(zip(fields_of(kind), tree.members, strict=True)):
             if place in sizes:
                 values.append(sizes[place])
             elif isinstance(node, formats.VariableArray):

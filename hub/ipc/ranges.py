@@ -253,7 +253,8 @@ def _array_check(
         return kept
 
     def fix(value: Any, note: Note) -> Any:
-        good = within(value)
+        with np.errstate(invalid="ignore"):  # of a NaN that signals, which anybody may send
+            good = within(value)
         if good.all():
             return value
         first = value.reshape(-1)[int(np.argmin(good.reshape(-1)))]
@@ -261,7 +262,8 @@ def _array_check(
         if strict or not wanted.nan:
             raise RangeError(text)
         note(text + ": it is taken as not known")
-        kept = np.where(good, value, np.nan).astype(value.dtype)
+        kept = value.copy()
+        kept[~good] = np.nan
         kept.flags.writeable = False
         return kept
 

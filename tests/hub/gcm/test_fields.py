@@ -71,20 +71,23 @@ def misfits(value: Any, hint: Any, where: str) -> list[str]:
     found = []
     for each in ranges.declared(hint):
         if isinstance(each, ranges.Range):
-            numbers = np.asarray(value, np.float64).reshape(-1)
-            good = (numbers >= each.low) & (numbers <= each.high)
-            good |= np.isnan(numbers) & each.nan | (numbers == math.inf) & each.infinite
-            found += [where] if not good.all() else []
+            with np.errstate(invalid="ignore"):  # of a NaN that signals
+                numbers = value.tolist() if isinstance(value, np.ndarray) else [value]
+            good = (
+                each.low <= number <= each.high
+                or (each.nan and number != number)
+                or (each.infinite and number == math.inf)
+                for number in numbers
+            )
+            found += [] if all(good) else [where]
         elif isinstance(each, ranges.Text):
             good = len(value) <= each.most and is_plain(value, lines=each.lines)
             found += [] if good else [where]
         elif len(value) > each.count:
             found.append(where)
     if dataclasses.is_dataclass(value):
-        hints = typing.get_type_hints(type(value), include_extras=True)
-        for field in dataclasses.fields(value):
-            inner = getattr(value, field.name)
-            found += misfits(inner, hints[field.name], f"{where}.{field.name}")
+        for name, inner_hint in extremes.fields_of(type(value)):
+            found += misfits(getattr(value, name), inner_hint, f"{where}.{name}")
     elif isinstance(value, tuple):
         entry = typing.get_args(ranges.bare(hint))[0]
         for item in value:
