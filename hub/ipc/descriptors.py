@@ -24,6 +24,8 @@ another one, is taken. ZeroMQ's thread takes those that wait before ours can tur
 be ahead by the 1000 events that each of the seven sockets queues for us at each end; with as many
 descriptors as we want, half of them has room for most of that."""
 
+_ANY = socket.AF_INET6
+"""Has room for an address of each family; to ask for the family takes as long as all else."""
 _TCP_INFO = 11
 _TCP_INFO_SIZE, _RECEIVED_AT, _RECEIVED = 192, 128, struct.Struct("=Q")
 """tcp_info of Linux (tcp(7)) and where tcpi_bytes_received stands in it."""
@@ -45,7 +47,7 @@ def hang_up(descriptor: int) -> None:
     the connection's queue is full, which it does not expect.
     """
     with contextlib.suppress(OSError):  # it has gone by itself
-        connection = socket.socket(fileno=descriptor)
+        connection = socket.socket(_ANY, socket.SOCK_STREAM, fileno=descriptor)
         try:
             connection.shutdown(socket.SHUT_RD)
         finally:
@@ -55,19 +57,20 @@ def hang_up(descriptor: int) -> None:
 def ends_of(descriptor: int) -> tuple[int, str] | None:
     """The TCP port here and the address there of a connection; None if it is none any more."""
     with contextlib.suppress(OSError):
-        connection = socket.socket(fileno=descriptor)
+        connection = socket.socket(_ANY, socket.SOCK_STREAM, fileno=descriptor)
         try:
-            if connection.family in (socket.AF_INET, socket.AF_INET6):
-                return connection.getsockname()[1], connection.getpeername()[0]
+            here, there = connection.getsockname(), connection.getpeername()
         finally:
             connection.detach()
+        if isinstance(here, tuple) and isinstance(there, tuple):  # else it is no TCP
+            return int(here[1]), str(there[0])
     return None
 
 
 def received(descriptor: int) -> int:
     """Bytes that have come in on a TCP connection since it was made; 0 if the system cannot say."""
     with contextlib.suppress(OSError, struct.error):  # it has gone by itself
-        connection = socket.socket(fileno=descriptor)
+        connection = socket.socket(_ANY, socket.SOCK_STREAM, fileno=descriptor)
         try:
             known = connection.getsockopt(socket.IPPROTO_TCP, _TCP_INFO, _TCP_INFO_SIZE)
             return int(_RECEIVED.unpack_from(known, _RECEIVED_AT)[0])

@@ -29,7 +29,8 @@ from hub.ipc.zap import Gatekeeper
 _FAILED = zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL | zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL
 _WATCHED = _FAILED | zmq.EVENT_ACCEPTED | zmq.EVENT_DISCONNECTED
 _COMMANDS = "command in"
-_BATCH = 64
+_BATCH = 16
+"""Events of one place that are looked at before clients of this machine are served again."""
 _RELAY_QUEUE = 200
 """Room between two proxies of this process, which only fills while one of them gets no time."""
 
@@ -249,9 +250,10 @@ class Gateway:
                 ends = ends_of(descriptor)
                 if ends is None:  # it has ended already
                     continue
-                if flood is not None:
+                if not self._sources.admit(descriptor, ends[1], place, self._clock()):
+                    hang_up(descriptor)
+                elif flood is not None:
                     flood.connected(descriptor, ends[1])
-                self._sources.accepted(descriptor, ends[1], place, self._clock())
             else:
                 self._complaints.count(
                     f"bad handshake at the gateway's {place}",

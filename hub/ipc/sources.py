@@ -45,8 +45,8 @@ class Sources:
         self._open: Counter[tuple[str, str]] = Counter()
         self._rates: OrderedDict[str, Bucket] = OrderedDict()
 
-    def accepted(self, descriptor: int, address: str, place: str, now: float) -> None:
-        """A connection from `address` to `place` was made; it is ended if there are too many."""
+    def admit(self, descriptor: int, address: str, place: str, now: float) -> bool:
+        """Whether a connection from `address` to `place` may stay; else it is counted."""
         self.ended(descriptor)  # the end of an earlier one with this descriptor was not noticed
         rate = self._rates.get(address)
         if rate is None:
@@ -55,12 +55,14 @@ class Sources:
                 self._rates.popitem(last=False)
         most = CONTROLS if place == CONTROL else self._open[address, CONTROL] + SPARE
         if not rate.take(1.0, now):
-            self._end(descriptor, f"{address} connects more than {PER_S:.0f} times a second")
-        elif self._open[address, place] >= most:
-            self._end(descriptor, f"{address} has {most} connections to {place}")
-        else:
-            self._connections[descriptor] = _Connection(address, place, now)
-            self._open[address, place] += 1
+            self._complain(f"{address} connects more than {PER_S:.0f} times a second")
+            return False
+        if self._open[address, place] >= most:
+            self._complain(f"{address} has {most} connections to {place}")
+            return False
+        self._connections[descriptor] = _Connection(address, place, now)
+        self._open[address, place] += 1
+        return True
 
     def ended(self, descriptor: int) -> None:
         """A connection has ended."""
@@ -83,8 +85,8 @@ class Sources:
             each.known = known(descriptor)
             if not each.known:
                 self.ended(descriptor)
-                self._end(descriptor, f"one of {each.address} says no HELLO")
+                self._complain(f"one of {each.address} says no HELLO")
+                self._hang_up(descriptor)
 
-    def _end(self, descriptor: int, why: str) -> None:
+    def _complain(self, why: str) -> None:
         self._complaints.count("too many connections", f"at the gateway: {why}; it is ended")
-        self._hang_up(descriptor)

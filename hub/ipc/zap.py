@@ -20,7 +20,7 @@ from hub.ipc.security import may_enter
 
 _ADDRESS = "inproc://zeromq.zap.01"
 _VERSION = b"1.0"
-_BATCH = 256
+_BATCH = 16
 _PARTS = 9
 """Sender, empty, version, request, domain, address, identity, mechanism, key."""
 

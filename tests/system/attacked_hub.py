@@ -140,6 +140,7 @@ class AttackedHub:
                 command = ["nice", "-n", "19", sys.executable, "-m", _HOSTILE, attack]
                 options = [self.gateway, str(key), f"127.0.0.{11 + number}", str(seconds)]
                 processes.append(subprocess.Popen([*command, *options]))
+                self._serve_for(0.05)
             self._serve_for(3.0)  # until the last of them has begun
             yield
             for attack, process in zip(attacks, processes, strict=True):

@@ -278,7 +278,8 @@ class Door:
 
     def come(self, place: str, address: str = "10.0.0.1") -> int:
         self._last += 1
-        self.sources.accepted(self._last, address, place, self.now)
+        if not self.sources.admit(self._last, address, place, self.now):
+            self.ended.append(self._last)
         return self._last
 
     def stays(self, place: str, address: str = "10.0.0.1") -> bool:
