@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from hub.plain_text import is_plain, plain
+
 MAX_FILE_BYTES = 1_000_000
 TOP = "top of the file"
 """What the place outside of all tables is called."""
@@ -72,7 +74,7 @@ class Problems(list[str]):
 
     def add(self, place: str, text: str, key: str = "") -> None:
         """Add a sentence about a place, or a key there."""
-        text = "".join(each if each.isprintable() else repr(each)[1:-1] for each in text)
+        text = plain(text)
         line = self._lines.get((place, key)) or self._lines.get((place, ""))
         if line is None and place == TOP:  # a whole table that nobody knows, or one that is none
             line = self._lines.get((f"[{key}]", ""))
@@ -136,7 +138,7 @@ def text(longest: int, *, any_character: bool = False) -> Reader:
         if not isinstance(value, str) or not 1 <= len(value) <= longest:
             reason = f"{shorten(value)} is not a text of 1 to {longest} characters"
             raise RefusedError(reason)
-        if not any_character and not value.isprintable():
+        if not any_character and not is_plain(value):
             reason = f"{shorten(value)} has characters that cannot be shown"
             raise RefusedError(reason)
         return value

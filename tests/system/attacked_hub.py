@@ -154,6 +154,8 @@ class AttackedHub:
         def remember(truth: navigation.GroundTruth) -> None:
             self._truth = truth
 
+        self._watcher.define(PROBE)
+        self._watcher.wait_defined(10.0)
         for way, client, definition in (
             (UP, self._watcher, navigation.VELOCITY_COMMAND),
             (DOWN, self._operator, PROBE),
@@ -186,11 +188,16 @@ class AttackedHub:
         self._turn()
 
     def _turn(self) -> None:
-        """Drive: from neutral, until the wheels are told to."""
-        self._wanted = Twist.planar(0.0, 0.0)
-        self._serve_for(_NEUTRAL_S)
-        self._wanted = Twist.planar(0.0, TURN)
-        until(lambda: self._told > 0.0, 10.0, "the robot does not turn", meanwhile=self._serve)
+        """Drive, from neutral, until the wheels are told to; again where nobody listened yet."""
+
+        def push() -> None:
+            self._wanted = Twist.planar(0.0, 0.0)
+            self._serve_for(_NEUTRAL_S)
+            self._wanted = Twist.planar(0.0, TURN)
+            self._serve_for(_NEUTRAL_S)
+
+        push()
+        until(lambda: self._told > 0.0, 20.0, "the robot does not turn", meanwhile=push)
 
     @property
     def _told(self) -> float:
