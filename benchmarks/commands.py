@@ -2,7 +2,7 @@
 
 One client with a key publishes a state and a command in turn, 50 of each a second. States pass the
 gateway in ZeroMQ's own proxy, commands in a thread of Python. Ages are measured where they arrive.
-Then another key sends commands that it may not send, as fast as it can.
+Then another key sends commands under a number that is not its own, as fast as it can.
 """
 
 from __future__ import annotations
@@ -21,7 +21,6 @@ from typing import Any
 import zmq
 
 from benchmarks.figures import report, say
-from hub.gcm.navigation import VELOCITY_COMMAND, Twist
 from hub.ipc import frames
 from hub.ipc.central import Central
 from hub.ipc.client import Client
@@ -78,19 +77,19 @@ def publish(endpoint: str, keys: str, told: Connection) -> None:
 
 
 def flood(port: int, keys: str, told: Connection) -> None:
-    """Send commands that are not allowed until the other end closes."""
+    """Send commands under a number that is nobody's until the other end closes."""
     context: Any = zmq.Context()
     socket = context.socket(zmq.PUB)
     socket.linger = 0
     read_client_keys(Path(keys)).apply(socket)
     socket.connect(f"tcp://127.0.0.1:{port}")
     frame = frames.pack(
-        frames.prefix(VELOCITY_COMMAND.name, frames.FAR),
+        frames.prefix(COMMAND.name, frames.FAR),
         publisher=7,
-        fingerprint=VELOCITY_COMMAND.fingerprint,
+        fingerprint=COMMAND.fingerprint,
         sequence=1,
         stamp_ns=0,
-        payload=VELOCITY_COMMAND.encode(Twist.planar(0.5, 0.0)),
+        payload=COMMAND.encode(Tick(count=0)),
     )
     while not told.poll(0):
         for _ in range(500):
