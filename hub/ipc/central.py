@@ -42,7 +42,8 @@ from hub.ipc.loop import Loop
 from hub.ipc.peers import Caller, Outgoing, Peer
 from hub.ipc.quotas import Accounts
 from hub.ipc.registry import Registry
-from hub.ipc.security import LOCAL
+from hub.ipc.removed_keys import LOOK_S, RemovedKeys
+from hub.ipc.security import LOCAL, Bearer
 
 _logger = logging.getLogger(__name__)
 
@@ -269,8 +270,13 @@ class Central:
             return sockets.make_plane(self._context, kind, Plane(plane))
 
         inner = {plane.value: _inner(plane) for plane in sockets.PLANES}
+        self._keys = RemovedKeys(keyring, self._registry.bearers, self._end_key)
         door = CommandDoor(
-            self._registry.peer_of, self.complaints, self._clock, accounts=self._accounts
+            self._registry.peer_of,
+            self._keys.holds,
+            self.complaints,
+            self._clock,
+            accounts=self._accounts,
         )
         self._gateway = Gateway(
             self._context,
@@ -310,6 +316,7 @@ class Central:
         loop.every(_LOOK_S, self._look)
         loop.every(_LOOK_S, self._look_for_floods)
         loop.every(_TRIM_S, memory.give_back)
+        loop.every(LOOK_S, self._look_at_keys)
         loop.every(_LOOK_S, lambda: self._send(self._registry.expire()))
         while not self._stopping.is_set():
             try:
@@ -431,6 +438,16 @@ class Central:
         """End the connection of the gateway that a control frame came in on."""
         if self._gateway is not None:
             self._gateway.hang_up(_descriptor(frame))
+
+    def _look_at_keys(self) -> None:
+        if self._gateway is not None:
+            self._keys.look()
+
+    def _end_key(self, bearer: Bearer) -> None:
+        for descriptor in self._registry.descriptors_of(bearer):
+            if self._gateway is not None:
+                self._gateway.hang_up(descriptor)
+            self._send(self._registry.disconnected(descriptor))
 
     def _look(self) -> None:
         """Count what is wrong with the broadcasts that pass.

@@ -46,6 +46,7 @@ class CommandDoor:
     def __init__(
         self,
         peer_of: Callable[[int], Peer | None],
+        holds: Callable[[Bearer], bool],
         complaints: Complaints,
         clock: Callable[[], float] = time.monotonic,
         *,
@@ -55,12 +56,14 @@ class CommandDoor:
 
         Args:
             peer_of: Who has a number at central; None if nobody has it.
+            holds: Whether this key was not removed.
             complaints: Counts what is dropped.
             clock: Monotonic time [s].
             accounts: How many commands each key has sent.
         """
         self._accounts = accounts
         self._peer_of = peer_of
+        self._holds = holds
         self._complaints = complaints
         self._clock = clock
         self._bearers: dict[str, Bearer] = {}
@@ -75,6 +78,9 @@ class CommandDoor:
         """
         try:
             bearer = self._bearer(user_id)
+            if not self._holds(bearer):
+                text = f"the key of {bearer} was removed"
+                raise NotAllowedError(text)
             needed = right(frames.name_of(raw), Plane.COMMAND.value)
             if needed.unordered:
                 return self._stop(raw, bearer)

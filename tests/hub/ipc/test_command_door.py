@@ -57,7 +57,14 @@ class Door:
     def __init__(self) -> None:
         self.now = 0.0
         self.complaints = Complaints(logging.getLogger(__name__), lambda: 0.0)
-        self._door = CommandDoor(PEERS.get, self.complaints, lambda: self.now, accounts=Accounts())
+        known = set(BEARERS.values())
+        self._door = CommandDoor(
+            PEERS.get,
+            known.__contains__,
+            self.complaints,
+            lambda: self.now,
+            accounts=Accounts(),
+        )
 
     def admit(self, raw: bytes, who: str) -> bytes | None:
         return self._door.admit(raw, str(BEARERS[who]) if who in BEARERS else who)

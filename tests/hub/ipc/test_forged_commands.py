@@ -10,21 +10,23 @@ from typing import Any
 import pytest
 import zmq
 
-from hub.errors import HandlerFailedError
+from hub.errors import HandlerFailedError, NotAllowedError
 from hub.gcm import navigation
 from hub.gcm.common import COMMON_COMMAND, CommonCommand, CommonCommandKind
 from hub.gcm.navigation import STOP, Stop, Twist
 from hub.ipc import frames
 from hub.ipc.central import Central
-from hub.ipc.definition import MessageDefinition
+from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.keyring import Keyring
 from hub.ipc.keys import ClientKeys, read_client_keys
+from hub.ipc.removed_keys import RemovedKeys
 from hub.ipc.security import Role
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Peer
 from tests.hub.ipc.vocabulary import Number
 from tests.waiting import until
 
+NEWEST = MessageDefinition(name="T_Newest", format="{int}", type=Number, plane=Plane.COMMAND)
 GOAL = navigation.GOAL_COMMAND
 UNREADABLE = "somebody, in a message that cannot be read"
 
@@ -45,6 +47,9 @@ class Hub:
 
     def keys(self, name: str, role: Role) -> ClientKeys:
         return read_client_keys(self._keyring.make(name, role))
+
+    def remove(self, name: str) -> None:
+        self._keyring.remove(name)
 
     def client(self, name: str, role: Role) -> Peer:
         return self.connected(name, self.keys(name, role))
@@ -243,7 +248,7 @@ def test_one_who_floods_the_door_does_not_keep_others_out(hub: Hub) -> None:
     assert hub.central.complaints.counts["command not allowed"]
 
 
-@pytest.mark.parametrize("definition", [v.EVENT, v.COMMAND], ids=["all", "newest"])
+@pytest.mark.parametrize("definition", [v.EVENT, NEWEST], ids=["all", "newest"])
 @pytest.mark.parametrize(
     "payload",
     [b"", b"\0\1\0\0", b"\0\1\0\0" + bytes(90)],
@@ -264,3 +269,54 @@ def test_sequence_that_came_with_nonsense_is_not_believed(
     counts = hub.module.client.complaints.counts
     assert counts["wrong format"] == 5
     assert not counts["out of order"]
+
+
+def test_removed_key_neither_commands_nor_stops_nor_stays(hub: Hub) -> None:
+    stops, events = came(hub, STOP), came(hub, v.EVENT)
+    keys = hub.keys("evil", Role.OPERATE)
+    console = hub.connected("console of evil", keys)
+    own = console.client.number
+    raw = hub.raw(keys, b"GCM_Stop\0")
+    raw.send(frame(STOP, Stop(), own, 1))
+    until(lambda: stops, 10.0)
+    stops.clear()
+    hub.remove("evil")
+    until(lambda: hub.central.peer_of(own) is None, 10.0)
+    until(lambda: isinstance(console.client.refusal, NotAllowedError), 10.0)
+    raw.send(frame(STOP, Stop(), own, 2))
+    raw.send(frame(v.EVENT, Number(value=1), own, 1))
+    dropped(hub, 2)
+    assert stops == events == []
+    assert hub.owner.client.connected
+
+
+def test_key_that_is_made_anew_with_the_same_name_ends_the_connections_of_the_old(
+    hub: Hub,
+) -> None:
+    console = hub.connected("console", hub.keys("alice", Role.OPERATE))
+    number = console.client.number
+    until(lambda: "alice" in {each.name for each, _ in hub.central._keys._known}, 10.0)
+    hub.remove("alice")
+    fresh = hub.keys("alice", Role.OPERATE)
+    until(lambda: hub.central.peer_of(number) is None, 10.0)
+    assert hub.connected("console anew", fresh).client.connected
+
+
+def test_list_that_cannot_be_read_ends_no_connection(tmp_path: Path) -> None:
+    keyring, ended = Keyring(tmp_path), []
+    keyring.make("alice", Role.OPERATE)
+    keys = RemovedKeys(keyring, list, ended.append)
+    (alice,) = (holder.bearer for holder in keyring.holders())
+    path = tmp_path / "list.toml"
+    whole = path.read_text()
+    path.write_text("[")
+    keys.look()
+    assert keys.holds(alice)
+    path.write_text(whole)
+    keys.look()
+    assert keys.holds(alice)
+    assert ended == []
+    keyring.remove("alice")
+    keys.look()
+    assert not keys.holds(alice)
+    assert ended == [alice]
