@@ -42,7 +42,7 @@ from hub.ipc.loop import Loop
 from hub.ipc.peers import Caller, Outgoing, Peer
 from hub.ipc.quotas import Accounts
 from hub.ipc.registry import Registry
-from hub.ipc.removed_keys import LOOK_S, RemovedKeys
+from hub.ipc.removed_keys import RemovedKeys
 from hub.ipc.security import LOCAL, Bearer
 
 _logger = logging.getLogger(__name__)
@@ -316,7 +316,6 @@ class Central:
         loop.every(_LOOK_S, self._look)
         loop.every(_LOOK_S, self._look_for_floods)
         loop.every(_TRIM_S, memory.give_back)
-        loop.every(LOOK_S, self._look_at_keys)
         loop.every(_LOOK_S, lambda: self._send(self._registry.expire()))
         while not self._stopping.is_set():
             try:
@@ -364,6 +363,7 @@ class Central:
             watch.look(now)
         if self._gateway is not None:
             self._gateway.look(self._registry.has_connection)
+            self._keys.look(now)
 
     def _told_to_end(self) -> bool:
         # Looking at it also clears what ZeroMQ itself signals through its descriptor.
@@ -438,10 +438,6 @@ class Central:
         """End the connection of the gateway that a control frame came in on."""
         if self._gateway is not None:
             self._gateway.hang_up(_descriptor(frame))
-
-    def _look_at_keys(self) -> None:
-        if self._gateway is not None:
-            self._keys.look()
 
     def _end_key(self, bearer: Bearer) -> None:
         for descriptor in self._registry.descriptors_of(bearer):

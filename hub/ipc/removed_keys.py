@@ -42,13 +42,21 @@ class RemovedKeys:
         self._end = end
         self._known = self._read()
         self._removed: frozenset[Bearer] = frozenset()
+        self._next = 0.0
 
     def holds(self, bearer: Bearer) -> bool:
         """Whether this key was not removed."""
         return bearer not in self._removed
 
-    def look(self) -> None:
-        """End the connections of keys that are on the list no longer, or have another role now."""
+    def look(self, now: float) -> None:
+        """End the connections of keys that are on the list no longer, or have another role now.
+
+        Args:
+            now: Monotonic time [s]; it looks once in `LOOK_S`.
+        """
+        if now < self._next:
+            return
+        self._next = now + LOOK_S
         try:
             known = self._read()
         except KeyFileError:

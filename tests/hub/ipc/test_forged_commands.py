@@ -225,14 +225,15 @@ def test_query_under_a_number_that_is_not_its_own_is_refused(hub: Hub, far: bool
         if far
         else hub._peer("evil", hub.central.endpoints[0], None)
     )
-    own = asker.client.number
+    own, questions = asker.client.number, asker.client._questions
     for number in (own + 1, own - 1, hub.owner.client.number):
-        asker.call(lambda number=number: setattr(asker.client._connection, "publisher", number))
+        forged = frame(v.EVENT, Number(value=4), number, 1)
         with pytest.raises(HandlerFailedError, match="under a number not its own"):
             asker.call(
-                lambda: asker.client.query_response(v.EVENT, Number(value=4), v.ANSWER, timeout=5.0)
+                lambda forged=forged: questions.ask_and_wait(
+                    v.EVENT.name, forged, 5.0, asker.client.listen
+                )
             )
-    asker.call(lambda: setattr(asker.client._connection, "publisher", own))
     assert asked == []
 
 
@@ -310,13 +311,13 @@ def test_list_that_cannot_be_read_ends_no_connection(tmp_path: Path) -> None:
     path = tmp_path / "list.toml"
     whole = path.read_text()
     path.write_text("[")
-    keys.look()
+    keys.look(0.0)
     assert keys.holds(alice)
     path.write_text(whole)
-    keys.look()
+    keys.look(2.0)
     assert keys.holds(alice)
     assert ended == []
     keyring.remove("alice")
-    keys.look()
+    keys.look(4.0)
     assert not keys.holds(alice)
     assert ended == [alice]
