@@ -73,6 +73,8 @@ def _run_command(options: argparse.Namespace) -> int:
         return _run_daemon(options)
     if options.command == "keys":
         return _tend_keys(options)
+    if options.command == "mission" and options.task in ("list", "show", "export"):
+        return _look_at_missions(options)
     if options.command in ("doctor", "service"):
         return _look_at_machine(options)
     from hub.inspection import commands
@@ -94,6 +96,8 @@ def _look(client: Client, options: argparse.Namespace) -> int:
         return _look_at_central(client, options)
     if options.command == "control":
         return _look_at_control(client, options)
+    if options.command == "mission":
+        return _order_mission(client, options)
     if options.command in _OF_MODULES:
         return _look_at_modules(client, options)
     if options.command == "list":
@@ -135,6 +139,26 @@ def _look_at_control(client: Client, options: argparse.Namespace) -> int:
     if options.task == "release":
         return control.release(client, force=options.force)
     return control.show(client, as_json=options.json)
+
+
+def _look_at_missions(options: argparse.Namespace) -> int:
+    """Carry out a command about what missions have kept; no hub needs to run."""
+    from hub.inspection import missions
+
+    if options.task == "list":
+        return missions.list_all(options.robot, options.folder, as_json=options.json)
+    if options.task == "show":
+        return missions.show(options.id, options.robot, options.folder, as_json=options.json)
+    return missions.export(options.id, options.robot, options.folder, options.output)
+
+
+def _order_mission(client: Client, options: argparse.Namespace) -> int:
+    """Carry out a command for the robot that keeps the mission."""
+    from hub.gcm.mission import MissionAction
+    from hub.inspection import missions
+
+    name = " ".join(getattr(options, "name", ()))
+    return missions.order(client, MissionAction[options.task.upper()], name)
 
 
 def _look_at_modules(client: Client, options: argparse.Namespace) -> int:
@@ -299,6 +323,7 @@ def _parser() -> CommandParser:
     for command in (listing, echo, rate, query, state, *tables):
         command.add_argument("--json", action="store_true", help="JSON, one line a message")
     _add_control(commands, look)
+    _add_missions(commands, look)
     _add_keys(commands.add_parser("keys", help="who may connect from other machines"))
     add_completion(commands)
     return parser
@@ -340,6 +365,27 @@ def _add_control(commands: Commands, look: CommandParser) -> None:
         "task", nargs="?", choices=("release",), help="with --force: take it from whoever has it"
     )
     control.add_argument("--force", action="store_true", help="release what somebody else has")
+
+
+def _add_missions(commands: Commands, look: CommandParser) -> None:
+    mission = commands.add_parser("mission", help="what robots have kept, and the one that runs")
+    tasks = mission.add_subparsers(dest="task", required=True, metavar="TASK")
+    where = CommandParser(add_help=False)
+    where.add_argument("--robot", default="", help="a robot file, or the name of a shipped one")
+    where.add_argument("--folder", default="", help="folder of the missions, if not the usual one")
+    listing = tasks.add_parser("list", parents=[where], help="all missions, the oldest first")
+    show = tasks.add_parser("show", parents=[where], help="marks and events of a mission")
+    export = tasks.add_parser("export", parents=[where], help="write a mission into files")
+    for command in (show, export):
+        command.add_argument("id", nargs="?", default="", help="which; without: the newest")
+    for command in (listing, show):
+        command.add_argument("--json", action="store_true", help="JSON, one line a mission")
+    export.add_argument("-o", "--output", type=Path, help="folder for the files; without: ./ID")
+    begin = tasks.add_parser("begin", parents=[look], help="have the robot begin a mission")
+    begin.add_argument("name", nargs="*", metavar="NAME", help="its name; without: date and time")
+    name = tasks.add_parser("name", parents=[look], help="give the mission another name")
+    name.add_argument("name", nargs="+", metavar="NAME", help="that")
+    tasks.add_parser("end", parents=[look], help="end the mission; its folder stays")
 
 
 def _add_keys(keys: CommandParser) -> None:

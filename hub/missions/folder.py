@@ -1,7 +1,7 @@
 """The missions of one robot on the disk: a folder for each, and which one is running.
 
-ROOT/ROBOT/running is the id of the running mission; ROOT/ROBOT/ID/ has `journal`, `track`,
-`sheet-N.grid` and `mark-N.jpg`.
+ROOT/ROBOT/running is the id of the running mission; ROOT/ROBOT/ID/ has `journal`, `track` and
+`sheet-N.grid`.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import os
 import re
 import time
 from pathlib import Path
+from typing import Self
 
 from hub import files, folders
 from hub.errors import MapFileError, MissionFileError
@@ -34,6 +35,14 @@ class MissionFolder:
     def __init__(self, root: Path, robot: str) -> None:
         self.path = root / folders.as_file_name(robot)
         self.robot = robot
+        self._named = True
+
+    @classmethod
+    def of(cls, path: Path) -> Self:
+        """The folder of a robot whose name is not known; its journals have it."""
+        made = cls(path.parent, path.name)
+        made.path, made._named = path, False
+        return made
 
     def running(self) -> str:
         """Id of the mission that was begun and not ended; empty: none.
@@ -128,10 +137,6 @@ class MissionFolder:
         """The file with the track of a mission."""
         return self.path / mission / "track"
 
-    def photograph_of(self, mission: str, number: int) -> Path:
-        """The file with the photograph of a mark."""
-        return self.path / mission / f"mark-{number}.jpg"
-
     def read(self, mission: str) -> tuple[MissionBook, int]:
         """A mission, and how many stretches of its journal are damaged.
 
@@ -157,6 +162,8 @@ class MissionFolder:
             stamp = max(0.0, min((event.stamp for event in book.events), default=0.0))
             book.begun = Begun(robot=self.robot, name=mission, by="", stamp=stamp)
             book.name = book.name or mission
+        if not self._named and folders.as_file_name(book.begun.robot) == self.path.name:
+            self.robot, self._named = book.begun.robot, True
         if book.begun.robot != self.robot:
             text = f"mission {mission} in {self.path} is of {book.begun.robot}, not {self.robot}"
             raise MissionFileError(text)

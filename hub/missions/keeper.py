@@ -10,7 +10,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from hub import files
 from hub.errors import MissionError, MissionFileError
 from hub.gcm.mapping import InterestPoint, InterestPoints
 from hub.gcm.mission import MissionState
@@ -43,7 +42,7 @@ class MissionLimits:
     """What a mission may take of the disk.
 
     Attributes:
-        largest_mb: Of one mission [MB]; beyond, map, track and photographs are not written.
+        largest_mb: Of one mission [MB]; beyond, map and track are not written.
         least_free_mb: Likewise if the disk has less than this left [MB]; marks are written on.
     """
 
@@ -289,17 +288,6 @@ class MissionKeeper:
         if self._track is not None and self.book.running:
             self._track.at(x, y, theta, self.book.sheet, self._calendar())
 
-    def photograph(self, number: int, picture: bytes) -> None:
-        """Keep a picture, taken when a point was marked."""
-        if not self.id or not self._may_write():
-            return
-        path = self._folder.photograph_of(self.id, number)
-        try:
-            files.replace(path, picture)
-            self._faults.pop("photograph", None)
-        except OSError as fault:
-            self._faults["photograph"] = f"{path} cannot be written: {fault.strerror or fault}"
-
     def flush(self) -> None:
         """Try to write what waits for the disk."""
         if not self._pending and not self._pointer_due:
@@ -413,7 +401,7 @@ class MissionKeeper:
         self._faults.clear()
 
     def _may_write(self) -> bool:
-        """Whether there is room for what is large: map, track, photographs."""
+        """Whether there is room for what is large: map and track."""
         limits, why = self._limits, ""
         if self._free < limits.least_free_mb * _MB:
             why = (

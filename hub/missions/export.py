@@ -1,0 +1,180 @@
+"""A mission as files that other programs read: maps, marks, pictures, track, events."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hub import files
+from hub.errors import MissionFileError
+from hub.gcm.mapping import InterestPoint
+from hub.missions import journal_file, point_file, ros_map
+from hub.missions.book import MissionBook
+from hub.missions.folder import MissionFolder
+from hub.missions.grid_picture import GridPicture
+from hub.missions.log_odds import LogOdds
+
+_KNOWN = 0.1
+"""Less evidence than this [log-odds] leaves a cell unknown."""
+_BY_SHEETS = ("number", "sheet", "kind", "x", "y", "uncertainty", "distance", "time", "by", "note")
+
+
+def export(folder: MissionFolder, mission: str, target: Path) -> list[Path]:
+    """Write a mission into a folder that is not there yet, or is empty.
+
+    Returns:
+        The files.
+
+    Raises:
+        MissionFileError: The mission cannot be read, or the folder not written.
+    """
+    book, _ = folder.read(mission)
+    found: list[Path] = []
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+        if any(target.iterdir()):
+            text = f"{target} is not empty; name another folder with --output"
+            raise MissionFileError(text)
+        for name, content in _contents(folder, mission, book):
+            files.replace(target / name, content)
+            found.append(target / name)
+    except OSError as fault:
+        text = f"{target} cannot be written: {fault.strerror or fault}"
+        raise MissionFileError(text) from fault
+    return found
+
+
+def marks_of(book: MissionBook) -> list[tuple[int, InterestPoint]]:
+    """All marks of a mission with their sheets, in the order of their numbers."""
+    marks = [*book.points.earlier.values(), *((book.sheet, p) for p in book.points.points)]
+    return sorted(marks, key=lambda mark: mark[1].number)
+
+
+def track_of(folder: MissionFolder, mission: str) -> list[dict[str, Any]]:
+    """The poses of a mission; none where there is no track."""
+    path = folder.track_of(mission)
+    return list(journal_file.read(path).records) if path.exists() else []
+
+
+def _contents(folder: MissionFolder, mission: str, book: MissionBook) -> list[tuple[str, bytes]]:
+    marks = marks_of(book)
+    contents = [("marks.csv", _marks_table(marks)), ("events.csv", _events_table(book))]
+    for sheet in range(1, book.sheet + 1):
+        points = tuple(point for on, point in marks if on == sheet)
+        contents.append((f"sheet-{sheet}.geojson", point_file.encode_points(points)))
+        grid = folder.grid(mission, sheet)
+        if grid is not None:
+            picture = picture_of(grid)
+            contents += [
+                (f"sheet-{sheet}.pgm", ros_map.encode_pgm(picture)),
+                (f"sheet-{sheet}.yaml", ros_map.encode_yaml(picture, f"sheet-{sheet}.pgm")),
+            ]
+    for _, point in marks:
+        if point.length:
+            contents.append((f"mark-{point.number}.jpg", point.thumbnail.tobytes()))
+    poses = track_of(folder, mission)
+    if poses:
+        rows = [[pose.get(key, "") for key in "txyhs"] for pose in poses]
+        contents.append(("track.csv", _table(["time", "x", "y", "heading", "sheet"], rows)))
+    return contents
+
+
+def picture_of(grid: LogOdds) -> GridPicture:
+    """What is known as nav_msgs/OccupancyGrid has it."""
+    values = grid.values
+    cells = np.rint(100.0 / (1.0 + np.exp(-values))).astype(np.int8)
+    cells[np.abs(values) < _KNOWN] = -1
+    return GridPicture(
+        cells=cells,
+        resolution=grid.resolution,
+        origin_x=grid.origin_x,
+        origin_y=grid.origin_y,
+    )
+
+
+def mission_facts(folder: MissionFolder, mission: str) -> dict[str, Any]:
+    """What is said of a mission in a list.
+
+    Raises:
+        MissionFileError: It cannot be read.
+    """
+    book, damaged = folder.read(mission)
+    begun = book.begun
+    return {
+        "robot": folder.robot,
+        "id": mission,
+        "name": book.name,
+        "by": begun.by if begun else "",
+        "begun": begun.stamp if begun else 0.0,
+        "ended": book.ended.stamp if book.ended else None,
+        "running": folder.running() == mission and book.running,
+        "marks": len(marks_of(book)),
+        "sheets": book.sheet,
+        "size_bytes": folder.size(mission),
+        "damaged": damaged + book.unreadable,
+    }
+
+
+def facts_of_marks(book: MissionBook) -> list[dict[str, Any]]:
+    """The marks as JSON has them, without their pictures."""
+    return [
+        {
+            "number": point.number,
+            "sheet": sheet,
+            "kind": point.kind.name.lower(),
+            "x": point.x,
+            "y": point.y,
+            "uncertainty": _known(point.uncertainty),
+            "distance": _known(point.distance),
+            "stamp": point.stamp,
+            "by": point.by,
+            "note": point.note,
+        }
+        for sheet, point in marks_of(book)
+    ]
+
+
+def _known(value: float) -> float | None:
+    return None if math.isnan(value) else value
+
+
+def _marks_table(marks: list[tuple[int, InterestPoint]]) -> bytes:
+    rows = [
+        [
+            point.number, sheet, point.kind.name.lower(), point.x, point.y,
+            "" if math.isnan(point.uncertainty) else point.uncertainty,
+            "" if math.isnan(point.distance) else point.distance,
+            moment(point.stamp), point.by, point.note,
+        ]
+        for sheet, point in marks
+    ]  # fmt: skip
+    return _table(_BY_SHEETS, rows)
+
+
+def _events_table(book: MissionBook) -> bytes:
+    return _table(["time", "event"], [[moment(each.stamp), each.text] for each in book.events])
+
+
+def moment(stamp: float) -> str:
+    """A time [s since the epoch] as the time here."""
+    return time.strftime("%Y-%m-%dT%H:%M:%S%z", time.localtime(stamp))
+
+
+def _table(heads: Any, rows: list[list[Any]]) -> bytes:  # noqa: ANN401 - a tuple or a list
+    text = io.StringIO()
+    writer = csv.writer(text)
+    writer.writerow(heads)
+    writer.writerows([_harmless(cell) for cell in row] for row in rows)
+    return text.getvalue().encode("utf-8", "replace")
+
+
+def _harmless(cell: Any) -> Any:  # noqa: ANN401 - a text or a number
+    """A cell that no program takes for a formula."""
+    formula = isinstance(cell, str) and cell.startswith(("=", "+", "-", "@", "\t", "\r"))
+    return f"'{cell}" if formula else cell

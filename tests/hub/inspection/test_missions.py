@@ -1,0 +1,106 @@
+"""`rune-hub mission`: what was kept is listed, shown and exported without a hub."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from hub.cli import _parser, _run_command
+from hub.errors import MissionError
+from hub.gcm.mapping import InterestPoint, PointKind
+from hub.missions.folder import MissionFolder
+from hub.missions.keeper import MissionKeeper, MissionLimits
+from hub.missions.log_odds import LogOdds
+
+
+def main(arguments: list[str]) -> int:
+    return _run_command(_parser().parse_args(arguments))
+
+
+GRID = LogOdds.of(np.diag([1.0, 0.0, -2.0]).astype(np.float32), 0.05, -1.0, 2.0)
+PICTURE = np.frombuffer(b"\xff\xd8 a picture", np.uint8)
+
+
+def mission(root: Path, robot: str, stamp: float, *, ended: bool) -> str:
+    keeper = MissionKeeper(
+        MissionFolder(root, robot), MissionLimits(least_free_mb=0.0), calendar=lambda: stamp
+    )
+    keeper.open()
+    keeper.begin(f"search of {robot}", "Ada")
+    for note in ("=cmd()", "\x1b[2Jbehind the door"):
+        point = InterestPoint(
+            kind=PointKind.VICTIM, x=1.5, y=len(note), by="Ada", note=note,
+            length=len(PICTURE), thumbnail=PICTURE,
+        )  # fmt: skip
+        keeper.mark(point, "Ada")
+    keeper.trace(1.0, 2.0, 0.5)
+    keeper.save_map(GRID)
+    keeper.in_frame(1, lambda: GRID)
+    keeper.in_frame(2, lambda: GRID)
+    if ended:
+        keeper.end("Ada")
+    name = keeper.book.begun and (keeper.id or MissionFolder(root, robot).missions()[-1])
+    keeper.close()
+    assert name
+    return name
+
+
+@pytest.fixture
+def root(tmp_path: Path) -> Path:
+    mission(tmp_path / "kept", "rover", 1.6e9, ended=True)
+    mission(tmp_path / "kept", "my robot", 1.7e9, ended=False)
+    return tmp_path / "kept"
+
+
+def test_all_missions_of_all_robots_are_listed(
+    root: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["mission", "list", "--folder", str(root), "--json"]) == 0
+    facts = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    known = {(each["robot"], each["running"], each["marks"], each["sheets"]) for each in facts}
+    assert known == {("rover", False, 2, 2), ("my robot", True, 2, 2)}
+    assert main(["mission", "list", "--folder", str(root)]) == 0
+    said = capsys.readouterr().out
+    assert "search of rover" in said
+    assert "runs" in said
+
+
+def test_one_mission_is_shown_with_marks_and_events(
+    root: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["mission", "show", "--folder", str(root)]) == 0
+    said = capsys.readouterr().out
+    assert "mission search of my robot of my robot" in said
+    assert "victim 1 at 1.50, 6.00 m on sheet 1, Ada" in said
+    assert "sheet 2 begins" in said
+    assert "\x1b" not in said
+    with pytest.raises(MissionError, match="no mission 'nowhere'"):
+        main(["mission", "show", "nowhere", "--folder", str(root)])
+
+
+def test_a_mission_is_exported_as_files_that_others_read(root: Path, tmp_path: Path) -> None:
+    target = tmp_path / "out"
+    assert main(["mission", "export", "--folder", str(root), "-o", str(target)]) == 0
+    names = {path.name for path in target.iterdir()}
+    assert names == {
+        "marks.csv", "events.csv", "track.csv", "mark-1.jpg", "mark-2.jpg",
+        "sheet-1.geojson", "sheet-1.pgm", "sheet-1.yaml", "sheet-2.geojson",
+    }  # fmt: skip
+    with (target / "marks.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [(row["number"], row["sheet"], row["kind"]) for row in rows] == [
+        ("1", "1", "victim"), ("2", "1", "victim"),
+    ]  # fmt: skip
+    assert rows[0]["note"] == "'=cmd()"
+    assert (target / "mark-1.jpg").read_bytes() == PICTURE.tobytes()
+    assert np.asarray(Image.open(target / "sheet-1.pgm")).tolist() == [
+        [205, 205, 254], [205, 205, 205], [0, 205, 205],
+    ]  # fmt: skip
+    # What is there is not overwritten.
+    with pytest.raises(MissionError, match="not empty"):
+        main(["mission", "export", "--folder", str(root), "-o", str(target)])
