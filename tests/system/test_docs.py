@@ -47,6 +47,8 @@ CHANGING = [
     if command.startswith(("rune-hub start ", "rune-hub stop ", "rune-hub restart "))
 ]
 """After these, a hub has other processes than before."""
+MISSION = [command for command in EVERY if command.startswith("rune-hub mission ")]
+"""These are about one mission, and come in the order of the page."""
 ALONE = ("run", "keys", "doctor", "service", "completion")
 """Commands of `rune-hub` that ask no hub."""
 
@@ -63,14 +65,14 @@ def named(found: Iterable[str]) -> list[Any]:
     return [pytest.param(command, id=f"{EVERY[command]}: {command}") for command in found]
 
 
-ON_A_HUB = [each for each in EVERY if each not in CHANGING and asks_a_hub(each)]
+ON_A_HUB = [each for each in EVERY if each not in [*CHANGING, *MISSION] and asks_a_hub(each)]
 BY_ITSELF = [each for each in EVERY if not asks_a_hub(each)]
 
 
 def test_there_are_commands() -> None:
     assert len(BY_ITSELF) > 10
     assert len(ON_A_HUB) > 10
-    assert sorted([*BY_ITSELF, *ON_A_HUB, *CHANGING]) == sorted(EVERY)
+    assert sorted([*BY_ITSELF, *ON_A_HUB, *CHANGING, *MISSION]) == sorted(EVERY)
     assert set(EVERY) == {command for page in PAGES for command in commands(page)}
 
 
@@ -79,6 +81,22 @@ def test_commands_that_change_processes_work(start_hub: Callable[..., HubProcess
     for command in CHANGING:
         done = rune_hub(*shlex.split(command)[1:], "--hub", hub.endpoint)
         assert done.returncode == 0, f"{command}: {done.stderr}"
+
+
+def test_commands_of_missions_work(
+    start_hub: Callable[..., HubProcess], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    hub = start_hub(modules=("driver", "navigation", "mapping"))
+    kept = str(hub.log.parent / "missions")
+    for command in MISSION:
+        words = shlex.split(command)[1:]
+        reads = words[1] in ("list", "show", "export")
+        where = ("--folder", kept) if reads else ("--hub", hub.endpoint)
+        done = rune_hub(*words, *where)
+        assert done.returncode == 0, f"{command}: {done.stderr}"
+        if reads and words[1] != "export":
+            assert "cellar, east" in done.stdout
 
 
 @pytest.mark.parametrize("command", named(BY_ITSELF))
