@@ -12,7 +12,6 @@ from typing import cast
 
 import numpy as np
 
-from hub.gcm.fields import FARTHEST_M
 from rune_tui.banner_layer import BannerLayer
 from rune_tui.compositor.blend import Layer, compose, tinted, urgencies_of
 from rune_tui.compositor.cells import Cells
@@ -154,8 +153,8 @@ class _Pane:
             if not self.lost:
                 _logger.exception("viewport %s cannot tell what was clicked", self.spec.name)
             self.lost = True
-        if shown is not None and max(abs(shown.x), abs(shown.y)) > FARTHEST_M:
-            shown = None  # no message may name such a place
+        if shown is not None and not shown.sayable:
+            shown = None
         return Hit(
             viewport=self.spec.name,
             x=pixel[0] / place.width,

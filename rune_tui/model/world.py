@@ -6,6 +6,8 @@ import enum
 import math
 from dataclasses import dataclass
 
+from hub.gcm.fields import FARTHEST_M, LONGEST_M
+
 
 class SaidBy(enum.Enum):
     """What says how far away a place is.
@@ -42,6 +44,12 @@ class WorldPoint:
     distance: float = float("nan")
     height: float = 0.0
     said_by: SaidBy = SaidBy.OPERATOR
+
+    @property
+    def sayable(self) -> bool:
+        """Whether a message may name it: messages have a range."""
+        near = max(abs(self.x), abs(self.y)) <= FARTHEST_M
+        return near and not (self.uncertainty > LONGEST_M or self.distance > LONGEST_M)
 
 
 def metres_text(metres: float, decimals: int) -> str:

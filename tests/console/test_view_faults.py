@@ -15,6 +15,7 @@ from rune_tui.layout.rules import Options, VisualizerRule, Vocabulary
 from rune_tui.layout.spec import LayoutSpec, VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
+from rune_tui.model.world import WorldPoint
 from rune_tui.raster.canvas import Canvas
 from rune_tui.view import View
 from rune_tui.visualizers.registry import VISUALIZERS
@@ -152,3 +153,19 @@ def test_a_picture_that_cannot_be_made_says_so_and_is_made_again_when_it_can(
         assert view.render(SHOWN) is None
     assert len(caplog.records) == 1
     assert "drawing 2" in words(view.render(SHOWN))
+
+
+@pytest.mark.parametrize(
+    "far", [{"x": 1.1e6}, {"y": -2e6}, {"uncertainty": 2e10}, {"distance": 1e11}]
+)
+def test_a_click_on_a_place_that_no_message_may_name_has_no_place(
+    view: View, monkeypatch: pytest.MonkeyPatch, far: dict[str, float]
+) -> None:
+    words(view.render(SHOWN))
+    values = {"x": 1.0, "y": 2.0, "uncertainty": 0.1} | far
+    monkeypatch.setattr(Foreign, "locate", lambda *_: WorldPoint(**values))
+    (hit,) = view.hits(3, 3, SHOWN)
+    assert hit.place is None
+    monkeypatch.setattr(Foreign, "locate", lambda *_: WorldPoint(x=1.0, y=2.0, uncertainty=0.1))
+    (hit,) = view.hits(3, 3, SHOWN)
+    assert hit.place is not None
