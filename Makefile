@@ -61,7 +61,7 @@ $(READY): requirements.lock pyproject.toml
 	@touch $@
 
 lock:  ## choose versions anew within the bounds of pyproject.toml; needs uv
-	uv pip compile pyproject.toml --extra console --extra camera --extra record --group dev --universal \
+	uv pip compile pyproject.toml --extra console --extra camera --extra record --extra evdev --group dev --universal \
 		--python-version 3.11 --generate-hashes --no-emit-index-url --custom-compile-command "make lock" \
 		--upgrade --quiet -o requirements.lock
 

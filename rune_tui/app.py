@@ -20,8 +20,8 @@ from textual.app import App, ComposeResult
 from textual.binding import Binding
 
 from rune_tui import desk
+from rune_tui.controls import devices_here
 from rune_tui.controls.events import ControlEvent
-from rune_tui.controls.hid_reader import HidReader
 from rune_tui.controls.joystick.store import CalibrationStore
 from rune_tui.controls.joysticks import Joysticks
 from rune_tui.controls.keyboard import KeyboardHold, name_of_key
@@ -129,7 +129,7 @@ class Console(MouseApp, inherit_bindings=False):
         self._watch = Watch()
         self._keyboard = KeyboardHold(self._dispatch.waits_for_hold)
         self._joysticks = Joysticks(
-            layout.joysticks, Sources(HidReader(), links.pads), CalibrationStore()
+            layout.joysticks, Sources(devices_here.reader(), links.pads), CalibrationStore()
         )
         self._stalls = StallGuard()
         self._sparing = Sparing(self._tell)

@@ -11,17 +11,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 from xml.sax.saxutils import quoteattr
 
+from rune_tui.controls import devices_here
+from rune_tui.controls.device_reader import DeviceReader, Gone, News, Opened, Refused, Scanned
+from rune_tui.controls.devices_here import controls_of, joysticks_here
 from rune_tui.controls.hid.device_controls import PhysicalControl
-from rune_tui.controls.hid_reader import (
-    Gone,
-    HidReader,
-    News,
-    Opened,
-    Refused,
-    Scanned,
-    controls_of,
-    joysticks_here,
-)
 from rune_tui.controls.joystick.inbox import Inbox
 from rune_tui.controls.joystick.logical import LogicalJoystick
 from rune_tui.controls.joystick.mappings import Mappings
@@ -227,7 +220,7 @@ def joystick_line(device: DeviceInfo) -> str:
 class Bench:
     """All joysticks that are plugged in, being read."""
 
-    def __init__(self, reader: HidReader, joysticks: Sequence[JoystickSpec] | None) -> None:
+    def __init__(self, reader: DeviceReader, joysticks: Sequence[JoystickSpec] | None) -> None:
         self._joysticks = joysticks
         self._assigned: Mapping[str, DeviceInfo] = {}
         self.seats: dict[str, Seat] = {}
@@ -336,7 +329,7 @@ class _Lines:
 
 def _follow(output: _Pictures | _Lines, joysticks: Sequence[JoystickSpec] | None = None) -> None:
     moved = threading.Event()
-    reader = HidReader()
+    reader = devices_here.reader()
     bench = Bench(reader, joysticks)
     reader.start(moved.set)
     output.begin()

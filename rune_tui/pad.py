@@ -20,8 +20,8 @@ from hub.gcm import pad
 from hub.ipc.client import Client
 from hub.ipc.keys import read_client_keys
 from hub.ipc.publish_rights import demand_right
-from rune_tui.controls import hid_reader
-from rune_tui.controls.hid_reader import Gone, HidReader, News, Opened, Refused, Scanned
+from rune_tui.controls import devices_here
+from rune_tui.controls.device_reader import Gone, News, Opened, Refused, Scanned
 from rune_tui.controls.joystick.matching import DeviceInfo, assigned
 from rune_tui.controls.joystick.pad_audience import Audience
 from rune_tui.controls.joystick.pad_sender import PadSender
@@ -232,7 +232,7 @@ def run(
         CentralUnreachableError: No hub answers.
         HubError: The hub cannot be asked, or does not let this key send states.
     """
-    choice = Choice(device, hid_reader.joysticks_here())
+    choice = Choice(device, devices_here.joysticks_here())
     own_keys = read_client_keys(keys) if keys else None
     if own_keys is not None:
         plane = pad.PAD_STATE.plane.value
@@ -257,7 +257,7 @@ def run(
             operator=operator,
             machine=platform.node(),
         )
-        reader = HidReader()
+        reader = devices_here.reader()
         agent = Agent(choice, reader, sender)
         audience = Audience(operator)
         client.subscribe(

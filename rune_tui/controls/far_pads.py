@@ -13,8 +13,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from hub.gcm.pad import ALIVE_HZ, DEVICE_HZ, OLDEST_S, PadDevice, PadState
+from rune_tui.controls.device_reader import News, Opened, Refused, Scanned
 from rune_tui.controls.hid.device_controls import DeviceDecoder, PhysicalControl
-from rune_tui.controls.hid_reader import News, Opened, Refused, Scanned
 from rune_tui.controls.joystick.inbox import Inbox
 from rune_tui.controls.joystick.matching import DeviceInfo, plain_text
 from rune_tui.controls.joystick.pad_values import reports

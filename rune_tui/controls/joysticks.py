@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Protocol
 
+from rune_tui.controls.device_reader import Gone, News, Opened, Refused, Scanned
 from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.hid.device_controls import PhysicalControl
-from rune_tui.controls.hid_reader import Gone, HidMissingError, News, Opened, Refused, Scanned
+from rune_tui.controls.hid_reader import HidMissingError
 from rune_tui.controls.joystick.calibration import Guide
 from rune_tui.controls.joystick.inbox import Inbox
 from rune_tui.controls.joystick.logical import LogicalJoystick

@@ -6,15 +6,15 @@ import dataclasses
 from collections.abc import Callable
 from typing import Protocol
 
+from rune_tui.controls.device_reader import News, Scanned
 from rune_tui.controls.far_pads import FarPads
-from rune_tui.controls.hid_reader import News, Scanned
 from rune_tui.controls.joystick.inbox import Inbox
 from rune_tui.controls.joystick.matching import DeviceInfo
 from rune_tui.model.joystick_state import Absence
 
 
 class Devices(Protocol):
-    """What reads the devices of this machine; see `HidReader`."""
+    """What reads the devices of this machine; see `DeviceReader`."""
 
     def start(self, notify: Callable[[], None]) -> None:
         """Begin to look for devices."""

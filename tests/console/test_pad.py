@@ -14,8 +14,8 @@ from hub.ipc.keyring import Keyring
 from hub.ipc.security import Role
 from rune_tui import cli, joytest, pad
 from rune_tui.cli import ExitCode, main
-from rune_tui.controls import hid_reader
-from rune_tui.controls.hid_reader import Gone, News, Opened, Refused, Scanned
+from rune_tui.controls import devices_here, hid_reader
+from rune_tui.controls.device_reader import Gone, News, Opened, Refused, Scanned
 from rune_tui.controls.joystick.matching import DeviceInfo
 from rune_tui.controls.joystick.pad_sender import PadSender
 from rune_tui.controls.joysticks import MOST_FAULTS
@@ -57,7 +57,7 @@ def test_the_numbers_are_those_that_joytest_lists(monkeypatch: pytest.MonkeyPatc
     for number, chosen in ((1, TWO), (2, ONE)):
         assert lines[number - 1].startswith(f"{number}  046d:{chosen.pid:04x} ")
         assert (told[number - 1]["number"], told[number - 1]["name"]) == (number, chosen.name)
-        assert Choice(str(number), hid_reader.joysticks_here()).of([ONE, TWO]) == chosen
+        assert Choice(str(number), devices_here.joysticks_here()).of([ONE, TWO]) == chosen
 
 
 @pytest.mark.parametrize("wanted", ["0", "3"])

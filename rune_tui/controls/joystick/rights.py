@@ -6,6 +6,8 @@ from collections.abc import Iterable
 
 from rune_tui.controls.joystick.matching import DeviceInfo
 
+_INPUT = "/dev/input/"
+"""Where devices of the kernel's input layer are, which the system gives to who sits there."""
 RULE_FILE = "/etc/udev/rules.d/60-rune-joystick.rules"
 """Its number has to be below 73, where the system gives devices to the user at the machine."""
 
@@ -21,12 +23,16 @@ def udev_rule(device: DeviceInfo) -> str:
 
 def rule_advice(device: DeviceInfo) -> str:
     """What to do where a device may not be read, in words."""
+    if device.path.startswith(_INPUT):
+        return "join the group of input devices (sudo usermod -aG input $USER) and log in again"
     return f"put into {RULE_FILE}: {udev_rule(device)}"
 
 
 def udev_rules(devices: Iterable[DeviceInfo]) -> str:
     """A whole file for these devices, each kind once."""
     lines = [f"# {RULE_FILE}; then: sudo udevadm control --reload && sudo udevadm trigger"]
-    for name, rule in {udev_rule(device): device.shown for device in devices}.items():
+    for name, rule in {
+        udev_rule(device): device.shown for device in devices if not device.path.startswith(_INPUT)
+    }.items():
         lines += [f"# {rule}", name]
     return "\n".join(lines) + "\n"

@@ -14,8 +14,8 @@ from typing import Any
 
 from hub.gcm.control import CONTROL_STATE, ConsoleHeartbeat, ControlAction, ControlState
 from hub.gcm.navigation import ROBOT_STATE, STOP, VELOCITY_COMMAND
+from rune_tui.controls.device_reader import Gone, Opened, Scanned
 from rune_tui.controls.events import ControlEvent
-from rune_tui.controls.hid_reader import Gone, Opened, Scanned
 from rune_tui.controls.joystick.store import CalibrationStore
 from rune_tui.controls.joysticks import Joysticks
 from rune_tui.controls.keyboard import KeyboardHold

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 from hub.errors import CodecError
 from hub.gcm.pad import OLDEST_S, PAD_DEVICE, PAD_STATE, PadDevice, PadState
+from rune_tui.controls.device_reader import Scanned
 from rune_tui.controls.far_pads import (
     IDLE_SILENCE_S,
     LONGEST_DESCRIPTOR,
@@ -24,7 +25,7 @@ from rune_tui.controls.far_pads import (
     FarPads,
     Sender,
 )
-from rune_tui.controls.hid_reader import HidMissingError, Scanned
+from rune_tui.controls.hid_reader import HidMissingError
 from rune_tui.controls.joystick.pad_values import Row
 from rune_tui.controls.joystick.store import CalibrationStore
 from rune_tui.controls.joysticks import Joysticks

@@ -24,7 +24,7 @@ from hub.ipc.client import Client
 from hub.ipc.keyring import Keyring
 from hub.ipc.keys import read_client_keys
 from hub.ipc.security import Role
-from rune_tui.controls.hid_reader import Scanned
+from rune_tui.controls.device_reader import Scanned
 from rune_tui.controls.joystick.matching import DeviceInfo
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.robot_links import RobotLinks

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rune_tui.controls.hid_reader import News
+from rune_tui.controls.device_reader import News
 from rune_tui.controls.joystick.inbox import Inbox
 from rune_tui.controls.joystick.matching import DeviceInfo
 from rune_tui.model.joystick_state import Absence

@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 import pytest
 
-from rune_tui.controls.hid_reader import Gone, HidMissingError, Opened, Refused, Scanned
+from rune_tui.controls.device_reader import Gone, Opened, Refused, Scanned
+from rune_tui.controls.hid_reader import HidMissingError
 from rune_tui.controls.joystick.calibration import TIME_TO_ACT_S, Calibration
 from rune_tui.controls.joystick.matching import DeviceInfo
 from rune_tui.controls.joystick.store import CalibrationStore
