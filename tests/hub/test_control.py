@@ -32,6 +32,7 @@ from hub.ipc.client import Client
 from hub.ipc.keyring import Keyring
 from hub.ipc.keys import read_client_keys
 from hub.ipc.loop import Loop
+from hub.ipc.reception import Reception
 from hub.ipc.security import Role
 from hub.robomon.control_desk import ControlDesk
 from tests.waiting import until
@@ -143,6 +144,18 @@ def test_modules_of_the_robot_are_followed_whoever_has_control(robot: Robot) -> 
     robot.until(lambda: (autonomy.number, 6) in robot.followed)
     autonomy.close()
     robot.until(lambda: not robot.states[-1].count)
+
+
+def test_an_operator_is_no_module_whoever_says_so(robot: Robot) -> None:
+    alice, eve = robot.client("alice"), robot.client("eve", Role.OPERATE)
+    want(alice, ControlAction.TAKE)
+    robot.until_owned_by(alice)
+    info = ModuleInfo(name="eve", pid=1, state="running", capabilities="AUT_PILOT")
+    for number, counts in ((eve.number, False), (12345, False), (alice.number, True)):
+        reception = Reception(publisher=number, sequence=1, missed=0, age=0.0, measured=0.0)
+        robot.desk._announced(info, reception)
+        modules = robot.desk._state().modules.tolist()
+        assert (number in modules) == counts  # alice is on the robot, and may be one
 
 
 def test_control_is_handed_over_on_request(robot: Robot) -> None:
