@@ -25,7 +25,8 @@ How long is enough, in QUIET:
 
 | state | terminal | time after the last key |
 | --- | --- | --- |
-| WAITING | reports no releases | `QUIET_S` |
+| WAITING | reports no releases, the last key repeated | `QUIET_S` |
+| WAITING | reports no releases, the last key did not | `FIRST_QUIET_S` |
 | WAITING | reports releases | never: a key goes up, or down anew if that was lost |
 | PROVING | answers | `PROOF_S` |
 | PROVING | does not answer, or a multiplexer answers for it | `SLOW_PROOF_S` |
@@ -47,6 +48,12 @@ from typing import Final
 
 QUIET_S: Final = 0.7
 """Keys count as up after this time without one [s]; keyboards repeat every 0.02 to 0.125 s."""
+FIRST_QUIET_S: Final = 1.1
+"""The same for a key that has not repeated yet [s]; keyboards wait up to 1 s before they do."""
+_REPEATS_S: Final = 0.2
+"""Repeats come within this time [s], as do keys that are typed very fast."""
+_REPEATS: Final = 3
+"""So many of them in a row are repeats."""
 PROOF_S: Final = 0.15
 """A key that is down repeats within this time [s]; a press repeats after 0.2 s or more."""
 SLOW_PROOF_S: Final = 0.45
@@ -157,6 +164,8 @@ class ReleaseGuard:
         """Those of them that are waited for."""
         self._timed: set[str] = set()
         """Keys without reported releases that are waited for."""
+        self._repeats = 0
+        self._needed = QUIET_S
         self._stopped = -math.inf
         """When the last stop was [s]."""
         self._candidate = ""
@@ -195,7 +204,7 @@ class ReleaseGuard:
         timed = {
             key
             for key, last in self._came.items()
-            if (keys is None or key in keys) and not self._quiet(last, QUIET_S, now)
+            if (keys is None or key in keys) and not self._quiet(last, self._needed, now)
         }
         self._told |= told
         self._timed |= timed
@@ -220,6 +229,9 @@ class ReleaseGuard:
 
     def saw(self, key: str, read: float) -> None:
         """As `key`, for a repeat of a key that drives."""
+        again = read - self._came.get(key, -math.inf) < _REPEATS_S
+        self._repeats = self._repeats + 1 if again else 0
+        self._needed = QUIET_S if self._repeats >= _REPEATS else FIRST_QUIET_S
         self._last = read
         self._came[key] = read
 
@@ -277,7 +289,7 @@ class ReleaseGuard:
                 self._follow(GuardEvent.QUIET)
                 return self._candidate
         elif self.state is GuardState.WAITING:
-            quiet = not self._timed or self._quiet(self._last, QUIET_S, now)
+            quiet = not self._timed or self._quiet(self._last, self._needed, now)
             if quiet and not (self._told or self._outstanding):
                 self._follow(GuardEvent.QUIET)
         return ""

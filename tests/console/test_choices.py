@@ -147,7 +147,7 @@ def test_a_held_key_drives_the_next_robot_only_when_pressed_anew(choosing: Layou
     assert all(operator.at_rest.values())
     operator.press("w")  # which repeats, as it is still down
     assert all(operator.at_rest.values())
-    operator.wait(16)
+    operator.wait(24)
     operator.press("w")
     operator.wait(10)
     assert operator.at_rest == {"magellan": True, "blimp": False}

@@ -55,7 +55,7 @@ class Surroundings:
         return cls(
             terminal=terminal,
             # Silence on a line that cannot be asked must not be taken for a keyboard's delay.
-            delay=chance.uniform(0.2, 0.65 if terminal is Terminal.MUTE else 1.0),
+            delay=chance.uniform(0.2, 0.8 if terminal is Terminal.MUTE else 1.0),
             interval=1.0 / chance.uniform(8.0, 50.0),
             unsteady=chance.uniform(0.0, 0.1),
             jitter=jitter,

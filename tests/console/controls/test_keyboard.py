@@ -241,9 +241,11 @@ def test_no_key_drives_before_the_one_that_may_be_down_was_silent():
     (event,) = keyboard.press("d", 0.2)
     assert event.must_release_first
     assert keyboard.must_release == ("d", "w")
-    keyboard.expire(0.93)
+    keyboard.expire(1.31)
+    assert keyboard.must_release == ("d", "w")
+    keyboard.expire(1.33)
     assert keyboard.must_release == ()
-    assert_drives_when_proven(keyboard, "d", 1.0)
+    assert_drives_when_proven(keyboard, "d", 1.4)
 
 
 def test_the_names_of_a_key_are_one_key():
@@ -288,13 +290,12 @@ STEPS = st.lists(
 
 
 @given(steps=STEPS)
-def test_presses_and_releases_of_a_key_alternate_and_everything_ends_released(
+def test_what_drives_is_what_was_pressed_and_not_released_and_everything_ends_released(
     steps: list[tuple[str, str, float]],
 ):
     keyboard = KeyboardHold()
     now = 0.0
     down: set[str] = set()
-    let_go: set[str] = set()
     for action, key, pause in steps:
         now += pause
         if action == "press":
@@ -303,23 +304,17 @@ def test_presses_and_releases_of_a_key_alternate_and_everything_ends_released(
             events = keyboard.expire(now)
         else:
             events = keyboard.release_all(now)
-            let_go |= set("wasd")
-        for number, event in enumerate(events):
-            if event.must_release_first and release(event.name) in events[:number]:
-                let_go.add(event.name)  # it came all at once with its press
-                continue
-            assert not event.must_release_first or event.name in let_go
-            assert (
-                (event.name in down) == (event.repeat or not event.pressed)
-                or event.must_release_first
-                or event.proven
-            )
-            (down.add if event.pressed else down.discard)(event.name)
-        assert down >= set(keyboard.held)
-        assert down - let_go <= set(keyboard.held)
+        for event in events:
+            if not event.pressed:
+                down.discard(event.name)
+            elif not event.must_release_first:
+                assert (event.name in down) == event.repeat
+                down.add(event.name)
+        assert down == set(keyboard.held)
     for event in keyboard.expire(now + 0.6):
-        down.remove(event.name)
+        down.discard(event.name)
     assert down == set()
+    assert keyboard.held == ()
 
 
 def answering(keyboard: KeyboardHold, start: float, end: float) -> tuple[ControlEvent, ...]:
