@@ -24,7 +24,7 @@ from rune_tui.controls import devices_here
 from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.joystick.store import CalibrationStore
 from rune_tui.controls.joysticks import Joysticks
-from rune_tui.controls.keyboard import KeyboardHold, name_of_key
+from rune_tui.controls.keyboard import KeyboardHold, name_of_key, without_shift
 from rune_tui.controls.sources import Sources
 from rune_tui.controls.stall_guard import StallGuard
 from rune_tui.deeds import Deeds
@@ -228,23 +228,30 @@ class Console(MouseApp, inherit_bindings=False):
         event.stop()
         event.prevent_default()
         now = self._look_up()
-        key = name_of_key(event.key, event.character)
+        key, fine = self._named(event.key, event.character)
         stale = self._stalls.deaf(now)
-        self._handle(self._keyboard.press(key, now, read=event.time, stale=stale))
+        self._handle(self._keyboard.press(key, now, read=event.time, fine=fine, stale=stale))
+
+    def _named(self, key: str, character: str | None) -> tuple[str, bool]:
+        """The name of a key, and whether Shift makes it finer; a layout may bind it with Shift."""
+        name, plain = name_of_key(key, character), without_shift(key, character)
+        fine = bool(plain) and (name == plain or not self._dispatch.waits_for(name))
+        return (plain, True) if fine else (name, False)
 
     def on_key_moved(self, event: KeyMoved) -> None:
         """A key moved, on a terminal that tells when it goes up."""
         now = self._look_up()
-        key = event.keypad
+        key, fine = event.keypad, False
         if not (key and self._dispatch.waits_for(key)):
-            key = name_of_key(event.key, event.character)
+            key, fine = self._named(event.key, event.character)
         if event.move is KeyMove.RELEASE:
             self._handle(self._keyboard.up(key, now))
         elif self._covered or key == WAY_OUT:
             self.post_message(events.Key(event.key, event.character))
         else:
             repeat, stale = event.move is KeyMove.REPEAT, self._stalls.deaf(now)
-            self._handle(self._keyboard.down(key, now, repeat=repeat, stale=stale))
+            moved = self._keyboard.down(key, now, repeat=repeat, fine=fine, stale=stale)
+            self._handle(moved)
 
     def on_releases_told(self, event: ReleasesTold) -> None:
         """The terminal says whether it tells when keys go up."""

@@ -22,6 +22,7 @@ from rune_tui.model.effects import (
     ControlEffect,
     Effect,
     ExportEffect,
+    LimitSpeed,
     MissionEffect,
     QuitEffect,
     ReleaseFirst,
@@ -52,7 +53,15 @@ _TYPED_WHILE_AWAY = "what was typed while the console was held up does not count
 _CLICKED_TO_FOCUS = (
     "that click brought the terminal to the front and means nothing else: click again"
 )
-_TO_ROBOTS = SendEffect | ControlEffect | MissionEffect | ExportEffect | WishPictures | ToggleNight
+_TO_ROBOTS = (
+    SendEffect
+    | ControlEffect
+    | MissionEffect
+    | ExportEffect
+    | WishPictures
+    | ToggleNight
+    | LimitSpeed
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

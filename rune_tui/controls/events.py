@@ -42,6 +42,7 @@ class ControlEvent:
         value: How far: 1 for keys, the clicks of a wheel, positive away from the operator, the
             counts of a ball; of an axis where it is, -1 to 1.
         hits: The viewports under the mouse, the nearest first.
+        fine: Whether Shift was held with it.
         timed: Whether nobody reports its release, so that it is guessed by time.
         must_release_first: Whether it must not drive: a key that was down at a stop or the like
             must be released first.
@@ -55,6 +56,7 @@ class ControlEvent:
     repeat: bool = False
     value: float = 1.0
     hits: tuple[Hit, ...] = ()
+    fine: bool = False
     timed: bool = False
     must_release_first: bool = False
     proven: bool = False

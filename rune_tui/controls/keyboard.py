@@ -76,6 +76,20 @@ def name_of_key(key: str, character: str | None) -> str:
     return canonical_key(character)
 
 
+def without_shift(key: str, character: str | None) -> str:
+    """The name that a key has without Shift; empty if Shift is not held with it.
+
+    Args:
+        key: As of `name_of_key`.
+        character: As of `name_of_key`.
+    """
+    *modifiers, last = key.split("+") if len(key) > 1 else [key]
+    if modifiers == ["shift"]:
+        return canonical_key(last)
+    upper = character is not None and character.isalpha() and character.isupper()
+    return canonical_key(character or "") if upper and not modifiers else ""
+
+
 @dataclass(slots=True)
 class _Hold:
     last: float
@@ -84,6 +98,7 @@ class _Hold:
     at_once: int = 0
     """Repeats that came together with the press."""
     must_release: bool = False
+    fine: bool = False
     told: bool = False
     """Whether the terminal reports its release."""
     silent_at: float = math.inf
@@ -130,7 +145,13 @@ class KeyboardHold:
         return self._guard.waited_for
 
     def press(
-        self, key: str, now: float, *, read: float | None = None, stale: bool = False
+        self,
+        key: str,
+        now: float,
+        *,
+        read: float | None = None,
+        fine: bool = False,
+        stale: bool = False,
     ) -> tuple[ControlEvent, ...]:
         """The terminal reports a key: releases that were due by now, then its press or repeat.
 
@@ -138,6 +159,7 @@ class KeyboardHold:
             key: What it is called.
             now: The time [s].
             read: When it was read, if that is not just now [s].
+            fine: Whether Shift is held with it.
             stale: Whether it may have been typed while the console was away; it drives only when
                 it is pressed anew.
         """
@@ -149,7 +171,7 @@ class KeyboardHold:
             self._guard.saw(key, read)
             self._stop({key}, now)
         if hold is None:
-            return (*due, self._first(key, read, now, stale=stale))
+            return (*due, self._first(key, read, now, fine=fine, stale=stale))
         live = self._is_live(hold, read)
         self._repeated(hold, read)
         hold.deadline = now + self._repeat_hold()
@@ -157,7 +179,8 @@ class KeyboardHold:
             self._guard.resume()
             hold.must_release = hold.ended = False
             hold.at_once, hold.live_from = 0, math.inf
-            return (*due, ControlEvent(name=key, pressed=True, timed=True, proven=True))
+            hold.fine = fine
+            return (*due, self._proven_press(key, hold))
         if self.drives(key):
             if hold.must_release:
                 self._guard.key(key, read)
@@ -171,6 +194,7 @@ class KeyboardHold:
                 name=key,
                 pressed=True,
                 repeat=True,
+                fine=fine,
                 timed=True,
                 must_release_first=hold.must_release,
                 stale=stale,
@@ -178,7 +202,7 @@ class KeyboardHold:
         )
 
     def down(
-        self, key: str, now: float, *, repeat: bool, stale: bool = False
+        self, key: str, now: float, *, repeat: bool, fine: bool = False, stale: bool = False
     ) -> tuple[ControlEvent, ...]:
         """A terminal that will report the release reports a key: its press, or a repeat.
 
@@ -189,6 +213,7 @@ class KeyboardHold:
             key: What it is called.
             now: The time [s].
             repeat: Whether it is a repeat.
+            fine: As of `press`.
             stale: As of `press`.
         """
         key = canonical_key(key)
@@ -216,6 +241,7 @@ class KeyboardHold:
                 name=key,
                 pressed=True,
                 repeat=repeat,
+                fine=fine,
                 must_release_first=hold.must_release,
                 stale=stale,
             ),
@@ -285,7 +311,11 @@ class KeyboardHold:
         if hold is None:
             return ()
         hold.must_release = False
-        return (ControlEvent(name=key, pressed=True, timed=True, proven=True),)
+        return (self._proven_press(key, hold),)
+
+    @staticmethod
+    def _proven_press(key: str, hold: _Hold) -> ControlEvent:
+        return ControlEvent(name=key, pressed=True, fine=hold.fine, timed=True, proven=True)
 
     def release_all(self, now: float) -> tuple[ControlEvent, ...]:
         """Everything is let go: the terminal lost the focus, was suspended, or the console ends."""
@@ -310,9 +340,10 @@ class KeyboardHold:
                 hold.must_release = hold.must_release or self.drives(key)
         self._guard.stop(keys, now)
 
-    def _first(self, key: str, read: float, now: float, *, stale: bool) -> ControlEvent:
+    def _first(self, key: str, read: float, now: float, *, fine: bool, stale: bool) -> ControlEvent:
         """A key came, on a terminal that reports no releases, that was not down."""
-        hold = _Hold(last=read, deadline=now + _FIRST_HOLD_S, must_release=stale, ended=stale)
+        hold = _Hold(last=read, deadline=now + _FIRST_HOLD_S, ended=stale, fine=fine)
+        hold.must_release = stale
         if self.drives(key):
             action = self._guard.key(key, read)
             hold.must_release = action is not GuardAction.DRIVE
@@ -320,7 +351,12 @@ class KeyboardHold:
         hold.live_from = math.inf if hold.must_release or read > until else live_from
         self._holds[key] = hold
         return ControlEvent(
-            name=key, pressed=True, timed=True, must_release_first=hold.must_release, stale=stale
+            name=key,
+            pressed=True,
+            fine=fine,
+            timed=True,
+            must_release_first=hold.must_release,
+            stale=stale,
         )
 
     def _late(self, key: str, hold: _Hold, now: float) -> tuple[ControlEvent, ...]:

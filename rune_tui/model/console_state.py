@@ -113,6 +113,7 @@ class ConsoleState:
         zooms: How many times larger than its layout says a viewport shows the world, by name.
         wishes: What pictures somebody wants of a robot, by the robot's name.
         night: Robots whose night mode somebody switched on, by name.
+        speed_limits: With what share of its speed each robot is driven, 0 to 1; not there: 1.
         theme: The colours.
         notices: What happened, the newest last.
         help: Whether the page that says what keys do lies over the view.
@@ -148,6 +149,7 @@ class ConsoleState:
     zooms: Mapping[str, float] = field(default_factory=dict)
     wishes: Mapping[str, PictureWish] = field(default_factory=dict)
     night: frozenset[str] = frozenset()
+    speed_limits: Mapping[str, float] = field(default_factory=dict)
     theme: Theme = DARK
     notices: tuple[Notice, ...] = ()
     help: bool = False
@@ -203,6 +205,10 @@ class ConsoleState:
         known = self.robots.get(robot)
         return known.title if known is not None else robot
 
+    def speed_limit(self, robot: str) -> float:
+        """With what share of its speed a robot, which may be `CHOSEN`, is driven, 0 to 1."""
+        return self.speed_limits.get(self.chosen if robot == CHOSEN else robot, 1.0)
+
     def input_of(self, handler: str, robot: str) -> str:
         """The input that wakes a handler for a robot, in words; empty if none does."""
         chosen = self.inputs.get((handler, CHOSEN), "") if robot == self.chosen else ""
@@ -233,6 +239,7 @@ def carried_over(state: ConsoleState, layout: LayoutSpec) -> ConsoleState:
         zooms={name: zoom for name, zoom in state.zooms.items() if name in viewports},
         wishes={name: wish for name, wish in state.wishes.items() if name in robots},
         night=state.night & robots,
+        speed_limits={name: limit for name, limit in state.speed_limits.items() if name in robots},
         trouble="",
         inputs=inputs_of(layout),
     )

@@ -17,6 +17,9 @@ from rune_tui.model.theme import THEMES
 LEAST_ZOOM = 0.05
 MOST_ZOOM = 50.0
 
+SPEED_LIMITS = (0.1, 0.25, 0.5, 1.0)
+"""Shares of the full speed that a robot is driven with."""
+
 K = TypeVar("K")
 T = TypeVar("T")
 
@@ -214,6 +217,21 @@ class WishPictures:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class LimitSpeed:
+    """Drive a robot with no more than a share of its speed.
+
+    Attributes:
+        robot: Which robot.
+        share: The share, 0 to 1; None: the next of `SPEED_LIMITS`.
+        up: Whether the next one is larger.
+    """
+
+    robot: str
+    share: float | None = None
+    up: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ToggleNight:
     """The report's local message `RuneToggleNightMode`: night mode on, or off again.
 
@@ -328,6 +346,7 @@ StateEffect = (
     | WishPictures
     | ToggleNight
     | MarksWaiting
+    | LimitSpeed
     | SetTheme
     | ShowGhost
     | Tell
@@ -365,7 +384,7 @@ def changed(state: ConsoleState, effect: StateEffect) -> ConsoleState:
             zoom = state.zooms.get(name, 1.0) * factor if factor > 0.0 else 1.0
             zoom = min(MOST_ZOOM, max(LEAST_ZOOM, zoom))
             return dataclasses.replace(state, zooms=_with(state.zooms, name, zoom))
-        case WishPictures() | ToggleNight() | ShowGhost():
+        case WishPictures() | ToggleNight() | LimitSpeed() | ShowGhost():
             return _of_robot(state, effect)
         case MarksWaiting(source=source, count=count, overdue=overdue):
             return dataclasses.replace(
@@ -400,7 +419,9 @@ def _covered(state: ConsoleState, effect: CoverEffect) -> ConsoleState:
             )
 
 
-def _of_robot(state: ConsoleState, effect: WishPictures | ToggleNight | ShowGhost) -> ConsoleState:
+def _of_robot(
+    state: ConsoleState, effect: WishPictures | ToggleNight | LimitSpeed | ShowGhost
+) -> ConsoleState:
     """The state after an effect that concerns one robot."""
     match effect:
         case WishPictures(robot=name, wish=wish):
@@ -409,10 +430,22 @@ def _of_robot(state: ConsoleState, effect: WishPictures | ToggleNight | ShowGhos
             wanted = name not in state.night if on is None else on
             night = state.night | {name} if wanted else state.night - {name}
             return dataclasses.replace(state, night=night)
+        case LimitSpeed(robot=name):
+            limits = _with(state.speed_limits, name, _limit(state.speed_limit(name), effect))
+            return dataclasses.replace(state, speed_limits=limits)
         case ShowGhost(robot=name, ghost=ghost):
             others = {each: shown for each, shown in state.ghosts.items() if each != name}
             ghosts = others if ghost is None else {**others, name: ghost}
             return dataclasses.replace(state, ghosts=ghosts)
+
+
+def _limit(now: float, effect: LimitSpeed) -> float:
+    """The speed limit after an effect."""
+    if effect.share is not None:
+        return min(1.0, max(0.0, effect.share))
+    if effect.up:
+        return next((limit for limit in SPEED_LIMITS if limit > now), SPEED_LIMITS[-1])
+    return next((limit for limit in reversed(SPEED_LIMITS) if limit < now), SPEED_LIMITS[0])
 
 
 def _showing(state: ConsoleState, effect: ShowViewport) -> ConsoleState:

@@ -74,6 +74,7 @@ def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
         *_permission(robot),
         *control_parts(robot, state),
         *_motion(robot, state.now),
+        _limit(robot, state),
         *_camera(robot, state.now),
         *_picture_age(robot, state),
         *_joysticks(state),
@@ -192,6 +193,13 @@ _NEAREST = {
     Nearness.CLOSE: ("CLOSE", 7, Mood.ALARM),
 }
 """What the nearest thing is called, how much that matters, and how it is meant."""
+
+
+def _limit(robot: RobotState, state: ConsoleState) -> Part:
+    """With how much of its speed the robot is driven."""
+    limit = state.speed_limit(robot.name)
+    text = f"limit {100.0 * limit:.0f}%"
+    return Part(text, 6) if limit < 1.0 else Part(text, 0, Mood.FAINT)
 
 
 def _camera(robot: RobotState, now: float) -> Iterator[Part]:

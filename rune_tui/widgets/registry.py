@@ -32,10 +32,12 @@ from rune_tui.widgets.showing import (
     ZoomMap,
 )
 from rune_tui.widgets.speed import SetSpeed, StopRobot
+from rune_tui.widgets.speed_limit import SpeedLimit
 from rune_tui.widgets.widget import Widget
 
 WIDGETS: Mapping[str, type[Widget]] = {
     "widgetSetSpeed": SetSpeed,
+    "widgetSpeedLimit": SpeedLimit,
     "widgetStop": StopRobot,
     "widgetTakeControl": TakeControl,
     "widgetReleaseControl": ReleaseControl,

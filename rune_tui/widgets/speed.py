@@ -1,10 +1,23 @@
-"""Widgets that drive: speed while keys are held or sticks are moved, and the stop."""
+"""Widgets that drive: speed while keys are held or sticks are moved, and the stop.
+
+What a key does, by how its terminal reports releases:
+
+| event | it reports them | it does not |
+| --- | --- | --- |
+| press | drives until the release | drives a step |
+| repeat | drives on | drives until the repeats stay away |
+| release | stands | stands |
+
+A step is so much way: velocity times time, at the step's own low speed. The speed limit of the
+robot holds for steps, keys and sticks alike. Shift makes steps shorter and driving slower.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import ClassVar, Self
+from dataclasses import dataclass
+from typing import ClassVar, Final, Self
 
 from hub.gcm.navigation import ROBOT_STATE, STOP, VELOCITY_COMMAND, Stop, Twist
 from rune_tui.controls.events import ControlEvent
@@ -17,19 +30,39 @@ from rune_tui.widgets.widget import PressWidget
 
 ACTIVE_PERIOD_S = 0.05
 NEUTRAL_PERIOD_S = 0.2
+STEP_S: Final = 0.35
+"""How long a step takes [s], unless the speed limit makes it slower."""
 _EARLY_S = 0.025
 """A tick this much too early counts, half of the time between two ticks [s]."""
 _LEAST_PERIOD_S = 0.02
 """How soon after a command the next movement of a stick is worth another one [s]."""
 _ENABLE = "enable"
 _TURBO = "turbo"
+_TRANSLATE = "translate"
+_ROTATE = "rotate"
+
+
+@dataclass(slots=True)
+class _Step:
+    """A step that a key drives.
+
+    Attributes:
+        left: How much of it is left to be commanded [m or rad].
+        speed: How fast it goes [m/s or rad/s].
+        commanded: The speed that was commanded last [m/s or rad/s].
+    """
+
+    left: float
+    speed: float
+    commanded: float = 0.0
 
 
 class SetSpeed:
     """Keys and sticks to velocity: a command at each change, then at a steady rate.
 
     Each control (translate, rotate) follows the newest of its inputs that are not neutral, so of
-    two opposed keys the newest wins.
+    two opposed keys the newest wins. A key whose release nobody reports drives a step, until it
+    repeats; see the table of the module.
 
     An axis counts from the moment it leaves neutral. One that was deflected already, when what is
     held was forgotten, while the dead-man button was up or when its device appeared, waits; while
@@ -49,7 +82,9 @@ class SetSpeed:
             "Drives while held; positive `translate` is forward, positive `rotate` is "
             "counter-clockwise (to the left). Each control follows the newest of its keys, buttons "
             "and axes that is not neutral. Where `enable` is bound, axes count only while it is "
-            "held; while `turbo` is held, all is faster."
+            "held; while `turbo` is held, all is faster. Where the terminal reports no releases, a "
+            "press of a key drives a step, and its repeats drive on. Shift makes both finer. "
+            "All is held down to the speed limit of `widgetSpeedLimit`."
         ),
         controls=("translate", "rotate", _ENABLE, _TURBO),
         options={
@@ -61,6 +96,22 @@ class SetSpeed:
             ),
             "turbo_factor": NumberOption(
                 default=2.0, least=1.0, most=10.0, meaning="how many times faster turbo is"
+            ),
+            "step": NumberOption(
+                default=0.05,
+                least=0.0,
+                most=0.5,
+                unit="m",
+                meaning="way of a step; 0: a press drives at full speed for 0.6 s",
+            ),
+            "turn_step_deg": NumberOption(
+                default=5.0, least=0.0, most=45.0, unit="deg", meaning="turn of a step; 0: as there"
+            ),
+            "fine": NumberOption(
+                default=0.2,
+                least=0.05,
+                most=1.0,
+                meaning="share of steps and speed of keys with Shift",
             ),
         },
         sends=("GCM_Velocity_Command",),
@@ -79,6 +130,9 @@ class SetSpeed:
         turbo: float = 1.0,
         guarded: bool = False,
         axes: Iterable[EventSpec] = (),
+        step: float = 0.0,
+        turn_step: float = 0.0,
+        fine: float = 1.0,
     ) -> None:
         """Drive a robot.
 
@@ -89,6 +143,9 @@ class SetSpeed:
             turbo: How many times faster it is while turbo is held.
             guarded: Whether there is a dead-man button, without which axes do not count.
             axes: All that may drive.
+            step: Way of a step [m]; 0: there are none.
+            turn_step: Turn of a step [rad]; 0: there are none.
+            fine: Share of steps and speed with Shift.
         """
         self.robot = robot
         self._linear = linear
@@ -96,8 +153,13 @@ class SetSpeed:
         self._turbo = turbo
         self._guarded = guarded
         self._axes = tuple(axes)
+        self._step_sizes = {_TRANSLATE: step, _ROTATE: turn_step}
+        self._fine = fine
+        self._limit = 1.0
         self._held: dict[EventSpec, float] = {}
         """What counts and its share, -1 to 1, the newest last."""
+        self._steps: dict[EventSpec, _Step] = {}
+        """Of keys that count and have not repeated yet."""
         self._waiting: set[EventSpec] = set()
         """Axes that are not neutral and do not count."""
         self._sent = -math.inf
@@ -113,6 +175,9 @@ class SetSpeed:
             turbo=spec.options.number("turbo_factor"),
             guarded=any(event.control == _ENABLE for event in spec.events),
             axes=[event for event in spec.events if event.kind is ControlKind.AXIS],
+            step=spec.options.number("step"),
+            turn_step=math.radians(spec.options.number("turn_step_deg")),
+            fine=spec.options.number("fine"),
         )
 
     def forget(self) -> None:
@@ -122,6 +187,7 @@ class SetSpeed:
         """
         self._wait_for_neutral()
         self._held.clear()
+        self._steps.clear()
 
     def heeds(self, event_spec: EventSpec, state: ConsoleState) -> bool:
         """Whether it would count if this input left neutral now."""
@@ -138,30 +204,49 @@ class SetSpeed:
 
     def velocity(self) -> Twist:
         """What the held inputs command."""
-        newest = {spec.control: share for spec, share in self._held.items()}
+        newest = {spec.control: spec for spec in self._held}
+        return Twist.planar(self._speed(newest.get(_TRANSLATE)), self._speed(newest.get(_ROTATE)))
+
+    def _speed(self, spec: EventSpec | None) -> float:
+        """What an input commands [m/s or rad/s]."""
+        if spec is None:
+            return 0.0
+        if (step := self._steps.get(spec)) is not None:
+            return step.commanded
         factor = self._turbo if self._holds(_TURBO) else 1.0
-        return Twist.planar(
-            newest.get("translate", 0.0) * factor * self._linear,
-            newest.get("rotate", 0.0) * factor * self._angular,
-        )
+        return self._held[spec] * factor * self._full(spec)
+
+    def _full(self, spec: EventSpec) -> float:
+        """The speed at value 1 within the speed limit [m/s or rad/s]."""
+        return self._limit * (self._linear if spec.control == _TRANSLATE else self._angular)
 
     def handle(
         self, event: ControlEvent, event_spec: EventSpec, state: ConsoleState
     ) -> tuple[Effect, ...]:
         """The new velocity, at once unless a stick moves on; nothing for what does not count."""
+        self._limit = state.speed_limit(self.robot)
         if event_spec.kind is ControlKind.AXIS and event.pressed:
             return self._deflected(event, event_spec, state)
         if event.pressed and event.repeat:
-            return ()
+            stepped = self._steps.pop(event_spec, None) is not None
+            return self._send(state.now) if stepped else ()
         self._waiting.discard(event_spec)
+        self._steps.pop(event_spec, None)
         known = self._held.pop(event_spec, None) is not None
         if event.pressed:
-            self._held[event_spec] = event_spec.value
+            self._press(event, event_spec)
         elif not known:
             return ()
         elif event_spec.control == _ENABLE and not self._holds(_ENABLE):
             self._wait_for_neutral()
         return self._send(state.now)
+
+    def _press(self, event: ControlEvent, event_spec: EventSpec) -> None:
+        share = event_spec.value * (self._fine if event.fine else 1.0)
+        self._held[event_spec] = share
+        size = abs(share) * self._step_sizes.get(event_spec.control, 0.0)
+        if event.timed and size:
+            self._steps[event_spec] = _Step(left=size, speed=math.copysign(size / STEP_S, share))
 
     def _deflected(
         self, event: ControlEvent, event_spec: EventSpec, state: ConsoleState
@@ -181,6 +266,7 @@ class SetSpeed:
 
     def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
         """The velocity again if it is time: 20 times a second while it drives, else 5 times."""
+        self._limit = state.speed_limit(self.robot)
         late = state.now - self._due
         if late < -_EARLY_S:
             return ()
@@ -208,7 +294,16 @@ class SetSpeed:
     def _period(self) -> float:
         return NEUTRAL_PERIOD_S if self.velocity().neutral else ACTIVE_PERIOD_S
 
+    def _go_on(self, seconds: float) -> None:
+        """Count what steps have commanded for so long; command no more than is left of them."""
+        for spec, step in self._steps.items():
+            if step.commanded:
+                step.left = max(0.0, step.left - abs(step.commanded) * seconds)
+            most = min(abs(step.speed), abs(self._full(spec)), step.left / ACTIVE_PERIOD_S)
+            step.commanded = math.copysign(most, step.speed)
+
     def _send(self, now: float) -> tuple[Effect, ...]:
+        self._go_on(now - self._sent)
         self._sent = now
         self._due = now + self._period()
         return (SendEffect(robot=self.robot, definition=VELOCITY_COMMAND, value=self.velocity()),)

@@ -101,8 +101,9 @@ class Play:
         self.around = Surroundings.by(chance)
         self._fingers = {"w": _Finger("w"), "d": _Finger("d")}
         self._moves()
-        stops = sorted(chance.uniform(0.0, 3.0) for _ in range(chance.choice((1, 1, 2))))
         self._kind = chance.choice(("stop", "focus lost", "suspended"))
+        times = 1 if self._kind == "suspended" else chance.choice((1, 1, 2))
+        stops = sorted(chance.uniform(0.0, 3.0) for _ in range(times))
         self._stops = [(at, at + chance.uniform(0.35, 1.5)) for at in stops]
         self.keyboard = KeyboardHold()
         self.keyboard.answers = self.around.terminal is not Terminal.MUTE

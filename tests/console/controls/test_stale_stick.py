@@ -260,7 +260,7 @@ def drive(world: World, case: Case) -> None:
     """From neutral."""
     world.neutral()
     # After a stop, keys have to be silent for so long on terminals that report no releases.
-    world.wait(0.85 if case.keys else 0.25)
+    world.wait(1.25 if case.keys else 0.25)
     case.press(world)
     world.wait(0.35, until=lambda: world.robot.driven)
     assert world.robot.driven, "it cannot be driven"

@@ -150,7 +150,8 @@ def test_every_value_of_a_file_arrives(tmp_path: Path):
     assert viewport.visualizer is not None
     assert (viewport.visualizer.option, viewport.visualizer.line) == (2.5, 14)
     (widget,) = viewport.widgets
-    assert widget.options.values == {"linear": 0.25, "angular": 1.0, "turbo_factor": 2.0}
+    given = {"linear": 0.25, "angular": 1.0, "turbo_factor": 2.0}
+    assert widget.options.values == given | {"step": 0.05, "turn_step_deg": 5.0, "fine": 0.2}
     assert widget.events == (EventSpec(name="+", control="rotate", value=-0.5, line=11),)
     assert [widget.handler for widget in layout.view.widgets] == ["widgetQuit"]
 
