@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
 import os
 import random
@@ -62,6 +63,10 @@ _CENTRE, _THROW = 128, 127
 _TRIES = 5
 _PRELOAD = "LD_PRELOAD"
 _REPEAT_S = 0.033
+_DELAY_S = 0.25
+"""From a press to its first repeat, as short as on most keyboards [s]."""
+_GAPS = 0.15
+"""The share of repeats that come late, where there are gaps."""
 _SHOULDER = 1
 
 
@@ -74,26 +79,38 @@ def layout(hub: str, *, pad: bool) -> str:
 
 
 class Finger:
-    """Keeps a key down: a press and repeats, at whatever terminal that is then."""
+    """Keeps a key down: a press and repeats, at whatever terminal that is then.
+
+    Attributes:
+        gaps: Whether some repeats come late, as much as a window manager or a line makes them.
+    """
 
     def __init__(self) -> None:
+        self.gaps = False
         self._lifted = threading.Event()
         self._thread: threading.Thread | None = None
 
     def press(self, terminal: Callable[[], int], key: str) -> None:
         """Until it is lifted."""
         self._lifted.clear()
+        chance = random.Random(key)
 
         def repeat() -> None:
-            while not self._lifted.wait(_REPEAT_S):
+            pause = 0.0
+            for number in itertools.count():
+                if self._lifted.wait(pause):
+                    return
                 with contextlib.suppress(OSError):  # the terminal is closed, or takes no more
                     os.write(terminal(), key.encode())
+                late = self.gaps and chance.random() < _GAPS
+                pause = chance.uniform(0.16, 0.5) if late else _REPEAT_S if number else _DELAY_S
 
         self._thread = threading.Thread(target=repeat)
         self._thread.start()
 
     def lift(self) -> None:
         self._lifted.set()
+        self.gaps = False
         if self._thread is not None:
             self._thread.join()
             self._thread = None
@@ -335,7 +352,8 @@ class DrivenRobot:
         shown = [line.split() for line in self.console.screen.display]
         axes = [words[2] for words in shown if words[:1] and words[0].endswith(("x", "y"))]
         seen = self.pad is None or (axes and set(axes) <= {"+0.00", "-0.00"})
-        return bool(seen and "STANDING" in self.console.text)
+        text = self.console.text
+        return bool(seen and "STANDING" in text and "LET GO OF" not in text)
 
     def _drives(self, row: Row) -> bool:
         return row.told and (abs(row.linear) > 0.1 or abs(row.angular) > 0.2)

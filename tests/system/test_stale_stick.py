@@ -38,6 +38,8 @@ REST_S = 0.7
 """The robot is at rest within this time after the event [s]."""
 INSISTED_S = 0.6
 """A stick stays deflected for so long, in vain [s]."""
+INSISTED_WITH_GAPS_S = 3.0
+"""The same for a key of which some repeats come late [s]."""
 REPETITIONS = 30
 _YEAR_S = 365 * 24 * 3600
 
@@ -230,7 +232,20 @@ def with_a_key_held(case: Case) -> Case:
     return replace(case, name=f"{case.name} with a key held", press=DrivenRobot.hold_key)
 
 
+def with_gaps(case: Case) -> Case:
+    """The same while a key drives, and from then on some of its repeats come late."""
+
+    def strike(scene: Scene) -> object:
+        scene.robot.finger.gaps = True
+        return case.strike(scene)
+
+    held = with_a_key_held(case)
+    return replace(held, name=f"{held.name} and gaps", strike=strike)
+
+
 ASLEEP = Case(name="asleep", strike=send_signal(signal.SIGSTOP), mend=awake)
+SUSPENDED = Case(name="suspended", strike=send_signal(signal.SIGTSTP), mend=awake)
+STOPPED = Case(name="stopped from elsewhere", strike=stop_from_elsewhere)
 KILLED = Case(name="killed", strike=send_signal(signal.SIGKILL), mend=start_again)
 CASES = (
     Case(name="unplugged", strike=lambda scene: scene.robot.unplug(), mend=replug),
@@ -243,11 +258,13 @@ CASES = (
         strike=release_dead_man,
         mend=lambda scene: scene.robot.shake(shoulder=True),
     ),
-    Case(name="stopped from elsewhere", strike=stop_from_elsewhere),
+    STOPPED,
+    with_gaps(STOPPED),
     Case(name="stopped by key", strike=type_keys(" ")),
     ASLEEP,
     with_a_key_held(ASLEEP),
-    Case(name="suspended", strike=send_signal(signal.SIGTSTP), mend=awake),
+    SUSPENDED,
+    with_gaps(SUSPENDED),
     Case(name="wall clocks step", strike=step_clocks, mend=awake),
     Case(
         name="taken over",
@@ -349,7 +366,7 @@ def stops(scene: Scene, case: Case) -> Reaction:
     assert told is not None
     assert rest is not None
     case.mend(scene)
-    end = time.monotonic() + INSISTED_S
+    end = time.monotonic() + (INSISTED_WITH_GAPS_S if robot.finger.gaps else INSISTED_S)
     while time.monotonic() < end:
         robot.insist()
         robot.pump()
