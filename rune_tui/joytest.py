@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 import sys
+import textwrap
 import threading
 import time
 from collections.abc import Mapping, Sequence
@@ -197,6 +198,11 @@ def made_of(seat: Seat, position: int, name: str) -> str:
     return f"{told} of {axis.share + 0.0:+.2f}  {curve(axis.shape)}  {about}"  # no -0.00
 
 
+def fold(line: str, columns: int) -> list[str]:
+    """A line in rows of so many columns; what does not fit goes on in the next row, indented."""
+    return textwrap.wrap(line, max(20, columns), subsequent_indent=" " * 8) or [""]
+
+
 def curve(shape: Shape) -> str:
     """How much becomes of an axis, from its rest to its end."""
     shares = (column / (_CURVE - 1) for column in range(_CURVE))
@@ -285,8 +291,10 @@ class _Pictures:
         columns, rows = shutil.get_terminal_size()
         lines = [line for seat in bench.seats.values() for line in lines_of(seat)]
         lines += [bench.trouble] if bench.trouble else []
-        lines = [*(lines or [f"{NOTHING}; waiting for one"]), "", "ctrl+c ends this"][:rows]
-        whole = "\n".join(f"{line[:columns]}{_REST_OF_LINE}" for line in lines)
+        lines = lines or [f"{NOTHING}; waiting for one"]
+        folded = [row for line in lines for row in fold(line, columns)]
+        shown = [*folded[: max(0, rows - 2)], "", "ctrl+c ends this"]
+        whole = "\n".join(f"{row[:columns]}{_REST_OF_LINE}" for row in shown)
         sys.stdout.write(f"{_HOME}{whole}{_BELOW}")
         sys.stdout.flush()
 
