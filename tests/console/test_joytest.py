@@ -11,7 +11,7 @@ LINE = (
 )
 
 
-@pytest.mark.parametrize("columns", [20, 40, 80, 200])
+@pytest.mark.parametrize("columns", [30, 40, 80, 200])
 def test_nothing_of_a_line_is_cut_on_a_narrow_terminal(columns: int) -> None:
     rows = fold(LINE, columns)
     assert all(len(row) <= columns for row in rows)
