@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
 import selectors
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -35,6 +37,8 @@ class DemoHub:
         self._log = log
         command = [sys.executable, "-m", "hub", "run", robot, "--port", "0", "--json"]
         command += [word for setting in settings for word in ("--set", setting)]
+        # What is found in a demo ends with it, and the next one begins with an empty map.
+        self._kept = tempfile.TemporaryDirectory(prefix="rune-demo-", ignore_cleanup_errors=True)
         try:
             with log.open("ab") as file:
                 self._process = subprocess.Popen(
@@ -43,6 +47,7 @@ class DemoHub:
                     stdout=subprocess.PIPE,
                     stderr=file,
                     process_group=0,
+                    env={**os.environ, "STATE_DIRECTORY": self._kept.name},
                 )
         except OSError as error:
             text = f"the demo's hub cannot be started: {error}"
@@ -93,3 +98,4 @@ class DemoHub:
             self._process.wait()
         if self._process.stdout is not None:
             self._process.stdout.close()
+        self._kept.cleanup()
