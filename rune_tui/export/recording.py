@@ -1,13 +1,17 @@
 """Everything that comes from robots and goes to them, as an MCAP file.
 
 Payloads are written as they are on the bus, which is as ROS 2 writes them, with the ROS 2 text of
-each message beside it: Foxglove and the mcap tools open it. A file that was cut off, as its writer
-was killed, lacks its index only; `mcap recover` makes that anew.
+each message beside it: Foxglove and the mcap tools open it. Messages are handed to the system at
+least every FLUSH_S: a file whose writer was killed, or whose disk is full, has all before that and
+lacks its index only; `mcap recover` makes that anew.
 """
 
 from __future__ import annotations
 
+import contextlib
 import logging
+import math
+import os
 import queue
 import threading
 import time
@@ -22,6 +26,8 @@ from hub.ipc.schema import ros2msg, ros_type
 
 _logger = logging.getLogger(__name__)
 
+FLUSH_S = 0.5
+"""No message waits longer than this before it is handed to the system [s]."""
 _MOST_WAITING = 4000
 """Messages that wait for the disk; what comes beyond is left out and counted."""
 
@@ -31,7 +37,7 @@ class Recording:
 
     Attributes:
         path: The file.
-        count: Messages written.
+        count: Messages that can be read from the file, whatever happens to this process.
         dropped: Messages left out, as the disk was too slow.
         fault: Why nothing more is written; empty while all is well.
     """
@@ -51,11 +57,15 @@ class Recording:
         self.fault = ""
         self._channels: dict[tuple[str, str], int] = {}
         self._schemas: dict[str, int] = {}
+        self._unflushed = 0
+        self._flush_due = math.inf
+        self._end_of_whole = 0
         self._waiting: queue.Queue[_Entry | None] = queue.Queue(_MOST_WAITING)
         self._file = path.open("xb")
         self._writer = Writer(self._file)
         self._writer.start(profile="", library="rune")
         self._writer.add_metadata("rune", about)
+        self._flush()
         self._thread = threading.Thread(target=self._write_all, name="recording", daemon=True)
         self._thread.start()
 
@@ -75,11 +85,41 @@ class Recording:
 
     def _write_all(self) -> None:
         try:
-            while (entry := self._waiting.get()) is not None:
-                if not self.fault:
+            while (entry := self._next()) is not None:
+                if entry and not self.fault:
                     self._write(*entry)
+                if time.monotonic() >= self._flush_due:
+                    self._flush()
         finally:
             self._end()
+
+    def _next(self) -> _Entry | tuple[()] | None:
+        """The next message; empty where it is time to flush before one comes, None at the end."""
+        left = self._flush_due - time.monotonic()
+        try:
+            return self._waiting.get(timeout=None if math.isinf(left) else max(0.0, left))
+        except queue.Empty:
+            return ()
+
+    def _flush(self) -> None:
+        """Hand all that was written to the system; what it does not take is cut off."""
+        self._flush_due = math.inf
+        if self.fault:
+            return
+        try:
+            self._writer.flush()  # type: ignore[no-untyped-call]
+        except OSError as error:
+            self._give_up(error)
+        else:
+            self.count += self._unflushed
+            self._unflushed = 0
+            self._end_of_whole = self._file.tell()
+
+    def _give_up(self, error: OSError) -> None:
+        """Write nothing more; the file ends with what can be read."""
+        self.fault = error.strerror or str(error)
+        with contextlib.suppress(OSError):
+            os.truncate(self.path, self._end_of_whole)
 
     def _write(
         self,
@@ -101,9 +141,11 @@ class Recording:
         except CodecError as error:
             _logger.warning("%s of %s is not recorded: %s", definition.name, robot, error)
         except OSError as error:
-            self.fault = error.strerror or str(error)
+            self._give_up(error)
         else:
-            self.count += 1
+            self._unflushed += 1
+            if math.isinf(self._flush_due):
+                self._flush_due = time.monotonic() + FLUSH_S
 
     def _channel(self, robot: str, definition: MessageDefinition[Any]) -> int:
         key = (robot, definition.name)
@@ -122,12 +164,19 @@ class Recording:
         return self._channels[key]
 
     def _end(self) -> None:
+        self._flush()
         try:
             if not self.fault:
                 self._writer.finish()  # type: ignore[no-untyped-call]
-            self._file.close()
+                self._file.flush()
         except OSError as error:
-            self.fault = self.fault or error.strerror or str(error)
+            self._give_up(error)
+        # What did not get through is still in the file's memory, and closing tries it again.
+        with contextlib.suppress(OSError):
+            self._file.close()
+        if self.fault:
+            with contextlib.suppress(OSError):
+                os.truncate(self.path, self._end_of_whole)
 
 
 _Entry = tuple[str, MessageDefinition[Any], object, float, int]

@@ -20,6 +20,7 @@ class Question(ModalScreen[None]):
     CSS = """
     Question { align: center middle; }
     Question > Vertical { width: 80%; max-width: 80; height: auto; border: round $accent; }
+    Question Label { width: 100%; }
     """
     BINDINGS: ClassVar = [Binding("escape", "leave", "leave it", show=False)]
 

@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
+import subprocess
+import sys
 import time
 from pathlib import Path
 
 import numpy as np
 import pytest
+from mcap.exceptions import EndOfFile
 from mcap.reader import make_reader
+from mcap.records import Message
+from mcap.stream_reader import StreamReader
 from mcap_ros2.decoder import DecoderFactory
 
 from hub.gcm.navigation import ROBOT_STATE, VELOCITY_COMMAND, Twist
 from hub.gcm.vision import IMAGE, Image, ImageCoding
 from rune_tui.export.recording import Recording
+from tests.full_disk import files_no_longer_than
 from tests.messages import camera_state, robot_state
+from tests.waiting import until
 
 
 def test_messages_are_read_back_by_tools_of_ros(tmp_path: Path) -> None:
@@ -76,6 +84,62 @@ def test_a_full_disk_ends_the_recording_and_nothing_else(
         recording.add("left", ROBOT_STATE, robot_state(), 0.0)
     recording.close()
     assert (recording.count, recording.fault) == (0, "No space left on device")
+
+
+def readable(path: Path) -> int:
+    """Messages that can be read of a file without an end."""
+    found = 0
+    with path.open("rb") as file, contextlib.suppress(EndOfFile):
+        for record in StreamReader(file).records:
+            found += isinstance(record, Message)
+    return found
+
+
+_WRITER = """
+import sys, time
+from pathlib import Path
+from rune_tui.export.recording import Recording
+from hub.gcm.navigation import ROBOT_STATE
+from tests.messages import robot_state
+recording = Recording(Path(sys.argv[1]), {})
+while True:
+    recording.add("left", ROBOT_STATE, robot_state(), time.monotonic())
+    print(recording.count, flush=True)
+    time.sleep(0.002)
+"""
+
+
+def test_what_was_counted_can_be_read_after_a_kill(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    with subprocess.Popen(
+        [sys.executable, "-c", _WRITER, str(path)], stdout=subprocess.PIPE, text=True
+    ) as writer:
+        assert writer.stdout is not None
+        counted = 0
+        while counted < 20:
+            counted = int(writer.stdout.readline())
+        writer.kill()
+        for line in writer.stdout:
+            counted = int(line) if line.endswith("\n") else counted
+    assert readable(path) >= counted >= 20
+
+
+def test_on_a_full_disk_the_count_is_what_can_be_read(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    with files_no_longer_than(30_000):
+        recording = Recording(path, {})
+        noise = np.random.default_rng(1)
+        for number in range(400):
+            ranges = noise.random(16).astype(np.float32)
+            state = robot_state(x=float(number), sonar=ranges, infrared=ranges)
+            recording.add("left", ROBOT_STATE, state, 0.0)
+            if number % 40 == 0:
+                until(recording._waiting.empty, 5.0)
+                recording._flush_due = 0.0
+        recording.close()
+    assert recording.fault == "File too large"
+    assert 0 < recording.count == readable(path) < 400
+    assert path.stat().st_size <= 30_000
 
 
 def test_a_file_that_is_there_is_not_written_over(tmp_path: Path) -> None:

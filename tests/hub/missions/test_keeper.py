@@ -5,8 +5,6 @@ from __future__ import annotations
 import dataclasses
 import math
 import os
-import resource
-import signal
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -19,6 +17,7 @@ from hub.missions.folder import MissionFolder
 from hub.missions.keeper import MissionKeeper, MissionLimits
 from hub.missions.log_odds import STEP, LogOdds
 from hub.missions.points import MAX_THUMBNAIL_BYTES, NO_THUMBNAIL
+from tests.full_disk import files_no_longer_than
 
 NOW = 1.7e9
 GRID = LogOdds.of(np.diag([1.0, 0.0, -2.0]).astype(np.float32), 0.05, -1.0, 2.0)
@@ -125,22 +124,6 @@ def test_on_a_full_disk_marks_are_shown_as_not_kept_until_they_are(
     assert [point.kept for point in keeper.points.points] == [1, 1]
     assert (keeper.unkept, keeper.fault) == (0, "")
     assert len(keeper._folder.read(keeper.id)[0].points.points) == 2
-
-
-class files_no_longer_than:  # noqa: N801 - reads as words
-    """As if the disk were full: the system writes no file beyond this size [bytes]."""
-
-    def __init__(self, size: int) -> None:
-        self._size = size
-
-    def __enter__(self) -> None:
-        self._before = resource.getrlimit(resource.RLIMIT_FSIZE)
-        self._signal = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (self._size, self._before[1]))
-
-    def __exit__(self, *_: object) -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, self._before)
-        signal.signal(signal.SIGXFSZ, self._signal)
 
 
 def test_a_folder_that_cannot_be_written_is_a_fault_and_tried_again(tmp_path: Path) -> None:
