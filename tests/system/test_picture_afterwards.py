@@ -98,7 +98,7 @@ def open_the_list(console: ConsoleProcess) -> None:
     console.type("\x10")  # ctrl+p
     console.wait(lambda: "What shall be done?" in console.text, 20.0, "the list does not open")
     console.pump(0.5)
-    console.wait(lambda: "Ends the console" in console.text, 20.0, "the picture is over the list")
+    console.wait(lambda: "Quit" in console.text, 20.0, "the picture is over the list")
     console.type("\x1b")
     console.wait(lambda: "What shall be done?" not in console.text, 20.0, "the list stays")
 
