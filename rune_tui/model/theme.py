@@ -28,6 +28,7 @@ class Theme:
         faint: Of hints, and of lines and rules.
         ground: Behind pictures, and between panes.
         panel: Behind words and gauges.
+        bar: Behind lines that part what is above them from what is below: the status line.
         track: The empty part of a gauge.
         accent: Of what moves in a gauge.
         good: Of words that all is well.
@@ -50,6 +51,7 @@ class Theme:
     faint: Colour
     ground: Colour
     panel: Colour
+    bar: Colour
     track: Colour
     accent: Colour
     good: Colour
@@ -73,6 +75,7 @@ DARK: Final = Theme(
     faint=(142, 152, 162, 255),
     ground=(0, 0, 0, 255),
     panel=(24, 28, 34, 255),
+    bar=(38, 45, 54, 255),
     track=(58, 66, 76, 255),
     accent=(80, 160, 220, 255),
     good=(120, 200, 255, 255),
@@ -93,6 +96,7 @@ LIGHT: Final = Theme(
     faint=(88, 94, 102, 255),
     ground=(255, 255, 255, 255),
     panel=(234, 237, 240, 255),
+    bar=(214, 220, 226, 255),
     track=(196, 203, 210, 255),
     accent=(20, 100, 170, 255),
     good=(0, 84, 150, 255),
@@ -113,6 +117,7 @@ RED: Final = Theme(
     faint=(228, 228, 228, 255),
     ground=(0, 0, 0, 255),
     panel=(20, 20, 20, 255),
+    bar=(36, 36, 36, 255),
     track=(72, 72, 72, 255),
     accent=(200, 200, 200, 255),
     good=(240, 240, 240, 255),

@@ -30,9 +30,9 @@ def control_parts(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     if stands is Standing.OTHERS:
         yield Part(f"{control.operator} has control", 7)
     elif stands is Standing.MINE:
-        yield Part("you have control", 3, Mood.GOOD)
+        yield Part("you have control", 5, Mood.GOOD, short="yours")
     else:
-        yield Part("nobody has control", 1)
+        yield Part("nobody has control", 4, short="free")
     yield from request_parts(robot, state)
     yield from _silence(control)
 

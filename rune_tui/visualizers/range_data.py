@@ -35,10 +35,11 @@ _SMOOTHING = 3
 _LEAST_ROOM: Final = 2.0
 """The drawing reaches at least so many radii of the body."""
 _FREE_ALPHA, _UNBOUNDED_ALPHA, _NEAR_ALPHA = 190, 90, 235
-_PLATE_ALPHA, _RING_ALPHA = 150, 170
+_PLATE_ALPHA, _RING_ALPHA = 150, 130
 _RING_STEPS: Final = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 _LEAST_RING: Final = 3.5
 """From one ring to the next, at least [pixels]."""
+_MOST_RINGS: Final = 4
 _LEAST_RIM: Final = 8.0
 """In smaller drawings there are no rings [pixels]."""
 _RING_DIRECTION: Final = math.radians(-146.0)
@@ -270,7 +271,8 @@ class RangeData:
 def _rings(plan: _Plan) -> list[float]:
     """Distances that have a ring [m]: round ones, as many as can be told apart."""
     metre = plan.rim / plan.rim_m
-    step = next((each for each in _RING_STEPS if each * metre >= _LEAST_RING), 0.0)
+    least = max(_LEAST_RING / metre, plan.rim_m / _MOST_RINGS)
+    step = next((each for each in _RING_STEPS if each >= least), 0.0)
     if plan.rim < _LEAST_RIM or not step:
         return []
     return [step * number for number in range(1, math.floor(plan.rim_m / step + 1e-6) + 1)]

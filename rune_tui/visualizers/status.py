@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
@@ -67,7 +67,7 @@ class Status:
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Write what there is room for in the first row."""
-        canvas.fill(state.theme.panel)
+        canvas.fill(state.theme.bar)
         parts = fitting(self._unsaid(robot, state), canvas.width)
         column = 0 if _width(parts) + 2 > canvas.width else 1
         for part in parts:
@@ -96,17 +96,19 @@ class Status:
 def fitting(parts: Sequence[Part], columns: int) -> tuple[Part, ...]:
     """The parts that fit side by side; at least one stays.
 
-    Those of least weight are shortened, as far as they can be, and then left out.
+    Those of least weight are shortened, and then left out, before those of more weight are.
     """
-    kept = list(parts)
-    for place in sorted(range(len(kept)), key=lambda place: (kept[place].weight, -place)):
-        part = kept[place]
-        if part.short and _width(kept) > columns:
-            kept[place] = dataclasses.replace(part, text=part.short)
-    while len(kept) > 1 and _width(kept) > columns:
-        kept.remove(min(reversed(kept), key=lambda part: part.weight))
-    return tuple(kept)
+    kept: dict[int, Part] = dict(enumerate(parts))
+    for weight in sorted({part.weight for part in parts}):
+        places = [place for place in reversed(kept) if kept[place].weight == weight]
+        for place in places:
+            if kept[place].short and _width(kept.values()) > columns:
+                kept[place] = dataclasses.replace(kept[place], text=kept[place].short)
+        for place in places:
+            if len(kept) > 1 and _width(kept.values()) > columns:
+                del kept[place]
+    return tuple(kept.values())
 
 
-def _width(parts: Sequence[Part]) -> int:
+def _width(parts: Iterable[Part]) -> int:
     return sum(len(printable_text(part.text)) + _GAP for part in parts) - _GAP

@@ -69,7 +69,7 @@ _SHORT_MOTION = {
 def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     """All that there is to say now, in the order in which it is shown."""
     return (
-        Part(robot.title, 8),
+        Part(robot.title, 2 if len(state.robots) == 1 else 8),
         _link(robot, state.now),
         *_permission(robot),
         *control_parts(robot, state),
@@ -139,7 +139,8 @@ def _doing(robot: RobotState, navigation: NavigationState, now: float) -> Iterat
         yield Part(text, 7, mood, short=_SHORT_MOTION.get(text, ""))
     yield from by_itself
     turning = turn_words(-math.degrees(navigation.angular))
-    yield Part(f"{signed(navigation.linear, 2)} m/s {turning}°/s", 6, gauge=True)
+    speed = f"{signed(navigation.linear, 2)} m/s"
+    yield Part(f"{speed} {turning}°/s", 6, short=speed, gauge=True)
     if motion is MotionState.MOVING and navigation.held_back >= _HELD_BACK:
         yield Part(f"HELD BACK {navigation.held_back:.0%}", 6, Mood.WARNING)
 

@@ -81,7 +81,7 @@ def test_every_text_stands_out_before_any_picture(theme: Theme, depth: ColourDep
 @pytest.mark.parametrize("theme", THEMES.values(), ids=lambda theme: theme.name)
 def test_the_colours_of_a_theme_stand_out_by_themselves(theme: Theme) -> None:
     inks = ("ink", "soft", "faint", "good", "warning", "alarm_ink")
-    pairs = [(ink, ground) for ink in inks for ground in ("panel", "ground")]
+    pairs = [(ink, ground) for ink in inks for ground in ("panel", "ground", "bar")]
     for ink, ground in (*pairs, ("on_alarm", "alarm")):
         colours = np.array([getattr(theme, ink), getattr(theme, ground)], np.uint8)
         first, second = luminance(colours, theme.tint)

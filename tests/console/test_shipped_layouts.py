@@ -1,0 +1,117 @@
+"""Shipped layouts keep what the design language says, at every size that it names."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rune_tui.compositor.colours import at_depth
+from rune_tui.compositor.depth import ColourDepth
+from rune_tui.layout.placing import Placed, arrangement_for, placed
+from rune_tui.layout.spec import LayoutSpec
+from rune_tui.model.theme import LEAST_CONTRAST, THEMES, Theme
+from rune_tui.opening import BUILT_IN, open_layout
+from tests.console.situations import ROOT, SITUATIONS, scene
+from tests.console.test_contrast import least_contrast
+
+LAYOUTS = sorted((ROOT / "layouts").glob("*.xml"))
+SIZES = [(80, 24), (120, 40), (160, 48), (200, 60)]
+LINES = {"visualizeStatus", "visualizeLabel"}
+"""Lines with a ground of their own, which part what is above them from what is below."""
+
+each_layout = pytest.mark.parametrize("path", LAYOUTS, ids=lambda path: path.stem)
+each_size = pytest.mark.parametrize("size", SIZES, ids=lambda size: f"{size[0]}")
+
+
+def drawn_of(layout: LayoutSpec, name: str) -> str:
+    (viewport,) = (each for each in layout.view.viewports if each.name == name)
+    return viewport.visualizer.function if viewport.visualizer else ""
+
+
+def panes(layout: LayoutSpec, size: tuple[int, int]) -> list[Placed]:
+    arrangement = arrangement_for(layout.view.arrangements, *size)
+    kinds = BUILT_IN.visualizers
+    free = {
+        each.name
+        for each in layout.view.viewports
+        if each.visualizer and not kinds[each.visualizer.function].whole_cells
+    }
+    there = placed(arrangement, *size, free=free)
+    return [each for each in there if each.spec.visible and drawn_of(layout, each.spec.viewport)]
+
+
+@each_size
+@each_layout
+def test_no_pane_touches_another(path: Path, size: tuple[int, int]) -> None:
+    layout = open_layout(path)
+    titled = {each.name for each in layout.view.viewports if each.title}
+    for one, other in combinations(panes(layout, size), 2):
+        if one.spec.zpos != other.spec.zpos or one.area.meets(other.area):
+            continue
+        if not one.area.touches(other.area):
+            continue
+        upper, lower = sorted((one, other), key=lambda each: each.area.y)
+        stacked = upper.area.y + upper.area.height <= lower.area.y
+        parted = stacked and lower.spec.viewport in titled
+        drawn = {drawn_of(layout, each.spec.viewport) for each in (one, other)}
+        gauges = drawn <= {"visualizeSpeed", "visualizeBattery"} and stacked
+        pair = f"{one.spec.viewport} and {other.spec.viewport} of {path.stem} at {size}"
+        assert parted or gauges or drawn & LINES, pair
+
+
+@each_size
+@each_layout
+def test_lines_of_two_robots_do_not_run_into_each_other(path: Path, size: tuple[int, int]) -> None:
+    layout = open_layout(path)
+    robots = {each.name: each.robot for each in layout.view.viewports}
+    for one, other in combinations(panes(layout, size), 2):
+        if robots[one.spec.viewport] == robots[other.spec.viewport]:
+            continue
+        if drawn_of(layout, one.spec.viewport) == drawn_of(layout, other.spec.viewport):
+            assert not one.area.touches(other.area)
+
+
+@each_layout
+def test_forty_columns_by_twelve_rows_show_video_control_and_stop(path: Path) -> None:
+    layout = open_layout(path)
+    there = panes(layout, (40, 12))
+    cameras = [
+        each for each in there if drawn_of(layout, each.spec.viewport) == "visualizeCameraImage"
+    ]
+    if path.stem != "xroboview":  # it watches without a camera
+        seen = sum(each.area.width * each.area.height for each in cameras)
+        assert seen >= 0.3 * 40 * 24
+    cells = scene(layout, SITUATIONS["asked-for-control"], (40, 12))
+    text = "\n".join("".join(chr(p or 32) for p in row) for row in cells.glyphs.tolist())
+    assert "bob ASKS FOR CONTROL" in text
+    stops = [w for w in all_widgets(layout) if w.handler == "widgetStop"]
+    if stops and any(drawn_of(layout, each.spec.viewport) == "visualizeLabel" for each in there):
+        calm = scene(layout, SITUATIONS["driving"], (40, 12))
+        text = "\n".join("".join(chr(p or 32) for p in row) for row in calm.glyphs.tolist())
+        assert "STOP" in text
+
+
+def all_widgets(layout: LayoutSpec) -> list:
+    return [w for each in layout.view.viewports for w in each.widgets] + [*layout.view.widgets]
+
+
+@pytest.mark.parametrize("theme", THEMES.values(), ids=lambda theme: theme.name)
+@each_layout
+def test_every_text_stands_out(path: Path, theme: Theme) -> None:
+    layout = open_layout(path)
+    for size in SIZES:
+        cells = scene(layout, SITUATIONS["low-battery"], size, theme)
+        for depth in ColourDepth:
+            assert least_contrast(at_depth(cells, depth)) >= LEAST_CONTRAST - 0.01, (size, depth)
+
+
+@each_layout
+def test_what_is_behind_everything_is_the_themes(path: Path) -> None:
+    layout = open_layout(path)
+    assert layout.view.background is None
+    light = scene(layout, SITUATIONS["lost-link"], (160, 48), THEMES["light"])
+    dark = scene(layout, SITUATIONS["lost-link"], (160, 48))
+    assert np.mean(light.pixels[..., :3]) > np.mean(dark.pixels[..., :3])
