@@ -485,6 +485,6 @@ def test_a_title_takes_the_first_row_of_a_pane_that_has_room_for_it() -> None:
         assert cells is not None
         first, second = words(cells).splitlines()[:2]
         assert first.startswith("─ what it does ──") == titled
-        assert ("magellan" in second) == titled
+        assert ("MOVING" in second) == titled
     hit = screen.hits(5, 1, STATE)
     assert [each.viewport for each in hit] == ["visualizeStatus"]

@@ -46,8 +46,8 @@ def test_everything_that_is_known_is_said_in_one_line(made, draw, golden) -> Non
     )
     canvas = draw(NAME, robot, (130, 2), held=("w", "d"))
     assert line(canvas) == (
-        "magellan  linked  MOVING  +0.25 m/s right 12°/s  battery 50% 24.1 V  nearest 1.80 m ahead  "
-        "camera 37° left  picture 0.5 s old"
+        "magellan  linked  MOVING  +0.25 m/s right 12°/s  battery 50% 24.1 V  "
+        "nearest 1.80 m ahead  camera 37° left  picture 0.5 s old"
     )
     golden("status", canvas)
 
