@@ -25,14 +25,16 @@ from rune_tui.model.effects import (
     Effect,
     PaletteEffect,
     QuitEffect,
+    ReleaseFirst,
     SendEffect,
     SuspendEffect,
     Tell,
     ToggleHelp,
 )
-from rune_tui.model.robot_state import LinkPhase, LinkState
+from rune_tui.model.robot_state import LinkPhase, LinkState, Received
 from rune_tui.opening import open_layout
 from tests.console.states import robot_of
+from tests.messages import robot_state
 
 DEMO = open_layout(Path(__file__).parents[2] / "layouts" / "demo.xml")
 TWO_ROBOTS = """\
@@ -245,6 +247,27 @@ def test_under_the_help_only_stop_help_and_quit_count(two_robots: LayoutSpec):
         assert dispatch.handle(down(key), HELPED) == ()
     assert stops(dispatch.handle(down("space"), HELPED)) == ["magellan"]
     assert dispatch.handle(down("q"), HELPED) == (QuitEffect(),)
+
+
+def test_a_stop_that_came_and_went_between_two_reports_has_keys_released_first(
+    two_robots: LayoutSpec,
+):
+    dispatch = Dispatch(two_robots)
+
+    def reported(stops: int) -> ConsoleState:
+        navigation = Received(value=robot_state(stops=stops), measured=0.0, number=1)
+        link = LinkState(phase=LinkPhase.CONNECTED, since=0.0, endpoint="")
+        robot = robot_of(name="magellan", link=link, navigation=navigation)
+        return ConsoleState(now=0.0, robots={"magellan": robot})
+
+    assert not [each for each in dispatch.look(reported(7)) if isinstance(each, ReleaseFirst)]
+    dispatch.handle(down("w"), reported(7))
+    assert dispatch.look(reported(7)) == []
+    *stopped, required = dispatch.look(reported(8))
+    assert velocities(tuple(stopped), "magellan") == [(0.0, 0.0)]
+    assert isinstance(required, ReleaseFirst)
+    assert required.keys >= {"w", "e"}
+    assert dispatch.look(reported(8)) == []
 
 
 def old(key: str, *, repeat: bool = False) -> ControlEvent:

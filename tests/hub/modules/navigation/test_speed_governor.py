@@ -107,6 +107,21 @@ def test_drives_again_after_a_stop_only_from_neutral() -> None:
     assert scene.state is MotionState.STOPPED
 
 
+def test_counts_what_makes_whoever_drives_become_neutral_first() -> None:
+    scene = driving()
+    counted = [scene.governor.stops]
+    for happens in (
+        scene.governor.stop,
+        scene.governor.driver_began_anew,
+        lambda: scene.governor.controlled_by(B, A),
+        lambda: scene.hold(A, 0.0, 0.2),
+        lambda: (scene.command(A, 0.4), scene.wait(0.5)),  # it falls silent
+    ):
+        happens()
+        counted.append(scene.governor.stops - sum(counted))
+    assert counted == [0, 1, 1, 1, 0, 1]
+
+
 def test_neutral_of_another_does_not_undo_a_stop() -> None:
     scene = driving(A)
     scene.governor.stop()
