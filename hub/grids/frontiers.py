@@ -11,12 +11,18 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from hub.grids.clearance import clearance
 from hub.grids.costs import SQUEEZE, TIGHT, Caution, crossing
 from hub.grids.grid import Grid, Mask
 from hub.grids.wavefront import Costs, spread
 
 SOLID_CELLS = 4
 """So many of the 9 cells around an unknown one have to be unknown; fewer are specks."""
+
+ROOM = 0.75
+"""Unknown ground counts where this share of the radius is clear of obstacles."""
+GAIN_REACH = 1.5
+"""Unknown ground farther behind a frontier does not count as its gain [m]."""
 
 Numbers = npt.NDArray[np.intp]
 
@@ -31,12 +37,14 @@ class Frontier:
         length: How many cells, times their width [m].
         distance: Way of the robot to that place [m]; inf: it cannot be reached, and x and y are
             the middle of the frontier's cell that is nearest to its centre of gravity.
+        gain: Unknown ground near behind it where the robot may be able to stand [m^2].
     """
 
     x: float
     y: float
     length: float
     distance: float
+    gain: float = 0.0
 
 
 def frontiers(
@@ -78,11 +86,13 @@ def frontiers(
     opaque = grid.occupied if in_sight else np.zeros_like(grid.occupied)
     places, lengths = _standing_places(costs, opaque, edge, reach_cells)
     names = groups(edge, grid.cells.shape)
+    ground = _Ground(grid, ROOM * radius)
     found = []
     for name in range(int(names.max()) + 1):
         members = np.flatnonzero(names == name)
         if members.size * grid.resolution >= shortest:
-            found.append(_frontier(grid, edge[members], places[members], lengths[members]))
+            gain = ground.behind(edge[members])
+            found.append(_frontier(grid, edge[members], places[members], lengths[members], gain))
     return tuple(sorted(found, key=lambda frontier: -frontier.length))
 
 
@@ -175,8 +185,64 @@ def _between(rows: int, columns: int, stride: int) -> Numbers:
     return offsets
 
 
+class _Ground:
+    """Unknown ground in which the robot may be able to stand, as far as the map tells."""
+
+    def __init__(self, grid: Grid, room: float) -> None:
+        """Look at a map.
+
+        Args:
+            grid: The map; beyond it nothing is known.
+            room: How far the robot's middle keeps from obstacles [m].
+        """
+        self._reach = math.ceil(GAIN_REACH / grid.resolution)
+        self._cell = grid.resolution**2
+        away = clearance(grid.occupied, grid.resolution, room + grid.resolution)
+        frame = self._reach + 2
+        self._open = np.pad(grid.unknown & (away >= room), frame, constant_values=True)
+        self._frame = frame
+
+    def behind(self, edge: Numbers) -> float:
+        """How much of it can be come to from a frontier's cells within GAIN_REACH [m^2]."""
+        low = edge.min(axis=0)
+        high = edge.max(axis=0) + 2 * self._frame + 1
+        ground = self._open[low[0] : high[0], low[1] : high[1]]
+        come = np.zeros_like(ground)
+        rows, columns = (edge - low + self._frame).T
+        come[rows, columns] = True
+        beside = come = _wider(_wider(come)) & ground
+        for step in range(self._reach):
+            # Every other step takes the corners as well: the reach is nearly round.
+            wider = (_wider(come) if step % 2 else _beside(come)) & ground
+            if np.array_equal(wider, come):
+                break
+            come = wider
+        return float(np.count_nonzero(come)) * self._cell if beside.any() else 0.0
+
+
+def _beside(cells: Mask) -> Mask:
+    """The cells and those that touch one of them at a side."""
+    wide = cells.copy()
+    wide[1:] |= cells[:-1]
+    wide[:-1] |= cells[1:]
+    wide[:, 1:] |= cells[:, :-1]
+    wide[:, :-1] |= cells[:, 1:]
+    return wide
+
+
+def _wider(cells: Mask) -> Mask:
+    """The cells and those that touch one of them at a side or a corner."""
+    wide = cells.copy()
+    wide[1:] |= cells[:-1]
+    wide[:-1] |= cells[1:]
+    across = wide.copy()
+    across[:, 1:] |= wide[:, :-1]
+    across[:, :-1] |= wide[:, 1:]
+    return across
+
+
 def _frontier(
-    grid: Grid, edge: Numbers, places: Numbers, ways: npt.NDArray[np.float64]
+    grid: Grid, edge: Numbers, places: Numbers, ways: npt.NDArray[np.float64], gain: float
 ) -> Frontier:
     """The frontier of these cells; the robot should stand near its middle."""
     reachable = np.flatnonzero(np.isfinite(ways))
@@ -190,4 +256,5 @@ def _frontier(
         y=y,
         length=len(edge) * grid.resolution,
         distance=float(ways[best]) * grid.resolution if reachable.size else math.inf,
+        gain=gain,
     )

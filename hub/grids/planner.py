@@ -8,7 +8,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from hub.grids.costs import SQUEEZE, Caution, crossing
+from hub.grids.costs import SQUEEZE, TIGHT, Caution, crossing
 from hub.grids.grid import Grid
 from hub.grids.wavefront import Cell, Costs, spread, way_back
 
@@ -28,7 +28,7 @@ def plan(
     radius: float,
     comfort: float = 0.3,
     nearness: float = 3.0,
-    unknown_cost: float = 1.0,
+    unknown_cost: float = TIGHT - 1.0,
     squeeze: float = SQUEEZE,
     tolerance: float = 0.3,
 ) -> Way | None:
@@ -41,8 +41,10 @@ def plan(
         radius: The robot's, with the margin it must keep [m].
         comfort: Distance beyond the radius from which on obstacles cost nothing [m].
         nearness: What going along at the radius costs more than going in the open.
-        unknown_cost: What going through the unknown costs more; inf: it is not done.
-        squeeze: If no way leads to the goal, one that keeps only this share of the radius will do.
+        unknown_cost: What going through the unknown costs more; inf: it is not done. By default as
+            much as a tight place: a door that noise makes narrow comes before a way round the map.
+        squeeze: If no way over known ground leads to the goal, places that keep only this share of
+            the radius are passed at ten times the way.
         tolerance: If none does either, the reachable place that is nearest to it will do,
             this far away at most [m].
 
@@ -58,7 +60,7 @@ def plan(
     first, wanted = wide.cell(*start), wide.cell(*goal)
     caution = Caution(radius=radius, comfort=comfort, nearness=nearness, unknown=unknown_cost)
     factors, costs = _spread(wide, first, wanted, caution)
-    if squeeze < 1.0 and not math.isfinite(costs[wanted]):
+    if squeeze < 1.0 and not _on_known_ground(wide, factors, costs, wanted):
         caution = dataclasses.replace(caution, squeeze=squeeze * radius)
         factors, costs = _spread(wide, first, wanted, caution)
     last = wanted
@@ -78,6 +80,14 @@ def _spread(grid: Grid, start: Cell, goal: Cell, caution: Caution) -> tuple[Cost
     if not math.isfinite(factors[start]):
         return factors, factors
     return factors, spread(factors, start, until=goal)
+
+
+def _on_known_ground(grid: Grid, factors: Costs, costs: Costs, goal: Cell) -> bool:
+    """Whether a way leads to the goal, and only over ground that is known to be free."""
+    if not math.isfinite(costs[goal]):
+        return False
+    rows, columns = np.array(way_back(factors, costs, goal)).T
+    return not grid.unknown[rows, columns].any()
 
 
 def _nearest(costs: Costs, goal: Cell, reach_cells: float) -> Cell | None:

@@ -62,6 +62,7 @@ class Sight:
         grid: The newest map; None if the errand needs none.
         fresh: Whether the map came after the last target was reached or given up.
         now: Monotonic time [s].
+        left: Way that navigation has left to the present target [m]; NaN: not known.
     """
 
     x: float
@@ -69,6 +70,7 @@ class Sight:
     grid: Grid | None
     fresh: bool
     now: float
+    left: float = NOWHERE
 
 
 class Errand(Protocol):

@@ -13,27 +13,42 @@ from hub.grids.grid import Grid
 from hub.modules.autonomy.errands import End, Pause, Sight, Target
 from hub.modules.autonomy.novelty import Limits, Novelty
 
-SHORTEST = 0.4
+SHORTEST = 0.3
 """Shorter frontiers are gaps between the cones of sensors, no ground to explore [m]."""
+LEAST_GAIN = 0.5
+"""Frontiers with less ground behind them, for the robot to stand on, are left out [m^2]."""
+MOST_GAIN = 12.0
+"""More ground behind a frontier is not worth more: the robot sees no more at once [m^2]."""
 LOOK = 0.3
 """From so far off, beyond the robot's radius, a frontier is looked into [m]."""
 FAR_LOOK = 1.5
 """Likewise in the end, and through walls: what closes the way may turn out to be none near by."""
-NEAR = 0.35
+ARRIVED = 0.4
+"""From so far off a place is reached, and what is unknown there is looked at [m]."""
+NEAR = 0.5
 """Places nearer to each other than this are one and the same [m]."""
-REST_S = 30.0
-"""A place where the robot was in vain is left alone for this time, if there are others [s]."""
+HOME = Point(x=0.0, y=0.0)
+"""Where the robot started: the origin of `map`."""
+AT_HOME = 0.5
+"""So near to it the robot is at home [m]."""
+DETOUR, DETOUR_M = 1.5, 4.0
+"""Something is in the way where navigation has so many times the way left, and so much more [m]."""
+SAME = 1.0
+"""A frontier that is looked into from so near to the target is the one it leads to [m]."""
+SWITCH = 2.0
+"""Another frontier is gone to instead if it is worth so many times as much."""
+VAIN_WORTH = 0.1
+"""Each visit in vain leaves this share of what a frontier was worth."""
 TRIES = 2
 """After so many visits in vain a place is given up."""
-
+SPEED = 0.35
+"""So fast the robot gets about, turns included [m/s]."""
+STOP_S = 6.0
+"""So much longer each target takes: to look, and to turn away [s]."""
 PATIENCE_S = 1.0
 """Where the map shows no way any more another place is explored after this time [s]."""
 
 _NOTHING = "nothing is left"
-_LONG = 2.0
-"""A frontier that is longer is not worth more: the robot sees no more of it at once [m]."""
-_NEAR_WAY = 1.0
-"""So much longer every way counts [m]: the nearest frontier is not everything."""
 
 
 @dataclass(slots=True)
@@ -43,25 +58,23 @@ class _Vain:
     x: float
     y: float
     visits: int
-    until: float
 
 
 class Explore:
-    """Goes to the frontier that is worth most for its way, as long as there are any.
+    """Goes to the frontier that brings most new ground for its time, as long as there are any.
 
-    Worth and way are weighed as the square of the length over the way: a room behind a door that
-    the map shows narrower than it is, for which a way counts ten times, must not come after every
-    gap between two sonars' cones. A frontier that stays although the robot was there, or that it
-    cannot get to, is left alone until all others are done, and given up in the end: sonars do not
-    see walls that they look at sideways.
+    What counts is ground where the robot may be able to stand: gaps between two sonars' cones, and
+    what is behind furniture, are no reason to go there. A frontier that stays although the robot
+    was there, or that it cannot get to, is worth less and less, and is given up: sonars do not see
+    walls that they look at sideways. Noise closes doors on the map until the robot is near, so
+    frontiers that the map shows no way to are looked at from as near as the robot gets.
 
     Drift makes places anew that are known already, so exploring does not go on when nothing new
-    comes. Before it ends, the robot goes as near as it can to those frontiers that the map shows no
-    way to: noise closes doors until the robot is near.
+    comes. Then the robot goes back to its start.
 
     Attributes:
         needs_map: True.
-        frontier_m: Length of all frontiers that can be reached and are not given up [m].
+        frontier_m: Length of all frontiers that are left and not given up [m].
         explored: Share of the known ground's edge that is none of them, 0 to 1.
     """
 
@@ -77,100 +90,138 @@ class Explore:
         self._radius = radius
         self._novelty = Novelty(limits)
         self._reach = LOOK
-        self._last_looks = False
         self._vain: list[_Vain] = []
+        self._end: str | None = None
+        self._home = ""
+        self._last_looks = False
 
     def choose(self, sight: Sight) -> Target | Pause | End:
         """The frontier to go to."""
+        if self._end is not None:
+            return self._go_home(self._end, sight)
         if sight.grid is None or not sight.fresh:
             return Pause(why="looks around")
         self._look(sight, sight.grid)
         near = self._frontiers(sight, sight.grid, LOOK)
-        far = self._frontiers(sight, sight.grid, FAR_LOOK, in_sight=False)
         reachable = [place for place in near if math.isfinite(place.distance)]
-        left = [place for place in reachable if not self._given_up(place)]
-        # Both are of the same edges, in the same order.
-        beyond = [
-            there
-            for here, there in zip(near, far, strict=True)
-            if math.isinf(here.distance)
-            and math.isfinite(there.distance)
-            and not self._given_up(there)
-        ]
+        left = self._left(near)
         self.frontier_m = sum(place.length for place in left)
         self.explored = explored_share(sight.grid, self.frontier_m)
         counts = len(left), len(near) - len(reachable), len(reachable) - len(left)
-        if self._novelty.over(sight.now):
-            if self._last_looks:
-                beyond = []
+        beyond: list[Frontier] = []
+        if self._novelty.over(sight.now) and not self._last_looks:
             self._last_looks = True
             self._novelty.begin_anew(sight.now)
-        if not beyond and (self._last_looks or not left):
-            reason = f"nothing new for {self._novelty.limits.seconds:g} s" if left else _NOTHING
-            return End(why=summary(reason, *counts))
         if self._last_looks or not left:
-            return self._target(beyond, sight.now, FAR_LOOK)
-        return self._target(left, sight.now, LOOK)
-
-    def _target(self, left: list[Frontier], now: float, look: float) -> Target:
-        """The best of the frontiers that are left."""
-        # Places where it was in vain come last, and those that rest are better than none.
-        untried = [place for place in left if self._at(place.x, place.y) is None]
-        rested = [place for place in left if not self._rests(place, now)]
-        best = max(untried or rested or left, key=worth)
-        self._reach = look
-        self._novelty.set_out()
-        why = f"explores: a frontier of {best.length:.1f} m, {best.distance:.1f} m away"
-        return Target(points=(Point(x=best.x, y=best.y),), why=why, patience=PATIENCE_S)
+            beyond = self._beyond(sight, sight.grid, near)
+        if (not beyond and (self._last_looks or not left)) or self._novelty.over(sight.now):
+            reason = f"nothing new for {self._novelty.limits.seconds:g} s" if left else _NOTHING
+            return self._go_home(summary(reason, *counts), sight)
+        return self._target(beyond or left, FAR_LOOK if beyond else LOOK)
 
     def keeps(self, target: Target, sight: Sight) -> bool:
-        """Whether the map still ends there."""
-        if sight.grid is None:
+        """Whether the map still ends there, and the robot is not there yet."""
+        if sight.grid is None or self._end is not None:
             return True
         self._look(sight, sight.grid)
         goal = target.points[-1]
-        return _ends_near(sight.grid, goal.x, goal.y, self._radius + self._reach + NEAR)
+        if math.dist((goal.x, goal.y), (sight.x, sight.y)) < ARRIVED:
+            self._note(target)
+            return False
+        if self._reach != LOOK:
+            return _ends_near(sight.grid, goal.x, goal.y, self._radius + self._reach + ARRIVED)
+        left = self._left(self._frontiers(sight, sight.grid, LOOK))
+        here = [place for place in left if math.dist((goal.x, goal.y), (place.x, place.y)) < SAME]
+        if not here:
+            return False
+        if sight.left > DETOUR * min(place.distance for place in here) + DETOUR_M:
+            self._note(target)
+            return False
+        return SWITCH * max(map(self._worth, here)) >= max(map(self._worth, left))
 
     def reached(self, target: Target, now: float) -> None:
         """What is still unknown there will stay so for now."""
-        self._note(target, now)
+        del now
+        if self._end is not None:
+            self._home = "it is back at its start"
+        self._note(target)
 
     def blocked(self, target: Target, left: int, now: float, why: str) -> None:
         """It cannot be reached for now."""
-        del left, why
-        self._note(target, now)
+        del left, now
+        if self._end is not None:
+            self._home = f"it did not get back to its start: {why}"
+        self._note(target)
+
+    def _go_home(self, end: str, sight: Sight) -> Target | End:
+        """Go back to the start, where people expect the robot, and then end."""
+        self._end, self.frontier_m = end, 0.0
+        if math.dist((sight.x, sight.y), (HOME.x, HOME.y)) < AT_HOME:
+            self._home = self._home or "it is back at its start"
+        if self._home:
+            return End(why=f"{end}; {self._home}")
+        return Target(points=(HOME,), why=f"returns to its start; {end}")
+
+    def _target(self, left: list[Frontier], look: float) -> Target:
+        """The best of the frontiers that are left."""
+        best = max(left, key=self._worth)
+        self._reach = look
+        self._novelty.set_out()
+        why = f"explores: {best.gain:.1f} m² of new ground, {best.distance:.1f} m away"
+        return Target(points=(Point(x=best.x, y=best.y),), why=why, patience=PATIENCE_S)
 
     def _frontiers(
         self, sight: Sight, grid: Grid, look: float, *, in_sight: bool = True
     ) -> tuple[Frontier, ...]:
+        """All frontiers with ground behind them."""
         here = (sight.x, sight.y)
         wide = grid.covering((here,), self._radius)
         if wide is None:
             return ()
-        return frontiers(
+        found = frontiers(
             wide, here, radius=self._radius, reach=look, shortest=SHORTEST, in_sight=in_sight
         )
+        return tuple(place for place in found if place.gain >= LEAST_GAIN)
 
-    def _note(self, target: Target, now: float) -> None:
+    def _beyond(self, sight: Sight, grid: Grid, near: tuple[Frontier, ...]) -> list[Frontier]:
+        """Where to look from afar into frontiers that the map shows no way to, each once."""
+        far = self._frontiers(sight, grid, FAR_LOOK, in_sight=False)
+        # Both are of the same edges, in the same order.
+        hidden = [
+            there
+            for here, there in zip(near, far, strict=True)
+            if math.isinf(here.distance) and math.isfinite(there.distance)
+        ]
+        return [place for place in hidden if not self._visits(place)]
+
+    def _note(self, target: Target) -> None:
         goal = target.points[-1]
         known = self._at(goal.x, goal.y)
         if known is None:
-            self._vain.append(_Vain(goal.x, goal.y, 1, now + REST_S))
+            self._vain.append(_Vain(goal.x, goal.y, 1))
         else:
             known.visits += 1
-            known.until = now + REST_S
 
     def _at(self, x: float, y: float) -> _Vain | None:
         near = [vain for vain in self._vain if math.hypot(vain.x - x, vain.y - y) < NEAR]
         return max(near, key=lambda vain: vain.visits, default=None)
 
-    def _given_up(self, place: Frontier) -> bool:
-        vain = self._at(place.x, place.y)
-        return vain is not None and vain.visits >= TRIES
+    def _left(self, found: tuple[Frontier, ...]) -> list[Frontier]:
+        """Those that can be reached and are not given up."""
+        return [
+            place
+            for place in found
+            if math.isfinite(place.distance) and self._visits(place) < TRIES
+        ]
 
-    def _rests(self, place: Frontier, now: float) -> bool:
+    def _worth(self, place: Frontier) -> float:
+        """What a frontier is worth, less for each visit in vain."""
+        return worth(place) * VAIN_WORTH ** self._visits(place)
+
+    def _visits(self, place: Frontier) -> int:
+        """How often the robot was in vain where it looks into a frontier."""
         vain = self._at(place.x, place.y)
-        return vain is not None and now < vain.until
+        return 0 if vain is None else vain.visits
 
     def _look(self, sight: Sight, grid: Grid) -> None:
         free = float(np.count_nonzero(grid.free)) * grid.resolution**2
@@ -208,13 +259,12 @@ def explored_share(grid: Grid, frontier_m: float) -> float:
 
 
 def worth(frontier: Frontier) -> float:
-    """What going to a frontier is worth [m], only to be compared."""
-    return min(frontier.length, _LONG) ** 2 / (_NEAR_WAY + frontier.distance)
+    """New ground for the time it takes [m^2/s]."""
+    return min(frontier.gain, MOST_GAIN) ** 2 / (STOP_S + frontier.distance / SPEED)
 
 
 def _ends_near(grid: Grid, x: float, y: float, reach: float) -> bool:
     """Whether free ground borders on the unknown within `reach` [m] of a point."""
-    cells = np.argwhere(edge_cells(grid))
+    rows, columns = np.nonzero(edge_cells(grid))
     row, column = grid.cell(x, y)
-    away = np.hypot(cells[:, 0] - row, cells[:, 1] - column)
-    return bool((away <= reach / grid.resolution).any())
+    return bool((np.hypot(rows - row, columns - column) <= reach / grid.resolution).any())

@@ -314,7 +314,8 @@ class Pilot:
             return None
         seen = self._senses.map_number
         grid, fresh = self._senses.grid, seen != self._map_left
-        sight = Sight(x=state.x, y=state.y, grid=grid, fresh=fresh, now=now)
+        left = self._watch.distance
+        sight = Sight(x=state.x, y=state.y, grid=grid, fresh=fresh, now=now, left=left)
         target = self._watch.target
         if target is not None:
             if self._watch.outcome(now) is Outcome.UNHEARD:

@@ -43,6 +43,8 @@ CLOSELY_S = 5.0
 """So long it follows its way closely then [s]."""
 MOST_ROUNDS = 3
 """So often in turn a longer way round something new does not count as a lack of headway."""
+MOST_DETOURS = 5
+"""So often on the way to a point a longer way is a detour; after that it is a lack of headway."""
 MOST_POINTS = 1000
 """A goal of more points than this is refused."""
 FARTHEST = 1e4
@@ -112,7 +114,7 @@ class Errand:
         self._hindrance: tuple[Cause, str] | None = None
         self._no_way = ""
         self._arrived = False
-        self._rounds = 0
+        self._rounds = self._detours = 0
         self._closely_until = -math.inf
 
     @property
@@ -187,6 +189,12 @@ class Errand:
         """
         self.route = None if way is None else Route(way)
         self._no_way = no_way
+        if self.route is not None and self._detours < MOST_DETOURS:
+            length = sum(math.dist(a, b) for a, b in pairwise(self.route.way))
+            if self._best + HEADWAY < length < math.inf:
+                # Headway on a longer way is headway; the time that it has for it stays.
+                self._best = length
+                self._detours += 1
 
     def goes_round(self, pose: Pose, now: float) -> None:
         """Something that was not on the map is in the way: headway counts from here on.
@@ -234,12 +242,13 @@ class Errand:
         self.points, self.route, self.distance_left = (), None, math.nan
         self._theta, self._limit = math.nan, math.inf
         self._arrived = False
-        self._rounds = 0
+        self._rounds = self._detours = 0
         self._closely_until = -math.inf
         self._best, self._best_at = math.inf, now
 
     def _next_point(self, now: float) -> None:
         self.points = self.points[1:]
+        self._detours = 0
         self.route = None
         self._best, self._best_at = math.inf, now
 

@@ -105,3 +105,26 @@ def test_groups_are_what_hangs_together(grid: Grid) -> None:
                     unseen.remove(other)
                     open_cells.append(other)
     assert len(set(names.tolist())) == islands
+
+
+def test_ground_behind_a_frontier_is_where_the_robot_may_stand() -> None:
+    hall = np.full((60, 60), -1, np.int8)
+    hall[20:40, 10:30] = 0
+    hall[19:41, 9] = hall[19, 9:30] = hall[40, 9:30] = 100
+    open_hall = Grid(cells=hall, resolution=0.1, origin_x=0.0, origin_y=0.0)
+    (room,) = frontiers(open_hall, (2.0, 3.0), radius=0.25, shortest=0.3)
+    assert room.gain > 4.0
+    niche = hall.copy()
+    niche[19:41, 34] = niche[19, 30:35] = niche[40, 30:35] = 100
+    (shallow,) = frontiers(
+        Grid(cells=niche, resolution=0.1, origin_x=0.0, origin_y=0.0),
+        (2.0, 3.0), radius=0.25, shortest=0.3,
+    )  # fmt: skip
+    assert 0.1 < shallow.gain < 1.0
+    crack = hall.copy()
+    crack[19:41, 32] = 100
+    (slit,) = frontiers(
+        Grid(cells=crack, resolution=0.1, origin_x=0.0, origin_y=0.0),
+        (2.0, 3.0), radius=0.25, shortest=0.3,
+    )  # fmt: skip
+    assert slit.gain < 0.5

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from hub.gcm.autonomy import AutonomyCommand, AutonomyState, Behaviour
@@ -43,7 +45,7 @@ class Scene:
         self.task = Task.NONE
         self.mine = False
         self.driver = 0
-        self.left, self.distance = 0, 9.0
+        self.left, self.distance = 0, math.nan
         self.cause, self.said = Cause.NONE, "so it is"
         self.task_began = self.now
         self.goals: list[GoalCommand] = []

@@ -7,14 +7,14 @@ import math
 import numpy as np
 import pytest
 
-from hub.gcm.autonomy import Behaviour
+from hub.gcm.autonomy import Behaviour, Phase
 from hub.gcm.navigation import Task
 from hub.grids.clearance import clearance
 from hub.grids.frontiers import Frontier
 from hub.grids.grid import Grid
 from hub.grids.planner import line_cost, plan
 from hub.modules.autonomy.errands import Sight, Target
-from hub.modules.autonomy.exploring import REST_S, TRIES, Explore, worth
+from hub.modules.autonomy.exploring import ARRIVED, AT_HOME, TRIES, Explore, worth
 from hub.modules.autonomy.novelty import Limits
 from tests.hub.modules.autonomy.scene import RADIUS, Scene, hall
 
@@ -86,9 +86,11 @@ def test_a_whole_building_is_explored() -> None:
         scene.wait(3.0)
         if scene.state.behaviour is Behaviour.HOLD:
             break
-        assert scene.state.frontier_m > 0.0
+        assert scene.state.frontier_m > 0.0 or scene.targets[-1] == (0.0, 0.0)
         scene.travel()
     assert scene.why.startswith("explored: ")
+    assert scene.why.endswith("; it is back at its start")
+    assert math.hypot(scene.x, scene.y) < AT_HOME
     reachable = clearance(scene.truth >= 65, 0.1, 1.0) >= RADIUS
     known = (scene.known >= 0) & reachable
     assert known.sum() / reachable.sum() > 0.97
@@ -103,8 +105,8 @@ def test_a_frontier_that_stays_is_given_up_after_some_visits() -> None:
         if scene.task is Task.GOING:
             scene.arrive()
     assert scene.state.behaviour is Behaviour.HOLD
-    assert scene.why == "explored: nothing is left; frontiers: 1 given up"
-    assert len(scene.targets) == TRIES
+    assert scene.why.startswith("explored: nothing is left; frontiers: 1 given up; it ")
+    assert len([target for target in scene.targets if target != (0.0, 0.0)]) == TRIES
 
 
 def test_frontiers_that_cannot_be_reached_are_given_up() -> None:
@@ -114,8 +116,8 @@ def test_frontiers_that_cannot_be_reached_are_given_up() -> None:
         scene.wait(1.0)
         if scene.task is Task.GOING:
             scene.end(Task.BLOCKED)
-    assert scene.why == "explored: nothing is left; frontiers: 1 given up"
-    assert len(scene.targets) == TRIES
+    assert scene.why.startswith("explored: nothing is left; frontiers: 1 given up; it ")
+    assert len([target for target in scene.targets if target != (0.0, 0.0)]) == TRIES
 
 
 def test_another_place_comes_first_while_one_rests() -> None:
@@ -132,7 +134,7 @@ def test_another_place_comes_first_while_one_rests() -> None:
     assert (first[1] < 1.0) != (second[1] < 1.0), "the two halves of the hall"
 
 
-def test_a_place_where_it_was_in_vain_comes_after_all_others_even_when_it_has_rested() -> None:
+def test_a_place_where_it_was_in_vain_comes_after_one_that_is_alike() -> None:
     grid = hall(known=30)
     grid.cells[19:21, 1:30] = 100
     grid.cells[19:21, 5:12] = 0
@@ -140,15 +142,15 @@ def test_a_place_where_it_was_in_vain_comes_after_all_others_even_when_it_has_re
     first = explore.choose(Sight(x=0.0, y=0.0, grid=grid, fresh=True, now=0.0))
     assert isinstance(first, Target)
     explore.blocked(first, 1, 0.0, "")
-    later = Sight(x=0.0, y=0.0, grid=grid, fresh=True, now=REST_S + 1.0)
+    later = Sight(x=0.0, y=0.0, grid=grid, fresh=True, now=99.0)
     second = explore.choose(later)
     assert isinstance(second, Target)
     assert (first.points[0].y < 1.0) != (second.points[0].y < 1.0), "the two halves of the hall"
 
 
 def test_a_room_behind_a_narrow_door_is_worth_more_than_a_gap_near_by() -> None:
-    room = Frontier(x=0.0, y=0.0, length=1.8, distance=20.0)
-    gap = Frontier(x=0.0, y=0.0, length=0.45, distance=1.5)
+    room = Frontier(x=0.0, y=0.0, length=1.8, distance=20.0, gain=10.0)
+    gap = Frontier(x=0.0, y=0.0, length=0.45, distance=1.5, gain=3.0)
     assert worth(room) > worth(gap)
 
 
@@ -209,7 +211,9 @@ def test_what_is_out_of_reach_is_told_at_the_end() -> None:
     scene.grid = grid
     scene.ask(Behaviour.EXPLORE)
     scene.wait(1.0)
-    assert scene.why == "explored: nothing is left; frontiers: 1 out of reach"
+    assert (
+        scene.why == "explored: nothing is left; frontiers: 1 out of reach; it is back at its start"
+    )
 
 
 def with_a_closed_door() -> Grid:
@@ -228,13 +232,73 @@ def test_a_closed_door_is_gone_to_when_no_other_place_is_left() -> None:
     assert scene.targets[0][0] < 0.0
     scene.grid.cells[1:8, 0] = 100
     scene.arrive()
-    for tried in range(1, TRIES + 1):
-        scene.wait(3.0)
-        assert len(scene.targets) == 1 + tried
-        assert 0.5 < scene.targets[-1][0] < 1.2
-        scene.arrive()
     scene.wait(3.0)
-    assert scene.why == "explored: nothing is left; frontiers: 1 out of reach"
+    assert len(scene.targets) == 2
+    assert 0.5 < scene.targets[-1][0] < 1.2
+    scene.arrive()
+    scene.wait(3.0)
+    assert scene.targets[2:] == [(0.0, 0.0)], "once is enough, then it goes home"
+    assert scene.why == "returns to its start; explored: nothing is left; frontiers: 1 out of reach"
+    scene.arrive()
+    scene.wait(3.0)
+    assert scene.why.endswith("1 out of reach; it is back at its start")
+    assert scene.state.phase is Phase.DONE
+
+
+def test_a_robot_that_does_not_get_back_says_so_and_ends() -> None:
+    scene = Scene()
+    scene.grid = with_a_closed_door()
+    scene.ask(Behaviour.EXPLORE)
+    for _ in range(20):
+        scene.wait(1.0)
+        if scene.task is Task.GOING and scene.targets[-1] != (0.0, 0.0):
+            scene.arrive()
+        elif scene.task is Task.GOING:
+            scene.end(Task.BLOCKED)
+    assert scene.why.endswith("; it did not get back to its start: so it is")
+    assert scene.state.behaviour is Behaviour.HOLD
+
+
+def test_a_place_that_is_near_enough_is_not_gone_to_by_the_inch() -> None:
+    scene = Scene()
+    scene.ask(Behaviour.EXPLORE)
+    scene.wait(1.0)
+    scene.x, scene.y = scene.targets[-1][0] - 0.9 * ARRIVED, scene.targets[-1][1]
+    scene.wait(3.0)
+    assert len(scene.targets) > 1 or scene.state.behaviour is Behaviour.HOLD
+
+
+def test_a_place_to_which_navigation_has_a_much_longer_way_waits() -> None:
+    scene = Scene()
+    grid = hall(known=30)
+    grid.cells[19:21, 1:30] = 100
+    grid.cells[19:21, 5:12] = 0
+    scene.grid = grid
+    scene.ask(Behaviour.EXPLORE)
+    scene.wait(1.0)
+    scene.distance = 30.0  # something that the map does not show is in the way
+    scene.wait(2.5)
+    first, second = scene.targets[:2]
+    assert (first[1] < 1.0) != (second[1] < 1.0), "the two halves of the hall"
+
+
+def test_a_frontier_that_is_worth_much_more_is_gone_to_instead() -> None:
+    scene = Scene()
+    grid = hall(known=30)
+    grid.cells[10:31, 29] = 100  # a small gap is left on the right
+    scene.grid = grid
+    scene.ask(Behaviour.EXPLORE)
+    scene.wait(1.0)
+    assert scene.targets[-1][0] > 1.0
+    wide = hall(known=30)
+    wide.cells[:] = grid.cells
+    wide.cells[1:-1, 0] = 0  # the whole left side is open
+    scene.grid = Grid(
+        cells=np.pad(wide.cells, ((0, 0), (10, 0)), constant_values=-1),
+        resolution=0.1, origin_x=-2.0, origin_y=-1.0,
+    )  # fmt: skip
+    scene.wait(3.0)
+    assert scene.targets[-1][0] < 0.5
 
 
 def test_closed_doors_are_gone_to_when_nothing_new_comes_until_something_does() -> None:
@@ -266,7 +330,7 @@ def test_nothing_to_explore_is_said_at_once() -> None:
     scene.grid = grid
     scene.ask(Behaviour.EXPLORE)
     scene.wait(1.0)
-    assert scene.why == "explored: nothing is left"
+    assert scene.why == "explored: nothing is left; it is back at its start"
     assert scene.goals == []
     assert math.isnan(scene.state.frontier_m)
 
@@ -289,7 +353,8 @@ def test_exploring_ends_when_drift_makes_ever_new_frontiers_where_all_is_known()
         if scene.task is Task.GOING and seconds % 10 == 0:
             scene.grid = _open_at(seconds // 10)
             scene.arrive()
-    assert scene.why == f"explored: nothing new for {Limits().seconds:g} s; frontiers: 1 left"
+    nothing_new = f"explored: nothing new for {Limits().seconds:g} s; frontiers: 1 left"
+    assert scene.why == f"{nothing_new}; it is back at its start"
     assert Limits().seconds <= seconds <= Limits().seconds + 15.0
 
 

@@ -13,6 +13,7 @@ from hub.modules.navigation.task import (
     CLOSELY_S,
     LONGEST_HOLD_S,
     MENTION_S,
+    MOST_DETOURS,
     MOST_PATIENCE_S,
     MOST_POINTS,
     MOST_ROUNDS,
@@ -114,6 +115,25 @@ def test_it_stands_where_the_map_shows_no_way_and_goes_on_when_it_does() -> None
     errand.planned(None, "the map shows no way there")
     assert errand.aim(Pose(), 20.1) is None
     assert (errand.task, errand.why) == (Task.BLOCKED, "the map shows no way there")
+
+
+def test_headway_on_a_longer_way_is_headway_but_not_for_ever() -> None:
+    errand = going((9.0, 0.0))
+    errand.planned(((0.0, 0.0), (9.0, 0.0)))
+    now, length = 0.0, 9.0
+    for _ in range(MOST_DETOURS):
+        assert errand.aim(Pose(), now) is not None
+        length += 5.0
+        errand.planned(((0.0, 0.0), (9.0 - length, 0.0), (9.0, 0.0)))
+        now += BLOCKED_S - 1.0
+        assert errand.aim(Pose(x=-0.5), now) is not None, "it has gone half a metre of it"
+        now += 1.5
+    while errand.task is Task.GOING and now < 1000.0:
+        length += 5.0
+        errand.planned(((0.0, 0.0), (9.0 - length, 0.0), (9.0, 0.0)))
+        errand.aim(Pose(), now)
+        now += 1.0
+    assert errand.task is Task.BLOCKED
 
 
 def test_held_wheels_are_no_lack_of_headway_but_not_for_ever() -> None:
