@@ -20,8 +20,8 @@ from hub.robots.video_source import video_source
 SHIPPED = Path(__file__).parent / "files"
 ROBOTS_OWN = "robot"
 """The source of pictures that is the robot's own camera."""
-NOTHING_NEW_S = 45.0
-NOTHING_NEW_SHARE = 0.03
+NOTHING_NEW_S = 75.0
+NOTHING_NEW_SHARE = 0.02
 """Exploring ends when the map's free ground grew by less than this share for this time [s]."""
 
 

@@ -37,9 +37,9 @@ SAME = 1.0
 """A frontier that is looked into from so near to the target is the one it leads to [m]."""
 SWITCH = 2.0
 """Another frontier is gone to instead if it is worth so many times as much."""
-VAIN_WORTH = 0.1
+VAIN_WORTH = 0.2
 """Each visit in vain leaves this share of what a frontier was worth."""
-TRIES = 2
+TRIES = 3
 """After so many visits in vain a place is given up."""
 SPEED = 0.35
 """So fast the robot gets about, turns included [m/s]."""

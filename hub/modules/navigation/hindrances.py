@@ -16,7 +16,7 @@ from hub.grids.grid import Grid
 
 HELD_S = 1.0
 """Who looks where it wants to go, and does not go for this time, is held up [s]."""
-REMEMBERED_S = 90.0
+REMEMBERED_S = 45.0
 """So long a way is planned round what has held the robot up [s]."""
 WIDER = 0.1
 """So much farther a way keeps from what has held the robot up than from what the map shows [m]:

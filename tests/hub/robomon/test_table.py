@@ -72,7 +72,7 @@ def test_when_exploring_ends_is_set_in_the_robot_file_and_told_to_who_asks(tmp_p
     robot.write_text(GOOD + "\n[autonomy]\nnothing_new_s = 90\nnothing_new_share = 0.05\n")
     table = load_robot_table(str(robot))
     assert (table.robot.nothing_new_s, table.robot.nothing_new_share) == (90.0, 0.05)
-    for setting in ("nothing_new_s (45.0): ", "nothing_new_share (0.03): "):
+    for setting in ("nothing_new_s (75.0): ", "nothing_new_share (0.02): "):
         assert setting in description.settings("autonomy")
     assert not description.settings("vision")
 
