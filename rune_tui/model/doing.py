@@ -69,6 +69,11 @@ class Doing:
         return self.phase in UNDER_WAY
 
     @property
+    def reason(self) -> str:
+        """Why, without the word that the phase says already."""
+        return self.why.removeprefix("stopped: ") if self.phase is Phase.STOPPED else self.why
+
+    @property
     def failed(self) -> bool:
         """Whether it ended as nobody wanted."""
         return self.phase in FAILED

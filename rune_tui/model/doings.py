@@ -67,7 +67,7 @@ class DoingWatch:
                 yield state.notice(_begun(now), robot=robot.name)
         elif not same or (before is not None and before.under_way):
             took = f" ({now.seconds:.0f} s)" if now.seconds >= 1.0 else ""
-            text = f"{now.deed} {_VERBS[now.phase]}: {now.why}{took}"
+            text = f"{now.deed} {_VERBS[now.phase]}: {now.reason}{took}"
             yield state.notice(text, robot=robot.name, alarm=now.failed)
 
     def _waiting(

@@ -47,7 +47,7 @@ def doing_parts(robot: RobotState, now: float) -> Iterator[Part]:
     elif doing.under_way:
         yield Part(head(doing), 7, mood)
     elif doing.age(now) < SHOWN_S.get(doing.phase, OTHERS_S):
-        yield Part(f"{head(doing)}: {doing.why}", 6, mood, short=head(doing))
+        yield Part(f"{head(doing)}: {doing.reason}", 6, mood, short=head(doing))
 
 
 def doing_rows(robot: RobotState, now: float) -> Iterator[Part]:
@@ -57,8 +57,8 @@ def doing_rows(robot: RobotState, now: float) -> Iterator[Part]:
         yield Part("nothing yet: the robot has done nothing by itself", 0, Mood.FAINT)
         return
     yield Part(head(doing), 0, _MOODS.get(doing.phase, Mood.PLAIN))
-    if doing.why:
-        yield Part(doing.why, 0)
+    if doing.reason:
+        yield Part(doing.reason, 0)
     if doing.under_way and math.isfinite(doing.x) and math.isfinite(doing.y):
         left = f", {doing.left_m:.1f} m to go" if math.isfinite(doing.left_m) else ""
         yield Part(f"to {doing.x:.1f}, {doing.y:.1f} m{left}", 0)

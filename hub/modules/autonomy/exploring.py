@@ -45,7 +45,9 @@ SPEED = 0.35
 """So fast the robot gets about, turns included [m/s]."""
 STOP_S = 6.0
 """So much longer each target takes: to look, and to turn away [s]."""
-PATIENCE_S = 1.0
+CLOSED_S = 12.0
+"""So long a target stays to which the map shows no way any more [s]."""
+PATIENCE_S = 6.0
 """Where the map shows no way any more another place is explored after this time [s]."""
 
 _NOTHING = "nothing is left"
@@ -91,6 +93,7 @@ class Explore:
         self._novelty = Novelty(limits)
         self._reach = LOOK
         self._vain: list[_Vain] = []
+        self._open_at = -math.inf
         self._end: str | None = None
         self._home = ""
         self._last_looks = False
@@ -117,7 +120,7 @@ class Explore:
         if (not beyond and (self._last_looks or not left)) or self._novelty.over(sight.now):
             reason = f"nothing new for {self._novelty.limits.seconds:g} s" if left else _NOTHING
             return self._go_home(summary(reason, *counts), sight)
-        return self._target(beyond or left, FAR_LOOK if beyond else LOOK)
+        return self._target(beyond or left, FAR_LOOK if beyond else LOOK, sight.now)
 
     def keeps(self, target: Target, sight: Sight) -> bool:
         """Whether the map still ends there, and the robot is not there yet."""
@@ -132,8 +135,11 @@ class Explore:
             return _ends_near(sight.grid, goal.x, goal.y, self._radius + self._reach + ARRIVED)
         left = self._left(self._frontiers(sight, sight.grid, LOOK))
         here = [place for place in left if math.dist((goal.x, goal.y), (place.x, place.y)) < SAME]
+        ends = _ends_near(sight.grid, goal.x, goal.y, self._radius + self._reach + ARRIVED)
         if not here:
-            return False
+            # Noise closes a door on one map and opens it on the next.
+            return ends and sight.now - self._open_at < CLOSED_S
+        self._open_at = sight.now
         if sight.left > DETOUR * min(place.distance for place in here) + DETOUR_M:
             self._note(target)
             return False
@@ -162,11 +168,12 @@ class Explore:
             return End(why=f"{end}; {self._home}")
         return Target(points=(HOME,), why=f"returns to its start; {end}")
 
-    def _target(self, left: list[Frontier], look: float) -> Target:
+    def _target(self, left: list[Frontier], look: float, now: float) -> Target:
         """The best of the frontiers that are left."""
         best = max(left, key=self._worth)
         self._reach = look
         self._novelty.set_out()
+        self._open_at = now
         why = f"explores: {best.gain:.1f} m² of new ground, {best.distance:.1f} m away"
         return Target(points=(Point(x=best.x, y=best.y),), why=why, patience=PATIENCE_S)
 

@@ -18,7 +18,7 @@ HELD_S = 1.0
 """Who looks where it wants to go, and does not go for this time, is held up [s]."""
 REMEMBERED_S = 45.0
 """So long a way is planned round what has held the robot up [s]."""
-WIDER = 0.1
+WIDER = 0.05
 """So much farther a way keeps from what has held the robot up than from what the map shows [m]:
 the ways that the pilot takes at corners are not as sharp as those on the map."""
 _MOST = 2000

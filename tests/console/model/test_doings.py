@@ -63,7 +63,8 @@ def test_an_exploration_is_told_when_it_begins_and_how_it_ends(
     assert story.look({}) == [("exploring begins", False)]
     assert story.look({"explored": 0.6}) == []
     over = {"phase": phase, "why": why, "seconds": 412.4, "ended_s": 0.1}
-    assert story.look(over) == [(f"exploring {verb}: {why} (412 s)", alarm)]
+    said = why.removeprefix("stopped: ")
+    assert story.look(over) == [(f"exploring {verb}: {said} (412 s)", alarm)]
     assert story.look(over) == []
 
 

@@ -102,7 +102,7 @@ ENDED = [
     ({"status": {"task": Task.BLOCKED, "why": "the map shows no way there"}},
      "GOING BLOCKED: the map shows no way there", Mood.WARNING),
     ({"status": {"task": Task.CANCELLED, "cause": Cause.STOP, "why": "stopped: lunch"}},
-     "GOING STOPPED: stopped: lunch", Mood.PLAIN),
+     "GOING STOPPED: lunch", Mood.PLAIN),
     ({"autonomy": {"phase": Phase.TAKEN_OVER, "why": "the operator took over"}},
      "EXPLORING 42 % ENDED: the operator took over", Mood.PLAIN),
     ({"autonomy": {"phase": Phase.LOST, "why": "gave up after 60 s: the map is old"}},
