@@ -13,6 +13,8 @@ from hub.ipc.complaints import Complaints
 from hub.ipc.loop import Loop
 
 _BATCH = 256
+_TURN_S = 0.02
+"""What comes is served for so long before timers have their turn: each may take its time [s]."""
 
 
 class Dialogue:
@@ -82,6 +84,7 @@ class Dialogue:
 
     def _receive(self) -> bool:
         socket = self._socket
+        end = self._loop.clock() + _TURN_S
         for _ in range(_BATCH):
             try:
                 parts = socket.recv_multipart(zmq.NOBLOCK)
@@ -98,4 +101,6 @@ class Dialogue:
             if not sockets.readable(socket):
                 self._loop.settle(self._file)
                 return False
+            if self._loop.clock() > end:
+                break
         return True

@@ -207,6 +207,8 @@ class Loop:
                     ready.pop() if len(ready) == 1 else next(f for f in self._served if f in ready)
                 )
                 ready.discard(file)
+                if file in again:  # touched as it was served; it has its next turn after all others
+                    continue
                 again.append(file)
                 if not self._served[file]():
                     again.remove(file)

@@ -229,3 +229,39 @@ def test_query_to_nobody_ends_at_once_before_the_connection_stands(
     with pytest.raises(QueryError, match="was not sent: no hub answers at tcp"):
         _ask(lonely, timeout=30.0)
     assert time.monotonic() - start < 10.0
+
+
+def test_handler_that_takes_its_time_keeps_its_timers_however_many_ask(
+    connect: Connect,
+) -> None:
+    """Else a module that is asked much announces itself no longer, and counts as hanging."""
+    handler, asker = connect("handler"), connect("asker")
+    turns, before, answers = [0], [0], [0]
+    pause = threading.Event()
+
+    def slow(ask: Number) -> Number:
+        pause.wait(0.01)
+        if ask.value == 0:
+            before[0] = turns[0]
+        return ask
+
+    def count() -> None:
+        turns[0] += 1
+
+    _respond(handler, slow)
+    handler.call(lambda: handler.client.every(0.01, count))
+
+    def ask() -> None:
+        for value in range(60):
+            asker.client.query_notify(
+                v.ASK,
+                Number(value=value),
+                v.ANSWER,
+                timeout=10.0,
+                answered=lambda *_: answers.__setitem__(0, answers[0] + 1),
+                failed=lambda _: None,
+            )
+
+    asker.call(ask)
+    until(lambda: answers[0] == 60, 10.0)
+    assert turns[0] - before[0] >= 5

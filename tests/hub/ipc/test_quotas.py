@@ -198,9 +198,25 @@ def test_queries_of_one_key_leave_room_for_another(asking: Asking) -> None:
     asking.join("b", observer("one"))
     answers = [asking.ask("ab"[number % 2]) for number in range(100)]
     failed = [each for each in answers if isinstance(each, Failure)]
-    assert len(failed) == 100 - OBSERVE.queries
-    assert "32" in failed[0].text
+    assert len(failed) == 100 - OBSERVE.at_one_handler
+    assert str(OBSERVE.at_one_handler) in failed[0].text
     assert asking.bench.complaints.counts["query over quota"] == len(failed)
+
+
+def test_queries_of_one_key_at_several_handlers_leave_room_for_another(bench: Bench) -> None:
+    names = [f"Ask{number}" for number in range(8)]
+    bench.connect("h")
+    for name in names:
+        bench.handles("h", name)
+    handlers = letters(8)
+    bench.connect(*handlers)
+    for who, name in zip(handlers, names, strict=True):
+        bench.handles(who, name)
+    connect(bench, "ab", observer("one"))
+    asked = [bench.ask("ab"[place % 2], name=names[place % 8]) for place in range(64)]
+    assert sum(isinstance(each.message, Query) for each in asked) == OBSERVE.queries
+    connect(bench, "c", observer("two"))
+    assert isinstance(bench.ask("c", name=names[0]).message, Query)
 
 
 def test_observers_leave_a_handler_to_operators_and_to_this_machine(asking: Asking) -> None:
@@ -234,7 +250,7 @@ def test_observers_ask_a_handler_so_often_however_fast_it_answers(asking: Asking
 @pytest.mark.parametrize("how", ["answered", "asker left", "handler left", "run out"])
 def test_share_comes_back_when_a_query_ends(asking: Asking, how: str) -> None:
     asking.join("a", observer())
-    asked = [asking.ask("a") for _ in range(OBSERVE.queries)]
+    asked = [asking.ask("a") for _ in range(OBSERVE.at_one_handler)]
     assert isinstance(asking.ask("a"), Failure)
     if how == "answered":
         asking.bench.say("h", Response(number=asked[0].number), b"answer")
