@@ -25,7 +25,7 @@ def _on_its_own(state: ConsoleState) -> Iterator[str]:
     for robot in state.robots.values():
         moves = robot.navigation is not None and robot.navigation.value.motion is MotionState.GOING
         if moves and standing(robot) is not Standing.OTHERS:
-            yield f"{robot.name} goes on by itself, and nobody watches it"
+            yield f"{robot.title} goes on by itself, and nobody watches it"
 
 
 def _unkept(state: ConsoleState) -> Iterator[str]:

@@ -81,13 +81,17 @@ class Status:
         return self._unsaid(robot, state), state.theme.name
 
     def _unsaid(self, robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
-        """All that neither the banner nor another pane says."""
+        """All that neither the banner nor another pane says.
+
+        Beside full screen and pages no gauges are to be seen.
+        """
+        gauges = self.gauges and not (state.full or state.paged)
         return tuple(
             part
             for part in status_parts(robot, state)
             if not (
                 (self.alarms and part.mood in _TROUBLE)
-                or (self.gauges and part.gauge)
+                or (gauges and part.gauge)
                 or is_in_banner(part, robot, state)
             )
         )

@@ -134,6 +134,15 @@ def test_what_other_panes_say_is_left_to_them(made, draw) -> None:
     assert low in line(draw(NAME, robot, (200, 2), beside="gauges"))
 
 
+@pytest.mark.parametrize("over", [{"full": "camera"}, {"help": True}, {"log": True}])
+def test_while_no_gauges_are_in_sight_the_line_says_what_they_say(made, draw, over) -> None:
+    robot = made.robot(navigation=made.received(made.navigation(linear=0.42)))
+    state = ConsoleState(now=made.now, **over)
+    text = line(draw(NAME, robot, (200, 2), state=state, beside="alarms and gauges"))
+    assert "m/s" in text
+    assert "battery" in text
+
+
 def test_no_speed_has_no_sign(said) -> None:
     assert "  0.00 m/s 0°/s  " in said(linear=-0.001, angular=0.001)
 
