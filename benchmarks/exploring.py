@@ -86,7 +86,7 @@ class Exploration:
         drive = self.robot.drive_state(self.now)
         self._governor.driver_reported(self.now)
         self.navigator.reported(drive, self.now)
-        state = robot_state(drive, self.navigator, self._governor.state(self.now), 0, self.now)
+        state = robot_state(drive, self.navigator, self._governor, 0, 1, self.now)
         scan = self._scans.scan(state, self.now)
         if scan is not None:
             self.occupancy.add(scan.x, scan.y, scan.theta, scan.sonar, scan.infrared)

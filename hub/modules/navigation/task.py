@@ -28,7 +28,7 @@ PATIENCE_S = 30.0
 """A robot waits for so long where the way is closed, unless its sender says something else [s]."""
 MOST_PATIENCE_S = 600.0
 """It waits no longer than this [s]."""
-MENTION_S = 3.0
+MENTION_S = 5.0
 """Without headway for this long [s] a robot says that it waits."""
 LONGEST_HOLD_S = 60.0
 """A task whose wheels were held for this time without headway between ends [s]."""

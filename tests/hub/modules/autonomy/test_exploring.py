@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from benchmarks.exploring import Exploration
 from hub.gcm.autonomy import Behaviour, Phase
 from hub.gcm.navigation import Task
 from hub.grids.clearance import clearance
@@ -365,3 +366,14 @@ def _open_at(place: int) -> Grid:
     grid.cells[:, 29] = 100
     grid.cells[first : first + 6, 29] = 0
     return grid
+
+
+def test_the_real_parts_explore_together() -> None:
+    exploration = Exploration(1)
+    exploration.explore(20.0)
+    state = exploration.autonomy.state(exploration.now)
+    assert state.behaviour is Behaviour.EXPLORE
+    assert state.explored > 0.3
+    pose = exploration.navigator.pose
+    assert math.hypot(pose.x, pose.y) > 1.0
+    assert exploration.robot.ground_truth().contacts == 0
