@@ -1,4 +1,4 @@
-"""The banner: the gravest alarm in large over the upper edge, while there is one."""
+"""The banner over the upper edge: the gravest alarm, or that a robot moves by itself."""
 
 from __future__ import annotations
 
@@ -36,7 +36,8 @@ class BannerLayer:
         self._look = look
         self.layers = ()
         if state.banner is not None:
-            canvas = Canvas.blank(columns, 2 * (3 if rows >= _TALL_ROWS else 1))
+            tall = rows >= _TALL_ROWS and not state.banner.calm
+            canvas = Canvas.blank(columns, 2 * (3 if tall else 1))
             _draw(canvas, state.banner, state)
             layer = Layer(canvas=canvas, x=0, y=0, zpos=sys.maxsize - 1, urgency=Urgency.ALARM)
             self.layers = (layer,)
@@ -44,14 +45,18 @@ class BannerLayer:
 
 
 def _draw(canvas: Canvas, banner: Banner, state: ConsoleState) -> None:
-    canvas.fill(state.theme.alarm)
+    theme = state.theme
+    plate, ink = (theme.accent, theme.ground) if banner.calm else (theme.alarm, theme.on_alarm)
+    canvas.fill(plate)
     whose = f"{state.title(banner.robot)}: " if banner.robot and len(state.robots) > 1 else ""
     more = f"+{banner.more}" if banner.more else ""
     room = canvas.width - 2 - (len(more) + 2 if more else 0)
-    words = fitting_form(room, *banner_forms(f"{whose}{banner.text}"))
+    text = f"{whose}{banner.text}"
+    forms = (f"{text} {banner.advice}", text) if banner.calm else banner_forms(text)
+    words = fitting_form(room, *forms)
     row = canvas.rows // 2
-    canvas.text(max(1, (canvas.width - len(words)) // 2), row, words, state.theme.on_alarm)
-    canvas.text(canvas.width - 1 - len(more), row, more, state.theme.on_alarm)
+    canvas.text(max(1, (canvas.width - len(words)) // 2), row, words, ink)
+    canvas.text(canvas.width - 1 - len(more), row, more, ink)
 
 
 def banner_forms(text: str) -> tuple[str, ...]:

@@ -53,11 +53,15 @@ class Banner:
         robot: Whose it is; empty for the console itself.
         text: What it says.
         more: How many more alarms there are.
+        advice: What to do about it; empty: that is plain.
+        calm: Whether it is no alarm, but what the operator must know: the robot moves by itself.
     """
 
     robot: str
     text: str
     more: int = 0
+    advice: str = ""
+    calm: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

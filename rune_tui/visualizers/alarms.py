@@ -52,7 +52,7 @@ class Alarms:
         canvas.fill(theme.panel)
         parts = _unsaid(robot, state)
         if not parts:
-            words = "nothing else" if state.banner is not None else f"{robot.title}: all well"
+            words = "nothing else" if _alarmed(state) else f"{robot.title}: all well"
             if len(state.robots) == 1:
                 words = words.removeprefix(f"{robot.title}: ")
             canvas.text(0, 0, cut(words, canvas.width), theme.faint)
@@ -67,7 +67,12 @@ class Alarms:
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with any word of it."""
-        return robot.title, _unsaid(robot, state), state.banner is None, state.theme.name
+        return robot.title, _unsaid(robot, state), _alarmed(state), state.theme.name
+
+
+def _alarmed(state: ConsoleState) -> bool:
+    """Whether the banner says an alarm."""
+    return state.banner is not None and not state.banner.calm
 
 
 def _unsaid(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:

@@ -91,8 +91,9 @@ def mark_age(canvas: Canvas, age: float, theme: Theme, pause: float = 0.0) -> No
     if staleness(age, pause) is not Staleness.STALE:
         return
     full = f" STALE {age_text(age)} "
-    string = full if len(full) <= canvas.width else f"!{age_text(age)}"
+    short = f"!{age_text(age)}"
+    string = next((form for form in (full, short) if len(form) <= canvas.width), "!")
     column = max(0, (canvas.width - len(string)) // 2)
     with drawing(canvas) as pen:
-        pen.rectangle(column, 0, column + len(string), 2, theme.alarm)
-    canvas.text(column, 0, string, theme.on_alarm)
+        pen.rectangle(column, 0, column + len(string), 2, theme.panel)
+    canvas.text(column, 0, string, theme.warning)

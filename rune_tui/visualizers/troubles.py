@@ -7,8 +7,10 @@ from typing import Final
 
 from hub.gcm.navigation import Assistance
 from rune_tui.model.console_state import Banner, ConsoleState
+from rune_tui.model.doing import doing_of
 from rune_tui.model.mission import mission_of
 from rune_tui.model.robot_state import LackKind, RobotState
+from rune_tui.visualizers.doing_words import SILENT_S, doing_parts
 from rune_tui.visualizers.mood import Mood, Part
 from rune_tui.visualizers.range_data import pressed_bumpers
 from rune_tui.visualizers.status_words import side_of, status_parts
@@ -32,7 +34,7 @@ def troubles(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
 
 
 def banner_of(state: ConsoleState) -> Banner | None:
-    """The gravest alarm of all robots, and how many more there are; None while there is none."""
+    """The gravest alarm of all robots, else what one does by itself, else None."""
     found: list[tuple[float, str, str]] = []
     for robot in state.robots.values():
         alarms = [part for part in troubles(robot, state) if part.mood is Mood.ALARM]
@@ -44,8 +46,19 @@ def banner_of(state: ConsoleState) -> Banner | None:
     if passing and newest is not None and newest.alarm and state.now - newest.when <= TOLD_S:
         return Banner(robot=newest.robot, text=newest.text, more=len(found))
     if gravest is None:
-        return None
+        return next(_by_themselves(state), None)
     return Banner(robot=gravest[1], text=gravest[2], more=len(found) - 1)
+
+
+def _by_themselves(state: ConsoleState) -> Iterator[Banner]:
+    """What robots do by themselves, which whoever drives has to know."""
+    for robot in state.robots.values():
+        doing = doing_of(robot)
+        if doing is None or not doing.under_way or state.now - doing.measured > SILENT_S:
+            continue
+        for part in doing_parts(robot, state.now):
+            advice = "by itself; a key that drives ends it"
+            yield Banner(robot=robot.name, text=part.text, advice=advice, calm=True)
 
 
 def is_in_banner(part: Part, robot: RobotState, state: ConsoleState) -> bool:
