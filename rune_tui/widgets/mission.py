@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from hub.gcm.mission import MISSION_STATE, MissionAction
-from rune_tui.layout.rules import ChoiceOption, HandlerRule
+from rune_tui.layout.rules import ChoiceOption, HandlerRule, Section
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import AskEffect, Effect, MissionEffect, Tell
 from rune_tui.model.mission import mission_of
@@ -19,6 +19,8 @@ class Mission(OrderWidget):
     """Asks for the name of a mission to begin; of one that runs, for another name or its end."""
 
     rule: ClassVar = HandlerRule(
+        section=Section.MARK,
+        says={"": "{do}"},
         meaning=(
             "Begins a mission under the name you type; while one runs, names it anew, or ends it "
             "when you type 'end'. The robot keeps marks, map and track of a mission."
@@ -27,6 +29,12 @@ class Mission(OrderWidget):
             "do": ChoiceOption(
                 default="ask",
                 choices=("ask", "begin", "name", "end"),
+                words={
+                    "ask": "Mission: begin, name or end it",
+                    "begin": "Begin a mission",
+                    "name": "Name the mission anew",
+                    "end": "End the mission",
+                },
                 meaning="what it does: asks what suits, or only this",
             )
         },

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 
 from rune_tui.layout.actions import Action, actions_of
 from rune_tui.layout.spec import LayoutSpec
-from rune_tui.opening import open_layout
+from rune_tui.opening import BUILT_IN, open_layout
 
 LAYOUT = """\
 <rune>
@@ -83,3 +84,15 @@ def test_what_is_held_pointed_or_turned_cannot_be_chosen_from_a_list(
 ):
     listed = {inputs for inputs, action in actions.items() if action.at_once}
     assert listed == {("H",), ("F",), ("Q",)}
+
+
+@pytest.mark.parametrize("handler", sorted(BUILT_IN.widgets))
+def test_every_handler_says_in_a_few_plain_words_what_its_inputs_do(handler: str):
+    rule = BUILT_IN.widgets[handler].rule
+    assert rule.section is not None
+    assert set(rule.says) <= {"", *rule.controls}
+    for control in rule.controls or ("",):
+        template = rule.says.get(control, rule.says.get("", ""))
+        assert 0 < len(template) <= 48, control
+        named = set(re.findall(r"\{(\w+)\}", template))
+        assert named <= {"direction", *rule.options}
