@@ -1,0 +1,93 @@
+"""Pages for people who learnt English at school: short sentences, and no words that few know."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PAGES = [ROOT / "docs" / "safety.md"]
+MOST_WORDS = 25
+"""The longest sentence [words]; what stands in `code` counts too."""
+AVOIDED = (
+    r"told|heeds?|heeded|minds?|minded|hinders?|hindered|buries|buried|bury|deeds?|strangers?",
+    r"anew|afresh|lest|thereof|whence|hence|whoever|whatever|gravest|betokens?|fares?|likewise",
+    r"so long as|who was|of which|but for|ere|as it were",
+    r"is to be|are to be|was to be|were to be|is to|are to",
+)
+"""Words that a reader looks up, or has to read twice."""
+_LIST_ITEM = re.compile(r"\s*(?:[-*]|\d+\.)\s+")
+_END = re.compile(r"(?<=[.!?])[\"*_)]*\s+")
+
+
+def prose(text: str) -> Iterator[str]:
+    """The paragraphs and list items of a page, without code blocks, tables and headings."""
+    block: list[str] = []
+    fenced = False
+    for line in [*text.splitlines(), ""]:
+        fence = line.lstrip().startswith("```")
+        fenced ^= fence
+        left_out = fenced or fence or line.lstrip().startswith(("|", "#", "!["))
+        item = _LIST_ITEM.match(line)
+        if left_out or item or not line.strip():
+            if block:
+                yield " ".join(block)
+            block = []
+        if not left_out and line.strip():
+            block.append(line[item.end() :] if item else line.strip())
+
+
+def plain(text: str) -> str:
+    """Prose as it is read: no addresses of links; of `code`, nothing that ends a sentence."""
+    text = re.sub(r"\]\([^)]*\)", "]", text)
+    return re.sub(r"`[^`]*`", lambda code: re.sub(r"[^\w\s`]", "_", code[0]), text)
+
+
+def sentences(text: str) -> Iterator[str]:
+    """The sentences of a page."""
+    for block in prose(text):
+        yield from filter(None, _END.split(plain(block)))
+
+
+def long_sentences(text: str) -> list[str]:
+    """Sentences with too many words; marks such as "-" or "·" between words are none."""
+    return [
+        f"{count} words: {sentence}"
+        for sentence in sentences(text)
+        if (count := sum(bool(re.search(r"\w", word)) for word in sentence.split())) > MOST_WORDS
+    ]
+
+
+def avoided_words(text: str) -> list[str]:
+    """Lines of a page, tables too, with a word to avoid; code does not count."""
+    without_blocks = re.sub(r"^\s*```.*?^\s*```", "", text, flags=re.DOTALL | re.MULTILINE)
+    words = re.compile(rf"\b(?:{'|'.join(AVOIDED)})\b", re.IGNORECASE)
+    lines = re.sub(r"`[^`\n]*`|\]\([^)]*\)", "", without_blocks).splitlines()
+    return [f"{found[0]}: {line}" for line in lines if (found := words.search(line))]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_no_sentence_is_long(page: Path) -> None:
+    assert long_sentences(page.read_text()) == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_words_that_few_know_do_not_occur(page: Path) -> None:
+    assert avoided_words(page.read_text()) == []
+
+
+def test_what_counts_as_a_sentence() -> None:
+    long = " ".join(["word"] * 26)
+    page = (
+        f"# {long}\n\n| {long} |\n\n```\n{long}\n```\n\nOne `a. b` [two](x y z). Three!\n- {long}\n"
+    )
+    assert list(sentences(page)) == ["One `a_ b` [two].", "Three!", long]
+    assert long_sentences(page) == [f"26 words: {long}"]
+
+
+def test_words_to_avoid_are_found_in_tables_and_not_in_code() -> None:
+    page = "| it was\n| told | `told` |\n\n```\ntold\n```\nThe list, of which one is long."
+    assert [found.partition(":")[0] for found in avoided_words(page)] == ["told", "of which"]
