@@ -311,6 +311,7 @@ class KeyboardHold:
         if hold is None:
             return ()
         hold.must_release = False
+        hold.deadline = now + _FIRST_HOLD_S  # as for a press that comes now
         return (self._proven_press(key, hold),)
 
     @staticmethod

@@ -4,19 +4,44 @@ from __future__ import annotations
 
 import math
 import random
+from pathlib import Path
 from types import MappingProxyType
 
 import pytest
 
 from hub.gcm.navigation import VELOCITY_COMMAND
 from hub.sim.kinematics import ANGULAR, LINEAR, approach
-from rune_tui.controls.events import ControlEvent
+from rune_tui.controls.events import ControlEvent, Hit
 from rune_tui.controls.keyboard import KeyboardHold, name_of_key, without_shift
+from rune_tui.dispatch import Dispatch
 from rune_tui.layout.spec import ControlKind, EventSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import LimitSpeed, SendEffect, changed
+from rune_tui.opening import open_layout
 from rune_tui.widgets.speed import SetSpeed
 
+_LAYOUT = """<rune>
+  <robot name="magellan"><capability name="NAV_MOVE"/></robot>
+  <joystick name="pad"/>
+  <view xsize="90" ysize="40">
+    <viewport name="drive" robot="magellan" xpos="0" ypos="0" xsize="40" ysize="40">
+      <widget handler="widgetSpeedLimit">
+        <event key="]" control="step" value="1"/>
+        <event joystick="pad" button="back" control="step" value="-1"/>
+      </widget>
+      <widget handler="widgetSpeedLimit">
+        <option name="percent" value="25"/><event key="2" control="to"/>
+      </widget>
+    </viewport>
+    <viewport name="slower" robot="magellan" xpos="50" ypos="0" xsize="30" ysize="6">
+      <visualizer function="visualizeButton" text="slower"/>
+      <widget handler="widgetSpeedLimit">
+        <event mouse="left" control="step" value="-1"/>
+      </widget>
+    </viewport>
+  </view>
+</rune>
+"""
 AHEAD = EventSpec(name="w", control="translate", value=1.0, line=1)
 LEFT = EventSpec(name="a", control="rotate", value=1.0, line=2)
 _STEP_S = 0.01
@@ -168,6 +193,41 @@ def test_limits_go_by_steps_and_belong_to_a_robot() -> None:
     assert (state.speed_limit("magellan"), state.speed_limit("blimp")) == (0.3, 1.0)
     state = changed(state, LimitSpeed(robot="magellan", up=True))
     assert state.speed_limit("magellan") == 0.5
+
+
+def test_a_press_that_has_to_be_proven_after_a_stop_is_a_whole_step() -> None:
+    keyboard, widget, robot = KeyboardHold(), drive(), Robot(0.02)
+    keyboard.stop({"w"}, 9.0)
+    for number in range(200):
+        now = 10.0 + number * _STEP_S
+        events = keyboard.press("w", now) if number == 0 else keyboard.expire(now)
+        for event in events:
+            if not event.must_release_first:
+                robot.take(widget.handle(event, AHEAD, ConsoleState(now=now)), now)
+        robot.take(widget.tick(ConsoleState(now=now)), now)
+        robot.pass_time(now)
+    assert robot.way == pytest.approx(0.05, abs=0.015)
+
+
+def test_keys_sticks_and_buttons_on_the_screen_change_the_limit(tmp_path: Path) -> None:
+    path = tmp_path / "layout.xml"
+    path.write_text(_LAYOUT)
+    dispatch = Dispatch(open_layout(path))
+    state = ConsoleState(now=0.0, chosen="magellan")
+    limits = []
+    click = Hit(viewport="slower", x=0.5, y=0.5)
+    for event in (
+        ControlEvent(name="2", pressed=True),
+        ControlEvent(name="]", pressed=True),
+        ControlEvent(name="mouse left", pressed=True, hits=(click,)),
+        ControlEvent(name="joystick pad back", pressed=True),
+        ControlEvent(name="joystick pad back", pressed=True),
+    ):
+        for effect in dispatch.handle(event, state):
+            assert isinstance(effect, LimitSpeed)
+            state = changed(state, effect)
+        limits.append(state.speed_limit("magellan"))
+    assert limits == [0.25, 0.5, 0.25, 0.1, 0.1]
 
 
 @pytest.mark.parametrize(
