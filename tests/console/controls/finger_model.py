@@ -8,7 +8,6 @@ from __future__ import annotations
 import copy
 import enum
 import math
-from collections.abc import Iterable
 from typing import Any
 
 from rune_tui.controls.keyboard import KeyboardHold
@@ -21,7 +20,7 @@ _GAP_MS = 300
 _QUEUED = 4
 _LOOKS_UP_MS = 700
 _LOOKS_PRESSED_MS = 150
-_LONG_AGO = 6.0
+_LONG_AGO = 2.0
 
 
 class Terminal(enum.Enum):
@@ -156,6 +155,13 @@ class Scene:
             _frozen(self.keyboard, self._s),
         )
 
+    def copied(self) -> Scene:
+        """Another one that goes on by itself."""
+        made = copy.copy(self)
+        made.down, made.unseen = set(self.down), set(self.unseen)
+        made.keyboard = _copied(self.keyboard)
+        return made
+
     @property
     def _s(self) -> float:
         return self.now / 1000.0
@@ -206,24 +212,45 @@ def _relative(moment: float, now: float) -> float:
     return max(-_LONG_AGO * 1000, moment - now)
 
 
-def _frozen(value: object, now: float, name: str = "") -> object:
-    """What a value says, with moments relative to now; long ago is long ago."""
-    match value:
-        case bool() | int() | str() | None | enum.Enum():
-            return value
-        case float():
-            spans = name in {"live_from", "_intervals"}
-            return round(value if spans else max(-_LONG_AGO, value - now), 4)
-        case dict():
-            return tuple((key, _frozen(each, now, name)) for key, each in value.items())
-        case set():
-            return frozenset(value)
-        case _ if callable(value):
-            return None
-        case _ if isinstance(value, Iterable):
-            return tuple(_frozen(each, now, name) for each in value)
-    names = getattr(value, "__slots__", None) or vars(value)
-    return tuple(_frozen(getattr(value, each), now, each) for each in names)
+def _copied(keyboard: KeyboardHold) -> KeyboardHold:
+    """As `copy.deepcopy`, many times faster."""
+    made, guard = copy.copy(keyboard), copy.copy(keyboard._guard)
+    made._guard = guard
+    made._holds = {key: copy.copy(hold) for key, hold in keyboard._holds.items()}
+    made._paused = dict(keyboard._paused)
+    made._intervals = keyboard._intervals.copy()
+    guard._down, guard._told, guard._timed = set(guard._down), set(guard._told), set(guard._timed)
+    guard._came, guard._answered = dict(guard._came), guard._answered.copy()
+    return made
+
+
+def _frozen(keyboard: KeyboardHold, now: float) -> tuple[Any, ...]:
+    """What the rules know, with moments relative to now; long ago is long ago."""
+
+    def at(moment: float) -> float:
+        return round(max(-_LONG_AGO, moment - now), 4)
+
+    guard = keyboard._guard
+    return (
+        tuple(
+            (
+                key,
+                (at(hold.last), at(hold.deadline), at(hold.silent_at), hold.live_from),
+                (min(hold.repeats, 3), min(hold.at_once, 2), hold.at_once == hold.repeats),
+                (min(hold.live, 3), hold.fine),
+                (hold.must_release, hold.told, hold.ended),
+            )
+            for key, hold in keyboard._holds.items()
+        ),
+        tuple((key, at(until), apart) for key, (until, apart) in keyboard._paused.items()),
+        tuple(round(each, 4) for each in keyboard._intervals),
+        keyboard._resumable,
+        (guard.state.value, guard._candidate, min(guard._repeats, 3), guard._needed),
+        (at(guard._last), at(guard._stopped)),
+        (frozenset(guard._down), frozenset(guard._told), frozenset(guard._timed)),
+        tuple((key, at(came)) for key, came in guard._came.items()),
+        tuple((at(read), at(asked)) for read, asked in list(guard._answered)[-2:]),
+    )
 
 
 def explore(terminal: Terminal, length: int) -> int:
@@ -234,7 +261,7 @@ def explore(terminal: Terminal, length: int) -> int:
         found = []
         for scene, way in fresh:
             for action in filter(scene.may, Scene.ACTIONS):
-                after = copy.deepcopy(scene)
+                after = scene.copied()
                 try:
                     after.act(action)
                 except AssertionError as error:
