@@ -17,7 +17,7 @@ from typing import Any
 
 from tests.fake_hid import VirtualBed, VirtualDevice
 from tests.ports import free_port
-from tests.system.harness import ConsoleProcess, HubProcess
+from tests.system.harness import DELAY_S, ConsoleProcess, HubProcess
 from tests.system.recorded_robot import Row, Wheels
 from tests.waiting import until
 
@@ -63,8 +63,6 @@ _CENTRE, _THROW = 128, 127
 _TRIES = 5
 _PRELOAD = "LD_PRELOAD"
 _REPEAT_S = 0.033
-_DELAY_S = 0.25
-"""From a press to its first repeat, as short as on most keyboards [s]."""
 _GAPS = 0.15
 """The share of repeats that come late, where there are gaps."""
 _SHOULDER = 1
@@ -103,7 +101,7 @@ class Finger:
                 with contextlib.suppress(OSError):  # the terminal is closed, or takes no more
                     os.write(terminal(), key.encode())
                 late = self.gaps and chance.random() < _GAPS
-                pause = chance.uniform(0.16, 0.5) if late else _REPEAT_S if number else _DELAY_S
+                pause = chance.uniform(0.16, 0.5) if late else _REPEAT_S if number else DELAY_S
 
         self._thread = threading.Thread(target=repeat)
         self._thread.start()

@@ -74,6 +74,10 @@ _FRESH_S = 0.08
 """Ground truth comes every 20 ms; what is older than this may be queued [s]."""
 
 
+DELAY_S = 0.25
+"""From a press to its first repeat, as short as on most keyboards [s]."""
+
+
 class HubProcess:
     """`rune-hub run`, from start to end."""
 
@@ -312,9 +316,11 @@ class TerminalProcess:
         let_go = threading.Event()
 
         def repeat() -> None:
+            pause = DELAY_S
             self.type(keys)
-            while not let_go.wait(every):
+            while not let_go.wait(pause):
                 self.type(keys)
+                pause = every
 
         hand = threading.Thread(target=repeat)
         hand.start()
