@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "docs" / "safety.md", ROOT / "docs" / "operator-guide.md"]
+PAGES = [ROOT / "README.md", ROOT / "docs" / "safety.md", ROOT / "docs" / "operator-guide.md"]
 MOST_WORDS = 25
 """The longest sentence [words]; what stands in `code` counts too."""
 AVOIDED = (
