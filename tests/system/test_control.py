@@ -111,7 +111,7 @@ def test_who_asks_is_given_control_and_the_robot_stands_until_they_drive(
     alice.wait(lambda: "bob ASKS FOR CONTROL" in alice.text, 10.0)
     assert "P hands it over, B keeps it" in alice.text
     drive(alice, observer)
-    alice.type("wy")
+    alice.type("wp")
     wait_owner(observer, "bob")
     expect_stop(observer)
     alice.hold("w", HELD_S)
