@@ -26,3 +26,16 @@ def test_code_blocks_of_a_page_are_closed(page: Path) -> None:
         assert not (is_open and language), f"a block begins within another: {language}"
         is_open = not is_open
     assert not is_open
+
+
+@pytest.mark.parametrize("name", ["safety", "security"])
+def test_files_that_show_a_rule_exist(name: str) -> None:
+    """A table that names a test that is gone promises what nobody shows."""
+    named = set(re.findall(r"`([\w/]+\.py)`", (ROOT / "docs" / f"{name}.md").read_text()))
+    there = [
+        f"/{path.relative_to(ROOT)}"
+        for folder in ("hub", "rune_tui", "tests", "benchmarks")
+        for path in (ROOT / folder).rglob("*.py")
+    ]
+    assert len(named) > 10
+    assert [each for each in named if not any(path.endswith(f"/{each}") for path in there)] == []

@@ -9,7 +9,15 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", ROOT / "docs" / "safety.md", ROOT / "docs" / "operator-guide.md"]
+NAMES = (
+    "README",
+    "CONTRIBUTING",
+    "docs/safety",
+    "docs/operator-guide",
+    "docs/layouts",
+    "docs/links",
+)
+PAGES = [ROOT / f"{name}.md" for name in NAMES]
 MOST_WORDS = 25
 """The longest sentence [words]; what stands in `code` counts too."""
 AVOIDED = (
