@@ -12,9 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.grids.clearance import clearance
-from hub.grids.costs import SQUEEZE, TIGHT, Caution, crossing
+from hub.grids.costs import SQUEEZE
 from hub.grids.grid import Grid, Mask
-from hub.grids.wavefront import Costs, spread
+from hub.grids.reach import ways
+from hub.grids.wavefront import Costs
 
 SOLID_CELLS = 4
 """So many of the 9 cells around an unknown one have to be unknown; fewer are specks."""
@@ -76,12 +77,7 @@ def frontiers(
     edge = np.argwhere(edge_cells(grid))
     if not edge.size:
         return ()
-    first = grid.cell(*start)
-    keeps = squeeze * radius
-    caution = Caution(radius=radius, comfort=0.0, unknown=math.inf, squeeze=keeps)
-    factors = crossing(grid, first, caution)
-    costs = spread(factors, first)
-    costs[factors >= TIGHT] = np.inf  # the robot may pass there, but not stay
+    costs = ways(grid, start, radius=radius, squeeze=squeeze)
     reach_cells = (radius + reach) / grid.resolution
     opaque = grid.occupied if in_sight else np.zeros_like(grid.occupied)
     places, lengths = _standing_places(costs, opaque, edge, reach_cells)

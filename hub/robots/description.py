@@ -22,7 +22,9 @@ ROBOTS_OWN = "robot"
 """The source of pictures that is the robot's own camera."""
 NOTHING_NEW_S = 75.0
 NOTHING_NEW_SHARE = 0.02
-"""Exploring ends when the map's free ground grew by less than this share for this time [s]."""
+"""Exploring ends when the ground in reach grew by less than this share for this time [s]."""
+LONGEST_EXPLORING_S = 600.0
+"""Exploring ends in time for the robot to be back at its start then [s]."""
 
 
 class MissionBegin(enum.Enum):
@@ -74,7 +76,8 @@ class RobotDescription:
         mission_largest_mb: Size of a mission from which on only marks are kept [MB].
         mission_least_free_mb: Room on the disk below which only marks are kept [MB].
         nothing_new_s: Exploring ends when nothing new came for this time, although it drove [s].
-        nothing_new_share: Nothing new means that the map's free ground grew by less than this.
+        nothing_new_share: Nothing new means that the ground in reach grew by less than this.
+        longest_exploring_s: The robot is back from exploring after this time, as far as it can [s].
         left_alone: What it does when it has lost its operator.
         surface_after_s: If it surfaces then, for how long it keeps neutral before [s].
         modules: The tables under [modules], not yet checked.
@@ -112,6 +115,7 @@ class RobotDescription:
     mission_least_free_mb: float
     nothing_new_s: float
     nothing_new_share: float
+    longest_exploring_s: float
     left_alone: LeftAlone
     surface_after_s: float
     modules: dict[str, Any]
@@ -244,7 +248,13 @@ _TABLES = {
         "nothing_new_share": toml.Key(
             toml.number(0.0, 1.0),
             NOTHING_NEW_SHARE,
-            meaning="nothing new: the map's free ground grew by less than this share",
+            meaning="nothing new: the ground in reach grew by less than this share",
+        ),
+        "longest_s": toml.Key(
+            toml.number(30.0, 86400.0),
+            LONGEST_EXPLORING_S,
+            "longest_exploring_s",
+            meaning="exploring turns back in time to be at the start after this time [s]",
         ),
     },
     "simulation": {

@@ -34,7 +34,11 @@ class Autonomy:
     def __init__(self, client: Client, robot: RobotDescription) -> None:
         self._client = client
         self._clock = time.monotonic
-        limits = Limits(seconds=robot.nothing_new_s, share=robot.nothing_new_share)
+        limits = Limits(
+            seconds=robot.nothing_new_s,
+            share=robot.nothing_new_share,
+            longest=robot.longest_exploring_s,
+        )
         self._pilot = Pilot(radius=robot.radius + robot.margin, seed=robot.seed, limits=limits)
         self._said = ""
         self._why = ""

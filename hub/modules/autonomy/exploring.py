@@ -10,6 +10,7 @@ import numpy as np
 from hub.gcm.navigation import Point
 from hub.grids.frontiers import Frontier, edge_cells, frontiers
 from hub.grids.grid import Grid
+from hub.grids.reach import standing_ground, ways
 from hub.modules.autonomy.errands import End, Pause, Sight, Target
 from hub.modules.autonomy.novelty import Limits, Novelty
 
@@ -43,6 +44,10 @@ TRIES = 3
 """After so many visits in vain a place is given up."""
 SPEED = 0.35
 """So fast the robot gets about, turns included [m/s]."""
+HOMEWARD_SPEED = 0.2
+"""The way back to the start is made at least so fast on average [m/s]."""
+HOMEWARD_SPARE_S = 20.0
+"""The robot turns back so much earlier than the way takes [s]."""
 STOP_S = 6.0
 """So much longer each target takes: to look, and to turn away [s]."""
 CLOSED_S = 12.0
@@ -72,7 +77,8 @@ class Explore:
     frontiers that the map shows no way to are looked at from as near as the robot gets.
 
     Drift makes places anew that are known already, so exploring does not go on when nothing new
-    comes. Then the robot goes back to its start.
+    comes. Nor does it go on for longer than the limits say: a robot that has lost its place sees
+    new ground all the time. Then the robot goes back to its start.
 
     Attributes:
         needs_map: True.
@@ -85,12 +91,15 @@ class Explore:
 
         Args:
             radius: The robot's, with the margin it must keep [m].
-            limits: When nothing new has come for long enough.
+            limits: When it ends although frontiers are left.
         """
         self.needs_map = True
         self.frontier_m = self.explored = math.nan
         self._radius = radius
         self._novelty = Novelty(limits)
+        self._seen: Grid | None = None
+        self._began = math.inf
+        self._ground = self._way_home = 0.0
         self._reach = LOOK
         self._vain: list[_Vain] = []
         self._open_at = -math.inf
@@ -102,15 +111,20 @@ class Explore:
         """The frontier to go to."""
         if self._end is not None:
             return self._go_home(self._end, sight)
-        if sight.grid is None or not sight.fresh:
+        if sight.grid is not None:
+            self._look(sight, sight.grid)
+        late = self._late(sight.now)
+        if sight.grid is None or not (sight.fresh or late):
             return Pause(why="looks around")
-        self._look(sight, sight.grid)
         near = self._frontiers(sight, sight.grid, LOOK)
         reachable = [place for place in near if math.isfinite(place.distance)]
         left = self._left(near)
         self.frontier_m = sum(place.length for place in left)
         self.explored = explored_share(sight.grid, self.frontier_m)
         counts = len(left), len(near) - len(reachable), len(reachable) - len(left)
+        if late:
+            reason = f"{self._novelty.limits.longest:g} s are over with the way back"
+            return self._go_home(summary(reason, *counts), sight)
         beyond: list[Frontier] = []
         if self._novelty.over(sight.now) and not self._last_looks:
             self._last_looks = True
@@ -127,6 +141,8 @@ class Explore:
         if sight.grid is None or self._end is not None:
             return True
         self._look(sight, sight.grid)
+        if self._late(sight.now):
+            return False
         goal = target.points[-1]
         if math.dist((goal.x, goal.y), (sight.x, sight.y)) < ARRIVED:
             self._note(target)
@@ -231,9 +247,28 @@ class Explore:
         return 0 if vain is None else vain.visits
 
     def _look(self, sight: Sight, grid: Grid) -> None:
-        free = float(np.count_nonzero(grid.free)) * grid.resolution**2
-        if self._novelty.look(free, sight.x, sight.y, sight.now):
+        """See how much ground is in reach, and how far it is home."""
+        self._began = min(self._began, sight.now)
+        if grid is not self._seen:
+            self._seen = grid
+            self._measure(sight, grid)
+        if self._novelty.look(self._ground, _free_ground(grid), sight.x, sight.y, sight.now):
             self._last_looks = False
+
+    def _measure(self, sight: Sight, grid: Grid) -> None:
+        here, home = (sight.x, sight.y), (HOME.x, HOME.y)
+        wide = grid.covering((here, home), self._radius)
+        if wide is None:
+            return
+        lengths = ways(wide, here, radius=self._radius)
+        self._ground = standing_ground(wide, lengths, self._radius)
+        way = float(lengths[wide.cell(*home)]) * wide.resolution
+        self._way_home = way if math.isfinite(way) else DETOUR * math.dist(here, home)
+
+    def _late(self, now: float) -> bool:
+        """Whether it is time to go home."""
+        back = self._way_home / HOMEWARD_SPEED + HOMEWARD_SPARE_S
+        return now - self._began + back >= self._novelty.limits.longest
 
 
 def summary(reason: str, left: int, out_of_reach: int, given_up: int) -> str:
@@ -263,6 +298,11 @@ def explored_share(grid: Grid, frontier_m: float) -> float:
     inner = free[:-2, 1:-1] & free[2:, 1:-1] & free[1:-1, :-2] & free[1:-1, 2:]
     edge = float(np.count_nonzero(grid.free & ~inner)) * grid.resolution
     return max(0.0, 1.0 - frontier_m / edge) if edge else 0.0
+
+
+def _free_ground(grid: Grid) -> float:
+    """How much is free in a map, wherever it is [m^2]."""
+    return float(np.count_nonzero(grid.free)) * grid.resolution**2
 
 
 def worth(frontier: Frontier) -> float:

@@ -5,7 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from hub.robots.description import NOTHING_NEW_S, NOTHING_NEW_SHARE
+from hub.robots.description import (
+    LONGEST_EXPLORING_S,
+    NOTHING_NEW_S,
+    NOTHING_NEW_SHARE,
+)
 
 LEAST_WAY = 2.0
 """Nothing new says nothing of a robot that drove less than this [m]."""
@@ -17,22 +21,25 @@ LOST = 0.5
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limits:
-    """How little is nothing new, and for how long.
+    """When exploring ends although frontiers are left.
 
     Attributes:
-        seconds: For so long [s].
-        share: The known free ground grew by less than this share of it.
+        seconds: Nothing new came for so long [s].
+        share: Nothing new: the ground that the robot can reach grew by less than this share.
+        longest: The robot is back at its start after this time, if the way back allows it [s].
     """
 
     seconds: float = NOTHING_NEW_S
     share: float = NOTHING_NEW_SHARE
+    longest: float = LONGEST_EXPLORING_S
 
 
 class Novelty:
-    """Follows how the known free ground grows.
+    """Follows how the ground grows that the robot can reach and fits on.
 
-    Each time it has grown by the share, counting begins anew. Drift can make free ground shrink
-    and come back; only what is more than ever before is new.
+    Each time it has grown by the share, counting begins anew. Drift can make it shrink and come
+    back; only what is more than ever before is new. Other free ground does not count: sensors that
+    look through walls make ever more of it.
     """
 
     def __init__(self, limits: Limits) -> None:
@@ -42,17 +49,18 @@ class Novelty:
             limits: When it is enough.
         """
         self.limits = limits
-        self._free = 0.0
+        self._ground = self._free = 0.0
         self._since = math.inf
         self._place: tuple[float, float] | None = None
         self._way = 0.0
         self._places = 0
 
-    def look(self, free: float, x: float, y: float, now: float) -> bool:
+    def look(self, ground: float, free: float, x: float, y: float, now: float) -> bool:
         """See the map; whether there is something new in it.
 
         Args:
-            free: Free ground in it, in any unit that stays the same.
+            ground: What the robot can reach and fits on [m^2].
+            free: All free ground, which shows whether it is still the same map [m^2].
             x: Of the robot in `map` [m].
             y: Likewise [m].
             now: Monotonic time [s].
@@ -61,8 +69,10 @@ class Novelty:
             self._way += math.dist(self._place, (x, y))
         self._place = (x, y)
         first = math.isinf(self._since)
-        if first or free > self._free * (1.0 + self.limits.share) or free < self._free * LOST:
-            self._free = free
+        cleared = free < self._free * LOST
+        self._free = free if cleared else max(free, self._free)
+        if first or cleared or ground > self._ground * (1.0 + self.limits.share):
+            self._ground = ground
             self.begin_anew(now)
             return True
         return False

@@ -62,7 +62,7 @@ class Pilot:
         Args:
             radius: The robot's, with the margin it must keep [m].
             seed: Of what is drawn by lot.
-            limits: When exploring has brought nothing new for long enough.
+            limits: When exploring ends although frontiers are left.
         """
         self._radius = radius
         self._limits = limits or Limits()

@@ -69,10 +69,13 @@ def test_camera_of_one_s_own_is_named_beside_the_robot_file(tmp_path: Path) -> N
 
 def test_when_exploring_ends_is_set_in_the_robot_file_and_told_to_who_asks(tmp_path: Path) -> None:
     robot = tmp_path / "robot.toml"
-    robot.write_text(GOOD + "\n[autonomy]\nnothing_new_s = 90\nnothing_new_share = 0.05\n")
+    robot.write_text(
+        GOOD + "\n[autonomy]\nnothing_new_s = 90\nnothing_new_share = 0.05\nlongest_s = 900\n"
+    )
     table = load_robot_table(str(robot))
     assert (table.robot.nothing_new_s, table.robot.nothing_new_share) == (90.0, 0.05)
-    for setting in ("nothing_new_s (75.0): ", "nothing_new_share (0.02): "):
+    assert table.robot.longest_exploring_s == 900.0
+    for setting in ("nothing_new_s (75.0): ", "nothing_new_share (0.02): ", "longest_s (600.0): "):
         assert setting in description.settings("autonomy")
     assert not description.settings("vision")
 

@@ -15,7 +15,14 @@ from hub.grids.frontiers import Frontier
 from hub.grids.grid import Grid
 from hub.grids.planner import line_cost, plan
 from hub.modules.autonomy.errands import Sight, Target
-from hub.modules.autonomy.exploring import ARRIVED, AT_HOME, TRIES, Explore, worth
+from hub.modules.autonomy.exploring import (
+    ARRIVED,
+    AT_HOME,
+    HOMEWARD_SPEED,
+    TRIES,
+    Explore,
+    worth,
+)
 from hub.modules.autonomy.novelty import Limits
 from tests.hub.modules.autonomy.scene import RADIUS, Scene, hall
 
@@ -318,6 +325,7 @@ def test_closed_doors_are_gone_to_when_nothing_new_comes_until_something_does() 
     grid.cells[:, 26:] = 0
     grid.cells[:, 23:26] = 0
     grid.cells[8:30, 0] = 0  # nothing was known there before
+    grid.cells[-1, 2:20] = 0
     grid = Grid(
         cells=np.pad(grid.cells, ((0, 10), (0, 0))), resolution=0.1, origin_x=-1.0, origin_y=-1.0
     )
@@ -357,6 +365,47 @@ def test_exploring_ends_when_drift_makes_ever_new_frontiers_where_all_is_known()
     nothing_new = f"explored: nothing new for {Limits().seconds:g} s; frontiers: 1 left"
     assert scene.why == f"{nothing_new}; it is back at its start"
     assert Limits().seconds <= seconds <= Limits().seconds + 15.0
+
+
+def test_exploring_ends_when_free_ground_grows_only_behind_walls() -> None:
+    scene = Scene()
+    scene.grid = _open_at(0)
+    scene.ask(Behaviour.EXPLORE)
+    seconds = 0
+    while scene.state.behaviour is Behaviour.EXPLORE and seconds < 300:
+        scene.wait(1.0)
+        seconds += 1
+        if scene.task is Task.GOING and seconds % 10 == 0:
+            scene.grid = _open_at(seconds // 10)
+            scene.grid.cells[:, 44] = 100
+            scene.grid.cells[:, 45 : 46 + seconds // 10] = 0
+            scene.arrive()
+    assert scene.why.startswith("explored: ")
+    assert seconds <= Limits().seconds + 15.0
+
+
+def test_exploring_turns_back_in_time_although_new_ground_is_left() -> None:
+    scene = Scene()
+    grid = hall(width=400, known=30)
+    scene.grid = grid
+    scene.ask(Behaviour.EXPLORE)
+    began = scene.now
+    known = 30
+    while scene.targets[-1:] != [(0.0, 0.0)] and scene.now < began + 2.0 * Limits().longest:
+        scene.wait(30.0)
+        if scene.task is Task.GOING and scene.targets[-1] != (0.0, 0.0):
+            known += 6
+            scene.grid = hall(width=400, known=known)
+            scene.arrive()
+    way = math.hypot(scene.x, scene.y)
+    assert scene.targets[-1] == (0.0, 0.0)
+    left = began + Limits().longest - scene.now
+    assert left > 0.0
+    assert way / HOMEWARD_SPEED - 30.0 <= left <= way / HOMEWARD_SPEED + 60.0
+    scene.arrive()
+    scene.wait(3.0)
+    assert scene.why.startswith("explored: 600 s are over with the way back; frontiers: 1 left")
+    assert scene.why.endswith("; it is back at its start")
 
 
 def _open_at(place: int) -> Grid:

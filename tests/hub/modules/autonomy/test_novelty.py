@@ -16,10 +16,10 @@ FAST = 0.3
 
 
 def looked(grounds: list[float], *, speed: float = FAST, places: int = LEAST_PLACES) -> Novelty:
-    """A rule that saw these free grounds, one every STEP_S, while the robot drove."""
+    """A rule that saw so much ground in reach, one every STEP_S, while the robot drove."""
     novelty = Novelty(LIMITS)
-    for step, free in enumerate(grounds):
-        novelty.look(free, step * STEP_S * speed, 0.0, step * STEP_S)
+    for step, ground in enumerate(grounds):
+        novelty.look(ground, 1.1 * ground, step * STEP_S * speed, 0.0, step * STEP_S)
         if step in range(1, places + 1):
             novelty.set_out()
     return novelty
@@ -51,7 +51,7 @@ def test_it_is_never_over_while_the_ground_grows_by_more_than_the_share(rates: l
     for rate in rates:
         free *= 1.0 + rate
         now += LIMITS.seconds - 0.1
-        novelty.look(free, now, 0.0, now)
+        novelty.look(free, free, now, 0.0, now)
         novelty.set_out()
         novelty.set_out()
         assert not novelty.over(now)
@@ -67,6 +67,23 @@ def test_it_is_over_in_time_when_the_ground_never_exceeds_what_it_was(
 ) -> None:
     novelty = looked([ground, *(ground * share for share in shares)], speed=speed)
     assert novelty.over(len(shares) * STEP_S)
+
+
+def test_free_ground_out_of_reach_is_nothing_new() -> None:
+    novelty = Novelty(LIMITS)
+    for step in range(31):
+        new = novelty.look(50.0, 60.0 + step, step * STEP_S * FAST, 0.0, step * STEP_S)
+        assert new is (step == 0)
+        novelty.set_out()
+    assert novelty.over(30 * STEP_S)
+
+
+def test_a_door_that_noise_closes_and_opens_again_is_nothing_new() -> None:
+    novelty = Novelty(LIMITS)
+    for step, ground in enumerate([50.0, *[10.0, 50.0] * 15]):
+        novelty.look(ground, 60.0, step * STEP_S * FAST, 0.0, step * STEP_S)
+        novelty.set_out()
+    assert novelty.over(30 * STEP_S)
 
 
 def test_counting_begins_with_the_first_look_and_not_before() -> None:
