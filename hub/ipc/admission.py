@@ -8,7 +8,7 @@ from typing import Any
 
 import zmq
 
-from hub.errors import CodecError, FrameError
+from hub.errors import CodecError, FrameError, NotAllowedError
 from hub.ipc import control_frames, permissions
 from hub.ipc.complaints import Complaints
 from hub.ipc.quotas import Account, Accounts, Verdict
@@ -28,6 +28,7 @@ class Admission:
         complaints: Complaints,
         answer: Callable[[bytes, Any], None],
         hang_up: Callable[[zmq.Frame], None],
+        holds: Callable[[Bearer], bool],
     ) -> None:
         """Begin.
 
@@ -37,19 +38,21 @@ class Admission:
             complaints: Counts what is refused.
             answer: Sends a control message to a connection.
             hang_up: Ends the connection that a frame came in on.
+            holds: Whether this key was not removed.
         """
         self._accounts = accounts
         self._clock = clock
         self._complaints = complaints
         self._answer = answer
         self._hang_up = hang_up
+        self._holds = holds
         self._bearers: dict[str, Bearer] = {}
 
     def bearer(self, frame: zmq.Frame) -> Bearer:
         """Whose key the connection has that a frame came in on.
 
         Raises:
-            NotAllowedError: It has none.
+            NotAllowedError: It has none, or one that was removed.
         """
         user_id = str(frame.get("User-Id"))
         known = self._bearers.get(user_id)
@@ -58,6 +61,9 @@ class Admission:
             if len(self._bearers) >= _KNOWN_BEARERS:
                 self._bearers.clear()
             self._bearers[user_id] = known
+        if not self._holds(known):
+            text = f"the key of {known} was removed"
+            raise NotAllowedError(text)
         return known
 
     def admits(self, bearer: Bearer, identity: bytes, body: Sequence[zmq.Frame]) -> bool:

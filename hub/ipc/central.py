@@ -137,6 +137,7 @@ class Central:
             complaints=self.complaints,
             answer=lambda to, said: self._send([Outgoing(identity=to, message=said)]),
             hang_up=self._hang_up,
+            holds=lambda bearer: self._keys.holds(bearer),  # noqa: PLW0108 - made later
         )
         self._registry = Registry(clock=clock, complaints=self.complaints, reserved=reserved)
         try:
@@ -270,7 +271,7 @@ class Central:
             return sockets.make_plane(self._context, kind, Plane(plane))
 
         inner = {plane.value: _inner(plane) for plane in sockets.PLANES}
-        self._keys = RemovedKeys(keyring, self._registry.bearers, self._end_key)
+        self._keys = RemovedKeys(keyring, self._admitted, self._end_key)
         door = CommandDoor(
             self._registry.peer_of,
             self._keys.holds,
@@ -431,13 +432,16 @@ class Central:
         if isinstance(message, control.Hello):
             self._see_who_left()  # or this one is taken for who had its descriptor before
         attached = body[1].buffer if len(body) == 2 else None
-        caller = Caller(identity, _descriptor(body[0]), bearer, door.ports, door.paths)
+        caller = Caller(identity, sockets.descriptor_of(body[0]), bearer, door.ports, door.paths)
         self._send(self._registry.handle(caller, message, attached))
 
     def _hang_up(self, frame: zmq.Frame) -> None:
         """End the connection of the gateway that a control frame came in on."""
         if self._gateway is not None:
-            self._gateway.hang_up(_descriptor(frame))
+            self._gateway.hang_up(sockets.descriptor_of(frame))
+
+    def _admitted(self) -> frozenset[Bearer]:
+        return self._gateway.admitted() if self._gateway is not None else frozenset()
 
     def _end_key(self, bearer: Bearer) -> None:
         for descriptor in self._registry.descriptors_of(bearer):
@@ -490,11 +494,3 @@ class Central:
 def _inner(plane: Plane) -> tuple[str, str]:
     """Where the gateway finds the sockets of a plane: in, out."""
     return f"inproc://{plane.value}-in", f"inproc://{plane.value}-out"
-
-
-def _descriptor(frame: zmq.Frame) -> int:
-    """The connection a frame came in on; -1 where the transport does not say."""
-    try:
-        return int(frame.get("__fd"))
-    except (zmq.ZMQError, ValueError, TypeError):
-        return -1

@@ -1,8 +1,8 @@
 """The door of commands from other machines: each frame is looked at before the robot gets it.
 
-ZeroMQ adds to every frame the role and name of the key that its connection was made with. So the
-door knows who sends, whatever the frame says, and lets in what that key may publish under a number
-that central gave a client with the same key.
+ZeroMQ adds to every frame the role, name and fingerprint of the key that its connection was made
+with. So the door knows who sends, whatever the frame says. It lets in what that key may publish
+under a number that central gave a client with the same key.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ class CommandDoor:
 
         Args:
             raw: A frame as it came.
-            user_id: What ZeroMQ says of its sender, such as "operate:alice".
+            user_id: What ZeroMQ says of its sender, such as "operate:alice:FINGERPRINT".
         """
         try:
             bearer = self._bearer(user_id)

@@ -22,7 +22,7 @@ from hub.ipc.floods import Bounds, FloodWatch
 from hub.ipc.keyring import Keyring
 from hub.ipc.keys import KeyPair
 from hub.ipc.quotas import Accounts
-from hub.ipc.security import CONTROL, TcpEndpoint
+from hub.ipc.security import CONTROL, Bearer, TcpEndpoint
 from hub.ipc.sources import Sources
 from hub.ipc.zap import Gatekeeper
 
@@ -44,7 +44,7 @@ class Gateway:
 
     Attributes:
         endpoint: Where clients connect, with the real port.
-        control: ROUTER of the control messages. Its frames carry a User-Id ("operate:alice").
+        control: ROUTER of the control messages. Its frames carry a User-Id (role, name, key).
         ports: TCP ports in the order of the planes: first plane in, out, second plane in, ...
         polled: To be polled for input; then call `serve`. Without `control`.
     """
@@ -148,6 +148,10 @@ class Gateway:
         ends = ends_of(descriptor)
         if ends is not None and ends[0] in self._all_ports:
             hang_up(descriptor)
+
+    def admitted(self) -> frozenset[Bearer]:
+        """The keys that were let in since the start."""
+        return self._gatekeeper.admitted()
 
     def close(self) -> None:
         """End the relays, and free the ports."""

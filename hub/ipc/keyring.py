@@ -38,7 +38,7 @@ class Holder:
     @property
     def bearer(self) -> Bearer:
         """Who this is to the rest of the bus."""
-        return Bearer(name=self.name, role=self.role)
+        return Bearer.of(self.name, self.role, self.public)
 
 
 def default_folder() -> Path:

@@ -50,7 +50,7 @@ class ClientKeys:
     """What a client needs to connect from another machine.
 
     Attributes:
-        bearer: Its name and role at the hub.
+        bearer: Who it is at the hub.
         pair: Its own keys.
         hub: Public key of the hub, so that no other can pretend to be it.
         path: The file that they are from, if they are from one.
@@ -83,7 +83,7 @@ def read_client_keys(path: Path) -> ClientKeys:
     fields = key_files.read_keys(_KEYS, values, "the file", path, advice=_ADVICE)
     pair = KeyPair(public=fields["public"], secret=fields["secret"])
     pair.demand_whole(path, _ADVICE)
-    bearer = Bearer(name=fields["name"], role=fields["role"])
+    bearer = Bearer.of(fields["name"], fields["role"], pair.public)
     return ClientKeys(bearer=bearer, pair=pair, hub=fields["hub"], path=path)
 
 

@@ -153,10 +153,6 @@ class Registry:
             return True
         return False
 
-    def bearers(self) -> set[Bearer]:
-        """Whose keys are in use."""
-        return {peer.bearer for peer in self._peers.values()}
-
     def descriptors_of(self, bearer: Bearer) -> list[int]:
         """The control connections of who has this key."""
         return [peer.descriptor for peer in self._peers.values() if peer.bearer == bearer]

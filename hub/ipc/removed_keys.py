@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Set
 
 from hub.errors import KeyFileError
 from hub.ipc.keyring import Keyring
-from hub.ipc.security import LOCAL, Bearer
+from hub.ipc.security import Bearer
 
 _logger = logging.getLogger(__name__)
 
@@ -18,29 +18,29 @@ LOOK_S = 1.0
 class RemovedKeys:
     """Keys that are on the list no longer; `holds` is for any thread, the rest for one.
 
-    A list that cannot be read changes nothing here: who is connected stays, nobody else comes in.
+    A removed key stays refused until the same key is on the list again, with its role and name.
+    Another key of that name is another bearer, and changes nothing for the removed one.
+
+    A list that cannot be read changes nothing here: who is connected stays, and nobody else comes
+    in.
     """
 
     def __init__(
         self,
         keyring: Keyring,
-        connected: Callable[[], Iterable[Bearer]],
+        admitted: Callable[[], Set[Bearer]],
         end: Callable[[Bearer], None],
     ) -> None:
-        """Read the list.
+        """Begin to watch the list.
 
         Args:
             keyring: The list.
-            connected: The keys of those who are connected now.
+            admitted: The keys that the gateway let in since it started.
             end: Ends the connections of who has this key.
-
-        Raises:
-            KeyFileError: The list cannot be read.
         """
         self._keyring = keyring
-        self._connected = connected
+        self._admitted = admitted
         self._end = end
-        self._known = self._read()
         self._removed: frozenset[Bearer] = frozenset()
         self._next = 0.0
 
@@ -58,17 +58,10 @@ class RemovedKeys:
             return
         self._next = now + LOOK_S
         try:
-            known = self._read()
+            listed = {holder.bearer for holder in self._keyring.holders()}
         except KeyFileError:
             return  # the next handshake counts it and logs it
-        listed = {bearer for bearer, _ in known}
-        replaced = {bearer for bearer, _ in self._known - known}
-        strangers = {each for each in self._connected() if each is not LOCAL and each not in listed}
-        self._removed = (self._removed | replaced | strangers) - listed
-        self._known = known
-        for bearer in replaced | strangers:
+        before, self._removed = self._removed, frozenset(self._admitted() - listed)
+        for bearer in self._removed - before:
             _logger.info("the key of %s was removed: its connections end", bearer)
             self._end(bearer)
-
-    def _read(self) -> frozenset[tuple[Bearer, str]]:
-        return frozenset((holder.bearer, holder.public) for holder in self._keyring.holders())

@@ -7,6 +7,7 @@ Without keys the bus stays on this machine. Pure decisions only: keys are in `ke
 from __future__ import annotations
 
 import enum
+import hashlib
 import ipaddress
 import re
 from dataclasses import dataclass
@@ -18,6 +19,7 @@ DEFAULT_ENDPOINT = f"tcp://127.0.0.1:{DEFAULT_PORT}"
 CONTROL = "control"
 """The place where control messages come in; the others are "PLANE in" and "PLANE out"."""
 _MAX_IPC_PATH = 100
+_KEY_PRINT = re.compile(r"[0-9a-f]{32}")
 _HOST_NAME = re.compile(r"[A-Za-z0-9]([A-Za-z0-9._-]{0,251}[A-Za-z0-9])?")
 
 
@@ -68,13 +70,32 @@ _ACTIONS = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bearer:
-    """Who is at the other end of a connection: the holder of a key, by its name and role."""
+    """Who is at the other end of a connection: the holder of a key.
+
+    Two keys are two bearers, also if one was made after the other under the same name.
+
+    Attributes:
+        name: Of the key.
+        role: What the key is for.
+        key: Fingerprint of the public key; empty for who connects without one.
+    """
 
     name: str
     role: Role
+    key: str = ""
+
+    @staticmethod
+    def of(name: str, role: Role, public: str) -> Bearer:
+        """The bearer of a public key (Z85)."""
+        return Bearer(name=name, role=role, key=_fingerprint(public))
+
+    @property
+    def user_id(self) -> str:
+        """As ZeroMQ carries it beside each frame of the connection: "operate:alice:FINGERPRINT"."""
+        return f"{self}:{self.key}"
 
     def __str__(self) -> str:
-        """As ZeroMQ carries it beside each frame of the connection: "operate:alice"."""
+        """As people read it: "operate:alice"."""
         return f"{self.role.value}:{self.name}"
 
 
@@ -88,11 +109,17 @@ def parse_bearer(user_id: str) -> Bearer:
     Raises:
         NotAllowedError: It names none, so its sender has no rights here.
     """
-    role, _, name = user_id.partition(":")
-    if not name or role not in {known.value for known in Role}:
-        text = f"a connection says it belongs to {user_id[:80]!r}, which is no role and name"
+    role, _, rest = user_id.partition(":")
+    name, _, key = rest.rpartition(":")
+    known = role in {each.value for each in Role}
+    if not name or not known or _KEY_PRINT.fullmatch(key) is None:
+        text = f"a connection says it belongs to {user_id[:80]!r}, which is no role, name and key"
         raise NotAllowedError(text)
-    return Bearer(name=name, role=Role(role))
+    return Bearer(name=name, role=Role(role), key=key)
+
+
+def _fingerprint(public: str) -> str:
+    return hashlib.blake2b(public.encode(), digest_size=16).hexdigest()
 
 
 def may(role: Role, action: Action) -> bool:

@@ -143,3 +143,11 @@ def parse_event(parts: Sequence[bytes]) -> tuple[int, int]:
     """
     event, value = _EVENT.unpack(parts[0])
     return event, value
+
+
+def descriptor_of(frame: zmq.Frame) -> int:
+    """The connection a frame came in on; -1 where the transport does not say."""
+    try:
+        return int(frame.get("__fd"))
+    except (zmq.ZMQError, ValueError, TypeError):
+        return -1

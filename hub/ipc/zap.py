@@ -16,7 +16,7 @@ from hub.errors import EndpointError, KeyFileError
 from hub.ipc.complaints import Complaints
 from hub.ipc.keyring import Keyring
 from hub.ipc.quotas import Accounts
-from hub.ipc.security import may_enter
+from hub.ipc.security import Bearer, may_enter
 
 _ADDRESS = "inproc://zeromq.zap.01"
 _VERSION = b"1.0"
@@ -34,7 +34,8 @@ class Verdict:
             client's socket tries again; after 400 and 500 it stays away, and it takes a new one.
         reason: Why not; empty if let in.
         detail: More of it, for the log.
-        user_id: Role and name, which ZeroMQ then adds to every frame of the connection.
+        user_id: Role, name and fingerprint of the key, which ZeroMQ then adds to every frame of
+            the connection.
     """
 
     status: str
@@ -75,6 +76,7 @@ class Gatekeeper:
         self._complaints = complaints
         self._accounts = accounts
         self._clock = clock
+        self._admitted: set[Bearer] = set()
         self.socket = context.socket(zmq.ROUTER)
         self.socket.linger = 0
         try:
@@ -112,7 +114,12 @@ class Gatekeeper:
         if not self._accounts.of(holder.bearer).may_enter(domain, self._clock()):
             detail = f"{holder.name} connects too often, or asked too much; "
             return Verdict(status="300", reason="over quota", detail=detail)
-        return Verdict(status="200", reason="", user_id=str(holder.bearer))
+        self._admitted.add(holder.bearer)
+        return Verdict(status="200", reason="", user_id=holder.bearer.user_id)
+
+    def admitted(self) -> frozenset[Bearer]:
+        """The keys that were let in since the start; as many as the list had in that time."""
+        return frozenset(self._admitted)
 
     def _answer(self, parts: Sequence[bytes]) -> None:
         if len(parts) != _PARTS or parts[2] != _VERSION:

@@ -21,10 +21,11 @@ from hub.ipc.security import LOCAL, Bearer, Role
 ALICE, BOB, EYE, FAR, DRIVES = 11, 12, 13, 14, 15
 LOCAL_NUMBER = 20
 BEARERS = {
-    "alice": Bearer(name="alice", role=Role.OPERATE),
-    "bob": Bearer(name="bob", role=Role.SUPERVISE),
-    "eye": Bearer(name="eye", role=Role.OBSERVE),
-    "far": Bearer(name="far", role=Role.MODULE),
+    "alice": Bearer.of("alice", Role.OPERATE, "its key"),
+    "bob": Bearer.of("bob", Role.SUPERVISE, "its key"),
+    "eye": Bearer.of("eye", Role.OBSERVE, "its key"),
+    "far": Bearer.of("far", Role.MODULE, "its key"),
+    "alice anew": Bearer.of("alice", Role.OPERATE, "another key"),
 }
 
 
@@ -67,7 +68,7 @@ class Door:
         )
 
     def admit(self, raw: bytes, who: str) -> bytes | None:
-        return self._door.admit(raw, str(BEARERS[who]) if who in BEARERS else who)
+        return self._door.admit(raw, BEARERS[who].user_id if who in BEARERS else who)
 
 
 def frame(definition: object, value: object, number: int, sequence: int = 1) -> bytes:
@@ -98,6 +99,7 @@ STOP = navigation.STOP, Stop(reason="help")
         (VELOCITY, BOB, "alice", "command not allowed"),
         (VELOCITY, LOCAL_NUMBER, "alice", "command not allowed"),
         (VELOCITY, 99, "alice", "command not allowed"),
+        (VELOCITY, ALICE, "alice anew", "command not allowed"),
         (VELOCITY, LOCAL_NUMBER, "far", "command not allowed"),
         (ALIVE, BOB, "alice", "command not allowed"),
         (DRIVE, ALICE, "alice", "command not allowed"),
@@ -130,7 +132,7 @@ def test_a_stop_comes_in_from_everybody_under_nobody_elses_number(who: str, numb
     admitted = Door().admit(raw, who)
     assert admitted is not None
     read = frames.unpack(admitted)
-    own = number in PEERS and PEERS[number].bearer.name == who
+    own = number in PEERS and PEERS[number].bearer is BEARERS[who]
     assert read.publisher == (number if own else 0)
     assert navigation.STOP.decode(read.payload) == Stop(reason="help")
 

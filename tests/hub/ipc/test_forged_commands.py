@@ -14,7 +14,7 @@ from hub.errors import HandlerFailedError, NotAllowedError
 from hub.gcm import navigation
 from hub.gcm.common import COMMON_COMMAND, CommonCommand, CommonCommandKind
 from hub.gcm.navigation import STOP, Stop, Twist
-from hub.ipc import frames
+from hub.ipc import control, control_frames, frames
 from hub.ipc.central import Central
 from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.keyring import Keyring
@@ -76,6 +76,15 @@ class Hub:
             lambda: f"nobody subscribes to {topic!r}: {seen}",
             meanwhile=lambda: made.poll(50) and seen.add(made.recv()),
         )
+        return made
+
+    def dealer(self, keys: ClientKeys) -> zmq.Socket[bytes]:
+        """A socket where control messages go in."""
+        made = self._outside.socket(zmq.DEALER)
+        made.linger = 0
+        keys.apply(made)
+        made.connect(self.central.endpoints[1])
+        self._raw.append(made)
         return made
 
     def close(self) -> None:
@@ -296,18 +305,58 @@ def test_key_that_is_made_anew_with_the_same_name_ends_the_connections_of_the_ol
 ) -> None:
     console = hub.connected("console", hub.keys("alice", Role.OPERATE))
     number = console.client.number
-    until(lambda: "alice" in {each.name for each, _ in hub.central._keys._known}, 10.0)
     hub.remove("alice")
     fresh = hub.keys("alice", Role.OPERATE)
     until(lambda: hub.central.peer_of(number) is None, 10.0)
     assert hub.connected("console anew", fresh).client.connected
 
 
+def test_old_key_of_a_name_neither_commands_nor_stops_once_the_name_has_a_new_key(hub: Hub) -> None:
+    stops, events = came(hub, STOP), came(hub, v.EVENT)
+    old = hub.keys("alice", Role.OPERATE)
+    raw = hub.raw(old, b"T_Event\0")
+    hub.remove("alice")
+    until(lambda: not hub.central._keys.holds(old.bearer), 10.0)
+    fresh = hub.connected("console anew", hub.keys("alice", Role.OPERATE))
+    own = fresh.client.number
+    raw.send(frame(v.EVENT, Number(value=-1), own, 1000))
+    raw.send(frame(STOP, Stop(reason="old key"), own, 1001))
+    dropped(hub, 2)
+    fresh.publish(v.EVENT, Number(value=1))
+    until(lambda: events, 10.0)
+    assert [value.value for value, _ in events] == [1]
+    assert stops == []
+
+
+def test_key_that_was_removed_and_made_anew_between_two_looks_is_refused(hub: Hub) -> None:
+    events = came(hub, v.EVENT)
+    old = hub.keys("alice", Role.OPERATE)
+    raw = hub.raw(old, b"T_Event\0")
+    hub.remove("alice")
+    fresh = hub.connected("console anew", hub.keys("alice", Role.OPERATE))
+    raw.send(frame(v.EVENT, Number(value=-1), fresh.client.number, 1000))
+    dropped(hub)
+    assert events == []
+    until(lambda: not hub.central._keys.holds(old.bearer), 10.0)
+
+
+def test_control_messages_of_a_removed_key_are_refused(hub: Hub) -> None:
+    keys = hub.keys("evil", Role.OPERATE)
+    raw = hub.dealer(keys)
+    until(lambda: keys.bearer in hub.central._admitted(), 10.0)
+    hub.remove("evil")
+    until(lambda: not hub.central._keys.holds(keys.bearer), 10.0)
+    raw.send(control_frames.pack(control.Hello(name="late", pid=1)))
+    counts = hub.central.complaints.counts
+    until(lambda: counts["malformed control frame"], 10.0, lambda: str(counts))
+    assert "late" not in hub.central.connected()
+
+
 def test_list_that_cannot_be_read_ends_no_connection(tmp_path: Path) -> None:
     keyring, ended = Keyring(tmp_path), []
     keyring.make("alice", Role.OPERATE)
-    keys = RemovedKeys(keyring, list, ended.append)
     (alice,) = (holder.bearer for holder in keyring.holders())
+    keys = RemovedKeys(keyring, lambda: frozenset({alice}), ended.append)
     path = tmp_path / "list.toml"
     whole = path.read_text()
     path.write_text("[")
@@ -318,6 +367,8 @@ def test_list_that_cannot_be_read_ends_no_connection(tmp_path: Path) -> None:
     assert keys.holds(alice)
     assert ended == []
     keyring.remove("alice")
-    keys.look(4.0)
-    assert not keys.holds(alice)
-    assert ended == [alice]
+    keyring.make("alice", Role.OPERATE)
+    for now in (4.0, 6.0):
+        keys.look(now)
+        assert not keys.holds(alice)
+        assert ended == [alice]

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from hub.errors import EndpointError, NotAllowedError
 from hub.ipc import security
+from hub.ipc.keys import KeyPair
 from hub.ipc.security import Action, Bearer, Role
 
 PLACES = [
@@ -62,13 +63,17 @@ def test_this_machine_may_do_everything() -> None:
 
 @given(st.sampled_from(Role), st.from_regex(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", fullmatch=True))
 def test_bearer_is_read_back_from_what_goes_with_its_frames(role: Role, name: str) -> None:
-    bearer = Bearer(name=name, role=role)
-    assert security.parse_bearer(str(bearer)) == bearer
+    bearer = Bearer.of(name, role, KeyPair.new().public)
+    assert security.parse_bearer(bearer.user_id) == bearer
+    assert security.parse_bearer(bearer.user_id) != Bearer.of(name, role, KeyPair.new().public)
 
 
-@pytest.mark.parametrize("user_id", ["", "alice", ":", "operate", "operate:", "root:alice"])
+@pytest.mark.parametrize(
+    "user_id",
+    ["", "alice", ":", "operate:", "operate:alice", "operate:alice:", f"root:alice:{32 * '0'}"],
+)
 def test_user_id_that_names_no_role_has_no_rights(user_id: str) -> None:
-    with pytest.raises(NotAllowedError, match="no role and name"):
+    with pytest.raises(NotAllowedError, match="no role, name and key"):
         security.parse_bearer(user_id)
 
 
