@@ -94,6 +94,8 @@ class MissionBook:
                 self.frame = record.frame
             case Marked():
                 point = record.point
+                if record.same_thumbnail:
+                    point = self.points.with_thumbnail(point)
                 self.points.put(point)
                 what = f"{point.kind.name.lower()} {point.number}"
                 how = f"{point.by} marked {what}" if point.version <= 1 else f"{what} was changed"

@@ -16,7 +16,7 @@ from typing import Self
 
 from hub import files, folders
 from hub.errors import MapFileError, MissionFileError
-from hub.missions import journal_file, log_odds
+from hub.missions import journal, journal_file, log_odds
 from hub.missions.book import MissionBook
 from hub.missions.records import Begun
 
@@ -146,9 +146,17 @@ class MissionFolder:
         if not _ID.fullmatch(mission):
             text = f"{mission[:40]!r} is no mission; `rune-hub mission list` shows all"
             raise MissionFileError(text)
+        book, reading = self.reading(mission)
+        return book, reading.damaged
+
+    def reading(self, mission: str) -> tuple[MissionBook, journal.Reading]:
+        """A mission, and what its journal holds; nothing is written.
+
+        Raises:
+            MissionFileError: It cannot be read, or it is another robot's.
+        """
         reading = journal_file.read(self.journal_of(mission))
-        book = MissionBook.of(reading.records)
-        return self.checked(book, mission), reading.damaged
+        return self.checked(MissionBook.of(reading.records), mission), reading
 
     def checked(self, book: MissionBook, mission: str) -> MissionBook:
         """The same mission, if it is one of this robot.

@@ -20,14 +20,17 @@ class JournalFile:
     """An open journal, which one process writes.
 
     Attributes:
-        reading: What the file held when it was opened.
+        count: Records in it.
     """
 
-    def __init__(self, path: Path, *, sync: bool = True) -> None:
+    def __init__(
+        self, path: Path, reading: journal.Reading | None = None, *, sync: bool = True
+    ) -> None:
         """Open it; it is made if it is not there, and what a crash left unfinished is removed.
 
         Args:
             path: The file; its folder has to be there.
+            reading: What the file holds; None: it is read here.
             sync: Whether each `append` waits for the disk; else `sync` does.
 
         Raises:
@@ -35,12 +38,17 @@ class JournalFile:
         """
         self._path = path
         self._waits = sync
-        self.reading = read(path) if path.exists() else journal.decode(b"")
+        if reading is None:
+            reading = read(path) if path.exists() else journal.decode(b"")
+        self.count, self._length = len(reading.records), reading.end
         try:
             self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
-            self._length = self.reading.end
+        except OSError as fault:
+            raise MissionFileError(_problem(path, fault)) from fault
+        try:
             self._mend()
         except OSError as fault:
+            self.close()
             raise MissionFileError(_problem(path, fault)) from fault
         files.sync_folder(path.parent)
 
@@ -68,6 +76,7 @@ class JournalFile:
                 os.ftruncate(self._file, self._length)
             raise MissionFileError(_problem(self._path, fault)) from fault
         self._length += len(lines)
+        self.count += len(records)
 
     def sync(self) -> None:
         """Wait until all that was added is on the disk.

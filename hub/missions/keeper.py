@@ -17,6 +17,8 @@ from hub.missions.book import MissionBook, checked_mission_name
 from hub.missions.folder import MissionFolder
 from hub.missions.journal_file import JournalFile
 from hub.missions.log_odds import LogOdds
+from hub.missions.mark_rates import MarkRates
+from hub.missions.pending import Pending, marks_text
 from hub.missions.records import (
     MAX_NAME,
     Begun,
@@ -32,8 +34,6 @@ from hub.missions.records import (
 )
 from hub.missions.track import Track
 
-MAX_PENDING = 2000
-"""Records that wait for the disk; beyond, no mark is taken any more."""
 _MB = 1e6
 
 
@@ -83,7 +83,9 @@ class MissionKeeper:
         self._lock: int | None = None
         self._journal: JournalFile | None = None
         self._track: Track | None = None
-        self._pending: list[Record] = []
+        self._pending = Pending()
+        self._lost: frozenset[int] = frozenset()
+        self._rates = MarkRates()
         self._pointer_due = False
         self._faults: dict[str, str] = {}
         self._map_saved = math.nan
@@ -97,19 +99,18 @@ class MissionKeeper:
             mission = self._folder.running()
             if not mission:
                 return None
-            journal = JournalFile(self._folder.journal_of(mission))
-            book = self._folder.checked(MissionBook.of(journal.reading.records), mission)
+            book, reading = self._folder.reading(mission)
             if not book.running:
-                journal.close()
                 self._folder.set_running("")
                 return None
+            journal = JournalFile(self._folder.journal_of(mission), reading)
         except MissionFileError as error:
             self._faults["open"] = str(error)
             return None
         finally:
             self.opened = "open" not in self._faults
         self.book, self.id, self._journal = book, mission, journal
-        lost = journal.reading.damaged + book.unreadable
+        lost = reading.damaged + book.unreadable
         if lost:
             self._faults["damage"] = f"{lost} records of the journal are damaged and left out"
         return self._open_map()
@@ -150,7 +151,7 @@ class MissionKeeper:
         name = checked_mission_name(name or usual)
         frame = self.book.frame
         self._close_mission()
-        self.book = MissionBook()
+        self.book, self._lost = MissionBook(), frozenset()
         self._record(
             Begun(robot=self._folder.robot, name=name, by=_who(by), stamp=stamp),
             SheetBegun(number=1, frame=frame, carries=False, why="the mission begins", stamp=stamp),
@@ -160,34 +161,53 @@ class MissionKeeper:
         """Give the mission another name.
 
         Raises:
-            MissionError: None runs, or the name cannot be.
+            MissionError: None runs, the name cannot be, or there is no room for it.
         """
         self._demand_running()
         name = checked_mission_name(name)
         self._record(Named(name=name, by=_who(by), stamp=self._calendar()))
 
-    def end(self, by: str) -> None:
-        """End the mission; marks stay known until the next one begins.
+    def end(self, by: str) -> str:
+        """End the mission, even if the disk refuses; marks stay known until the next one begins.
+
+        Returns:
+            What is lost with its end, and why; empty: nothing.
 
         Raises:
-            MissionError: None runs, or it has something that is not on the disk.
+            MissionError: None runs.
         """
         self._demand_running()
         self.flush()
-        if self.unkept:
-            text = f"not ended: {self.unkept} changes are not on the disk: {self.fault}"
-            raise MissionError(text)
+        problems = [self._loss()] if self.unkept else []
         ended = Ended(by=_who(by), stamp=self._calendar())
-        if self._journal is not None:
-            self._journal.append([to_json(ended)])
+        try:
+            if self._journal is not None:
+                self._journal.append([to_json(ended)])
+        except MissionFileError as error:
+            problems.append(f"the journal does not say that the mission is ended: {error}")
+        try:
+            self._folder.set_running("")
+        except MissionFileError as error:
+            problems.append(f"a restart of mapping takes the mission up again: {error}")
         self.book.apply(ended)
-        self._folder.set_running("")
         self._close_mission()
+        return "; ".join(problems)
 
-    def mark(self, point: InterestPoint, by: str) -> InterestPoint:
+    def _loss(self) -> str:
+        """Note what an end loses now, and say it."""
+        self._lost = self._pending.marks
+        which = marks_text(self._lost)
+        return f"{self.unkept} changes{which} are not on the disk and lost: {self.fault}"
+
+    def mark(self, point: InterestPoint, by: str, sender: int | None = None) -> InterestPoint:
         """Add a point or change it; without a mission, one is begun.
 
         A new point that says the same as a known one is that one, sent again.
+
+        Args:
+            point: It; new if its number is 0.
+            by: Who marked it, where the point does not say.
+            sender: Number of the client whose rate is bounded; None: no bound of rates counts.
 
         Returns:
             The point as it is kept from now on.
@@ -197,30 +217,39 @@ class MissionKeeper:
         """
         if not self.book.running and not point.number:
             self.begin("", point.by or by)
-        if len(self._pending) >= MAX_PENDING:
-            text = f"too much waits for the disk: {self.fault}"
-            raise MissionError(text)
         known = self.book.points.same(point, by)
         if known is not None:
             return known
         stamp = self._calendar()
-        point = self.book.points.checked(point, by, stamp)
-        self._record(Marked(point=point, stamp=stamp))
-        return point
+        checked = self.book.points.checked(point, by, stamp)
+        if sender is not None:
+            self._rates.check(point.number, sender, self._clock())
+        same = self.book.points.has_thumbnail(checked)
+        self._record(Marked(point=checked, stamp=stamp, same_thumbnail=same))
+        return checked
 
-    def remove(self, number: int, version: int, by: str) -> None:
+    def remove(self, number: int, version: int, by: str, sender: int | None = None) -> None:
         """Remove a point; version 0 is any.
+
+        Args:
+            number: Its number.
+            version: That the sender knows.
+            by: Who removes it.
+            sender: As for `mark`.
 
         Raises:
             MissionError: It is refused; the text says why.
         """
         self.book.points.check_removal(number, version)
+        if sender is not None:
+            self._rates.check(0, sender, self._clock())
         self._record(Removed(number=number, by=_who(by), stamp=self._calendar()))
 
     def note(self, text: str) -> None:
         """Note what happened, while a mission runs."""
-        if self.book.running and len(self._pending) < MAX_PENDING:
-            self._record(Noted(text=text[:500].replace("\0", ""), stamp=self._calendar()))
+        record = Noted(text=text[:500].replace("\0", ""), stamp=self._calendar())
+        if self.book.running and not self._refusal(record):
+            self._record(record)
 
     def in_frame(self, frame: int, grid: Callable[[], LogOdds]) -> bool:
         """The robot's poses are in this frame of `map` now.
@@ -296,9 +325,8 @@ class MissionKeeper:
             self._take_lock()
             if self._journal is None:
                 self._make()
-            if self._journal is not None and self._pending:
-                self._journal.append([to_json(record) for record in self._pending])
-                self._pending.clear()
+            if self._journal is not None:
+                self._pending.write(self._journal)
             if self._pointer_due:
                 self._folder.set_running(self.id)
                 self._pointer_due = False
@@ -309,6 +337,9 @@ class MissionKeeper:
     def look(self) -> None:
         """See how much room there is, and try again what failed; to be called now and then."""
         self.flush()
+        full = self.book.running and self._refusal(Noted(text="", stamp=0.0))
+        if full and not self._pending:
+            self._faults["full"] = full
         self._size = self._folder.size(self.id) if self.id else 0
         self._free = self._folder.free()
         self._may_write()
@@ -331,7 +362,7 @@ class MissionKeeper:
     @property
     def points(self) -> InterestPoints:
         """The marks of the newest sheet, and which of them are on the disk."""
-        waiting = {each.point.number for each in self._pending if isinstance(each, Marked)}
+        waiting = self._pending.marks | self._lost
         safe = self.book.begun is not None and not self._pointer_due
         points = tuple(
             dataclasses.replace(point, kept=int(safe and point.number not in waiting))
@@ -362,12 +393,27 @@ class MissionKeeper:
         )
 
     def _record(self, *records: Record) -> None:
-        """Take over what happens, and write it if there is a mission."""
+        """Take over what happens, and write it if there is a mission.
+
+        After the disk has refused, `look` alone tries again: a flood of commands costs no more.
+
+        Raises:
+            MissionError: There is no room for it; nothing has changed.
+        """
+        if self.book.running:
+            for record in records:
+                if why := self._refusal(record):
+                    raise MissionError(why)
         for record in records:
             self.book.apply(record)
         if self.book.running:
-            self._pending += records
-            self.flush()
+            self._pending.add(records)
+            if "journal" not in self._faults:
+                self.flush()
+
+    def _refusal(self, record: Record) -> str:
+        """Why a record cannot be taken; empty: it can be."""
+        return self._pending.refusal(record, self._journal, self.fault)
 
     def _demand_running(self) -> None:
         if not self.book.running:

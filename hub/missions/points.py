@@ -114,6 +114,22 @@ class PointBook:
         self._points[point.number] = point
         self._next = max(self._next, point.number + 1)
 
+    def with_thumbnail(self, point: InterestPoint) -> InterestPoint:
+        """The point with the picture of the known point of its number."""
+        known = self._points.get(point.number)
+        if known is None:
+            return point
+        return dataclasses.replace(point, length=known.length, thumbnail=known.thumbnail)
+
+    def has_thumbnail(self, point: InterestPoint) -> bool:
+        """Whether the known point of this number has the same picture, and has one."""
+        known = self._points.get(point.number)
+        return (
+            known is not None
+            and known.length > 0
+            and np.array_equal(known.thumbnail, point.thumbnail)
+        )
+
     def drop(self, number: int) -> None:
         """Give up a point, if it is there."""
         self._points.pop(number, None)

@@ -10,7 +10,7 @@ from typing import Any
 from hub.errors import MapFileError, MissionFileError
 from hub.gcm.mapping import InterestPoint
 from hub.missions import point_file
-from hub.missions.points import MAX_NUMBER
+from hub.missions.points import MAX_NUMBER, NO_THUMBNAIL
 
 MAX_NAME = 64
 """Characters of a mission's name, and of who does something."""
@@ -89,10 +89,12 @@ class Marked:
     Attributes:
         point: As it is from now on.
         stamp: When [s since the epoch]; a changed point keeps the time when it was first marked.
+        same_thumbnail: Whether the picture is that of the point before; the journal omits it then.
     """
 
     point: InterestPoint
     stamp: float
+    same_thumbnail: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -143,7 +145,12 @@ def to_json(record: Record) -> dict[str, Any]:
     """The JSON object of a record."""
     kind = type(record).__name__.lower()
     if isinstance(record, Marked):
-        return {"is": kind, "point": point_file.feature_of(record.point), "stamp": record.stamp}
+        point = record.point
+        same = {"same_thumbnail": True} if record.same_thumbnail else {}
+        if same:
+            point = dataclasses.replace(point, length=0, thumbnail=NO_THUMBNAIL)
+        feature = point_file.feature_of(point)
+        return {"is": kind, "point": feature, "stamp": record.stamp, **same}
     first = {"format": _FORMAT} if isinstance(record, Begun) else {}
     return {"is": kind, **first, **dataclasses.asdict(record)}
 
@@ -191,7 +198,11 @@ _READERS: dict[str, Callable[[dict[str, Any]], Record]] = {
     "named": lambda v: Named(name=_text(v, "name"), by=_text(v, "by"), stamp=_stamp(v)),
     "sheetbegun": _sheet,
     "frameknown": lambda v: FrameKnown(frame=_whole(v, "frame")),
-    "marked": lambda v: Marked(point=point_file.point_of(v.get("point")), stamp=_stamp(v)),
+    "marked": lambda v: Marked(
+        point=point_file.point_of(v.get("point")),
+        stamp=_stamp(v),
+        same_thumbnail=v.get("same_thumbnail") is True,
+    ),
     "removed": lambda v: Removed(
         number=_whole(v, "number"), by=_text(v, "by"), stamp=_stamp(v)
     ),

@@ -78,9 +78,9 @@ class MissionDesk:
         ended = self._keeper.book.ended
         try:
             if command.action is mapping.PointAction.REMOVE:
-                self._keeper.remove(point.number, point.version, by)
+                self._keeper.remove(point.number, point.version, by, reception.publisher)
             else:
-                kept = self._keeper.mark(point, by)
+                kept = self._keeper.mark(point, by, reception.publisher)
                 if ended is not None and self._keeper.book.running:
                     self._begun()
                 self._marked(kept)
@@ -119,7 +119,9 @@ class MissionDesk:
         self._ending()
         name, count = keeper.book.name, len(keeper.book.points.points)
         where = keeper.path
-        keeper.end(command.by)
+        lost = keeper.end(command.by)
+        if lost:
+            return f"mission {name} is ended; {lost}"
         return f"mission {name} is ended; its {count} marks and its map are in {where}"
 
     def _begin(self, name: str, by: str) -> None:

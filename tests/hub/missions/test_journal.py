@@ -58,8 +58,8 @@ def test_a_torn_line_is_removed_and_what_follows_is_kept(tmp_path: Path) -> None
     path = tmp_path / "journal"
     for cut in range(len(WHOLE) + 1):
         path.write_bytes(WHOLE[:cut])
+        before = list(read(path).records)
         file = JournalFile(path)
-        before = list(file.reading.records)
         file.append([{"is": "after"}])
         file.close()
         again = read(path)
@@ -80,6 +80,18 @@ def test_all_records_of_one_call_are_written_or_none(
     file.append(RECORDS[3:])
     file.close()
     assert list(read(tmp_path / "journal").records) == [*RECORDS[:1], *RECORDS[3:]]
+
+
+def test_a_journal_that_cannot_be_mended_is_closed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "journal"
+    path.write_bytes(WHOLE[:-5])
+    monkeypatch.setattr("os.ftruncate", lambda *_: _refuse(0))
+    before = len(list(Path("/proc/self/fd").iterdir()))
+    with pytest.raises(MissionFileError, match="no space"):
+        JournalFile(path)
+    assert len(list(Path("/proc/self/fd").iterdir())) == before
 
 
 def _refuse(_: int) -> None:

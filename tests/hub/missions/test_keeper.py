@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +13,12 @@ import pytest
 
 from hub.errors import MissionError
 from hub.gcm.mapping import InterestPoint, PointKind
+from hub.missions import journal_file
 from hub.missions.folder import MissionFolder
 from hub.missions.keeper import MissionKeeper, MissionLimits
 from hub.missions.log_odds import STEP, LogOdds
+from hub.missions.mark_rates import CHANGES_AT_ONCE, CHANGES_PER_S, COMMANDS_AT_ONCE
+from hub.missions.pending import MAX_PENDING
 from hub.missions.points import MAX_THUMBNAIL_BYTES, NO_THUMBNAIL
 from tests.full_disk import files_no_longer_than
 
@@ -116,8 +119,6 @@ def test_on_a_full_disk_marks_are_shown_as_not_kept_until_they_are(
         assert [point.kept for point in keeper.points.points] == [1, 0]
         assert keeper.unkept == 1
         assert "cannot be written" in keeper.state.fault
-        with pytest.raises(MissionError, match="not ended: 1 changes"):
-            keeper.end("Ada")
         torn = keeper._folder.read(keeper.id)
         assert ([point.number for point in torn[0].points.points], torn[1]) == ([1], 0)
     keeper.look()
@@ -247,3 +248,165 @@ def test_a_mark_that_is_sent_again_is_one_mark(keeper: MissionKeeper) -> None:
     assert keeper.mark(victim(note="waves"), "Ada").number == 1
     assert keeper.mark(victim(by="Bob"), "Bob").number == 2
     assert keeper.points.count == 2
+
+
+def test_an_end_is_permitted_while_the_disk_refuses_and_says_what_is_lost(
+    keeper: MissionKeeper, tmp_path: Path
+) -> None:
+    keeper.mark(victim(), "Ada")
+    size = keeper._folder.journal_of(keeper.id).stat().st_size
+    with files_no_longer_than(size + 10):
+        keeper.mark(victim(2.0), "Ada")
+        lost = keeper.end("Ada")
+    assert "1 changes (marks 2) are not on the disk and lost" in lost
+    assert keeper.state.running == 0
+    assert [point.kept for point in keeper.points.points] == [1, 0]
+    assert MissionFolder(tmp_path, "rover").running() == ""
+    keeper.begin("next", "Ada")
+    assert (keeper.state.running, keeper.unkept, keeper.fault) == (1, 0, "")
+
+
+def until_refused(call: Callable[[int], None]) -> str:
+    """Call it with 0, 1, 2 and so on until it is refused; returns why."""
+    for count in range(10_000):
+        try:
+            call(count)
+        except MissionError as error:
+            return str(error)
+    return ""
+
+
+@pytest.fixture
+def small_journal(monkeypatch: pytest.MonkeyPatch) -> int:
+    size = (1 << 20) + 200_000
+    monkeypatch.setattr(journal_file, "MAX_BYTES", size)
+    return size
+
+
+def test_changes_leave_room_for_new_marks_removals_and_the_end(
+    keeper: MissionKeeper, small_journal: int
+) -> None:
+    keeper.mark(victim(), "Eve")
+
+    def change(count: int) -> None:
+        (known,) = keeper.points.points
+        changed = dataclasses.replace(known, note="\u1234" * 490 + str(count))
+        keeper.mark(changed, "Eve")
+
+    assert "no room for it: end the mission" in until_refused(change)
+    assert "no room" in until_refused(lambda count: keeper.name(f"x{count}", "Eve"))
+    assert keeper.unkept == 0
+    for number in range(50):
+        keeper.mark(victim(10.0 + number), "Ada")
+    keeper.remove(1, 0, "Ada")
+    keeper.begin_sheet("the robot has lost its place", frame=7)
+    keeper.look()
+    assert "no room" in keeper.state.fault
+    assert keeper.unkept == 0
+    assert keeper._folder.journal_of(keeper.id).stat().st_size < small_journal
+    mission = keeper.id
+    assert keeper.end("Ada") == ""
+    book, damaged = keeper._folder.read(mission)
+    assert (len(book.points.earlier), book.running, damaged) == (50, False, 0)
+    keeper.begin("next", "Ada")
+    assert keeper.fault == ""
+
+
+def test_a_change_writes_its_picture_only_if_it_is_another(
+    keeper: MissionKeeper, tmp_path: Path
+) -> None:
+    pictures = [np.full(4000, value, np.uint8) for value in (1, 2)]
+    point = keeper.mark(victim(length=4000, thumbnail=pictures[0]), "Ada")
+    path = keeper._folder.journal_of(keeper.id)
+    before = path.stat().st_size
+    point = keeper.mark(dataclasses.replace(point, note="waves"), "Ada")
+    assert path.stat().st_size - before < 1000
+    for picture, note in ((pictures[0], "waves"), (pictures[1], "other")):
+        if note == "other":
+            point = keeper.mark(dataclasses.replace(point, note=note, thumbnail=picture), "Ada")
+        book, _ = keeper._folder.read(keeper.id)
+        assert book.points.points[0].note == note
+        assert np.array_equal(book.points.points[0].thumbnail, picture)
+        assert np.array_equal(keeper.points.points[0].thumbnail, picture)
+    del tmp_path
+
+
+def test_one_client_and_one_point_have_a_rate(tmp_path: Path) -> None:
+    now = [0.0]
+    keeper = MissionKeeper(
+        MissionFolder(tmp_path, "rover"),
+        MissionLimits(),
+        clock=lambda: now[0],
+        calendar=lambda: NOW,
+    )
+    point = keeper.mark(victim(), "Eve", 7)
+    taken = 0
+    for count in range(300):
+        now[0] += 0.01
+        try:
+            changed = dataclasses.replace(point, note=str(count))
+            # Several clients change one point.
+            point = keeper.mark(changed, "Eve", count)
+            taken += 1
+        except MissionError as error:
+            assert "point 1 may be changed 3 times a second" in str(error)  # noqa: PT017
+    assert taken <= CHANGES_AT_ONCE + 3.0 * CHANGES_PER_S
+    taken = 0
+
+    def mark_and_remove(count: int) -> None:
+        nonlocal taken
+        number = keeper.mark(victim(10.0 + count), "Eve", 900).number
+        keeper.remove(number, 0, "Eve", 900)
+        taken += 2
+
+    assert "one client may mark 3 times a second" in until_refused(mark_and_remove)
+    assert taken <= COMMANDS_AT_ONCE
+    # Another client, and the same one later, are not kept from marking.
+    keeper.mark(victim(200.0), "Ada", 901)
+    now[0] += 1.0
+    keeper.mark(victim(201.0), "Eve", 900)
+    keeper.close()
+
+
+def test_what_waits_for_the_disk_is_bounded_and_the_disk_is_asked_by_look_alone(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "missions").write_text("a file where a folder should be")
+    keeper = keeper_of(tmp_path / "missions")
+    keeper.begin("search", "Ada")
+    (tmp_path / "missions").unlink()
+    keeper.name("still", "Ada")
+    assert keeper.unkept == 3
+    refusal = until_refused(lambda count: keeper.name(f"x{count}", "Eve"))
+    assert "too much waits for the disk" in refusal
+    assert keeper.unkept == MAX_PENDING
+    assert keeper.book.name == f"x{MAX_PENDING - 4}"
+    # A robot that has lost its place may say so as often as it likes.
+    for frame in range(1, 100):
+        keeper.begin_sheet("the robot has lost its place", frame=frame)
+    keeper.look()
+    assert (keeper.unkept, keeper.fault) == (0, "")
+    book, _ = keeper._folder.read(keeper.id)
+    assert (book.sheet, book.frame) == (keeper.book.sheet, 99)
+    keeper.close()
+
+
+def test_another_robots_journal_is_not_mended_and_leaves_no_file_open(tmp_path: Path) -> None:
+    keeper = keeper_of(tmp_path, "other")
+    keeper.open()
+    keeper.begin("search", "Ada")
+    mission = keeper.id
+    keeper.close()
+    (tmp_path / "other").rename(tmp_path / "mine")
+    mine = keeper_of(tmp_path, "mine")
+    path = mine._folder.journal_of(mission)
+    torn = path.read_bytes() + b"0123"
+    path.write_bytes(torn)
+    mine.open()
+    before = len(list(Path("/proc/self/fd").iterdir()))
+    for _ in range(5):
+        mine.open()
+    assert len(list(Path("/proc/self/fd").iterdir())) == before
+    assert "is of other, not mine" in mine.state.fault
+    assert path.read_bytes() == torn
+    mine.close()

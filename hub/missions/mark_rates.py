@@ -1,0 +1,57 @@
+"""How often marks may be made and changed; pure: the time comes with each call."""
+
+from __future__ import annotations
+
+from hub.errors import MissionError
+from hub.ipc.quotas import Bucket
+
+CHANGES_PER_S = 3.0
+"""Changes of one point, whoever makes them [1/s]."""
+CHANGES_AT_ONCE = 6.0
+"""The same, in one burst."""
+COMMANDS_PER_S = 3.0
+"""New marks, changes and removals of one sender together [1/s]."""
+COMMANDS_AT_ONCE = 20.0
+"""The same, in one burst."""
+_MOST_KNOWN = 256
+"""Points and senders that are remembered, each; the oldest is forgotten first."""
+
+
+class MarkRates:
+    """Counts the changes of each point and the commands of each sender."""
+
+    def __init__(self) -> None:
+        self._points: dict[int, Bucket] = {}
+        self._senders: dict[int, Bucket] = {}
+
+    def check(self, number: int, sender: int, now: float) -> None:
+        """Count a command.
+
+        Args:
+            number: Of the point that is changed; 0: a new point or a removal.
+            sender: Number of the client that asks.
+            now: Monotonic time [s].
+
+        Raises:
+            MissionError: There are too many of them; the text says which bound there is.
+        """
+        bucket = _bucket(self._senders, sender, COMMANDS_PER_S, COMMANDS_AT_ONCE)
+        if not bucket.take(1.0, now):
+            text = f"one client may mark {COMMANDS_PER_S:.0f} times a second; wait and try again"
+            raise MissionError(text)
+        if not number:
+            return
+        if not _bucket(self._points, number, CHANGES_PER_S, CHANGES_AT_ONCE).take(1.0, now):
+            text = (
+                f"point {number} may be changed {CHANGES_PER_S:.0f} times a second;"
+                " wait and try again"
+            )
+            raise MissionError(text)
+
+
+def _bucket(known: dict[int, Bucket], key: int, rate: float, most: float) -> Bucket:
+    bucket = known.pop(key, None) or Bucket(rate, most)
+    known[key] = bucket
+    if len(known) > _MOST_KNOWN:
+        del known[next(iter(known))]
+    return bucket
