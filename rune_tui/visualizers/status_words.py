@@ -129,6 +129,8 @@ def _past(part: Part) -> Part:
 def _doing(robot: RobotState, navigation: NavigationState, now: float) -> Iterator[Part]:
     """What the robot does and how fast."""
     motion = navigation.motion
+    if motion is MotionState.WAITING and not robot.link.may_command:
+        motion = MotionState.STANDING  # whoever only watches sends no neutral command
     text = _MOTION[motion]
     if _rolls(navigation):
         text = _ROLLING_ON.get(motion, text)

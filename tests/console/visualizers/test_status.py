@@ -305,3 +305,11 @@ def test_of_a_list_of_keys_whole_pieces_go_and_the_last_two_stay(made, draw) -> 
         assert shown.endswith("F1 help · Q quit")
         assert set(shown.split(" · ")) <= set(text.split(" · "))
     assert line(draw("visualizeLabel", made.robot(), (70, 2), text=text)) == text
+
+
+def test_who_only_watches_is_not_said_to_wait_for_a_command(made, draw) -> None:
+    waiting = made.received(made.navigation(motion=MotionState.WAITING))
+    watched = made.robot(navigation=waiting, link=made.link(may_command=False))
+    assert "STANDING" in line(draw(NAME, watched, (200, 2)))
+    driven = made.robot(navigation=waiting)
+    assert "WAITING for a neutral command" in line(draw(NAME, driven, (200, 2)))
