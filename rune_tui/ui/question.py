@@ -36,6 +36,7 @@ class Question(ModalScreen[None]):
         self._asked = asked
         self._text = text
         self._answered = answered
+        self._over = False
 
     def compose(self) -> ComposeResult:
         """The question over the line."""
@@ -45,9 +46,20 @@ class Question(ModalScreen[None]):
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """It is typed."""
-        self.dismiss()
-        self._answered(event.value.strip())
+        if self._end():
+            self._answered(event.value.strip())
 
     def action_leave(self) -> None:
         """Nothing is changed."""
-        self.dismiss()
+        self._end()
+
+    def _end(self) -> bool:
+        """Take the question away; False if it is over already.
+
+        Keys that come at once with the first enter or escape are for nobody: to take a screen away
+        twice ends the program.
+        """
+        first, self._over = not self._over, True
+        if first and self.is_current:
+            self.dismiss()
+        return first

@@ -14,6 +14,7 @@ import pytest
 from textual import events
 from textual.events import MouseScrollUp
 from textual.pilot import Pilot
+from textual.widgets import Input
 
 from hub.gcm.mapping import (
     INTEREST_POINTS,
@@ -560,5 +561,24 @@ def test_a_step_that_fails_ends_no_console_and_leaves_the_others(
             await desk.until(lambda: any("could not be done" in text for text in desk.told))
             await desk.drive()
         assert len([text for text in desk.told if "could not be done" in text]) == 1
+
+    play(script)
+
+
+def test_two_enters_at_once_answer_a_question_once(play: Callable[[Script], None]):
+    async def script(desk: Desk) -> None:
+        await desk.pilot.click(offset=(29, 14))
+        await desk.until(lambda: desk.console.state.ghosts)
+        await desk.pilot.click(offset=(29, 14))
+        await desk.until(lambda: any("victim 1 is marked" in text for text in desk.told))
+        await desk.pilot.click(offset=(29, 14), button=3)
+        await desk.until(lambda: isinstance(desk.console.screen, Question))
+        await desk.until(lambda: desk.console.screen.focused is not None)
+        line = desk.console.screen.focused
+        for _ in range(3):
+            line.post_message(Input.Submitted(line, "wet"))
+        await desk.until(lambda: desk.robot.book.message.points[0].note == "wet")
+        await desk.until(lambda: not isinstance(desk.console.screen, Question))
+        assert len(desk.console.screen_stack) == 1
 
     play(script)
