@@ -226,6 +226,9 @@ class _QuickStream(pyte.ByteStream):
 class TerminalProcess:
     """A command on a pseudo-terminal, with a terminal emulator that eats what it writes."""
 
+    first_repeat = DELAY_S
+    """From a press to its first repeat [s]."""
+
     def __init__(
         self,
         command: Sequence[str],
@@ -316,7 +319,7 @@ class TerminalProcess:
         let_go = threading.Event()
 
         def repeat() -> None:
-            pause = DELAY_S
+            pause = self.first_repeat
             self.type(keys)
             while not let_go.wait(pause):
                 self.type(keys)

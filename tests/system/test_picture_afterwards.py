@@ -169,6 +169,9 @@ NOT_WITHIN = {"TMUX": ""}
 class ConsoleInTmux(ConsoleProcess):
     """Keys come to it whether or not anybody is attached."""
 
+    first_repeat = 0.55
+    """In tmux a press is proven later than elsewhere, see docs/safety.md [s]."""
+
     def __init__(self, tmux: Sequence[str], layout: Path) -> None:
         self._tmux = tmux
         super().__init__(["run", str(layout)], environment=NOT_WITHIN, within=[*tmux, "new"])

@@ -196,7 +196,7 @@ def test_the_demo_drives_with_letters_arrows_and_a_stick_and_says_its_keys():
     assert (status.xpos, status.ypos, status.xsize, status.ysize) == (0, 94, 160, 2)
     label = next(one for one in layout.view.viewports if one.name == "help").visualizer
     assert label is not None
-    for word in ("WASD", "arrows", "IJKL", "+ -", "H home", "Space stop", "Q quit"):
+    for word in ("WASD", "IJKL", "+ -", "H ahead", "Space STOP", "Q quit"):
         assert word in label.text
 
 
