@@ -48,6 +48,7 @@ from rune_tui.model.effects import (
     PaletteEffect,
     QuitEffect,
     ReleaseFirst,
+    SendEffect,
     ShowViewport,
     StateEffect,
     SuspendEffect,
@@ -58,7 +59,7 @@ from rune_tui.model.effects import (
     changed,
 )
 from rune_tui.model.happenings import Watch
-from rune_tui.model.leaving import reasons_to_stay
+from rune_tui.model.leaving import SENDS_OFF, reasons_to_stay
 from rune_tui.terminal.input_stream import KeyMove
 from rune_tui.terminal.traits import Traits
 from rune_tui.ui.driver_reports import FrameAnswered, KeyMoved, ReleasesTold
@@ -425,7 +426,14 @@ class Console(MouseApp, inherit_bindings=False):
             case QuitEffect():
                 self._leave_if_sure()
             case _:
+                self._note_order(effect)
                 self._deeds.do(effect, self._shown_layout, self.state, self._pane.cells)
+
+    def _note_order(self, effect: DeedEffect) -> None:
+        """Remember when a robot was sent somewhere: quitting asks before the robot reports it."""
+        if isinstance(effect, SendEffect) and effect.definition.name in SENDS_OFF:
+            sent = {**self._console.sent_off, effect.robot: time.monotonic()}
+            self._console = dataclasses.replace(self._console, sent_off=sent)
 
     def _suspend(self) -> None:
         self._let_go()

@@ -151,6 +151,8 @@ class Dispatch:
         self, event: ControlEvent, listeners: Iterable[_Listener], state: ConsoleState
     ) -> tuple[Effect, ...]:
         """What an input does while a page lies over the view: the stop stops, whatever is typed."""
+        if event.proven:
+            return ()  # it was typed when it came; now it would only drive
         # What goes up is still told, but for what is done only then.
         safe = [
             each
@@ -181,7 +183,8 @@ class Dispatch:
     ) -> tuple[Effect, ...]:
         """What a key does while the operator is asked about the end of the console.
 
-        Enter and the key that ends the console end it, the stop stops, all others mean to stay.
+        Enter and the key that ends the console end it, the stop stops. All other keys mean to
+        stay and do nothing else; one that drives must be released first.
         """
         if event.name == _YES:
             return (QuitEffect(),)
@@ -189,7 +192,8 @@ class Dispatch:
         if safe:
             return self._woken(event, safe, state)
         stay = AskToLeave(reasons=())
-        return (stay, *self._woken(event, listeners, state))
+        driving = any(each.widget.rule.held for each in listeners)
+        return (stay, ReleaseFirst(keys=frozenset({event.name}))) if driving else (stay,)
 
     def _of_stale(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
         """What a key does that may have been typed long ago: stop, help and quit, or nothing."""

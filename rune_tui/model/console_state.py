@@ -138,6 +138,7 @@ class ConsoleState:
         overdue: How many of those should be confirmed long ago, by the widget.
         banner: The alarm that stands over everything; panes do not repeat it.
         ghosts: Marks that were pointed at and are not made yet, by robot.
+        sent_off: When each robot was last sent somewhere from here [s], by robot.
     """
 
     now: float
@@ -174,6 +175,7 @@ class ConsoleState:
     overdue: Mapping[int, int] = field(default_factory=dict)
     banner: Banner | None = None
     ghosts: Mapping[str, Ghost] = field(default_factory=dict)
+    sent_off: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
     def at_start(cls, layout: LayoutSpec, now: float, operator: str = "") -> Self:

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
+from typing import Final
 
-from hub.gcm.navigation import MotionState
+from hub.gcm.autonomy import AUTONOMY_COMMAND
+from hub.gcm.navigation import GOAL_COMMAND, MotionState
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.control import Standing, standing
 from rune_tui.model.mission import mission_of
+
+SENDS_OFF: Final = frozenset({GOAL_COMMAND.name, AUTONOMY_COMMAND.name})
+"""Messages that have a robot go by itself."""
+ORDERED_S: Final = 3.0
+"""A robot that was sent somewhere counts as going for this time, whatever it reports [s]."""
 
 
 def reasons_to_stay(state: ConsoleState) -> tuple[str, ...]:
@@ -23,7 +31,10 @@ def _recording(state: ConsoleState) -> Iterator[str]:
 def _on_its_own(state: ConsoleState) -> Iterator[str]:
     """Robots of this console that go somewhere without a hand on the stick."""
     for robot in state.robots.values():
-        moves = robot.navigation is not None and robot.navigation.value.motion is MotionState.GOING
+        going = robot.navigation is not None and robot.navigation.value.motion is MotionState.GOING
+        # An order that was just sent does not show in the robot's state yet.
+        ordered = state.now - state.sent_off.get(robot.name, -math.inf) < ORDERED_S
+        moves = going or ordered
         if moves and standing(robot) is not Standing.OTHERS:
             yield f"{robot.title} goes on by itself, and nobody watches it"
 

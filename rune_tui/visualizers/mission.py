@@ -42,6 +42,9 @@ class Mission:
         canvas.fill(state.theme.panel)
         parts = _parts(robot, state)
         rows = [row for part in parts for row in wrapped(Row(part.text, part.mood), canvas.width)]
+        if len(rows) > canvas.rows and all(part.mood is not Mood.ALARM for part in parts):
+            joined = Row("; ".join(part.text for part in parts[1:]), parts[-1].mood)
+            rows = [Row(parts[0].text, parts[0].mood), *wrapped(joined, canvas.width)]
         if len(rows) > canvas.rows:
             rows.sort(key=lambda row: row.mood is not Mood.ALARM)  # equals keep their order
         write_rows(canvas, rows, state.theme)

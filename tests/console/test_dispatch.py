@@ -31,6 +31,7 @@ from rune_tui.model.effects import (
     Tell,
     ToggleHelp,
 )
+from rune_tui.model.page import Page
 from rune_tui.model.robot_state import LinkPhase, LinkState, Received
 from rune_tui.opening import open_layout
 from tests.console.states import robot_of
@@ -221,14 +222,22 @@ def test_asked_about_the_end_the_stop_stops_and_the_question_stays(two_robots: L
     assert not any(isinstance(each, AskToLeave) for each in effects)
 
 
-def test_asked_about_the_end_any_other_key_stays_and_means_what_it_always_does(
+def test_asked_about_the_end_any_other_key_stays_and_does_nothing_else(
     two_robots: LayoutSpec,
 ):
     stay = AskToLeave(reasons=())
     assert Dispatch(two_robots).handle(down("escape"), ASKED) == (stay,)
-    first, *rest = Dispatch(two_robots).handle(down("w"), ASKED)
-    assert first == stay
-    assert velocities(rest, "magellan") == [(0.5, 0.0)]
+    release = ReleaseFirst(keys=frozenset({"w"}))
+    assert Dispatch(two_robots).handle(down("w"), ASKED) == (stay, release)
+
+
+def test_a_driving_key_that_is_typed_into_a_search_comes_once(two_robots: LayoutSpec):
+    state = dataclasses.replace(at(0.0), help=True, page=Page(typing=True))
+    typed = ControlEvent(name="w", pressed=True, must_release_first=True)
+    (turned,) = Dispatch(two_robots).handle(typed, state)
+    assert turned.page.search == "w"
+    again = ControlEvent(name="w", pressed=True, proven=True)
+    assert Dispatch(two_robots).handle(again, dataclasses.replace(state, page=turned.page)) == ()
 
 
 def test_asked_about_the_end_a_key_that_repeats_or_goes_up_answers_nothing(

@@ -10,7 +10,7 @@ from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.navigation import MotionState
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import AskToLeave, changed
-from rune_tui.model.leaving import question, reasons_to_stay
+from rune_tui.model.leaving import ORDERED_S, question, reasons_to_stay
 from rune_tui.model.robot_state import LinkPhase, LinkState, Received, RobotState
 from tests.console.states import robot_of
 from tests.messages import robot_state
@@ -66,3 +66,11 @@ def test_the_question_comes_before_the_help():
     asked = changed(helped, AskToLeave(reasons=("the recording ends",)))
     assert (asked.leaving, asked.help) == (("the recording ends",), False)
     assert changed(asked, AskToLeave(reasons=())).leaving == ()
+
+
+def test_a_robot_that_was_just_sent_off_counts_as_going_before_it_reports_so():
+    state = ConsoleState(now=10.0, robots={"magellan": robot(MotionState.STANDING)})
+    sent = dataclasses.replace(state, sent_off={"magellan": 10.0 - 0.9 * ORDERED_S})
+    assert len(reasons_to_stay(sent)) == 1
+    long_ago = dataclasses.replace(state, sent_off={"magellan": 10.0 - 1.1 * ORDERED_S})
+    assert reasons_to_stay(long_ago) == ()
