@@ -10,6 +10,7 @@ from typing import Any
 from hub.gcm.control import CONTROL_REFUSAL, CONTROL_STATE, ControlRefusal, ControlState
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.publish_rights import ROBOMON
 from hub.ipc.reception import Reception
 
 _logger = logging.getLogger(__name__)
@@ -17,6 +18,35 @@ _logger = logging.getLogger(__name__)
 TELL_S = 1.0
 """A sender is told no more often than this why its commands do not count [s]."""
 _MOST_SENDERS = 256
+
+
+def follow_control(client: Client, learn: Callable[[ControlState], None]) -> None:
+    """Call `learn` with each state of control that comes from the hub's daemon, and no other.
+
+    The daemon is known by the number that central gave its connection. A state may come before
+    central says that number: the newest one waits for it.
+    """
+    daemon = 0
+    waiting: tuple[int, ControlState] | None = None
+
+    def look() -> None:
+        nonlocal waiting
+        if waiting is not None and waiting[0] == daemon != 0:
+            state, waiting = waiting[1], None
+            learn(state)
+
+    def connected(number: int) -> None:
+        nonlocal daemon
+        daemon = number
+        look()
+
+    def came(state: ControlState, reception: Reception) -> None:
+        nonlocal waiting
+        waiting = reception.publisher, state
+        look()
+
+    client.directory.follow(ROBOMON, connected)
+    client.subscribe(CONTROL_STATE, came, last=True)
 
 
 class ControlGate:
@@ -46,7 +76,7 @@ class ControlGate:
         self._told: dict[int, float] = {}
         self.refused = 0
         client.define(CONTROL_REFUSAL)
-        client.subscribe(CONTROL_STATE, self._learn, last=True)
+        follow_control(client, self._learn)
 
     def counts(self, sender: int) -> bool:
         """Whether commands of this sender, by its number at central, are to be followed."""
@@ -80,8 +110,7 @@ class ControlGate:
         )
         self._client.publish(CONTROL_REFUSAL, refusal)
 
-    def _learn(self, state: ControlState, reception: Reception) -> None:
-        del reception
+    def _learn(self, state: ControlState) -> None:
         before, self._state = self._state.owner, state
         self._modules = frozenset(state.modules.tolist())
         if state.owner != before:

@@ -64,8 +64,10 @@ COMMANDS: Mapping[str, Right] = {
 }
 """All messages of the vocabulary on the command plane."""
 
+ROBOMON = "robomon"
+"""The name of the hub's daemon at central; its connection alone says who has control."""
 ROBOT_NAMES: frozenset[str] = frozenset(
-    {"robomon", "driver", "navigation", "vision", "mapping", "autonomy"}
+    {ROBOMON, "driver", "navigation", "vision", "mapping", "autonomy"}
 )
 """Names that only the robot's own modules have, whether they run or not."""
 

@@ -20,6 +20,7 @@ from hub.gcm.supervision import ModulePhase
 from hub.ipc.central import Central
 from hub.ipc.client import Client
 from hub.ipc.keyring import Keyring, default_folder
+from hub.ipc.publish_rights import ROBOMON
 from hub.robomon.control_desk import ControlDesk
 from hub.robomon.keeper import Keeper
 from hub.robomon.mission_want import MissionWant
@@ -32,8 +33,6 @@ from hub.robomon.table import RobotTable, hub_arguments, robot_arguments
 
 _logger = logging.getLogger(__name__)
 
-NAME = "robomon"
-"""The daemon's own name at central."""
 _STDIN = 0
 _CONNECT_S = 10.0
 _LISTEN_S = 0.5
@@ -83,7 +82,7 @@ class Daemon:
             logs = stack.enter_context(contextlib.closing(LogFolder(robot.logs, robot.name)))
             outputs = stack.enter_context(contextlib.closing(Outputs(logs.path)))
             self._say("listening", central.endpoints[0], {})
-            client = stack.enter_context(contextlib.closing(Client(NAME, local)))
+            client = stack.enter_context(contextlib.closing(Client(ROBOMON, local)))
             desk = ControlDesk(client, central.peer_of)
             MissionWant(client, self._supervisor.wants, robot, controlled=lambda: desk.owned)
             self._serve(client, outputs, local, central.endpoints[0])

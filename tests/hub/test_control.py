@@ -7,10 +7,11 @@ import json
 from collections.abc import Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
-from hub.control_gate import ControlGate
+from hub.control_gate import ControlGate, follow_control
 from hub.errors import HandlerFailedError, HubError
 from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.gcm.control import (
@@ -106,6 +107,26 @@ def robot(tmp_path: Path) -> Iterator[Robot]:
         yield Robot(tmp_path, stack)
 
 
+def test_state_of_control_counts_once_its_sender_is_the_daemon() -> None:
+    learned: list[ControlState] = []
+    client = Mock(Client)
+    follow_control(client, learned.append)
+    _, came = client.subscribe.call_args.args
+    _, connected = client.directory.follow.call_args.args
+    for publisher in (0, 7, 5):
+        came(ControlState(owner=publisher), Reception(publisher, 1, 0, 0.0, 0.0))
+    assert learned == []
+    connected(5)
+    came(ControlState(owner=8), Reception(7, 2, 0, 0.0, 0.0))
+    assert learned == [ControlState(owner=5)]
+    connected(0)
+    came(ControlState(owner=9), Reception(5, 2, 0, 0.0, 0.0))
+    came(ControlState(owner=9), Reception(0, 2, 0, 0.0, 0.0))
+    connected(6)
+    came(ControlState(owner=6), Reception(6, 1, 0, 0.0, 0.0))
+    assert learned == [ControlState(owner=5), ControlState(owner=6)]
+
+
 def test_only_the_owners_commands_count_and_the_others_are_told(robot: Robot) -> None:
     alice, bob = robot.client("alice"), robot.client("bob")
     for client in (alice, bob):
@@ -130,6 +151,22 @@ def test_only_the_owners_commands_count_and_the_others_are_told(robot: Robot) ->
             refused=1,
         )
     ]
+
+
+@pytest.mark.parametrize("role", [None, Role.MODULE], ids=["local", "far"])
+def test_only_the_daemon_says_who_has_control(robot: Robot, role: Role | None) -> None:
+    alice, evil = robot.client("alice"), robot.client("evil", role)
+    assert want(alice, ControlAction.TAKE).done
+    robot.until_owned_by(alice)
+    evil.define(CONTROL_STATE)
+    forged = ControlState(owner=evil.number, operator="forged")
+    evil.publish(CONTROL_STATE, forged)
+    robot.until(lambda: forged.operator in {each.operator for each in robot.states})
+    evil.publish(CONTROL_STATE, forged)
+    robot.send_goal(evil, 1)
+    robot.until(lambda: robot.gate.refused)
+    assert robot.followed == []
+    assert [owner for owner, _ in robot.changes] == [alice.number]
 
 
 def test_modules_of_the_robot_are_followed_whoever_has_control(robot: Robot) -> None:

@@ -8,9 +8,9 @@ import sys
 import time
 from collections.abc import Callable
 
+from hub.control_gate import follow_control
 from hub.gcm import navigation
 from hub.gcm.capability import Abilities, Capability
-from hub.gcm.control import CONTROL_STATE
 from hub.ipc.client import Client
 from hub.ipc.reception import Reception
 from hub.modules.driver.navigator import Navigator
@@ -73,9 +73,7 @@ def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
 
     client.directory.follow(navigator.name, navigator.connected)
     client.subscribe(navigation.DRIVE_COMMAND, command)
-    client.subscribe(
-        CONTROL_STATE, lambda state, _: loss.watch.controlled_by(state.owner, clock()), last=True
-    )
+    follow_control(client, lambda state: loss.watch.controlled_by(state.owner, clock()))
     client.define(navigation.DRIVE_STATE, navigation.GROUND_TRUTH)
     client.every(_PERIOD, step)
     return finish

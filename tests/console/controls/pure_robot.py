@@ -8,6 +8,7 @@ from typing import Any
 from hub.control_gate import ControlGate
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.navigation import VELOCITY_COMMAND, Twist
+from hub.ipc.publish_rights import ROBOMON
 from hub.ipc.reception import Reception
 from hub.modules.driver.watchdog import CommandWatchdog
 from hub.modules.navigation.speed_governor import SpeedGovernor
@@ -17,6 +18,8 @@ from hub.sim.kinematics import ANGULAR, LINEAR, approach
 STEP_S = 0.02
 """How often the modules look [s]; really twice as often."""
 STILL = 1e-3
+DAEMON = 1
+"""The number of the hub's daemon at central."""
 _DRIVE_S = 0.05
 
 
@@ -33,6 +36,14 @@ class Bus:
     def subscribe(self, definition: Any, handler: Any, **how: object) -> None:
         del how
         self.hears[definition.name] = handler
+
+    @property
+    def directory(self) -> Bus:
+        return self
+
+    def follow(self, module: str, learn: Callable[[int], None]) -> None:
+        assert module == ROBOMON
+        learn(DAEMON)
 
     def publish(self, definition: object, value: object) -> None:
         del definition
@@ -106,7 +117,7 @@ class Robot:
         if owner != self._owner and self.navigates:
             self._owner = owner
             self._now = now
-            how = Reception(0, 1, 0, 0.0, now)
+            how = Reception(DAEMON, 1, 0, 0.0, now)
             self._bus.hears[CONTROL_STATE.name](ControlState(owner=owner), how)
 
     @property
