@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -63,16 +62,12 @@ class MissionBook:
         self.events: list[Event] = []
         self.unreadable = 0
 
-    @classmethod
-    def of(cls, records: Iterable[dict[str, Any]]) -> MissionBook:
-        """The mission of a journal; records that make no sense are counted and left out."""
-        book = cls()
-        for values in records:
-            try:
-                book.apply(from_json(values))
-            except MissionError:
-                book.unreadable += 1
-        return book
+    def take(self, values: dict[str, Any]) -> None:
+        """Apply a record of a journal; one that makes no sense is counted and left out."""
+        try:
+            self.apply(from_json(values))
+        except MissionError:
+            self.unreadable += 1
 
     @property
     def running(self) -> bool:

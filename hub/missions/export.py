@@ -59,7 +59,10 @@ def marks_of(book: MissionBook) -> list[tuple[int, InterestPoint]]:
 def track_of(folder: MissionFolder, mission: str) -> list[dict[str, Any]]:
     """The poses of a mission; none where there is no track."""
     path = folder.track_of(mission)
-    return list(journal_file.read(path).records) if path.exists() else []
+    poses: list[dict[str, Any]] = []
+    if path.exists():
+        journal_file.read(path, poses.append)
+    return poses
 
 
 def _contents(folder: MissionFolder, mission: str, book: MissionBook) -> list[tuple[str, bytes]]:

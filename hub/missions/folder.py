@@ -155,8 +155,9 @@ class MissionFolder:
         Raises:
             MissionFileError: It cannot be read, or it is another robot's.
         """
-        reading = journal_file.read(self.journal_of(mission))
-        return self.checked(MissionBook.of(reading.records), mission), reading
+        book = MissionBook()
+        reading = journal_file.read(self.journal_of(mission), book.take)
+        return self.checked(book, mission), reading
 
     def checked(self, book: MissionBook, mission: str) -> MissionBook:
         """The same mission, if it is one of this robot.

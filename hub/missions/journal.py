@@ -10,8 +10,11 @@ from __future__ import annotations
 import json
 import re
 import zlib
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
+
+from hub.errors import MissionFileError
 
 MAX_RECORD_BYTES = 65_536
 _HEAD = re.compile(rb"([0-9a-f]{8}) ([0-9]{1,6}) ")
@@ -23,14 +26,17 @@ class Reading:
     """What was read of a journal.
 
     Attributes:
-        records: The readable records, in order.
+        count: Records that are readable.
         damaged: How many stretches within the journal cannot be read.
         end: Bytes up to the end of the last line that is whole, readable or not.
     """
 
-    records: tuple[dict[str, Any], ...]
+    count: int
     damaged: int
     end: int
+
+
+NOTHING = Reading(count=0, damaged=0, end=0)
 
 
 def encode(record: dict[str, Any]) -> bytes:
@@ -46,15 +52,29 @@ def encode(record: dict[str, Any]) -> bytes:
     return b"%08x %d %s\n" % (zlib.crc32(body), len(body), body)
 
 
-def decode(raw: bytes) -> Reading:
-    """The records of a journal, however it was damaged."""
-    records: list[dict[str, Any]] = []
-    at = end = damaged = 0
+def decode(raw: bytes, take: Callable[[dict[str, Any]], object], most: int) -> Reading:
+    """Read a journal record by record, however it was damaged.
+
+    Args:
+        raw: The journal.
+        take: Called with each readable record, in order.
+        most: Records and damaged stretches that are read.
+
+    Raises:
+        MissionFileError: There are more.
+    """
+    at = end = damaged = count = 0
     while at < len(raw):
+        if count + damaged >= most:
+            if raw.find(b"\n", at) < 0:
+                break
+            text = f"has more than {most} records"
+            raise MissionFileError(text)
         found = _record(raw, at)
         if found is not None:
             record, at = found
-            records.append(record)
+            take(record)
+            count += 1
             # The line break may be the very byte that was damaged.
             at = end = min(at + 1, len(raw))
             continue
@@ -63,7 +83,7 @@ def decode(raw: bytes) -> Reading:
             break
         damaged += 1
         at = end = next_line + 1
-    return Reading(records=tuple(records), damaged=damaged, end=end)
+    return Reading(count=count, damaged=damaged, end=end)
 
 
 def _record(raw: bytes, at: int) -> tuple[dict[str, Any], int] | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +14,15 @@ from hub.missions import journal
 
 MAX_BYTES = 64 << 20
 """Of one journal; what is longer is neither written nor read."""
+MAX_RECORDS = 100_000
+"""Likewise; a reader takes a few seconds for so many."""
 
 
 class JournalFile:
     """An open journal, which one process writes.
 
     Attributes:
-        count: Records in it.
+        count: Records in it, and stretches that are damaged.
     """
 
     def __init__(
@@ -39,8 +41,8 @@ class JournalFile:
         self._path = path
         self._waits = sync
         if reading is None:
-            reading = read(path) if path.exists() else journal.decode(b"")
-        self.count, self._length = len(reading.records), reading.end
+            reading = read(path, _drop) if path.exists() else journal.NOTHING
+        self.count, self._length = reading.count + reading.damaged, reading.end
         try:
             self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
         except OSError as fault:
@@ -60,8 +62,12 @@ class JournalFile:
             ValueError: One of them is no record of a journal.
         """
         lines = b"".join(map(journal.encode, records))
-        if self._length + len(lines) > MAX_BYTES:
-            text = f"{self._path} is full: a journal has {MAX_BYTES >> 20} MB at most"
+        full = self._length + len(lines) > MAX_BYTES or self.count + len(records) > MAX_RECORDS
+        if full:
+            text = (
+                f"{self._path} is full: a journal has {MAX_BYTES >> 20} MB"
+                f" and {MAX_RECORDS} records at most"
+            )
             raise MissionFileError(text)
         try:
             rest = memoryview(lines)
@@ -108,16 +114,30 @@ class JournalFile:
             self._length += 1
 
 
-def read(path: Path) -> journal.Reading:
-    """What a journal holds.
+def read(path: Path, take: Callable[[dict[str, Any]], object]) -> journal.Reading:
+    """Read a journal record by record.
+
+    Args:
+        path: The file.
+        take: Called with each readable record, in order.
 
     Raises:
-        MissionFileError: It cannot be read, or is no regular file of at most `MAX_BYTES`.
+        MissionFileError: It cannot be read, is no regular file of at most `MAX_BYTES`, or has
+            more than `MAX_RECORDS`.
     """
     try:
-        return journal.decode(files.read(path, MAX_BYTES))
+        raw = files.read(path, MAX_BYTES)
     except MapFileError as error:
         raise MissionFileError(str(error)) from error
+    try:
+        return journal.decode(raw, take, MAX_RECORDS)
+    except MissionFileError as error:
+        text = f"{path} {error}"
+        raise MissionFileError(text) from error
+
+
+def _drop(record: dict[str, Any]) -> None:
+    """Take a record that nobody needs."""
 
 
 def _problem(path: Path, fault: OSError) -> str:

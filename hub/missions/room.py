@@ -14,8 +14,6 @@ from __future__ import annotations
 from hub.missions import journal_file
 from hub.missions.records import Begun, Ended, FrameKnown, Marked, Record, Removed, SheetBegun
 
-MAX_RECORDS = 100_000
-"""Of one journal; a reader takes a few seconds for so many."""
 _BYTES_OF_A_RECORD = 256
 """For so many bytes that stay free, the place of one record stays free too."""
 
@@ -37,6 +35,6 @@ def fits(record: Record, size: int, count: int) -> bool:
         return True
     new = isinstance(record, Removed) or (isinstance(record, Marked) and record.point.version <= 1)
     free = 64 << 10 if new else 1 << 20
-    return (
-        size + free <= journal_file.MAX_BYTES and count + free // _BYTES_OF_A_RECORD <= MAX_RECORDS
-    )
+    places = free // _BYTES_OF_A_RECORD
+    small = size + free <= journal_file.MAX_BYTES
+    return small and count + places <= journal_file.MAX_RECORDS

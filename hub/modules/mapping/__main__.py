@@ -32,6 +32,8 @@ SAVE_S = 10.0
 MARKED_S = 0.5
 """So soon after a mark the map is saved [s]; several marks at once need one map."""
 _LOOK_S = 0.25
+_REST = 20.0
+"""After a mission could not be taken up, mapping waits so many times as long as that took."""
 
 
 class Mapping:
@@ -46,6 +48,7 @@ class Mapping:
         self._stamp = 0.0
         self._changed = False
         self._saved = -math.inf
+        self._open_again = -math.inf
         self._keeper = MissionKeeper(
             MissionFolder(for_missions(robot.mission_folder), robot.name),
             MissionLimits(
@@ -75,7 +78,10 @@ class Mapping:
 
     def _open(self) -> None:
         """Take up the mission that was running when this robot's mapping ended."""
+        begin = time.monotonic()
         kept = self._keeper.open()
+        now = time.monotonic()
+        self._open_again = now + _REST * (now - begin)
         if kept is None:
             return
         lost = self._grid.restore(kept)
@@ -87,7 +93,8 @@ class Mapping:
 
     def _look(self) -> None:
         """Save the map when it is time to."""
-        if not self._keeper.opened and self._keeper.book.begun is None:
+        unknown = not self._keeper.opened and self._keeper.book.begun is None
+        if unknown and time.monotonic() >= self._open_again:
             self._open()
         if self._changed and time.monotonic() - self._saved >= SAVE_S:
             self._save()

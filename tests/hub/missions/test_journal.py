@@ -10,12 +10,25 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.errors import MissionFileError
-from hub.missions import journal
-from hub.missions.journal_file import JournalFile, read
+from hub.missions import journal, journal_file
+from hub.missions.journal_file import MAX_RECORDS, JournalFile, read
 
 RECORDS = [{"is": "noted", "text": f"Ünfall {number}\n", "n": number} for number in range(6)]
 WHOLE = b"".join(map(journal.encode, RECORDS))
 ENDS = [len(b"".join(map(journal.encode, RECORDS[:count]))) for count in range(7)]
+
+Records = list[dict[str, Any]]
+
+
+def decoded(raw: bytes) -> tuple[Records, journal.Reading]:
+    found: Records = []
+    return found, journal.decode(raw, found.append, MAX_RECORDS)
+
+
+def held(path: Path) -> tuple[Records, journal.Reading]:
+    found: Records = []
+    return found, read(path, found.append)
+
 
 _TEXTS = st.text(max_size=40)
 _VALUES = st.dictionaries(_TEXTS, _TEXTS | st.integers() | st.booleans(), max_size=4)
@@ -23,17 +36,17 @@ _VALUES = st.dictionaries(_TEXTS, _TEXTS | st.integers() | st.booleans(), max_si
 
 @given(records=st.lists(_VALUES, max_size=8))
 def test_records_are_read_as_they_were_written(records: list[dict[str, Any]]) -> None:
-    reading = journal.decode(b"".join(map(journal.encode, records)))
-    assert list(reading.records) == records
+    found, reading = decoded(b"".join(map(journal.encode, records)))
+    assert found == records
     assert reading.damaged == 0
 
 
 def test_a_journal_cut_at_any_byte_has_all_records_before_the_cut() -> None:
     for cut in range(len(WHOLE) + 1):
-        reading = journal.decode(WHOLE[:cut])
+        found, reading = decoded(WHOLE[:cut])
         # A record counts when all of it is there; its line break alone may be missing.
         whole = sum(end - 1 <= cut for end in ENDS[1:])
-        assert list(reading.records) == RECORDS[:whole]
+        assert found == RECORDS[:whole]
         assert reading.damaged == 0
 
 
@@ -42,7 +55,7 @@ def test_a_flipped_bit_anywhere_costs_one_record_and_invents_none() -> None:
         for bit in range(8):
             raw = bytearray(WHOLE)
             raw[place] ^= 1 << bit
-            read_back = list(journal.decode(bytes(raw)).records)
+            read_back = decoded(bytes(raw))[0]
             assert all(record in RECORDS for record in read_back)
             assert len(read_back) >= len(RECORDS) - 1
             assert read_back == sorted(read_back, key=lambda record: record["n"])
@@ -50,20 +63,20 @@ def test_a_flipped_bit_anywhere_costs_one_record_and_invents_none() -> None:
 
 @given(raw=st.binary(max_size=400))
 def test_any_bytes_are_read_and_add_nothing(raw: bytes) -> None:
-    reading = journal.decode(WHOLE + b"\n" + raw)
-    assert list(reading.records)[: len(RECORDS)] == RECORDS
+    found, _ = decoded(WHOLE + b"\n" + raw)
+    assert found[: len(RECORDS)] == RECORDS
 
 
 def test_a_torn_line_is_removed_and_what_follows_is_kept(tmp_path: Path) -> None:
     path = tmp_path / "journal"
     for cut in range(len(WHOLE) + 1):
         path.write_bytes(WHOLE[:cut])
-        before = list(read(path).records)
+        before, _ = held(path)
         file = JournalFile(path)
         file.append([{"is": "after"}])
         file.close()
-        again = read(path)
-        assert list(again.records) == [*before, {"is": "after"}]
+        found, again = held(path)
+        assert found == [*before, {"is": "after"}]
         assert again.damaged == 0
 
 
@@ -76,10 +89,10 @@ def test_all_records_of_one_call_are_written_or_none(
     with pytest.raises(MissionFileError, match="no space"):
         file.append(RECORDS[1:3])
     monkeypatch.undo()
-    assert list(read(tmp_path / "journal").records) == RECORDS[:1]
+    assert held(tmp_path / "journal")[0] == RECORDS[:1]
     file.append(RECORDS[3:])
     file.close()
-    assert list(read(tmp_path / "journal").records) == [*RECORDS[:1], *RECORDS[3:]]
+    assert held(tmp_path / "journal")[0] == [*RECORDS[:1], *RECORDS[3:]]
 
 
 def test_a_journal_that_cannot_be_mended_is_closed(
@@ -92,6 +105,27 @@ def test_a_journal_that_cannot_be_mended_is_closed(
     with pytest.raises(MissionFileError, match="no space"):
         JournalFile(path)
     assert len(list(Path("/proc/self/fd").iterdir())) == before
+
+
+def test_the_number_of_records_is_bounded_for_writer_and_reader(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(journal_file, "MAX_RECORDS", 4)
+    path = tmp_path / "journal"
+    file = JournalFile(path)
+    file.append(RECORDS[:3])
+    with pytest.raises(MissionFileError, match="full"):
+        file.append(RECORDS[3:])
+    file.append(RECORDS[3:4])
+    file.close()
+    path.write_bytes(path.read_bytes() + b"0123")
+    assert held(path)[0] == RECORDS[:4]
+    for more in (journal.encode(RECORDS[4]), b"\n"):
+        path.write_bytes(b"".join(map(journal.encode, RECORDS[:4])) + more)
+        found: Records = []
+        with pytest.raises(MissionFileError, match="more than 4 records"):
+            read(path, found.append)
+        assert found == RECORDS[:4]
 
 
 def _refuse(_: int) -> None:

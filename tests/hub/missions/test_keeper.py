@@ -312,6 +312,19 @@ def test_changes_leave_room_for_new_marks_removals_and_the_end(
     assert keeper.fault == ""
 
 
+def test_many_small_records_leave_places_for_the_end(
+    keeper: MissionKeeper, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(journal_file, "MAX_RECORDS", 4096 + 20)
+    keeper.begin("search", "Ada")
+    refusal = until_refused(lambda count: keeper.name(f"x{count}", "Eve"))
+    assert "no room" in refusal
+    keeper.mark(victim(), "Ada")
+    mission = keeper.id
+    assert keeper.end("Ada") == ""
+    assert len(keeper._folder.read(mission)[0].points.points) == 1
+
+
 def test_a_change_writes_its_picture_only_if_it_is_another(
     keeper: MissionKeeper, tmp_path: Path
 ) -> None:
