@@ -7,7 +7,8 @@ import json
 from collections.abc import Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path
-from unittest.mock import Mock
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -33,6 +34,7 @@ from hub.ipc.client import Client
 from hub.ipc.keyring import Keyring
 from hub.ipc.keys import read_client_keys
 from hub.ipc.loop import Loop
+from hub.ipc.publish_rights import ROBOMON
 from hub.ipc.reception import Reception
 from hub.ipc.security import Role
 from hub.robomon.control_desk import ControlDesk
@@ -108,23 +110,26 @@ def robot(tmp_path: Path) -> Iterator[Robot]:
 
 
 def test_state_of_control_counts_once_its_sender_is_the_daemon() -> None:
-    learned: list[ControlState] = []
-    client = Mock(Client)
-    follow_control(client, learned.append)
-    _, came = client.subscribe.call_args.args
-    _, connected = client.directory.follow.call_args.args
+    learned: list[int] = []
+    given: dict[str, Any] = {}
+    client: Any = SimpleNamespace(
+        directory=SimpleNamespace(follow=given.__setitem__),
+        subscribe=lambda definition, came, **_: given.__setitem__(definition.name, came),
+    )
+    follow_control(client, lambda state: learned.append(state.owner))
+    connected, came = given[ROBOMON], given[CONTROL_STATE.name]
     for publisher in (0, 7, 5):
         came(ControlState(owner=publisher), Reception(publisher, 1, 0, 0.0, 0.0))
     assert learned == []
     connected(5)
     came(ControlState(owner=8), Reception(7, 2, 0, 0.0, 0.0))
-    assert learned == [ControlState(owner=5)]
+    assert learned == [5]
     connected(0)
     came(ControlState(owner=9), Reception(5, 2, 0, 0.0, 0.0))
     came(ControlState(owner=9), Reception(0, 2, 0, 0.0, 0.0))
     connected(6)
     came(ControlState(owner=6), Reception(6, 1, 0, 0.0, 0.0))
-    assert learned == [ControlState(owner=5), ControlState(owner=6)]
+    assert learned == [5, 6]
 
 
 def test_only_the_owners_commands_count_and_the_others_are_told(robot: Robot) -> None:
