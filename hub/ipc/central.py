@@ -444,6 +444,8 @@ class Central:
         return self._gateway.admitted() if self._gateway is not None else frozenset()
 
     def _end_key(self, bearer: Bearer) -> None:
+        if self._gateway is not None:
+            self._gateway.end_broadcasts()
         for descriptor in self._registry.descriptors_of(bearer):
             if self._gateway is not None:
                 self._gateway.hang_up(descriptor)

@@ -29,6 +29,7 @@ from hub.ipc.zap import Gatekeeper
 _FAILED = zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL | zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL
 _WATCHED = _FAILED | zmq.EVENT_ACCEPTED | zmq.EVENT_DISCONNECTED
 _COMMANDS = "command in"
+_BROADCASTS = frozenset({"state in", "state out", "picture in", "picture out"})
 _BATCH = 16
 """Events of one place that are looked at before clients of this machine are served again."""
 _RELAY_QUEUE = 200
@@ -148,6 +149,18 @@ class Gateway:
         ends = ends_of(descriptor)
         if ends is not None and ends[0] in self._all_ports:
             hang_up(descriptor)
+
+    def end_broadcasts(self) -> None:
+        """End all connections where states and pictures pass; who may come back does so at once.
+
+        ZeroMQ does not say which of them belong to a key. Connections of commands stay, so that no
+        stop is lost: there each frame is looked at.
+        """
+        for monitor, place in self._monitors.items():
+            while place in _BROADCASTS and monitor.poll(0):
+                self._watch(monitor, place)  # some may have been accepted a moment ago
+        for descriptor in self._sources.at(_BROADCASTS):
+            self.hang_up(descriptor)
 
     def admitted(self) -> frozenset[Bearer]:
         """The keys that were let in since the start."""

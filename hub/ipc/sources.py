@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Set
 from dataclasses import dataclass
 
 from hub.ipc.complaints import Complaints
@@ -71,6 +71,10 @@ class Sources:
             self._open[gone.address, gone.place] -= 1
             if not self._open[gone.address, gone.place]:
                 del self._open[gone.address, gone.place]
+
+    def at(self, places: Set[str]) -> list[int]:
+        """The descriptors of the connections to these places."""
+        return [each for each, found in self._connections.items() if found.place in places]
 
     def look(self, known: Callable[[int], bool], now: float) -> None:
         """End control connections that never said who they are; to be called every second or so.

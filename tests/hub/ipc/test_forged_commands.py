@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -76,6 +77,17 @@ class Hub:
             lambda: f"nobody subscribes to {topic!r}: {seen}",
             meanwhile=lambda: made.poll(50) and seen.add(made.recv()),
         )
+        return made
+
+    def publisher(self, keys: ClientKeys) -> zmq.Socket[bytes]:
+        """A socket where states go in."""
+        made = self._outside.socket(zmq.PUB)
+        made.linger = 0
+        made.reconnect_ivl = 20
+        keys.apply(made)
+        assert self.central._gateway is not None
+        made.connect(f"tcp://127.0.0.1:{self.central._gateway.ports[0]}")
+        self._raw.append(made)
         return made
 
     def dealer(self, keys: ClientKeys) -> zmq.Socket[bytes]:
@@ -338,6 +350,36 @@ def test_key_that_was_removed_and_made_anew_between_two_looks_is_refused(hub: Hu
     dropped(hub)
     assert events == []
     until(lambda: not hub.central._keys.holds(old.bearer), 10.0)
+
+
+def test_removed_key_of_a_module_publishes_no_states_and_the_others_go_on(hub: Hub) -> None:
+    received = came(hub, v.LOG)
+    keys = hub.keys("evil", Role.MODULE)
+    other = hub.client("other", Role.MODULE)
+    raw = hub.publisher(keys)
+    sequence = itertools.count(1)
+
+    def send() -> None:
+        raw.send(frame(v.LOG, Number(value=-1), 7, next(sequence)))
+
+    def publish() -> None:
+        other.publish(v.LOG, Number(value=1))
+
+    def came_from(value: int) -> bool:
+        return value in [each.value for each, _ in received]
+
+    until(lambda: came_from(-1), 10.0, meanwhile=send)
+    until(lambda: came_from(1), 10.0, meanwhile=publish)
+    hub.remove("evil")
+    refused = "refused at the gateway's state in: unknown key"
+    counts = hub.central.complaints.counts
+    until(lambda: counts[refused], 10.0, lambda: str(counts), meanwhile=send)
+    received.clear()
+    for _ in range(20):
+        send()
+    until(lambda: came_from(1), 10.0, meanwhile=publish)
+    assert not came_from(-1)
+    assert other.client.connected
 
 
 def test_control_messages_of_a_removed_key_are_refused(hub: Hub) -> None:
