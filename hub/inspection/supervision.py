@@ -104,7 +104,7 @@ def want(client: Client, wanted: Sequence[str], *, seconds: float) -> int:
                 said[name] = now
                 put(now)
 
-    client.subscribe(supervision.CAPABILITY_REPORTS, tell)
+    client.subscribe(supervision.CAPABILITY_REPORTS, tell, last=True)
     client.every(_RENEW_S, lambda: client.publish(supervision.CAPABILITY_WANTS, wants))
     client.publish(supervision.CAPABILITY_WANTS, wants)
     end = time.monotonic() + (seconds or math.inf)
