@@ -374,6 +374,14 @@ def test_removed_key_of_a_module_publishes_no_states_and_the_others_go_on(hub: H
     refused = "refused at the gateway's state in: unknown key"
     counts = hub.central.complaints.counts
     until(lambda: counts[refused], 10.0, lambda: str(counts), meanwhile=send)
+
+    def quiet() -> bool:
+        """What was on its way when the connection ended has come."""
+        received.clear()
+        until(lambda: came_from(1), 10.0, meanwhile=publish)
+        return not came_from(-1)
+
+    until(quiet, 10.0)
     received.clear()
     for _ in range(20):
         send()
