@@ -19,7 +19,6 @@ class Inbox:
     Attributes:
         address: Where publishers connect.
         socket: What comes.
-        take: Reads what has come; whether there may be more.
     """
 
     def __init__(
@@ -41,8 +40,16 @@ class Inbox:
         self._loop = loop
         self.socket = sockets.make_inbox(context, zmq.PULL, plane)
         self.socket.bind(self.address)
-        self.take = functools.partial(take, self.socket)
-        self._file = loop.register(self.socket, self.take)
+        self._take = functools.partial(take, self.socket)
+        self._file = loop.register(self.socket, self._take)
+
+    def take_now(self) -> bool:
+        """Read what has come, out of turn; whether there may be more.
+
+        The loop reads on: a socket tells of what comes only after it was found empty.
+        """
+        self._loop.touch(self._file)
+        return self._take()
 
     def close(self) -> None:
         """Close; what lies in it is forgotten."""

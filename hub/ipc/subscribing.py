@@ -189,10 +189,21 @@ class Inlets:
         if inlet is None:
             return
         inbox = self._inbox(inlet)
-        if inbox is not None:
-            # What was sent before has come by now, and would be taken for repeated behind this.
-            inbox.take()
-        self.arrivals.accept(inlet, frame)
+        if inbox is None or self._emptied(inbox, frame):
+            self.arrivals.accept(inlet, frame)
+
+    def _emptied(self, inbox: Inbox, frame: frames.Frame) -> bool:
+        """Whether an inbox is empty after a turn; else the frame is accepted in a later turn.
+
+        What was sent before the frame has come by now, and would be taken for repeated behind it.
+        """
+        more = True
+        try:
+            more = inbox.take_now()
+        finally:  # also after a handler that raised
+            if more:
+                self._loop.after(0.0, functools.partial(self.accept, frame))
+        return not more
 
     def _ask_for(self, inlet: Inlet) -> None:
         """Subscribe, and have central say when nothing can be missed any more."""

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hub.errors import CodecError, HandlerFailedError, QueryError
-from hub.ipc import frames, sockets
+from hub.ipc import arrivals, frames, sockets
 from hub.ipc.definition import Keep, MessageDefinition
 from hub.ipc.hub_time import this_neighbourhood
 from tests.hub.ipc import vocabulary as v
@@ -279,6 +279,40 @@ def test_last_value_does_not_overtake_what_waits_in_the_inbox(make: Make) -> Non
     until(lambda: len(received) > 10, 5.0, lambda: str(values(received)))
     assert values(received) == list(range(-1, 10))
     assert not other.client.complaints.counts
+
+
+@pytest.mark.parametrize("handler", ["slow", "raising"])
+def test_inbox_is_read_on_after_a_last_value_came_while_it_was_full(
+    make: Make, monkeypatch: pytest.MonkeyPatch, handler: str
+) -> None:
+    """An inbox tells of what comes only after it was found empty."""
+    one, other = make("one"), make("other")
+    received = other.collect(v.LOG)
+
+    def hinder(value: Number, how: Any) -> None:
+        del how
+        if handler == "raising" and value.value == 0:
+            raise ValueError
+
+    other.call(lambda: other.client.subscribe(v.LOG, hinder))
+    other.stands()
+    one.open(v.LOG)
+    until(lambda: received, 5.0)
+    if handler == "slow":
+        monkeypatch.setattr(arrivals, "_SLICE_S", -1.0)
+
+    def held_up() -> None:
+        for number in range(3):
+            one.publish(v.LOG, Number(value=number))
+        other.client.subscribe(v.LOG, lambda *_: None, last=True)
+        control_socket = other.client._connection._dialogue._socket
+        until(lambda: sockets.readable(control_socket), 5.0, "no last value came")
+
+    other.call(held_up)
+    until(lambda: len(received) > 3, 5.0, lambda: str(values(received)))
+    one.publish(v.LOG, Number(value=3))
+    until(lambda: len(received) > 4, 5.0, lambda: str(values(received)))
+    assert values(received) == list(range(-1, 4))
 
 
 def test_query_and_answer_that_are_too_long_fail_and_nothing_else_does(make: Make) -> None:
