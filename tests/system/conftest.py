@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Any
@@ -38,6 +38,16 @@ LAYOUT = """<rune run="1">
   </view>
 </rune>
 """
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """The report of a failed test shows the logs of the hubs that still run."""
+    report = yield
+    if report.failed:
+        logs = ((f"log of {hub.endpoint}", hub.log.read_text()) for hub in HubProcess.running)
+        report.sections.extend(logs)
+    return report
 
 
 @pytest.fixture

@@ -19,7 +19,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import psutil
 import pyte
@@ -79,7 +79,13 @@ DELAY_S = 0.25
 
 
 class HubProcess:
-    """`rune-hub run`, from start to end."""
+    """`rune-hub run`, from start to end.
+
+    Attributes:
+        running: All that are not closed; the report of a failed test shows their logs.
+    """
+
+    running: ClassVar[list[HubProcess]] = []
 
     def __init__(
         self, folder: Path, *, environment: dict[str, str] | None = None, **robot_keys: Any
@@ -96,6 +102,7 @@ class HubProcess:
                 stderr=log,
                 env={**os.environ, **(environment or {})},
             )
+        self.running.append(self)
         try:
             self.listening = self._said("listening")
             self.endpoint = self.listening["hub"]
@@ -120,6 +127,8 @@ class HubProcess:
 
     def close(self) -> None:
         """Stop it as the demo does."""
+        if self in self.running:
+            self.running.remove(self)
         if self.process.stdin is not None:
             self.process.stdin.close()
         self.process.wait(15.0)
