@@ -1,4 +1,4 @@
-"""The banner over the upper edge: the gravest alarm, or that a robot moves by itself."""
+"""The banner at the upper edge: the gravest alarm, or that a robot moves by itself."""
 
 from __future__ import annotations
 
@@ -26,10 +26,20 @@ class BannerLayer:
         """How many rows it takes [cells]."""
         return self.layers[0].canvas.rows if self.layers else 0
 
-    def refresh(self, columns: int, rows: int, state: ConsoleState) -> bool:
-        """Bring `layers` up to date; whether they changed."""
+    def refresh(self, columns: int, top: int, rows: int, state: ConsoleState) -> bool:
+        """Bring `layers` up to date.
+
+        Args:
+            columns: Width of the terminal [cells].
+            top: The banner's first row [cells].
+            rows: Height of the terminal [cells].
+            state: What is known.
+
+        Returns:
+            Whether they changed.
+        """
         whose = state.title(state.banner.robot) if state.banner else ""
-        seen = (columns, rows, state.theme.name, len(state.robots), state.banner, whose)
+        seen = (columns, top, rows, state.theme.name, len(state.robots), state.banner, whose)
         look: tuple[object, ...] = seen if state.banner is not None else ()
         if look == self._look:
             return False
@@ -39,7 +49,8 @@ class BannerLayer:
             tall = rows >= _TALL_ROWS and not state.banner.calm
             canvas = Canvas.blank(columns, 2 * (3 if tall else 1))
             _draw(canvas, state.banner, state)
-            layer = Layer(canvas=canvas, x=0, y=0, zpos=sys.maxsize - 1, urgency=Urgency.ALARM)
+            nearest = sys.maxsize - 1
+            layer = Layer(canvas=canvas, x=0, y=2 * top, zpos=nearest, urgency=Urgency.ALARM)
             self.layers = (layer,)
         return True
 

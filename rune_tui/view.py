@@ -29,6 +29,7 @@ from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgencies, Urgency
 from rune_tui.visualizers.camera_image import CameraImage
 from rune_tui.visualizers.event_log import EventLog
+from rune_tui.visualizers.label import Label
 from rune_tui.visualizers.notice import write_notice
 from rune_tui.visualizers.title import draw_title, with_title
 from rune_tui.visualizers.troubles import TOLD_S, banner_of
@@ -301,7 +302,7 @@ class View:
         state = dataclasses.replace(state, banner=banner_of(state))
         # Every pane is asked: no short cut after the first that changed.
         changed = [pane.refresh(state) for pane in self._panes]
-        changed.append(self._banner.refresh(self._columns, self._rows, state))
+        changed.append(self._banner.refresh(self._columns, self._kept_rows, self._rows, state))
         top, rows = self._page_place
         nearest = self._nearest + 1
         changed.append(self._page.refresh(self._columns, top, rows, nearest, state))
@@ -380,6 +381,18 @@ class View:
         return self._rows
 
     @property
+    def _kept_rows(self) -> int:
+        """Rows at the upper edge that nothing may cover: they say how to stop, or what is vital."""
+        lines = {
+            pane.place.y // 2
+            for pane in self._panes
+            if pane.place.width == self._columns
+            and pane.place.height == 2
+            and (isinstance(pane.visualizer, Label) or pane.visualizer.rule.vital)
+        }
+        return next(row for row in range(len(lines) + 1) if row not in lines)
+
+    @property
     def _page_place(self) -> tuple[int, int]:
         """First row and height of a page: below the banner, above what is vital [cells]."""
         top = min(self._banner.rows, self._page_rows - 1)
@@ -429,7 +442,7 @@ class View:
 
     def _on_top(self, canvas: Canvas, y: int | None = None) -> Layer:
         """Over everything, below the banner where no other place is given [pixels]."""
-        y = 2 * self._banner.rows if y is None else y
+        y = 2 * (self._kept_rows + self._banner.rows) if y is None else y
         return Layer(canvas=canvas, x=0, y=y, zpos=self._nearest + 2, urgency=Urgency.ALARM)
 
     def _ground(self, theme: Theme) -> tuple[int, int, int]:

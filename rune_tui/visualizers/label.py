@@ -54,13 +54,13 @@ class Label:
             canvas.text(0, row, line, state.theme.soft)
 
     def _lines(self, canvas: Canvas) -> list[str]:
-        """The text wrapped; in one row, the pieces of a list that fit, the last one always."""
+        """The text wrapped; in one row, the pieces of a list that fit, the first one always."""
         pieces = self.text.split(_BETWEEN)
         if canvas.rows > 1 or len(pieces) < 3:
             return textwrap.wrap(self.text, max(1, canvas.width))
         while len(pieces) > 1 and len(_BETWEEN.join(pieces)) > canvas.width:
-            # The last two stay: they say how to get help, and how to leave.
-            del pieces[-3 if len(pieces) > 2 else 0]
+            # The first says how to stop; the last two say how to get help, and how to leave.
+            del pieces[{3: -2, 2: -1}.get(len(pieces), -3)]
         return [_BETWEEN.join(pieces)]
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:  # noqa: ARG002

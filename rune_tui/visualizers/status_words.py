@@ -69,6 +69,7 @@ _SHORT_MOTION = {
 def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     """All that there is to say now, in the order in which it is shown."""
     return (
+        *_stop_key(robot, state),
         Part(robot.title, 2 if len(state.robots) == 1 else 8),
         _link(robot, state.now),
         *_permission(robot),
@@ -82,6 +83,13 @@ def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
         *_held(state),
         _release(state),
     )
+
+
+def _stop_key(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
+    """The key that stops the robot, while no line of keys is in sight."""
+    key = state.input_of("widgetStop", robot.name)
+    if key and (state.full or state.paged):
+        yield Part(f"{key[:1].upper()}{key[1:]} STOP", 10)
 
 
 def _link(robot: RobotState, now: float) -> Part:
