@@ -85,6 +85,7 @@ class EvdevDevice:
         try:
             capabilities = self._device.capabilities(absinfo=True)
             axes = {code: (about.min, about.max) for code, about in capabilities.get(EV_ABS, [])}
+            self._axes = tuple(axes)
             pad = KernelPad.of(axes, frozenset(capabilities.get(EV_KEY, [])))
             self._pad = pad or KernelPad(axes={}, buttons=(), hat=False)
             self.descriptor = self._pad.descriptor
@@ -138,8 +139,9 @@ class EvdevDevice:
         self._lost = False
         pressed = set(self._device.active_keys())
         self._state = {(EV_KEY, code): int(code in pressed) for code in self._pad.buttons}
-        for code, about in self._device.capabilities(absinfo=True).get(EV_ABS, []):
-            self._state[EV_ABS, code] = about.value
+        # `capabilities` has the positions of the moment when the device was opened.
+        for code in self._axes:
+            self._state[EV_ABS, code] = self._device.absinfo(code).value
         return self._decoder.decode(self._pad.report(self._state))
 
 
