@@ -96,6 +96,10 @@ def _look(client: Client, options: argparse.Namespace) -> int:
         return _look_at_central(client, options)
     if options.command == "control":
         return _look_at_control(client, options)
+    if options.command == "halt":
+        from hub.inspection import halting
+
+        return halting.halt(client, as_json=options.json)
     if options.command == "mission":
         return _order_mission(client, options)
     if options.command in _OF_MODULES:
@@ -292,6 +296,13 @@ def _parser() -> CommandParser:
         "fields", nargs="*", metavar="FIELD=VALUE", help="linear.x=0.5; fields left out are zero"
     )
 
+    halt = commands.add_parser(
+        "halt",
+        parents=[look],
+        help="stop the robot, and wait until it stands",
+        description="Stop the robot, whoever has control. It drives again only after a neutral "
+        "command. Exit codes: 0 it stands, 1 it does not report that within 2 s, 3 no hub.",
+    )
     listing = commands.add_parser("list", parents=[look], help="modules and messages of a hub")
     echo = commands.add_parser("echo", parents=[name], help="show messages as they come")
     echo.add_argument("-n", "--count", type=_whole, default=0, help="end after so many")
@@ -320,7 +331,7 @@ def _parser() -> CommandParser:
     level = commands.add_parser("log-level", parents=[look], help="how much central logs")
     level.add_argument("level", choices=LEVELS)
     tables = _add_supervision(commands, look)
-    for command in (listing, echo, rate, query, state, *tables):
+    for command in (halt, listing, echo, rate, query, state, *tables):
         command.add_argument("--json", action="store_true", help="JSON, one line a message")
     _add_control(commands, look)
     _add_missions(commands, look)
@@ -339,11 +350,13 @@ def _add_supervision(commands: Commands, look: CommandParser) -> list[CommandPar
     )
     for order, text in (
         ("start", "start a module, also one that was given up"),
-        ("stop", "stop a module until it is started again"),
-        ("restart", "end a module and start it anew"),
+        ("stop", "end a module until it is started again; `halt` stops the robot"),
+        ("restart", "end a module and start it again"),
     ):
         command = commands.add_parser(order, parents=[look], help=text)
         command.add_argument("module", help="its name; `rune-hub modules` shows all")
+        if order == "stop":
+            command.advice = "`rune-hub halt` stops the robot"
     want = commands.add_parser(
         "want", parents=[look], help="have capabilities running as long as this command runs"
     )

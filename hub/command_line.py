@@ -7,7 +7,7 @@ import difflib
 import enum
 import re
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import NoReturn, TypeAlias
 
 DISTRIBUTION = "robot-user-nexus"
@@ -31,7 +31,40 @@ class ExitCode(enum.IntEnum):
 
 
 class CommandParser(argparse.ArgumentParser):
-    """Names the nearest known word, and shows its help where a command is missing."""
+    """Names the nearest known word or option, and shows its help where a command is missing.
+
+    Attributes:
+        advice: What to do after an error; empty: to read the help.
+    """
+
+    advice = ""
+
+    def parse_known_args(  # type: ignore[override]
+        self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None
+    ) -> tuple[argparse.Namespace, list[str]]:
+        """As `argparse` does it, but nothing stays unknown: only this parser knows its options."""
+        words = list(sys.argv[1:] if args is None else args)
+        if self._subparsers and words and self._is_unknown(words[0]):
+            self.error(self._complaint(words, or_else="; options follow the command"))
+        found, unknown = super().parse_known_args(words, namespace)
+        if unknown:
+            self.error(self._complaint(unknown))
+        return found, unknown
+
+    def _is_unknown(self, word: str) -> bool:
+        """Whether it looks like an option, and is none of this parser's."""
+        name = word.partition("=")[0]
+        known = any(option.startswith(name) for option in self._option_string_actions)
+        return name.startswith("-") and not known
+
+    def _complaint(self, unknown: Sequence[str], or_else: str = "") -> str:
+        option = next((word.partition("=")[0] for word in unknown if word.startswith("-")), "")
+        if not option:
+            return f"{unknown[0]!r} is one argument too many"
+        names = {name.lstrip("-"): name for name in self._option_string_actions}
+        near = nearest(option.lstrip("-"), names, cutoff=0.6)
+        hint = f"; did you mean {names[near]}?" if near else or_else
+        return f"{option!r} is no option here{hint}"
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong with the arguments in one sentence, and end with code 2."""
@@ -41,7 +74,8 @@ class CommandParser(argparse.ArgumentParser):
         if wrong := _UNKNOWN.search(message):
             known = re.findall(r"'([^']+)'", wrong["known"]) or wrong["known"].split(", ")
             message = message[: wrong.start()] + _unknown(wrong["word"], known)
-        more = "" if message.endswith("?") else f"; {self.prog} --help says more"
+        advice = self.advice or f"{self.prog} --help says more"
+        more = "" if message.endswith("?") else f"; {advice}"
         self.exit(ExitCode.USAGE, f"{self.prog}: {message}{more}\n")
 
 
@@ -64,10 +98,15 @@ class ShowVersion(argparse.Action):
         parser.exit()
 
 
-def nearest_word(word: str, known: Sequence[str]) -> str:
+def nearest(word: str, known: Iterable[str], *, cutoff: float = 0.5) -> str:
+    """The nearest known word; empty where none is as near as `cutoff`, 0 (any) to 1 (the same)."""
+    return next(iter(difflib.get_close_matches(word[:64], known, n=1, cutoff=cutoff)), "")
+
+
+def nearest_word(word: str, known: Iterable[str]) -> str:
     """The part of a message that names the nearest known word; empty where none is near."""
-    near = difflib.get_close_matches(word[:64], known, n=1, cutoff=0.5)
-    return f"; did you mean {near[0]!r}?" if near else ""
+    near = nearest(word, known)
+    return f"; did you mean {near!r}?" if near else ""
 
 
 def add_completion(commands: Commands) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import getpass
 import json
 from pathlib import Path
 from typing import Any
@@ -11,15 +10,22 @@ from hub.errors import MissionError, NoHandlerError, QueryError
 from hub.folders import for_missions
 from hub.gcm.common import COMMON_RESULT
 from hub.gcm.mission import MISSION_COMMAND, MissionAction, MissionCommand
+from hub.inspection.login import login_name
 from hub.inspection.writing import outcome, put, span, table
 from hub.ipc.client import Client
+from hub.missions.export import MissionState, facts_of_marks, mission_facts, moment
 from hub.missions.export import export as export_files
-from hub.missions.export import facts_of_marks, mission_facts, moment
 from hub.missions.folder import MissionFolder
 from hub.plain_text import plain
 from hub.robots.description import find_robot_file, read_description
 
 _ANSWER_S = 5.0
+_STATES = {
+    MissionState.RUNS: "runs",
+    MissionState.INTERRUPTED: "is interrupted; it goes on when the robot's hub starts",
+    MissionState.NOT_ENDED: "was not ended",
+    MissionState.ENDED: "is ended",
+}
 
 
 def list_all(robot: str, folder: str, *, as_json: bool) -> int:
@@ -38,7 +44,7 @@ def list_all(robot: str, folder: str, *, as_json: bool) -> int:
                     plain(facts["robot"]),
                     mission,
                     plain(facts["name"]),
-                    "runs" if facts["running"] else lasted or "not ended",
+                    lasted or facts["state"],
                     str(facts["marks"]),
                     f"{facts['size_bytes'] / 1e6:.1f} MB",
                 )
@@ -63,7 +69,7 @@ def show(mission: str, robot: str, folder: str, *, as_json: bool) -> int:
         events = [{"stamp": event.stamp, "text": event.text} for event in book.events]
         put(json.dumps({**facts, "marks": facts_of_marks(book), "events": events}))
         return 0
-    state = "runs" if facts["running"] else "is ended" if facts["ended"] else "was not ended"
+    state = _STATES[MissionState(facts["state"])]
     put(plain(f"mission {facts['name']} of {facts['robot']} ({mission}) {state}"))
     put(f"in {each.path / mission}")
     if facts["damaged"]:
@@ -92,7 +98,7 @@ def export(mission: str, robot: str, folder: str, output: Path | None) -> int:
 
 def order(client: Client, action: MissionAction, name: str) -> int:
     """Have the robot begin, name or end its mission."""
-    command = MissionCommand(action=action, name=name, by=_user())
+    command = MissionCommand(action=action, name=name, by=login_name())
     try:
         result = client.query_response(MISSION_COMMAND, command, COMMON_RESULT, timeout=_ANSWER_S)
     except NoHandlerError as error:
@@ -101,14 +107,6 @@ def order(client: Client, action: MissionAction, name: str) -> int:
     if result.done:
         put(plain(result.text))
     return outcome(result)
-
-
-def _user() -> str:
-    """Who is logged in here; empty if the system does not say."""
-    try:
-        return getpass.getuser()
-    except (OSError, KeyError, ImportError):
-        return ""
 
 
 def _folders(robot: str, folder: str) -> list[MissionFolder]:
@@ -150,5 +148,6 @@ def _facts(folder: MissionFolder, mission: str) -> dict[str, Any]:
     except MissionError as error:
         return {
             "robot": folder.robot, "id": mission, "name": f"cannot be read: {error}",
-            "begun": 0.0, "ended": None, "running": False, "marks": 0, "size_bytes": 0,
+            "begun": 0.0, "ended": None, "state": "not readable", "running": False, "marks": 0,
+            "size_bytes": 0,
         }  # fmt: skip

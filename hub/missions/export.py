@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import enum
 import io
 import math
 import time
@@ -101,6 +102,30 @@ def picture_of(grid: LogOdds) -> GridPicture:
     )
 
 
+class MissionState(enum.StrEnum):
+    """How a mission stands.
+
+    Attributes:
+        RUNS: A hub keeps it now.
+        INTERRUPTED: No hub keeps it now; it goes on when its robot's hub starts.
+        NOT_ENDED: It stopped without an end, and does not go on.
+        ENDED: Somebody ended it.
+    """
+
+    RUNS = "runs"
+    INTERRUPTED = "interrupted"
+    NOT_ENDED = "not ended"
+    ENDED = "ended"
+
+
+def _state(folder: MissionFolder, mission: str, book: MissionBook) -> MissionState:
+    if not book.running:
+        return MissionState.ENDED if book.ended else MissionState.NOT_ENDED
+    if folder.running() != mission:
+        return MissionState.NOT_ENDED
+    return MissionState.RUNS if folder.in_use() else MissionState.INTERRUPTED
+
+
 def mission_facts(folder: MissionFolder, mission: str) -> dict[str, Any]:
     """What is said of a mission in a list.
 
@@ -109,6 +134,7 @@ def mission_facts(folder: MissionFolder, mission: str) -> dict[str, Any]:
     """
     book, damaged = folder.read(mission)
     begun = book.begun
+    state = _state(folder, mission, book)
     return {
         "robot": folder.robot,
         "id": mission,
@@ -116,7 +142,8 @@ def mission_facts(folder: MissionFolder, mission: str) -> dict[str, Any]:
         "by": begun.by if begun else "",
         "begun": begun.stamp if begun else 0.0,
         "ended": book.ended.stamp if book.ended else None,
-        "running": folder.running() == mission and book.running,
+        "state": state.value,
+        "running": state is MissionState.RUNS,
         "marks": len(marks_of(book)),
         "sheets": book.sheet,
         "size_bytes": folder.size(mission),

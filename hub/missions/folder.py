@@ -129,6 +129,22 @@ class MissionFolder:
             raise MissionFileError(text) from fault
         return file
 
+    def in_use(self) -> bool:
+        """Whether a hub writes here now; whoever only reads asks this."""
+        try:
+            file = os.open(self.path / "lock", os.O_RDONLY | os.O_CLOEXEC)
+        except OSError:
+            return False
+        try:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return True
+        except OSError:
+            return False  # this file system has no locks, so no hub has one
+        finally:
+            os.close(file)
+        return False
+
     def journal_of(self, mission: str) -> Path:
         """The file with the journal of a mission."""
         return self.path / mission / "journal"

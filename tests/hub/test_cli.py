@@ -4,9 +4,30 @@ from __future__ import annotations
 
 from importlib.metadata import version
 
+import pytest
+
 from tests.command_line import rune_hub
 
 
 def test_it_tells_its_version() -> None:
     done = rune_hub("--version")
     assert (done.returncode, done.stdout) == (0, f"rune-hub {version('robot-user-nexus')}\n")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ("run x.toml --prot 1", "rune-hub run: '--prot' is no option here; did you mean --port?"),
+        ("run x.toml --prot=1", "rune-hub run: '--prot' is no option here; did you mean --port?"),
+        ("mission list --jsno", "'--jsno' is no option here; did you mean --json?"),
+        ("list --zzz", "'--zzz' is no option here; rune-hub list --help says more"),
+        ("list one", "'one' is one argument too many; rune-hub list --help says more"),
+        ("--versoin", "rune-hub: '--versoin' is no option here; did you mean --version?"),
+        ("--hub x list", "'--hub' is no option here; options follow the command"),
+    ],
+)
+def test_unknown_options_get_a_hint(arguments: str, said: str) -> None:
+    done = rune_hub(*arguments.split())
+    assert done.returncode == 2
+    assert said in done.stderr
+    assert len(done.stderr.splitlines()) == 1

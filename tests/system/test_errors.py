@@ -35,6 +35,11 @@ def test_wrong_layout_is_refused_by_run_and_shot_as_well(tmp_path: Path) -> None
     assert run("rune_tui", "shot", path, "-o", str(tmp_path / "x.png")).returncode == 2
 
 
+def test_unknown_option_of_rune_gets_a_hint() -> None:
+    said = complaint(run("rune_tui", "shot", "search", "--siez", "80x24", "-o", "x.png"), 2)
+    assert said == "rune shot: '--siez' is no option here; did you mean --size?\n"
+
+
 def test_missing_layout() -> None:
     said = complaint(run("rune_tui", "check", "/nowhere/layout.xml"), 2)
     assert "/nowhere/layout.xml" in said

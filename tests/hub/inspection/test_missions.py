@@ -62,12 +62,33 @@ def test_all_missions_of_all_robots_are_listed(
 ) -> None:
     assert main(["mission", "list", "--folder", str(root), "--json"]) == 0
     facts = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
-    known = {(each["robot"], each["running"], each["marks"], each["sheets"]) for each in facts}
-    assert known == {("rover", False, 2, 2), ("my robot", True, 2, 2)}
+    known = {(each["robot"], each["state"], each["marks"], each["sheets"]) for each in facts}
+    assert known == {("rover", "ended", 2, 2), ("my robot", "interrupted", 2, 2)}
     assert main(["mission", "list", "--folder", str(root)]) == 0
     said = capsys.readouterr().out
     assert "search of rover" in said
-    assert "runs" in said
+    assert "interrupted" in said
+
+
+def test_a_mission_runs_only_while_a_hub_keeps_it(
+    root: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def state() -> tuple[str, bool]:
+        assert main(["mission", "show", "--folder", str(root), "--json"]) == 0
+        facts = json.loads(capsys.readouterr().out)
+        return facts["state"], facts["running"]
+
+    assert state() == ("interrupted", False)
+    folder = MissionFolder(root, "my robot")
+    keeper = MissionKeeper(folder, MissionLimits(least_free_mb=0.0))
+    keeper.open()
+    assert state() == ("runs", True)
+    assert main(["mission", "show", "--folder", str(root)]) == 0
+    assert capsys.readouterr().out.splitlines()[0].endswith(" runs")
+    keeper.close()
+    assert state() == ("interrupted", False)
+    folder.set_running("")
+    assert state() == ("not ended", False)
 
 
 def test_one_mission_is_shown_with_marks_and_events(
