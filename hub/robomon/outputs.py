@@ -119,9 +119,15 @@ class Outputs:
 
     def close(self) -> None:
         """Write what has come, and end the threads."""
+        if self._ended.is_set():
+            return
         self._ended.set()
         os.write(self._waker, b"-")
         self._reader.join(_LAST_WORDS_S)
+        if not self._reader.is_alive():
+            # Only now: the thread may end before we write, and its number may be another file's.
+            os.close(self._wake)
+            os.close(self._waker)
         with contextlib.suppress(queue.Full):
             self._written.put(None, timeout=_LAST_WORDS_S)
             self._writer.join(_LAST_WORDS_S)
@@ -142,9 +148,9 @@ class Outputs:
                 if len(self._selector.get_map()) == 1:
                     break
         for key in list(self._selector.get_map().values()):
-            os.close(key.fd)
+            if key.fd != self._wake:
+                os.close(key.fd)
         self._selector.close()
-        os.close(self._waker)
 
     def _take(self, pipe: int, source: _Source) -> None:
         try:

@@ -200,3 +200,19 @@ def test_lines_left_out_for_a_slow_disk_are_counted_where_they_are_missing(
 
 def test_endless_line_is_cut() -> None:
     assert max(map(len, spoken(b"x" * 100_000))) == LINE_BYTES + 1
+
+
+def test_end_of_the_reader_before_it_was_woken_is_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
+    outputs = Outputs(None)
+    reader = next(each for each in threading.enumerate() if each.name == "outputs")
+    write = os.write
+
+    def late(file: int, data: bytes) -> int:
+        write(file, data)
+        reader.join()
+        return write(file, data)
+
+    monkeypatch.setattr(os, "write", late)
+    outputs.close()
+    monkeypatch.undo()
+    outputs.close()
