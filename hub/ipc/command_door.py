@@ -118,7 +118,7 @@ class CommandDoor:
         self._complaints.count("too many commands", text)
 
     def _stop(self, raw: bytes, bearer: Bearer) -> bytes | None:
-        """A stop passes whatever else its sender does, but under nobody else's number."""
+        """A stop passes whatever else stands in it, but under nobody else's number."""
         now = self._clock()
         if not self._accounts.of(bearer).may_stop(now):
             self._too_many(bearer)
@@ -127,12 +127,21 @@ class CommandDoor:
             self._next_word = now + _SAY_STOP_S
             _logger.info("a stop comes from the holder of the key %s", bearer)
         try:
-            publisher = frames.unpack(raw).publisher
+            frame = frames.unpack(raw)
         except FrameError:
-            return raw  # who receives it stops all the same
-        if self._sender(publisher, bearer) is None:
-            return frames.with_publisher(raw, 0)
-        return raw
+            frame = None
+        if frame is None or frame.kind != frames.INLINE:
+            # Who receives a bare name cannot read it, and stops all the same.
+            return frames.topic(frames.name_of(raw), frames.FAR)
+        own = self._sender(frame.publisher, bearer) is not None
+        return frames.pack(
+            frames.prefix(frame.name, frames.FAR),  # everybody listens to this topic
+            publisher=frame.publisher if own else 0,
+            fingerprint=frame.fingerprint,
+            sequence=frame.sequence,
+            stamp_ns=frame.stamp_ns,
+            payload=[frame.payload],
+        )
 
     def _sender(self, publisher: int, bearer: Bearer) -> Peer | None:
         """Whose number this is, if it was given to a client with this key."""

@@ -44,7 +44,6 @@ FAR, RING = b"!", b"@"
 _HEADER = struct.Struct("<HHIQQqI")
 _ITEM = struct.Struct("<qI")
 _COUNT = struct.Struct("<I")
-_PUBLISHER, _PUBLISHER_AT = struct.Struct("<I"), 4
 HEADER_SIZE = _HEADER.size
 _TRAIN = b"*"
 _LITTLE_ENDIAN = ENCAPSULATION["<"]
@@ -261,14 +260,6 @@ def name_of(raw: Buffer) -> str:
         FrameError: The bytes do not start with a name.
     """
     return _start(memoryview(raw))[0]
-
-
-def with_publisher(raw: bytes, publisher: int) -> bytes:
-    """The same frame under another number; `unpack` takes the frame."""
-    changed = bytearray(raw)
-    length = raw.index(b"\0")
-    _PUBLISHER.pack_into(changed, length + 8 - length % 8 + _PUBLISHER_AT, publisher)
-    return bytes(changed)
 
 
 def unpack(raw: Buffer) -> Frame:

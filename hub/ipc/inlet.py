@@ -164,6 +164,7 @@ class Inlet:
             if (
                 version != frames.VERSION
                 or length != len(payload)
+                or kind > frames.RING_BATCH
                 or (kind in frames.RING_KINDS) != in_ring
             ):
                 frames.unpack(raw)  # says what is wrong

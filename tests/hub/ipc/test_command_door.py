@@ -9,11 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hub.errors import FrameError
 from hub.gcm import common, control, navigation
 from hub.gcm.navigation import Stop, Twist
 from hub.ipc import frames
 from hub.ipc.command_door import CommandDoor
 from hub.ipc.complaints import Complaints
+from hub.ipc.inlet import Arrival, Inlet
 from hub.ipc.peers import Peer
 from hub.ipc.quotas import QUOTAS, STOPS_AT_ONCE, STOPS_PER_S, Accounts
 from hub.ipc.security import LOCAL, Bearer, Role
@@ -141,6 +143,40 @@ def test_a_stop_comes_in_from_everybody_under_nobody_elses_number(who: str, numb
 def test_a_stop_comes_in_whatever_stands_behind_its_name(rest: bytes) -> None:
     assert Door().admit(b"!GCM_Stop\0" + rest, "eye") is not None
     assert Door().admit(b"GCM_Stop\0" + rest, "alice") is not None
+
+
+@pytest.mark.parametrize("topic", [frames.FAR, b""])
+@pytest.mark.parametrize("kind", [*range(6), 7, 1000])
+@pytest.mark.parametrize("filling", [0, 1])
+def test_every_stop_that_comes_in_counts_and_none_under_a_forged_number(
+    topic: bytes, kind: int, filling: int
+) -> None:
+    raw = bytearray(frame(*STOP, BOB))
+    name = len(b"!GCM_Stop")
+    start = len(frames.prefix("GCM_Stop", frames.FAR))
+    struct.pack_into("<H", raw, start + 2, kind)
+    raw[name + 1 : start] = bytes([filling]) * (start - name - 1)
+    if not topic:
+        raw[: name + 1] = b"GCM_Stop\0\0"
+    admitted = Door().admit(bytes(raw), "eye")
+    assert admitted is not None
+    assert admitted.startswith(b"!GCM_Stop\0")  # a neighbour listens to no other topic at central
+    inlet = Inlet(navigation.STOP)
+    try:
+        arrival: Arrival | None = inlet.read(admitted)
+    except FrameError:
+        arrival = inlet.unreadable()
+    assert arrival is not None
+    assert (arrival.publisher, arrival.kind) == (0, frames.INLINE)
+    assert len(arrival.messages) == 1
+
+
+@pytest.mark.parametrize("kind", [5, 7, 65535])
+def test_frame_of_an_unknown_kind_is_no_place_in_a_ring(kind: int) -> None:
+    raw = bytearray(frame(*VELOCITY, BOB))
+    struct.pack_into("<H", raw, len(frames.prefix("GCM_Velocity_Command", frames.FAR)) + 2, kind)
+    with pytest.raises(FrameError):
+        Inlet(navigation.VELOCITY_COMMAND).read(bytes(raw))
 
 
 @given(st.binary(max_size=200), st.sampled_from([*BEARERS, "", "x", "operate:"]))
