@@ -89,6 +89,10 @@ class CommandDoor:
             self._complaints.count("malformed command", f"from {user_id[:80]}: {error}")
         except NotAllowedError as error:
             self._complaints.count("command not allowed", str(error))
+        except Exception:  # a fault of ours must not end the thread: no stop would come in
+            self._complaints.count("internal fault", "the gateway goes on after it")
+            if self._complaints.counts["internal fault"] == 1:
+                _logger.exception("the first internal fault")
         return None
 
     def _bearer(self, user_id: str) -> Bearer:

@@ -13,12 +13,14 @@ from pathlib import Path
 from hub.errors import MissionError, MissionFileError
 from hub.gcm.mapping import InterestPoint, InterestPoints
 from hub.gcm.mission import MissionState
+from hub.ipc.quotas import Bucket
 from hub.missions.book import MissionBook, checked_mission_name
 from hub.missions.folder import MissionFolder
 from hub.missions.journal_file import JournalFile
 from hub.missions.log_odds import LogOdds
 from hub.missions.mark_rates import MarkRates
 from hub.missions.pending import Pending, marks_text
+from hub.missions.points import PointBook
 from hub.missions.records import (
     MAX_NAME,
     Begun,
@@ -34,6 +36,8 @@ from hub.missions.records import (
 )
 from hub.missions.track import Track
 
+NOTES_PER_S, NOTES_AT_ONCE = 0.2, 50.0
+"""Notes of what happened, on average and in one burst [1/s]."""
 _MB = 1e6
 
 
@@ -86,6 +90,7 @@ class MissionKeeper:
         self._pending = Pending()
         self._lost: frozenset[int] = frozenset()
         self._rates = MarkRates()
+        self._notes = Bucket(NOTES_PER_S, NOTES_AT_ONCE)
         self._pointer_due = False
         self._faults: dict[str, str] = {}
         self._map_saved = math.nan
@@ -200,7 +205,7 @@ class MissionKeeper:
         return f"{self.unkept} changes{which} are not on the disk and lost: {self.fault}"
 
     def mark(self, point: InterestPoint, by: str, sender: int | None = None) -> InterestPoint:
-        """Add a point or change it; without a mission, one is begun.
+        """Add a point or change it; a new point begins a mission if none runs.
 
         A new point that says the same as a known one is that one, sent again.
 
@@ -215,15 +220,19 @@ class MissionKeeper:
         Raises:
             MissionError: It is refused; the text says why.
         """
-        if not self.book.running and not point.number:
-            self.begin("", point.by or by)
         known = self.book.points.same(point, by)
         if known is not None:
             return known
+        begins = not self.book.running and not point.number
+        if not begins:
+            self._demand_not_ended()
         stamp = self._calendar()
-        checked = self.book.points.checked(point, by, stamp)
+        points = PointBook() if begins else self.book.points
+        checked = points.checked(point, by, stamp)
         if sender is not None:
             self._rates.check(point.number, sender, self._clock())
+        if begins:
+            self.begin("", point.by or by)
         same = self.book.points.has_thumbnail(checked)
         self._record(Marked(point=checked, stamp=stamp, same_thumbnail=same))
         return checked
@@ -240,15 +249,16 @@ class MissionKeeper:
         Raises:
             MissionError: It is refused; the text says why.
         """
+        self._demand_not_ended()
         self.book.points.check_removal(number, version)
         if sender is not None:
             self._rates.check(0, sender, self._clock())
         self._record(Removed(number=number, by=_who(by), stamp=self._calendar()))
 
     def note(self, text: str) -> None:
-        """Note what happened, while a mission runs."""
+        """Note what happened, while a mission runs; of very many notes, most are left out."""
         record = Noted(text=text[:500].replace("\0", ""), stamp=self._calendar())
-        if self.book.running and not self._refusal(record):
+        if self.book.running and not self._refusal(record) and self._notes.take(1.0, self._clock()):
             self._record(record)
 
     def in_frame(self, frame: int, grid: Callable[[], LogOdds]) -> bool:
@@ -418,6 +428,12 @@ class MissionKeeper:
     def _demand_running(self) -> None:
         if not self.book.running:
             text = "no mission runs"
+            raise MissionError(text)
+
+    def _demand_not_ended(self) -> None:
+        """Refuse what would not be written any more."""
+        if self.book.ended is not None:
+            text = f"mission {self.book.name} is ended: its marks stay as they are"
             raise MissionError(text)
 
     def _make(self) -> None:

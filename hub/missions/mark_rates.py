@@ -13,6 +13,14 @@ COMMANDS_PER_S = 3.0
 """New marks, changes and removals of one sender together [1/s]."""
 COMMANDS_AT_ONCE = 20.0
 """The same, in one burst."""
+TOGETHER_PER_S = 5.0
+"""The same of all senders together [1/s]; who connects anew is another sender."""
+TOGETHER_AT_ONCE = 500.0
+"""The same, in one burst."""
+OWN_PER_S = 0.1
+"""What each sender may do even if all together do too much [1/s]."""
+OWN_AT_ONCE = 3.0
+"""The same, in one burst."""
 _MOST_KNOWN = 256
 """Points and senders that are remembered, each; the oldest is forgotten first."""
 
@@ -23,6 +31,8 @@ class MarkRates:
     def __init__(self) -> None:
         self._points: dict[int, Bucket] = {}
         self._senders: dict[int, Bucket] = {}
+        self._own: dict[int, Bucket] = {}
+        self._together = Bucket(TOGETHER_PER_S, TOGETHER_AT_ONCE)
 
     def check(self, number: int, sender: int, now: float) -> None:
         """Count a command.
@@ -38,6 +48,13 @@ class MarkRates:
         bucket = _bucket(self._senders, sender, COMMANDS_PER_S, COMMANDS_AT_ONCE)
         if not bucket.take(1.0, now):
             text = f"one client may mark {COMMANDS_PER_S:.0f} times a second; wait and try again"
+            raise MissionError(text)
+        own = _bucket(self._own, sender, OWN_PER_S, OWN_AT_ONCE)
+        if not self._together.take(1.0, now) and not own.take(1.0, now):
+            text = (
+                f"all clients together may mark {TOGETHER_PER_S:.0f} times a second;"
+                " wait and try again"
+            )
             raise MissionError(text)
         if not number:
             return

@@ -14,6 +14,7 @@ from hub.gcm import map_coding, mapping, navigation
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.ipc.client import Client
+from hub.ipc.quotas import Bucket
 from hub.ipc.reception import Reception
 from hub.missions import storage
 from hub.missions.folder import MissionFolder
@@ -31,6 +32,8 @@ SAVE_S = 10.0
 """A map that has changed is saved so often [s]."""
 MARKED_S = 0.5
 """So soon after a mark the map is saved [s]; several marks at once need one map."""
+ORDERS_PER_S, ORDERS_AT_ONCE = 0.2, 20.0
+"""Maps that are saved, loaded or cleared, on average and in one burst [1/s]; each takes disk."""
 _LOOK_S = 0.25
 _REST = 20.0
 """After a mission could not be taken up, mapping waits so many times as long as that took."""
@@ -49,6 +52,7 @@ class Mapping:
         self._changed = False
         self._saved = -math.inf
         self._open_again = -math.inf
+        self._orders = Bucket(ORDERS_PER_S, ORDERS_AT_ONCE)
         self._keeper = MissionKeeper(
             MissionFolder(for_missions(robot.mission_folder), robot.name),
             MissionLimits(
@@ -168,6 +172,9 @@ class Mapping:
         Raises:
             MapFileError: It cannot be done; nothing has changed.
         """
+        if not self._orders.take(1.0, time.monotonic()):
+            text = "too many orders to save, load or clear maps; wait some seconds and try again"
+            raise MapFileError(text)
         if command.order is mapping.MapOrder.CLEAR:
             return self._clear()
         folder = for_maps(self._robot.map_folder)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import time
 from collections.abc import Callable
 
 from hub.control_gate import ControlGate
@@ -13,6 +14,7 @@ from hub.gcm.control import ControlState
 from hub.gcm.mission import MissionAction
 from hub.ipc.answering import Reply
 from hub.ipc.client import Client
+from hub.ipc.quotas import Bucket
 from hub.ipc.reception import Reception
 from hub.missions.keeper import MissionKeeper
 from hub.robots.description import MissionBegin, RobotDescription
@@ -22,6 +24,9 @@ _logger = logging.getLogger(__name__)
 
 _POINTS_PERIOD = 1.0 / mapping.INTEREST_POINTS.rate_hz
 _STATE_PERIOD = 1.0 / mission.MISSION_STATE.rate_hz
+_ORDERS_PER_S, _ORDERS_AT_ONCE = 0.5, 20.0
+"""Missions that are begun, named or ended, on average and in one burst [1/s]."""
+_TOO_MANY = "too many orders to begin, name or end missions; wait some seconds and try again"
 
 
 class MissionDesk:
@@ -51,6 +56,7 @@ class MissionDesk:
         self._with_control = robot.mission_begin is MissionBegin.WITH_CONTROL
         self._begun, self._marked, self._ending = begun, marked, ending
         self._fault = ""
+        self._orders = Bucket(_ORDERS_PER_S, _ORDERS_AT_ONCE)
         self._gate = ControlGate(client, self._handed_over)
         client.subscribe(mapping.POINT_COMMAND, self._point)
         client.respond_later(mission.MISSION_COMMAND, COMMON_RESULT, self._requested)
@@ -99,6 +105,8 @@ class MissionDesk:
             reply.answer(CommonResult(done=0, text=text))
             return
         try:
+            if not self._orders.take(1.0, time.monotonic()):
+                raise MissionError(_TOO_MANY)
             text = self._carry_out(command)
         except MissionError as error:
             _logger.warning("%s", error)

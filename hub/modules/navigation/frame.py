@@ -98,7 +98,7 @@ class FrameMemory:
 
 def _read(path: Path) -> Frame:
     """What a file holds; nothing where it is not ours, or makes no sense."""
-    with contextlib.suppress(OSError, ValueError, TypeError, RecursionError):
+    with contextlib.suppress(OSError, ValueError, TypeError, OverflowError, RecursionError):
         file = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
         try:
             ours = os.fstat(file).st_uid == os.getuid()

@@ -171,6 +171,17 @@ def test_every_stop_that_comes_in_counts_and_none_under_a_forged_number(
     assert len(arrival.messages) == 1
 
 
+def test_fault_of_ours_does_not_close_the_door() -> None:
+    complaints = Complaints(logging.getLogger(__name__), lambda: 0.0)
+
+    def peer_of(number: int) -> Peer:
+        raise RuntimeError(number)
+
+    door = CommandDoor(peer_of, lambda _: True, complaints, lambda: 0.0, accounts=Accounts())
+    assert door.admit(frame(*VELOCITY, BOB), BEARERS["bob"].user_id) is None
+    assert complaints.counts == {"internal fault": 1}
+
+
 @pytest.mark.parametrize("kind", [5, 7, 65535])
 def test_frame_of_an_unknown_kind_is_no_place_in_a_ring(kind: int) -> None:
     raw = bytearray(frame(*VELOCITY, BOB))

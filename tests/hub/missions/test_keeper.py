@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import math
 import os
@@ -15,9 +16,17 @@ from hub.errors import MissionError
 from hub.gcm.mapping import InterestPoint, PointKind
 from hub.missions import journal_file
 from hub.missions.folder import MissionFolder
-from hub.missions.keeper import MissionKeeper, MissionLimits
+from hub.missions.keeper import NOTES_AT_ONCE, MissionKeeper, MissionLimits
 from hub.missions.log_odds import STEP, LogOdds
-from hub.missions.mark_rates import CHANGES_AT_ONCE, CHANGES_PER_S, COMMANDS_AT_ONCE
+from hub.missions.mark_rates import (
+    CHANGES_AT_ONCE,
+    CHANGES_PER_S,
+    COMMANDS_AT_ONCE,
+    OWN_AT_ONCE,
+    TOGETHER_AT_ONCE,
+    TOGETHER_PER_S,
+    MarkRates,
+)
 from hub.missions.pending import MAX_PENDING
 from hub.missions.points import MAX_THUMBNAIL_BYTES, NO_THUMBNAIL
 from tests.full_disk import files_no_longer_than
@@ -379,6 +388,52 @@ def test_one_client_and_one_point_have_a_rate(tmp_path: Path) -> None:
     now[0] += 1.0
     keeper.mark(victim(201.0), "Eve", 900)
     keeper.close()
+
+
+def test_who_connects_anew_again_and_again_keeps_nobody_from_marking() -> None:
+    rates, taken, seconds = MarkRates(), 0, 1000
+    for second in range(seconds):
+        for _ in range(int(COMMANDS_AT_ONCE)):
+            with contextlib.suppress(MissionError):
+                rates.check(0, second + 1, float(second))
+                taken += 1
+    together = TOGETHER_AT_ONCE + TOGETHER_PER_S * seconds
+    assert taken <= together + OWN_AT_ONCE * seconds
+    rates.check(0, seconds + 1, float(seconds))
+
+
+def test_notes_of_hand_overs_do_not_fill_the_journal(keeper: MissionKeeper) -> None:
+    keeper.begin("search", "Ada")
+    before = len(keeper.book.events)
+    for _ in range(1000):
+        keeper.note("Eve has control")
+    assert len(keeper.book.events) - before == NOTES_AT_ONCE
+
+
+def test_a_mark_that_is_refused_begins_no_mission(keeper: MissionKeeper) -> None:
+    with pytest.raises(MissionError, match="nowhere"):
+        keeper.mark(victim(5e5), "Eve")
+    assert not keeper.book.running
+    kept = keeper.mark(victim(), "Ada")
+    keeper.end("Ada")
+    with pytest.raises(MissionError, match="nowhere"):
+        keeper.mark(victim(5e5), "Eve")
+    assert [point.number for point in keeper.points.points] == [kept.number]
+    # Sent again, as the answer was lost: it is on the disk already.
+    assert keeper.mark(victim(), "Ada") == kept
+    assert not keeper.book.running
+
+
+def test_marks_of_a_mission_that_was_ended_stay_as_they_are_on_the_disk(
+    keeper: MissionKeeper,
+) -> None:
+    kept = keeper.mark(victim(), "Ada")
+    keeper.end("Ada")
+    with pytest.raises(MissionError, match="is ended"):
+        keeper.mark(dataclasses.replace(kept, note="waves"), "Ada")
+    with pytest.raises(MissionError, match="is ended"):
+        keeper.remove(kept.number, 0, "Ada")
+    assert [point.note for point in keeper.points.points] == [""]
 
 
 def test_what_waits_for_the_disk_is_bounded_and_the_disk_is_asked_by_look_alone(

@@ -6,7 +6,7 @@ import dataclasses
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from hub.gcm.navigation import DriveState
@@ -75,6 +75,7 @@ def test_a_pose_that_may_have_been_corrected_before_is_of_an_unknown_frame(
 
 
 @given(raw=st.binary(max_size=200) | st.text(max_size=60).map(str.encode))
+@example(raw=b"[1, 2, 1" + b"0" * 400 + b", 0, 0]")
 def test_any_file_is_read_as_nothing_or_a_frame(raw: bytes, tmp_path_factory) -> None:
     path = tmp_path_factory.getbasetemp() / "pose-of-anybody"
     path.write_bytes(raw)
