@@ -21,6 +21,7 @@ from rune_tui.model.control import (
 from rune_tui.model.doings import DoingWatch
 from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
 from rune_tui.model.mission import MissionWatch
+from rune_tui.model.motions import MotionWatch
 from rune_tui.model.robot_state import LackKind, LinkPhase, RobotState
 
 _logger = logging.getLogger(__name__)
@@ -38,8 +39,8 @@ GRACE_S = 4.0
 class Watch:
     """Compares what is known of each robot and joystick with what was known before.
 
-    Links that are lost and found, control that changes hands, what a robot refuses, what it begins
-    and ends by itself, wanted capabilities that a robot does not provide, and messages with values
+    Links that are lost and found, control that changes hands, what stops a robot, what it refuses,
+    begins and ends by itself, wanted capabilities that a robot does not provide, and messages with values
     out of their range; joysticks that come, go or cannot be used.
     """
 
@@ -53,6 +54,7 @@ class Watch:
         self._said: dict[str, int] = {}
         self._doings = DoingWatch()
         self._missions = MissionWatch()
+        self._motions = MotionWatch()
         self._joysticks: dict[str, tuple[JoystickPhase, str]] = {}
         self._failed: set[str] = set()
 
@@ -109,6 +111,7 @@ class Watch:
             self._said[name] = link.said_count
             yield state.notice(link.said, robot=name, alarm=True)
         yield from self._handed_over(robot, state)
+        yield from self._motions.look(robot, state)
         yield from self._doings.look(robot, state)
         yield from self._missions.look(robot, state)
         if link.phase is LinkPhase.CONNECTED:

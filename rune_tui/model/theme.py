@@ -32,7 +32,7 @@ class Theme:
         track: The empty part of a gauge.
         accent: Of what moves in a gauge.
         good: Of words that all is well.
-        warning: Of words and marks of what needs a look.
+        warning: Of words and marks of a caution.
         alarm: Behind words of what needs a hand.
         alarm_ink: Of such words where nothing is behind them.
         on_alarm: Of words on `alarm`.

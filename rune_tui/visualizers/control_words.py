@@ -32,7 +32,7 @@ def control_parts(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     elif stands is Standing.MINE:
         yield Part("you have control", 5, Mood.GOOD, short="yours")
     else:
-        yield Part("nobody has control", 4, short="free")
+        yield Part("nobody has control", 4, short="nobody")
     yield from request_parts(robot, state)
     yield from _silence(control)
 

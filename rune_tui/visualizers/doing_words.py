@@ -16,6 +16,8 @@ OTHERS_S = 10.0
 SILENT_S = 3.0
 """What was last said longer ago than this [s] may not be so any more."""
 
+_OUTCOME_WEIGHT = 2.5
+"""Who has control, the battery and the nearest thing matter more than what is over."""
 _MOODS = {
     Phase.WAITING: Mood.WARNING,
     Phase.DONE: Mood.GOOD,
@@ -47,7 +49,7 @@ def doing_parts(robot: RobotState, now: float) -> Iterator[Part]:
     elif doing.under_way:
         yield Part(head(doing), 7, mood)
     elif doing.age(now) < SHOWN_S.get(doing.phase, OTHERS_S):
-        yield Part(f"{head(doing)}: {doing.reason}", 6, mood, short=head(doing))
+        yield Part(f"{head(doing)}: {doing.reason}", _OUTCOME_WEIGHT, mood, short=head(doing))
 
 
 def doing_rows(robot: RobotState, now: float) -> Iterator[Part]:

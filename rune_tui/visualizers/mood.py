@@ -39,7 +39,7 @@ class Part:
     """
 
     text: str
-    weight: int
+    weight: float
     mood: Mood = Mood.PLAIN
     short: str = ""
     gauge: bool = False

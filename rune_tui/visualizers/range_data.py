@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.gcm.body import ROBOT_DESCRIPTION, RobotBody
-from hub.gcm.navigation import SENSOR_COUNT
+from hub.gcm.navigation import SENSOR_COUNT, Assistance, MotionState
 from hub.gcm.navigation import RobotState as NavigationState
 from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
@@ -187,6 +187,7 @@ class RangeData:
             pies,
             arcs,
             navigation.bumpers,
+            held_off(navigation),
             robot.body,
             age_look(robot.navigation, state.now),
             state.theme.name,
@@ -216,8 +217,8 @@ class RangeData:
         points = [(centre[0] - left, centre[1] - ahead) for ahead, left in around.tolist()]
         return _Plan(centre=centre, rim=rim, rim_m=rim_m, outline=points, body=drawn)
 
-    def _nearness(self, room: float) -> Nearness:
-        return nearness_of(room, self.near_m, self.close_m)
+    def _nearness(self, room: float, navigation: NavigationState) -> Nearness:
+        return as_it_moves(nearness_of(room, self.near_m, self.close_m), navigation)
 
     def _draw_pies(
         self,
@@ -231,7 +232,7 @@ class RangeData:
         for sensor, (reading, room) in enumerate(_with_room(pies, body)):
             if math.isnan(reading):
                 continue
-            reach, nearness = plan.length(reading), self._nearness(room)
+            reach, nearness = plan.length(reading), self._nearness(room, navigation)
             colour = _colour(nearness, theme)
             if nearness:
                 # To the rim, so that its side is seen at a glance; what is free, before it.
@@ -257,7 +258,7 @@ class RangeData:
         pies, arcs = self._pies(navigation), self._arcs(navigation)
         nearest = np.fmin(pies, arcs) if len(arcs) else pies
         for sensor, (reading, room) in enumerate(_with_room(nearest, body)):
-            nearness = self._nearness(room)
+            nearness = self._nearness(room, navigation)
             if nearness:
                 reach = max(plan.length(reading), plan.body) + 1.5
                 spot = toward(plan.centre, reach, _direction(sensor))
@@ -300,6 +301,16 @@ def nearness_of(room: float, near_m: float = NEAR_M, close_m: float = CLOSE_M) -
     if room < close_m:
         return Nearness.CLOSE
     return Nearness.NEAR if room < near_m else Nearness.FAR
+
+
+def as_it_moves(nearness: Nearness, navigation: NavigationState) -> Nearness:
+    """How near something counts: a robot that is held off it passes it closely, and may."""
+    return min(nearness, Nearness.NEAR) if held_off(navigation) else nearness
+
+
+def held_off(navigation: NavigationState) -> bool:
+    """Whether the robot moves by itself and navigation keeps it off what is near."""
+    return navigation.motion is MotionState.GOING and navigation.assistance is Assistance.ON
 
 
 def pressed_bumpers(navigation: NavigationState) -> list[int]:

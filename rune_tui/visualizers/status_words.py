@@ -12,12 +12,13 @@ from hub.gcm.navigation import SENSOR_COUNT, MotionState
 from hub.gcm.navigation import RobotState as NavigationState
 from rune_tui.model.body import rim
 from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.doing import doing_of
 from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
 from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.visualizers.control_words import control_parts
 from rune_tui.visualizers.doing_words import doing_parts
 from rune_tui.visualizers.mood import Mood, Part
-from rune_tui.visualizers.range_data import Nearness, nearness_of
+from rune_tui.visualizers.range_data import Nearness, as_it_moves, nearness_of
 from rune_tui.visualizers.staleness import (
     ALARM_AFTER_S,
     HATCH_AFTER_S,
@@ -53,9 +54,8 @@ _ROLLING_ON = {
     MotionState.WAITING: "STOPPING, then waits for a neutral command",
 }
 """The same while the robot still moves, where it is not told to."""
-_UNHINDERED = frozenset(
-    {MotionState.STANDING, MotionState.MOVING, MotionState.GOING, MotionState.WAITING}
-)
+_FAULTS = frozenset({MotionState.SILENCE, MotionState.NO_DRIVER})
+"""Nobody wanted these; a stop, somebody did."""
 _SHORT_MOTION = {
     "WAITING for a neutral command": "WAITING",
     "STOPPING, then waits for a neutral command": "STOPPING",
@@ -75,7 +75,7 @@ def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
         *_permission(robot),
         *control_parts(robot, state),
         *_motion(robot, state.now),
-        _limit(robot, state),
+        *_limit(robot, state),
         *_camera(robot, state.now),
         *_picture_age(robot, state),
         *_joysticks(state),
@@ -144,8 +144,7 @@ def _doing(robot: RobotState, navigation: NavigationState, now: float) -> Iterat
         text = _ROLLING_ON.get(motion, text)
     by_itself = tuple(doing_parts(robot, now))
     if motion is not MotionState.GOING or not by_itself:
-        halted = motion not in _UNHINDERED
-        mood = Mood.ALARM if halted else Mood.PLAIN
+        mood = Mood.ALARM if motion in _FAULTS else Mood.PLAIN
         yield Part(text, 7, mood, short=_SHORT_MOTION.get(text, ""))
     yield from by_itself
     turning = turn_words(-math.degrees(navigation.angular))
@@ -182,7 +181,7 @@ def _battery(navigation: NavigationState) -> Iterator[Part]:
     text = " ".join([f"BATTERY {grave}" if low else "battery", *words])
     mood = (Mood.ALARM if grave == "CRITICAL" else Mood.WARNING) if low else Mood.PLAIN
     short = " ".join(text.split()[: 3 if low else 2])
-    yield Part(text, 6 if low else 3, mood, short, gauge=not low)
+    yield Part(text, 6 if low else 4.5, mood, short, gauge=not low)
 
 
 def _nearest(navigation: NavigationState, body: RobotBody | None) -> Iterator[Part]:
@@ -193,7 +192,7 @@ def _nearest(navigation: NavigationState, body: RobotBody | None) -> Iterator[Pa
     room = max(0.0, float(rooms[sensor]))
     if not math.isfinite(room):
         return
-    word, weight, mood = _NEAREST[nearness_of(room)]
+    word, weight, mood = _NEAREST[as_it_moves(nearness_of(room), navigation)]
     origin = "" if body is not None else " of its centre"
     yield Part(f"{word} {room:.2f} m {side_of(sensor)}{origin}", weight, mood)
 
@@ -206,11 +205,19 @@ _NEAREST = {
 """What the nearest thing is called, how much that matters, and how it is meant."""
 
 
-def _limit(robot: RobotState, state: ConsoleState) -> Part:
-    """With how much of its speed the robot is driven."""
+def _limit(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
+    """With how much of its speed hands drive the robot; none of what it does by itself."""
+    doing = doing_of(robot)
+    if _goes(robot) or (doing is not None and doing.under_way):
+        return
     limit = state.speed_limit(robot.name)
     text = f"limit {100.0 * limit:.0f}%"
-    return Part(text, 6) if limit < 1.0 else Part(text, 0, Mood.FAINT)
+    yield Part(text, 6) if limit < 1.0 else Part(text, 0, Mood.FAINT)
+
+
+def _goes(robot: RobotState) -> bool:
+    """Whether the robot moves by itself."""
+    return robot.navigation is not None and robot.navigation.value.motion is MotionState.GOING
 
 
 def _camera(robot: RobotState, now: float) -> Iterator[Part]:

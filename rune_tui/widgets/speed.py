@@ -328,8 +328,8 @@ class StopRobot(PressWidget):
         self,
         event: ControlEvent,
         event_spec: EventSpec,
-        state: ConsoleState,  # noqa: ARG002 - a stop is a stop at any time
+        state: ConsoleState,
     ) -> tuple[Effect, ...]:
         """A stop for every press; a hammered key looks like repeats, so they count as well."""
-        reason = f"the operator pressed {event.name} (layout line {event_spec.line})"
+        reason = f"{state.operator or 'the operator'} pressed {event.name}"
         return (SendEffect(robot=self.robot, definition=STOP, value=Stop(reason=reason)),)

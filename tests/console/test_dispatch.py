@@ -545,3 +545,13 @@ def test_a_key_held_for_seconds_gives_twenty_commands_a_second(seconds: int, rep
     sent = hands.velocities(start, hands.now)
     assert all(twist == Twist.planar(0.5, 0.0) for twist in sent)
     assert abs(len(sent) - 20 * (hands.now - start)) <= 2
+
+
+def test_a_stop_says_who_pressed_which_key_and_nothing_of_the_layout():
+    effects = Dispatch(DEMO).handle(down("space"), ConsoleState(now=0.0, operator="ada"))
+    (reason,) = (
+        effect.value.reason
+        for effect in effects
+        if isinstance(effect, SendEffect) and effect.definition is STOP
+    )
+    assert reason == "ada pressed space"

@@ -7,8 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from hub.gcm.autonomy import AUTONOMY_STATE
-from hub.gcm.navigation import MotionState
+from hub.gcm.autonomy import AUTONOMY_STATE, Phase
+from hub.gcm.control import CONTROL_STATE, ControlState
+from hub.gcm.navigation import Assistance, MotionState
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.joystick_state import JoystickPhase, JoystickState
 from rune_tui.model.robot_state import LinkPhase
@@ -120,6 +121,64 @@ def test_what_the_robot_does_by_itself_is_said(made, draw) -> None:
     assert "EXPLORING 42 %  +0.30 m/s" in line(draw(NAME, robot, (200, 2)))
     silent = made.robot(navigation=moving)
     assert "GOING by itself  " in line(draw(NAME, silent, (200, 2)))
+
+
+def test_how_it_ended_takes_no_room_from_what_keeps_it_safe(made) -> None:
+    """Who has control, the battery and the nearest thing stay on 80 columns."""
+    why = "explored: nothing is left that the robot could reach from where it is"
+    done = known.autonomy(phase=Phase.DONE, why=why, ended_s=1.0)
+    messages = {
+        AUTONOMY_STATE.name: made.received(done),
+        CONTROL_STATE.name: made.received(ControlState()),
+    }
+    robot = made.robot(messages=messages)
+    limits = {"magellan": 0.1}
+    state = ConsoleState(now=made.now, robots={"magellan": robot}, speed_limits=limits)
+    words = [part.text for part in fitting(status_parts(robot, state), 80)]
+    for least in ("nobody", "battery", "nearest 1.80 m ahead", "limit 10%"):
+        assert any(each.startswith(least) for each in words), words
+    assert f"EXPLORING 42 % DONE: {why}" in [part.text for part in status_parts(robot, state)]
+
+
+def test_the_speed_limit_of_hands_is_not_said_of_what_it_does_by_itself(made, draw) -> None:
+    state = ConsoleState(now=made.now, speed_limits={"magellan": 0.1})
+    assert "limit 10%" in line(draw(NAME, made.robot(), (200, 2), state=state))
+    going = made.received(made.navigation(motion=MotionState.GOING))
+    exploring = {AUTONOMY_STATE.name: made.received(known.autonomy())}
+    for robot in (made.robot(navigation=going), made.robot(messages=exploring)):
+        assert "limit" not in line(draw(NAME, robot, (200, 2), state=state))
+
+
+@pytest.mark.parametrize(
+    ("motion", "assistance", "words"),
+    [
+        (MotionState.MOVING, Assistance.ON, "CLOSE"),
+        (MotionState.GOING, Assistance.OFF, "CLOSE"),
+        (MotionState.GOING, Assistance.ON, "NEAR"),
+    ],
+)
+def test_what_it_passes_closely_by_itself_is_a_caution(made, motion, assistance, words) -> None:
+    sonar = np.full(16, np.inf, np.float32)
+    sonar[0] = 0.273
+    navigation = made.navigation(sonar=sonar, motion=motion, assistance=assistance)
+    robot = made.robot(navigation=made.received(navigation))
+    moods = {part.text: part.mood for part in status_parts(robot, ConsoleState(now=made.now))}
+    mood = Mood.ALARM if words == "CLOSE" else Mood.WARNING
+    assert moods[f"{words} 0.07 m ahead"] is mood
+
+
+@pytest.mark.parametrize(
+    ("motion", "mood"),
+    [
+        (MotionState.STOPPED, Mood.PLAIN),
+        (MotionState.SILENCE, Mood.ALARM),
+        (MotionState.NO_DRIVER, Mood.ALARM),
+    ],
+)
+def test_a_stop_that_somebody_wanted_is_no_alarm(made, motion, mood) -> None:
+    robot = made.robot(navigation=made.received(made.navigation(motion=motion)))
+    found = status_parts(robot, ConsoleState(now=made.now))
+    assert [part.mood for part in found if part.text.startswith(("STOPPED", "NO DRIVER"))] == [mood]
 
 
 def test_what_other_panes_say_is_left_to_them(made, draw) -> None:

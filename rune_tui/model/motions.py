@@ -1,0 +1,44 @@
+"""What stops a robot, and what it waits for then, told once each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from hub.gcm.navigation import MotionState
+from rune_tui.model.console_state import ConsoleState, Notice
+from rune_tui.model.control import Standing, control_of, standing
+from rune_tui.model.robot_state import RobotState
+
+_RELEASE: Final = "release all keys, then drive"
+_WORDS: Final = {
+    MotionState.NO_DRIVER: "its driver does not report: it cannot move",
+    MotionState.STOPPED: f"it was stopped: {_RELEASE}",
+    MotionState.WAITING: f"it waits for a neutral command: {_RELEASE}",
+}
+_AGAIN: Final = "its driver reports again"
+
+
+class MotionWatch:
+    """Compares what navigation does with commands with what it did before."""
+
+    def __init__(self) -> None:
+        self._before: dict[str, tuple[MotionState, int]] = {}
+
+    def look(self, robot: RobotState, state: ConsoleState) -> Iterator[Notice]:
+        """What has changed since the last look; nothing of what was so before the first."""
+        if robot.navigation is None:
+            return
+        control = control_of(robot)
+        motion, owner = robot.navigation.value.motion, control.owner if control else 0
+        before, owner_before = self._before.get(robot.name, (motion, owner))
+        self._before[robot.name] = motion, owner
+        if motion is before:
+            return
+        again = before is MotionState.NO_DRIVER
+        # Who hands control over, or takes it, is told so by what is said of control.
+        handed = motion is MotionState.WAITING and not again and owner != owner_before
+        others = motion is MotionState.WAITING and standing(robot) is Standing.OTHERS
+        words = "" if handed or others else _WORDS.get(motion, "")
+        if text := "; ".join(filter(None, (_AGAIN if again else "", words))):
+            yield state.notice(text, robot=robot.name)

@@ -1,0 +1,66 @@
+"""What the operator is told when a driver goes and comes back, or somebody stops the robot."""
+
+from __future__ import annotations
+
+from hub.gcm.control import CONTROL_STATE, ControlState
+from hub.gcm.navigation import MotionState
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.happenings import Watch
+from tests.console.visualizers.conftest import Made, received
+from tests.messages import robot_state
+
+ME = 7
+NEUTRAL = "it waits for a neutral command: release all keys, then drive"
+
+
+class Scene:
+    """A watch, and a robot that says what navigation does."""
+
+    def __init__(self) -> None:
+        self._watch = Watch()
+        self.owner = ME
+
+    def told(self, motion: MotionState) -> list[str]:
+        """What is new."""
+        control = ControlState(owner=self.owner, operator="ada", why="taken")
+        robot = Made().robot(
+            link=Made.link(number=ME),
+            navigation=received(robot_state(motion=motion)),
+            messages={CONTROL_STATE.name: received(control)},
+        )
+        state = ConsoleState(now=1.0, robots={"magellan": robot})
+        return [notice.text for notice in self._watch.look(state)]
+
+
+def test_a_driver_that_goes_and_comes_back_is_told_and_what_the_robot_waits_for() -> None:
+    scene = Scene()
+    scene.told(MotionState.MOVING)
+    assert scene.told(MotionState.NO_DRIVER) == ["its driver does not report: it cannot move"]
+    assert scene.told(MotionState.NO_DRIVER) == []
+    assert scene.told(MotionState.WAITING) == [f"its driver reports again; {NEUTRAL}"]
+    assert scene.told(MotionState.WAITING) == []
+    assert scene.told(MotionState.STANDING) == []
+
+
+def test_a_driver_that_comes_back_at_once_is_told_by_what_the_robot_waits_for() -> None:
+    scene = Scene()
+    scene.told(MotionState.STANDING)
+    assert scene.told(MotionState.WAITING) == [NEUTRAL]
+
+
+def test_that_somebody_stopped_it_is_told() -> None:
+    scene = Scene()
+    scene.told(MotionState.GOING)
+    assert scene.told(MotionState.STOPPED) == ["it was stopped: release all keys, then drive"]
+
+
+def test_what_was_so_before_the_first_look_is_not_told() -> None:
+    scene = Scene()
+    assert NEUTRAL not in " ".join(scene.told(MotionState.WAITING))
+
+
+def test_that_control_was_handed_over_is_told_once() -> None:
+    scene = Scene()
+    scene.told(MotionState.MOVING)
+    scene.owner = 9
+    assert NEUTRAL not in scene.told(MotionState.WAITING)
