@@ -40,8 +40,8 @@ class Watch:
     """Compares what is known of each robot and joystick with what was known before.
 
     Links that are lost and found, control that changes hands, what stops a robot, what it refuses,
-    begins and ends by itself, wanted capabilities that a robot does not provide, and messages with values
-    out of their range; joysticks that come, go or cannot be used.
+    begins and ends by itself, wanted capabilities that a robot does not provide, and messages with
+    values out of their range; joysticks that come, go or cannot be used.
     """
 
     def __init__(self) -> None:

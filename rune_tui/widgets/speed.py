@@ -327,7 +327,7 @@ class StopRobot(PressWidget):
     def press(
         self,
         event: ControlEvent,
-        event_spec: EventSpec,
+        event_spec: EventSpec,  # noqa: ARG002 - each of its keys is a stop
         state: ConsoleState,
     ) -> tuple[Effect, ...]:
         """A stop for every press; a hammered key looks like repeats, so they count as well."""
