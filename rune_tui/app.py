@@ -48,7 +48,6 @@ from rune_tui.model.effects import (
     PaletteEffect,
     QuitEffect,
     ReleaseFirst,
-    SendEffect,
     ShowViewport,
     StateEffect,
     SuspendEffect,
@@ -59,12 +58,12 @@ from rune_tui.model.effects import (
     changed,
 )
 from rune_tui.model.happenings import Watch
-from rune_tui.model.leaving import SENDS_OFF, reasons_to_stay
+from rune_tui.model.leaving import ordered, reasons_to_stay
 from rune_tui.terminal.input_stream import KeyMove
 from rune_tui.terminal.traits import Traits
+from rune_tui.ui.covered import CoveredApp
 from rune_tui.ui.driver_reports import FrameAnswered, KeyMoved, ReleasesTold
 from rune_tui.ui.ending import at_the_systems_end, end_anyway
-from rune_tui.ui.mouse import MouseApp
 from rune_tui.ui.painter import Painter
 from rune_tui.ui.palette import palette_of
 from rune_tui.ui.question import Question
@@ -88,7 +87,7 @@ _FOCUSING_S = 0.3
 """A click that comes no later than this after the terminal got the focus was to give it [s]."""
 
 
-class Console(MouseApp, inherit_bindings=False):
+class Console(CoveredApp, inherit_bindings=False):
     """The console on a terminal."""
 
     ALLOW_SELECT = False  # the mouse drives and marks
@@ -224,7 +223,7 @@ class Console(MouseApp, inherit_bindings=False):
 
     def on_key(self, event: events.Key) -> None:
         """A key went down or repeats."""
-        if self._covered:
+        if self.covered:
             return
         event.stop()
         event.prevent_default()
@@ -232,6 +231,15 @@ class Console(MouseApp, inherit_bindings=False):
         key, fine = self._named(event.key, event.character)
         stale = self._stalls.deaf(now)
         self._handle(self._keyboard.press(key, now, read=event.time, fine=fine, stale=stale))
+
+    def stop_key(self, event: events.Key) -> str:
+        """The name of a key that stops a robot; empty if it stops none."""
+        name, _ = self._named(event.key, event.character)
+        return name if self._dispatch.stops(name) else ""
+
+    def stop_below(self, name: str) -> None:
+        """Stop the robots that the key of this name stops."""
+        self._execute(self._dispatch.stopping(name, self.state))
 
     def _named(self, key: str, character: str | None) -> tuple[str, bool]:
         """The name of a key, and whether Shift makes it finer; a layout may bind it with Shift."""
@@ -247,7 +255,7 @@ class Console(MouseApp, inherit_bindings=False):
             key, fine = self._named(event.key, event.character)
         if event.move is KeyMove.RELEASE:
             self._handle(self._keyboard.up(key, now))
-        elif self._covered or key == WAY_OUT:
+        elif self.covered or key == WAY_OUT:
             self.post_message(events.Key(event.key, event.character))
         else:
             repeat, stale = event.move is KeyMove.REPEAT, self._stalls.deaf(now)
@@ -272,7 +280,7 @@ class Console(MouseApp, inherit_bindings=False):
         """A part of the mouse moved; if it says that no button is down, none is."""
         if part == "motion" and self._dispatch.button_held and not event.button:
             self._let_go()
-        if self._covered:
+        if self.covered:
             return
         event.stop()
         now = self._heard = self._look_up()
@@ -292,7 +300,7 @@ class Console(MouseApp, inherit_bindings=False):
         What lies over the view, and another window in front, rests them, but for the stop.
         """
         now = self._look_up()
-        resting = self._covered or self._console.paged or not self.app_focus
+        resting = self.covered or self._console.paged or not self.app_focus
         for event in self._joysticks.events(now):
             if self._dispatch.waits_for(event.name):
                 state = dataclasses.replace(self.state, help=resting)
@@ -302,7 +310,7 @@ class Console(MouseApp, inherit_bindings=False):
 
     async def action_quit(self) -> None:
         """Ctrl-C: ask as the layout's own key does; the second time, end whatever is open."""
-        while self._covered:
+        while self.covered:
             self.pop_screen()
         self._leave_if_sure()
 
@@ -426,14 +434,8 @@ class Console(MouseApp, inherit_bindings=False):
             case QuitEffect():
                 self._leave_if_sure()
             case _:
-                self._note_order(effect)
+                self._console = ordered(self._console, effect, time.monotonic())
                 self._deeds.do(effect, self._shown_layout, self.state, self._pane.cells)
-
-    def _note_order(self, effect: DeedEffect) -> None:
-        """Remember when a robot was sent somewhere: quitting asks before the robot reports it."""
-        if isinstance(effect, SendEffect) and effect.definition.name in SENDS_OFF:
-            sent = {**self._console.sent_off, effect.robot: time.monotonic()}
-            self._console = dataclasses.replace(self._console, sent_off=sent)
 
     def _suspend(self) -> None:
         self._let_go()
@@ -448,18 +450,14 @@ class Console(MouseApp, inherit_bindings=False):
             with self._sparing(effect):
                 self._execute(effect.answer(text))
 
-        self.push_screen(Question(effect.asked, effect.text, answered))
+        stop = self._console.input_of("widgetStop", effect.robot)
+        self.push_screen(Question(effect.asked, effect.text, answered, stop))
 
     def _act(self, action: Action) -> None:
         self._execute(self._dispatch.act(action, self.state))
 
     def _tell(self, said: desk.Outcome) -> None:
         self._change(Tell.now(self.state, **dataclasses.asdict(said)))
-
-    @property
-    def _covered(self) -> bool:
-        """Whether the palette lies over the view and has the keys and the mouse."""
-        return len(self.screen_stack) > 1
 
     def _change(self, effect: StateEffect) -> None:
         moved = isinstance(effect, ShowViewport | FillView) and self._dispatch.button_held

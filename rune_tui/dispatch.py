@@ -124,6 +124,16 @@ class Dispatch:
         """Whether something is done for as long as an input of this name is held."""
         return any(each.widget.rule.held for each in self._by_input.get(name, ()))
 
+    def stops(self, name: str) -> bool:
+        """Whether an input of this name stops a robot."""
+        return any(isinstance(each.widget, StopRobot) for each in self._by_input.get(name, ()))
+
+    def stopping(self, name: str, state: ConsoleState) -> tuple[Effect, ...]:
+        """The stops of a key that means nothing else now."""
+        event = ControlEvent(name=name, pressed=True)
+        stops = [each for each in self._listeners(event) if isinstance(each.widget, StopRobot)]
+        return (*self.look(state), *self._woken(event, stops, state))
+
     def handle(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
         """Effects of an event, from every widget that it matches."""
         return (*self.look(state), *self._handled(event, state))

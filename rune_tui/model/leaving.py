@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable, Iterator
 from typing import Final
@@ -10,12 +11,26 @@ from hub.gcm.autonomy import AUTONOMY_COMMAND
 from hub.gcm.navigation import GOAL_COMMAND, MotionState
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.control import Standing, standing
+from rune_tui.model.effects import Effect, SendEffect
 from rune_tui.model.mission import mission_of
 
-SENDS_OFF: Final = frozenset({GOAL_COMMAND.name, AUTONOMY_COMMAND.name})
+_SENDS_OFF: Final = frozenset({GOAL_COMMAND.name, AUTONOMY_COMMAND.name})
 """Messages that have a robot go by itself."""
 ORDERED_S: Final = 3.0
 """A robot that was sent somewhere counts as going for this time, whatever it reports [s]."""
+
+
+def ordered(state: ConsoleState, effect: Effect, now: float) -> ConsoleState:
+    """The state that knows of an order to go somewhere, before the robot reports it.
+
+    Args:
+        state: The state before.
+        effect: What is ordered; nothing changes if it does not send a robot anywhere.
+        now: The time [s].
+    """
+    if not isinstance(effect, SendEffect) or effect.definition.name not in _SENDS_OFF:
+        return state
+    return dataclasses.replace(state, sent_off={**state.sent_off, effect.robot: now})
 
 
 def reasons_to_stay(state: ConsoleState) -> tuple[str, ...]:

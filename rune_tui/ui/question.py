@@ -24,16 +24,22 @@ class Question(ModalScreen[None]):
     """
     BINDINGS: ClassVar = [Binding("escape", "leave", "leave it", show=False)]
 
-    def __init__(self, asked: str, text: str, answered: Callable[[str], None]) -> None:
+    def __init__(
+        self, asked: str, text: str, answered: Callable[[str], None], stop: str = ""
+    ) -> None:
         """Prepare.
 
         Args:
             asked: What is asked for.
             text: What stands there already.
             answered: Called with what was typed.
+            stop: The stop key, in words; empty: there is none.
         """
         super().__init__()
         self._asked = asked
+        self._hints = "enter: take it, escape: leave it"
+        if stop:
+            self._hints += f", {stop} twice: stop"
         self._text = text
         self._answered = answered
         self._over = False
@@ -41,7 +47,7 @@ class Question(ModalScreen[None]):
     def compose(self) -> ComposeResult:
         """The question over the line."""
         with Vertical():
-            yield Label(f"{self._asked} (enter: take it, escape: leave it)", markup=False)
+            yield Label(f"{self._asked} ({self._hints})", markup=False)
             yield Input(self._text, max_length=LONGEST)
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
