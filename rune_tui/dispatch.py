@@ -196,7 +196,7 @@ class Dispatch:
         Enter and the key that ends the console end it, the stop stops. All other keys mean to
         stay and do nothing else; one that drives must be released first.
         """
-        if event.name == _YES:
+        if event.name == _YES and not self.stops(_YES):
             return (QuitEffect(),)
         safe = [each for each in listeners if isinstance(each.widget, Quit | StopRobot)]
         if safe:

@@ -247,5 +247,6 @@ def carried_over(state: ConsoleState, layout: LayoutSpec) -> ConsoleState:
         night=state.night & robots,
         speed_limits={name: limit for name, limit in state.speed_limits.items() if name in robots},
         trouble="",
+        ghosts={},  # whoever would end or confirm them is gone
         inputs=inputs_of(layout),
     )

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from hub.gcm.mapping import PointKind
 from rune_tui.layout.spec import LayoutSpec
-from rune_tui.model.console_state import ConsoleState, PictureWish, carried_over
+from rune_tui.model.console_state import ConsoleState, Ghost, PictureWish, carried_over
+from rune_tui.model.world import WorldPoint
 from rune_tui.opening import open_layout
 
 
@@ -43,3 +45,12 @@ def test_a_chosen_robot_that_is_gone_gives_way_to_the_first(tmp_path: Path) -> N
     before = layout_of(tmp_path, 4, "ab", "")
     state = ConsoleState.at_start(before, 1.0)
     assert carried_over(state, layout_of(tmp_path, 5, "cd", "")).chosen == "c"
+
+
+def test_the_ghost_of_a_mark_ends_with_the_layout_whose_widgets_would_end_it(
+    tmp_path: Path,
+) -> None:
+    place = WorldPoint(x=1.0, y=2.0, uncertainty=0.1)
+    ghost = Ghost(kind=PointKind.VICTIM, place=place, until=9.0)
+    state = ConsoleState(now=1.0, ghosts={"a": ghost})
+    assert not carried_over(state, layout_of(tmp_path, 2, "a", "v")).ghosts

@@ -222,6 +222,14 @@ def test_asked_about_the_end_the_stop_stops_and_the_question_stays(two_robots: L
     assert not any(isinstance(each, AskToLeave) for each in effects)
 
 
+def test_asked_about_the_end_an_enter_that_stops_does_nothing_else(tmp_path: Path):
+    path = tmp_path / "layout.xml"
+    path.write_text(TWO_ROBOTS.replace('key="space"', 'key="enter"'))
+    effects = Dispatch(open_layout(path)).handle(down("enter"), ASKED)
+    assert stops(effects) == ["magellan"]
+    assert QuitEffect() not in effects
+
+
 def test_asked_about_the_end_any_other_key_stays_and_does_nothing_else(
     two_robots: LayoutSpec,
 ):
