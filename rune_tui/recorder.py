@@ -14,6 +14,7 @@ from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.link.robot_links import RobotLinks
 from rune_tui.model.display_state import RUNE_DISPLAY, DisplayState
+from rune_tui.model.robot_state import titles
 from rune_tui.model.shown_layout import SHOWN_LAYOUT, ShownLayout
 
 if TYPE_CHECKING:
@@ -79,10 +80,6 @@ class Recorder:
 
 
 def _names(links: Iterable[RobotLink]) -> list[str]:
-    """What a recording calls the robots: their own names, or roles where two names are alike."""
-    robots = [link.state for link in links]
-    own = [robot.title for robot in robots]
-    return [
-        robot.title if own.count(robot.title) == 1 and "/" not in robot.title else robot.name
-        for robot in robots
-    ]
+    """What a recording calls the robots: as the screen does, but a name in a topic has no `/`."""
+    called = titles(link.state for link in links)
+    return [name if "/" not in name else role for role, name in called.items()]

@@ -15,7 +15,7 @@ from rune_tui.layout.spec import CHOSEN, LayoutSpec
 from rune_tui.model.display_state import DisplayState
 from rune_tui.model.joystick_state import JoystickState
 from rune_tui.model.page import Page
-from rune_tui.model.robot_state import RobotState
+from rune_tui.model.robot_state import RobotState, titles
 from rune_tui.model.theme import DARK, Theme
 from rune_tui.model.world import WorldPoint
 
@@ -208,8 +208,7 @@ class ConsoleState:
 
     def title(self, robot: str) -> str:
         """The name by which people know the robot of a role; empty for no robot."""
-        known = self.robots.get(robot)
-        return known.title if known is not None else robot
+        return titles(self.robots.values()).get(robot, robot)
 
     def speed_limit(self, robot: str) -> float:
         """With what share of its speed a robot, which may be `CHOSEN`, is driven, 0 to 1."""

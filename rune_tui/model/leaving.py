@@ -51,7 +51,7 @@ def _on_its_own(state: ConsoleState) -> Iterator[str]:
         ordered = state.now - state.sent_off.get(robot.name, -math.inf) < ORDERED_S
         moves = going or ordered
         if moves and standing(robot) is not Standing.OTHERS:
-            yield f"{robot.title} goes on by itself, and nobody watches it"
+            yield f"{state.title(robot.name)} goes on by itself, and nobody watches it"
 
 
 def _unkept(state: ConsoleState) -> Iterator[str]:
@@ -63,7 +63,8 @@ def _unkept(state: ConsoleState) -> Iterator[str]:
     for robot in state.robots.values():
         mission = mission_of(robot)
         if mission is not None and mission.unkept:
-            yield f"nobody sees that {robot.title} does not keep its mission: {mission.fault}"
+            whose = state.title(robot.name)
+            yield f"nobody sees that {whose} does not keep its mission: {mission.fault}"
 
 
 _REASONS: tuple[Callable[[ConsoleState], Iterator[str]], ...] = (

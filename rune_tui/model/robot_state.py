@@ -5,7 +5,8 @@ from __future__ import annotations
 import dataclasses
 import enum
 import math
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
@@ -226,3 +227,13 @@ class RobotState:
     def with_(self, **changes: Any) -> RobotState:  # noqa: ANN401 - the fields have several types
         """A copy with other values."""
         return dataclasses.replace(self, **changes)
+
+
+def titles(robots: Iterable[RobotState]) -> dict[str, str]:
+    """The name by which people know each robot, by its role.
+
+    It is the role where two robots have the same name, or one has the role of another as its name.
+    """
+    known = tuple(robots)
+    uses = Counter(name for robot in known for name in {robot.title, robot.name})
+    return {robot.name: robot.title if uses[robot.title] == 1 else robot.name for robot in known}

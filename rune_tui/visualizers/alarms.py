@@ -52,9 +52,8 @@ class Alarms:
         canvas.fill(theme.panel)
         parts = _unsaid(robot, state)
         if not parts:
-            words = "nothing else" if _alarmed(state) else f"{robot.title}: all well"
-            if len(state.robots) == 1:
-                words = words.removeprefix(f"{robot.title}: ")
+            whose = "" if len(state.robots) == 1 else f"{state.title(robot.name)}: "
+            words = "nothing else" if _alarmed(state) else f"{whose}all well"
             canvas.text(0, 0, cut(words, canvas.width), theme.faint)
             return
         blocks = [_block(part, canvas.width) for part in parts]
@@ -67,7 +66,7 @@ class Alarms:
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with any word of it."""
-        return robot.title, _unsaid(robot, state), _alarmed(state), state.theme.name
+        return state.title(robot.name), _unsaid(robot, state), _alarmed(state), state.theme.name
 
 
 def _alarmed(state: ConsoleState) -> bool:

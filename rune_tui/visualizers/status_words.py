@@ -70,7 +70,7 @@ def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     """All that there is to say now, in the order in which it is shown."""
     return (
         *_stop_key(robot, state),
-        Part(robot.title, 2 if len(state.robots) == 1 else 8),
+        Part(state.title(robot.name), 2 if len(state.robots) == 1 else 8),
         _link(robot, state.now),
         *_permission(robot),
         *control_parts(robot, state),

@@ -18,6 +18,7 @@ from typing import Any, Final
 import numpy as np
 
 from hub.gcm.autonomy import AUTONOMY_STATE, AutonomyState, Behaviour, Phase, Pilot
+from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints, PointKind
 from hub.gcm.navigation import (
@@ -49,7 +50,7 @@ from rune_tui.model.robot_state import (
 from rune_tui.model.theme import DARK, Theme
 from rune_tui.opening import open_layout
 from rune_tui.view import View
-from tests.console.states import robot_of
+from tests.console.states import described, robot_of
 from tests.messages import robot_state
 
 ROOT: Final = Path(__file__).parents[2]
@@ -164,6 +165,7 @@ def robot(
     )
     messages = {
         CONTROL_STATE.name: _known(control, age),
+        ROBOT_DESCRIPTION.name: described("magellan"),
         INTEREST_POINTS.name: _known(MARKS, age),
         AUTONOMY_STATE.name: _known(autonomy, age),
     }
@@ -218,7 +220,7 @@ _ROUTE: Final = tuple(
 
 
 def _told(text: str, seconds: float, *, alarm: bool = False) -> Notice:
-    return Notice(text=text, when=NOW - seconds, clock="14:06:40", robot="magellan", alarm=alarm)
+    return Notice(text=text, when=NOW - seconds, clock="14:06:40", robot="robot", alarm=alarm)
 
 
 _HISTORY: Final = (

@@ -1,14 +1,19 @@
-"""What of the console's state survives when another layout is opened."""
+"""What robots are called, and what of the console's state survives another layout."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
+from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.mapping import PointKind
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState, Ghost, PictureWish, carried_over
+from rune_tui.model.robot_state import LinkPhase, LinkState
 from rune_tui.model.world import WorldPoint
 from rune_tui.opening import open_layout
+from tests.console.states import described, robot_of
 
 
 def layout_of(folder: Path, run: int, robots: str, viewports: str) -> LayoutSpec:
@@ -54,3 +59,27 @@ def test_the_ghost_of_a_mark_ends_with_the_layout_whose_widgets_would_end_it(
     ghost = Ghost(kind=PointKind.VICTIM, place=place, until=9.0)
     state = ConsoleState(now=1.0, ghosts={"a": ghost})
     assert not carried_over(state, layout_of(tmp_path, 2, "a", "v")).ghosts
+
+
+@pytest.mark.parametrize(
+    ("own", "titles"),
+    [
+        ({"robot": "magellan"}, ["magellan"]),
+        ({"robot": ""}, ["robot"]),
+        ({"left": "anna", "right": "ben"}, ["anna", "ben"]),
+        ({"left": "magellan", "right": "magellan"}, ["left", "right"]),
+        ({"left": "magellan", "right": "magellan", "boat": "anna"}, ["left", "right", "anna"]),
+        ({"left": "right", "right": "left"}, ["left", "right"]),
+        ({"left": "left", "right": ""}, ["left", "right"]),
+    ],
+)
+def test_robots_go_by_their_own_names_and_by_their_roles_where_names_are_alike(
+    own: dict[str, str], titles: list[str]
+) -> None:
+    link = LinkState(phase=LinkPhase.CONNECTED, since=0.0, endpoint="")
+    robots = {
+        role: robot_of(name=role, link=link, messages={ROBOT_DESCRIPTION.name: described(name)})
+        for role, name in own.items()
+    }
+    state = ConsoleState(now=1.0, robots=robots)
+    assert [state.title(role) for role in own] == titles

@@ -40,7 +40,7 @@ from tests.messages import robot_state
 DEMO = open_layout(Path(__file__).parents[2] / "layouts" / "demo.xml")
 TWO_ROBOTS = """\
 <rune>
-  <robot name="magellan">
+  <robot name="robot">
     <capability name="NAV_MOVE"/><capability name="VIS_PTZ"/>
   </robot>
   <robot name="blimp" hub="tcp://127.0.0.1:1391">
@@ -51,7 +51,7 @@ TWO_ROBOTS = """\
   </robot>
   <view xsize="160" ysize="96">
     <widget handler="widgetQuit"><event key="q"/></widget>
-    <viewport name="slow" robot="magellan" xpos="0" ypos="0" xsize="80" ysize="96">
+    <viewport name="slow" robot="robot" xpos="0" ypos="0" xsize="80" ysize="96">
       <widget handler="widgetSetSpeed">
         <option name="linear" value="0.5"/>
         <event key="w" control="translate"/>
@@ -60,7 +60,7 @@ TWO_ROBOTS = """\
       </widget>
       <widget handler="widgetStop"><event key="space"/></widget>
     </viewport>
-    <viewport name="fast" robot="magellan" xpos="0" ypos="0" xsize="80" ysize="96">
+    <viewport name="fast" robot="robot" xpos="0" ypos="0" xsize="80" ysize="96">
       <widget handler="widgetSetSpeed">
         <option name="linear" value="1.5"/>
         <event key="r" control="translate"/>
@@ -133,7 +133,7 @@ def test_every_key_of_the_demo_has_an_effect():
     for viewport in DEMO.view.viewports:
         specs += viewport.widgets
     link = LinkState(phase=LinkPhase.CONNECTED, since=0.0, endpoint="")
-    state = dataclasses.replace(at(0.0), robots={"magellan": robot_of(name="magellan", link=link)})
+    state = dataclasses.replace(at(0.0), robots={"robot": robot_of(name="robot", link=link)})
     for event in [event for spec in specs for event in spec.events]:
         assert dispatch.handle(down(event.name), state)
         dispatch.handle(up(event.name), state)
@@ -151,22 +151,22 @@ def test_the_demo_looks_left_with_j_and_right_with_l():
 def test_one_key_may_drive_two_robots_and_two_controls(two_robots: LayoutSpec):
     dispatch = Dispatch(two_robots)
     effects = dispatch.handle(down("w"), at(0.0))
-    assert velocities(effects, "magellan") == [(0.5, 0.0)]
+    assert velocities(effects, "robot") == [(0.5, 0.0)]
     assert velocities(effects, "blimp") == [(0.5, 0.0)]
     dispatch.handle(up("w"), at(0.1))
-    assert velocities(dispatch.handle(down("e"), at(0.2)), "magellan")[-1] == (0.5, -1.0)
-    assert velocities(dispatch.handle(up("e"), at(0.3)), "magellan")[-1] == (0.0, 0.0)
+    assert velocities(dispatch.handle(down("e"), at(0.2)), "robot")[-1] == (0.5, -1.0)
+    assert velocities(dispatch.handle(up("e"), at(0.3)), "robot")[-1] == (0.0, 0.0)
 
 
 def test_of_two_speed_widgets_of_a_robot_only_the_last_pressed_speaks(two_robots: LayoutSpec):
     dispatch = Dispatch(two_robots)
-    assert velocities(dispatch.tick(at(0.0)), "magellan") == [(0.0, 0.0)]
+    assert velocities(dispatch.tick(at(0.0)), "robot") == [(0.0, 0.0)]
     dispatch.handle(down("w"), at(1.0))
-    assert velocities(dispatch.handle(down("r"), at(1.1)), "magellan") == [(1.5, 0.0)]
+    assert velocities(dispatch.handle(down("r"), at(1.1)), "robot") == [(1.5, 0.0)]
     sent = [dispatch.tick(at(1.1 + number / 20)) for number in range(1, 21)]
-    assert velocities(sum(sent, ()), "magellan") == [(1.5, 0.0)] * 20
-    assert velocities(dispatch.handle(up("w"), at(2.2)), "magellan") == []
-    assert velocities(dispatch.handle(up("r"), at(2.3)), "magellan") == [(0.0, 0.0)]
+    assert velocities(sum(sent, ()), "robot") == [(1.5, 0.0)] * 20
+    assert velocities(dispatch.handle(up("w"), at(2.2)), "robot") == []
+    assert velocities(dispatch.handle(up("r"), at(2.3)), "robot") == [(0.0, 0.0)]
 
 
 def test_a_stop_comes_first_and_zero_after_it_and_held_keys_no_longer_drive(
@@ -175,30 +175,30 @@ def test_a_stop_comes_first_and_zero_after_it_and_held_keys_no_longer_drive(
     dispatch = Dispatch(two_robots)
     dispatch.handle(down("w"), at(0.0))
     effects = dispatch.handle(down("space"), at(0.1))
-    assert stops(effects[:1]) == ["magellan"]
-    assert velocities(effects[1:], "magellan") == [(0.0, 0.0)]
+    assert stops(effects[:1]) == ["robot"]
+    assert velocities(effects[1:], "robot") == [(0.0, 0.0)]
     assert velocities(effects, "blimp") == []
     later = sum((dispatch.tick(at(0.1 + number / 20)) for number in range(1, 41)), ())
-    assert set(velocities(later, "magellan")) == {(0.0, 0.0)}
+    assert set(velocities(later, "robot")) == {(0.0, 0.0)}
     assert set(velocities(later, "blimp")) == {(0.5, 0.0)}
     held = ControlEvent(name="w", pressed=True, repeat=True)
-    assert velocities(dispatch.handle(held, at(2.2)), "magellan") == []
+    assert velocities(dispatch.handle(held, at(2.2)), "robot") == []
     dispatch.handle(up("w"), at(2.3))
-    assert velocities(dispatch.handle(down("w"), at(2.4)), "magellan") == [(0.5, 0.0)]
+    assert velocities(dispatch.handle(down("w"), at(2.4)), "robot") == [(0.5, 0.0)]
 
 
 def test_letting_go_of_everything_sends_one_zero_to_every_driven_robot(two_robots: LayoutSpec):
     dispatch = Dispatch(two_robots)
     dispatch.handle(down("w"), at(0.0))
     effects = dispatch.released(at(0.1))
-    assert velocities(effects, "magellan") == [(0.0, 0.0)]
+    assert velocities(effects, "robot") == [(0.0, 0.0)]
     assert velocities(effects, "blimp") == [(0.0, 0.0)]
     assert len(effects) == 2
 
 
 def test_letting_go_sends_zero_even_if_nothing_was_held(two_robots: LayoutSpec):
     effects = Dispatch(two_robots).released(at(0.0))
-    assert velocities(effects, "magellan") == velocities(effects, "blimp") == [(0.0, 0.0)]
+    assert velocities(effects, "robot") == velocities(effects, "blimp") == [(0.0, 0.0)]
 
 
 def test_quit_is_global(two_robots: LayoutSpec):
@@ -218,7 +218,7 @@ def test_asked_about_the_end_the_same_key_and_enter_confirm(two_robots: LayoutSp
 
 def test_asked_about_the_end_the_stop_stops_and_the_question_stays(two_robots: LayoutSpec):
     effects = Dispatch(two_robots).handle(down("space"), ASKED)
-    assert stops(effects) == ["magellan"]
+    assert stops(effects) == ["robot"]
     assert not any(isinstance(each, AskToLeave) for each in effects)
 
 
@@ -226,7 +226,7 @@ def test_asked_about_the_end_an_enter_that_stops_does_nothing_else(tmp_path: Pat
     path = tmp_path / "layout.xml"
     path.write_text(TWO_ROBOTS.replace('key="space"', 'key="enter"'))
     effects = Dispatch(open_layout(path)).handle(down("enter"), ASKED)
-    assert stops(effects) == ["magellan"]
+    assert stops(effects) == ["robot"]
     assert QuitEffect() not in effects
 
 
@@ -262,7 +262,7 @@ def test_under_the_help_only_stop_help_and_quit_count(two_robots: LayoutSpec):
     dispatch = Dispatch(two_robots)
     for key in ("w", "e", "h", "i"):
         assert dispatch.handle(down(key), HELPED) == ()
-    assert stops(dispatch.handle(down("space"), HELPED)) == ["magellan"]
+    assert stops(dispatch.handle(down("space"), HELPED)) == ["robot"]
     assert dispatch.handle(down("q"), HELPED) == (QuitEffect(),)
 
 
@@ -274,14 +274,14 @@ def test_a_stop_that_came_and_went_between_two_reports_has_keys_released_first(
     def reported(stops: int) -> ConsoleState:
         navigation = Received(value=robot_state(stops=stops), measured=0.0, number=1)
         link = LinkState(phase=LinkPhase.CONNECTED, since=0.0, endpoint="")
-        robot = robot_of(name="magellan", link=link, navigation=navigation)
-        return ConsoleState(now=0.0, robots={"magellan": robot})
+        robot = robot_of(name="robot", link=link, navigation=navigation)
+        return ConsoleState(now=0.0, robots={"robot": robot})
 
     assert not [each for each in dispatch.look(reported(7)) if isinstance(each, ReleaseFirst)]
     dispatch.handle(down("w"), reported(7))
     assert dispatch.look(reported(7)) == []
     *stopped, required = dispatch.look(reported(8))
-    assert velocities(tuple(stopped), "magellan") == [(0.0, 0.0)]
+    assert velocities(tuple(stopped), "robot") == [(0.0, 0.0)]
     assert isinstance(required, ReleaseFirst)
     assert required.keys >= {"w", "e"}
     assert dispatch.look(reported(8)) == []
@@ -295,8 +295,8 @@ def test_of_what_may_have_been_typed_while_the_console_was_away_stop_and_quit_co
     two_robots: LayoutSpec,
 ):
     dispatch = Dispatch(two_robots)
-    assert stops(dispatch.handle(old("space"), at(0.0))) == ["magellan"]
-    assert stops(dispatch.handle(old("space", repeat=True), at(0.0))) == ["magellan"]
+    assert stops(dispatch.handle(old("space"), at(0.0))) == ["robot"]
+    assert stops(dispatch.handle(old("space", repeat=True), at(0.0))) == ["robot"]
     assert dispatch.handle(old("q"), at(0.0)) == (QuitEffect(),)
 
 
@@ -317,7 +317,7 @@ def test_a_key_that_repeats_and_was_never_pressed_does_nothing_but_stop(two_robo
     for key in ("w", "h", "q", "?", "ctrl+z", "space"):
         events = (*keyboard.down(key, 0.0, repeat=True), *keyboard.up(key, 0.0))
         done[key] = [each for event in events for each in dispatch.handle(event, at(0.0))]
-    assert stops(done.pop("space")) == ["magellan"]
+    assert stops(done.pop("space")) == ["robot"]
     assert not any(done.values()), done
 
 
@@ -372,7 +372,7 @@ def test_an_escape_that_stops_still_stops_under_the_help(tmp_path: Path):
     path.write_text(TWO_ROBOTS.replace('key="space"', 'key="escape"'))
     effects = Dispatch(open_layout(path)).handle(down("escape"), HELPED)
     assert effects[0] == ToggleHelp()
-    assert stops(effects) == ["magellan"]
+    assert stops(effects) == ["robot"]
 
 
 def test_an_action_of_the_list_does_what_its_key_does(two_robots: LayoutSpec):
@@ -411,7 +411,7 @@ class Hands:
             if self.steps % 5 == 0:
                 self.put(self.dispatch.tick(at(self.now)))
 
-    def velocities(self, since: float, until: float, robot: str = "magellan") -> list[Twist]:
+    def velocities(self, since: float, until: float, robot: str = "robot") -> list[Twist]:
         return [
             effect.value
             for moment, effect in self.sent
@@ -497,7 +497,7 @@ def test_losing_the_focus_sends_exactly_one_zero_at_once(actions: list[tuple[str
     hands = play(actions)
     hands.keyboard.release_all(hands.now)
     effects = hands.dispatch.released(at(hands.now))
-    assert velocities(effects, "magellan") == [(0.0, 0.0)]
+    assert velocities(effects, "robot") == [(0.0, 0.0)]
     assert len(effects) == 1
     hands.wait(500)
     assert all(twist.neutral for twist in hands.velocities(hands.now - 4.995, hands.now))

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints, PointKind
 from hub.gcm.navigation import MotionState
 from hub.gcm.supervision import MODULE_REPORTS, ModulePhase, ModuleReport, ModuleReports
@@ -26,7 +27,7 @@ from rune_tui.model.robot_state import (
 )
 from rune_tui.opening import open_layout
 from rune_tui.view import View
-from tests.console.states import renamed, rendered, robot_of
+from tests.console.states import described, renamed, rendered, robot_of
 from tests.messages import camera_state, robot_state
 
 ROOT = Path(__file__).parents[2]
@@ -84,7 +85,7 @@ FOUND = InterestPoints(
     ),
 )
 MODULES = ModuleReports(
-    robot="magellan",
+    robot="robot",
     count=1,
     modules=(
         ModuleReport(
@@ -121,13 +122,14 @@ def robot(age: float) -> RobotState:
     pixels = np.stack(shades, -1).astype(np.uint8)
     measured = NOW - age
     return robot_of(
-        name="magellan",
+        name="robot",
         link=LinkState(phase=LinkPhase.CONNECTED, since=0.0, endpoint="tcp://127.0.0.1:1381"),
         picture=Received(value=Picture(pixels=pixels, camera=CAMERA), measured=measured, number=1),
         navigation=Received(value=NAVIGATION, measured=measured, number=2),
         camera=Received(value=CAMERA, measured=measured, number=3),
         map=Received(value=room(), measured=measured, number=4),
         messages={
+            ROBOT_DESCRIPTION.name: described("magellan"),
             INTEREST_POINTS.name: Received(value=FOUND, measured=measured, number=5),
             MODULE_REPORTS.name: Received(value=MODULES, measured=measured, number=6),
         },
@@ -135,7 +137,7 @@ def robot(age: float) -> RobotState:
 
 
 LOST = RobotState(
-    name="magellan",
+    name="robot",
     link=LinkState(phase=LinkPhase.LOST, since=NOW - 7.0, endpoint="tcp://127.0.0.1:1381"),
 )
 
@@ -148,7 +150,11 @@ def test_layout_looks_as_it_did(layout: str, size: tuple[int, int], state: str) 
     view = View(opened, spent=lambda: 0.0)
     view.resize(*size)
     shown = {"live": robot(0.05), "stale": robot(4.2), "lost": LOST}[state]
-    robots = {each.name: renamed(shown, each.name) for each in opened.robots}
+    several = len(opened.robots) > 1 and shown is not LOST
+    robots = {
+        each.name: renamed(shown, each.name) if several else shown.with_(name=each.name)
+        for each in opened.robots
+    }
     cells = rendered(view, robots, ConsoleState(now=NOW, held=("w",)))
     assert cells is not None
     assert (cells.columns, cells.rows) == size

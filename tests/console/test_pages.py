@@ -174,7 +174,7 @@ def test_while_a_search_is_typed_letters_are_letters_and_the_stop_still_stops():
     assert searched.help
     assert searched.page == Page(search="q?we", typing=True)
     effects = Dispatch(SEARCH).handle(down("space"), searched)
-    assert stops(effects) == ["magellan"]
+    assert stops(effects) == ["robot"]
     assert apply(searched, effects).page == searched.page
     assert not press(searched, "escape", "escape").paged
 
@@ -189,7 +189,7 @@ def test_keys_and_the_wheel_scroll():
 def test_under_a_page_of_the_view_what_is_vital_and_the_pictures_go_on():
     view = View(SEARCH)
     view.resize(80, 24)
-    state = dataclasses.replace(STATE, robots={"magellan": robot()})
+    state = dataclasses.replace(STATE, robots={"robot": robot("robot")})
     usual = view.picture_sizes(state)
     helped = dataclasses.replace(state, help=True)
     cells = view.render(helped)
@@ -205,7 +205,7 @@ def test_under_a_page_of_the_view_what_is_vital_and_the_pictures_go_on():
 def at_size(columns: int, rows: int, **changes) -> tuple[list[str], ConsoleState]:
     view = View(open_layout(LAYOUTS / "minimal.xml"))
     view.resize(columns, rows)
-    state = dataclasses.replace(STATE, robots={"magellan": robot()}, **changes)
+    state = dataclasses.replace(STATE, robots={"robot": robot("robot")}, **changes)
     cells = view.render(state)
     assert cells is not None
     return words(cells).splitlines(), state

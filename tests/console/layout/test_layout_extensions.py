@@ -18,7 +18,7 @@ from rune_tui.opening import open_layout
 
 DOCS = Path(__file__).parents[3] / "docs"
 LAYOUT = """<rune>
-  {extension}<robot name="magellan"><capability name="NAV_GOAL"/></robot>
+  {extension}<robot name="robot"><capability name="NAV_GOAL"/></robot>
   <view xsize="80" ysize="48">
     <viewport name="v" xpos="0" ypos="0" xsize="80" ysize="48">
       <visualizer function="{function}"/>
@@ -86,7 +86,7 @@ def test_the_widget_of_the_page_turns_the_robot(tmp_path: Path) -> None:
     assert isinstance(left, SendEffect)
     assert isinstance(right, SendEffect)
     assert left.definition.name == "GCM_Turn_Command"
-    assert (left.robot, left.value.angle) == ("magellan", -right.value.angle)
+    assert (left.robot, left.value.angle) == ("robot", -right.value.angle)
     assert left.value.angle == pytest.approx(0.7853981633974483)
     assert not dispatch.handle(ControlEvent(name="a", pressed=True, repeat=True), state)
 
