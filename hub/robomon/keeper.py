@@ -14,7 +14,7 @@ from hub.gcm.common import COMMON_COMMAND, CommonCommand, CommonCommandKind
 from hub.gcm.supervision import ModulePhase
 from hub.ipc.client import Client
 from hub.robomon.inquiry import Inquiry
-from hub.robomon.life import Deed, Life
+from hub.robomon.life import Action, Life
 from hub.robomon.outputs import Outputs
 from hub.robomon.policy import Supervisor
 from hub.robomon.process import Guardian, ModuleProcess, Usage, end_strays
@@ -104,8 +104,8 @@ class Keeper:
             code = running.process.exit_code()
             if code is not None:
                 self._bury(name, code)
-        for life, deed in self.supervisor.step(self._clock()):
-            self._do(life, deed)
+        for life, action in self.supervisor.step(self._clock()):
+            self._do(life, action)
         self._inquire()
         self._tell_changes()
 
@@ -128,20 +128,20 @@ class Keeper:
         end_strays({self._guardian.pid})
         self._guardian.close()
 
-    def _do(self, life: Life, deed: Deed) -> None:
+    def _do(self, life: Life, action: Action) -> None:
         name = life.spec.name
-        if deed is Deed.START:
+        if action is Action.START:
             self._start(life)
             return
         running = self._running.get(name)
         if running is None:
             return
-        if deed is Deed.COMMAND:
+        if action is Action.COMMAND:
             self._client.publish(
                 COMMON_COMMAND,
                 CommonCommand(module=name, command=CommonCommandKind.STOP, argument=BY_ROBOMON),
             )
-        elif deed is Deed.TERMINATE:
+        elif action is Action.TERMINATE:
             running.process.ask_to_stop()
         else:
             running.process.kill()

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from hub.gcm.supervision import CapabilityPhase, ModuleOrder, ModulePhase
-from hub.robomon.life import Deed, Life
+from hub.robomon.life import Action, Life
 from hub.robomon.table import ModuleSpec
 from hub.robomon.wants import MAX_CAPABILITIES, MAX_NAME, Wants
 from hub.toml_tables import nearest
@@ -137,7 +137,7 @@ class Supervisor:
         near = nearest(name, self.lives)
         return f"there is no module {name[:40]!r}; this robot has {known}{near}"
 
-    def step(self, now: float) -> list[tuple[Life, Deed]]:
+    def step(self, now: float) -> list[tuple[Life, Action]]:
         """What is to be done now, in order."""
         if self._stepped is not None and now - self._stepped > AWAY_S:
             for life in self.lives.values():
@@ -151,15 +151,15 @@ class Supervisor:
         self._survey()
         wanted = self._plan(now)
         self._providers.clear()
-        deeds = []
+        actions = []
         for name, life in self.lives.items():
             lacking = self._lacking(life, wanted) if name in wanted and not life.up else ()
-            deed = life.step(now, wanted=name in wanted, ready=not lacking)
-            if deed is not None:
-                deeds.append((life, deed))
+            action = life.step(now, wanted=name in wanted, ready=not lacking)
+            if action is not None:
+                actions.append((life, action))
             elif lacking and life.phase is ModulePhase.STOPPED and not life.held:
                 life.why = f"waits for {' and '.join(lacking)}"
-        return deeds
+        return actions
 
     def unasked(self) -> list[Life]:
         """Modules that have not yet said what they can do, as they were not started."""

@@ -31,12 +31,12 @@ class DriveBase(Protocol):
 
 @runtime_checkable
 class BaseLeftAlone(Protocol):
-    """A `DriveBase` for which standing is not all that can be done without an operator."""
+    """A `DriveBase` that can do more than stand when it has no operator."""
 
-    def left_alone(self, deed: LeftAlone | None) -> None:
+    def left_alone(self, action: LeftAlone | None) -> None:
         """From now on, do this by itself; None: somebody operates it again.
 
-        It is told once, each time that it changes; velocities are told all the same.
+        The driver calls this once, each time that it changes; it goes on setting velocities.
         """
 
 

@@ -26,8 +26,8 @@ class LeftAlone(enum.Enum):
 class OperatorWatch:
     """Knows since when a robot has had no operator; every method gets the monotonic time [s].
 
-    Who has never been operated has lost nobody. A task that goes on without its operator is none of
-    being left alone: that begins when the task has ended.
+    A robot that nobody has operated yet has lost nobody. While a task of its own goes on, a robot
+    without an operator does not count as left alone: that begins when the task has ended.
     """
 
     def __init__(self, wanted: LeftAlone, surface_after_s: float = SURFACE_AFTER_S) -> None:
@@ -49,7 +49,7 @@ class OperatorWatch:
         if self._since < math.inf:
             self._since = now
 
-    def deed(self, now: float) -> LeftAlone | None:
+    def action(self, now: float) -> LeftAlone | None:
         """What to do now; None: it is not left alone."""
         if self._since == math.inf:
             return None

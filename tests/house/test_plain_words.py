@@ -16,6 +16,16 @@ NAMES = (
     "docs/operator-guide",
     "docs/layouts",
     "docs/links",
+    "docs/architecture",
+    "docs/comparison",
+    "docs/glossary",
+    "docs/hub-guide",
+    "docs/security",
+    "docs/writing-a-module",
+    "docs/writing-a-robot",
+    "docs/writing-a-visualizer",
+    "docs/writing-a-widget",
+    "docs/writing-an-arena",
 )
 PAGES = [ROOT / f"{name}.md" for name in NAMES]
 MOST_WORDS = 25

@@ -21,10 +21,10 @@ class DivingRobot(SimulatedMagellan):
     def __init__(self, robot: RobotDescription) -> None:
         super().__init__(load_arena(robot.arena))
 
-    def left_alone(self, deed: LeftAlone | None) -> None:
+    def left_alone(self, action: LeftAlone | None) -> None:
         """Note it, a line each."""
         with Path(os.environ[VARIABLE]).open("a") as file:
-            file.write(f"{'operated' if deed is None else deed.value}\n")
+            file.write(f"{'operated' if action is None else action.value}\n")
 
 
 KIND = RobotKind(open_base=DivingRobot)

@@ -17,7 +17,7 @@ from tests.waiting import until
 
 SAFETY = """
 [safety]
-left_alone = "{deed}"
+left_alone = "{action}"
 surface_after_s = 0.3
 """
 ROOT = str(Path(__file__).parents[2])
@@ -35,26 +35,26 @@ def take_control(client: Client) -> None:
 
 
 @pytest.mark.parametrize(
-    ("deed", "does"),
+    ("action", "does"),
     [("surface", ["stand", "surface"]), ("hold height", ["hold height"]), ("stand", ["stand"])],
 )
 def test_a_robot_whose_operator_leaves_does_what_its_file_says_until_there_is_another(
     start_hub: Callable[..., HubProcess],
     tmp_path: Path,
     stack: ExitStack,
-    deed: str,
+    action: str,
     does: list[str],
 ) -> None:
-    deeds = tmp_path / "deeds"
-    deeds.touch()
+    actions = tmp_path / "actions"
+    actions.touch()
     hub = start_hub(
-        environment={diving_robot.VARIABLE: str(deeds), "PYTHONPATH": ROOT},
+        environment={diving_robot.VARIABLE: str(actions), "PYTHONPATH": ROOT},
         modules=("driver",),
         kind=diving_robot.KIND_NAME,
-        tables=SAFETY.format(deed=deed),
+        tables=SAFETY.format(action=action),
     )
     with closing(Client("alice", hub.endpoint)) as client:
         take_control(client)
-    until(lambda: deeds.read_text().splitlines() == does, 10.0, deeds.read_text)
+    until(lambda: actions.read_text().splitlines() == does, 10.0, actions.read_text)
     take_control(stack.enter_context(closing(Client("bob", hub.endpoint))))
-    until(lambda: deeds.read_text().splitlines() == [*does, "operated"], 10.0, deeds.read_text)
+    until(lambda: actions.read_text().splitlines() == [*does, "operated"], 10.0, actions.read_text)

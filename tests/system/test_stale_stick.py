@@ -59,7 +59,7 @@ class Scene:
     clock: WallClock
 
 
-Deed = Callable[[Scene], object]
+Action = Callable[[Scene], object]
 
 
 def nothing(scene: Scene) -> None:
@@ -81,20 +81,20 @@ class Case:
     """
 
     name: str
-    strike: Deed
-    mend: Deed = nothing
+    strike: Action
+    mend: Action = nothing
     press: Callable[[DrivenRobot], None] = DrivenRobot.push
     elsewhere: bool = False
     far: bool = False
-    before: Deed = nothing
+    before: Action = nothing
 
 
-def send_signal(number: signal.Signals) -> Deed:
+def send_signal(number: signal.Signals) -> Action:
     """Have the operator's console get it."""
     return lambda scene: scene.robot.console.process.send_signal(number)
 
 
-def type_keys(keys: str) -> Deed:
+def type_keys(keys: str) -> Action:
     """Press keys at the operator's console."""
     return lambda scene: scene.robot.console.type(keys)
 
@@ -133,7 +133,7 @@ def ssh_goes_on(scene: Scene) -> None:
     linked(scene)
 
 
-def signal_ssh(number: signal.Signals) -> Deed:
+def signal_ssh(number: signal.Signals) -> Action:
     def sent(scene: Scene) -> None:
         for pid in scene.ssh.running():
             os.kill(pid, number)
@@ -180,7 +180,7 @@ def found_deflected(scene: Scene) -> None:
     scene.robot.wait(lambda: "LET GO OF" in scene.robot.console.text, "the pad is not found")
 
 
-def signal_agent(number: signal.Signals) -> Deed:
+def signal_agent(number: signal.Signals) -> Action:
     """Have the operator's `rune pad` get it."""
 
     def sent(scene: Scene) -> None:

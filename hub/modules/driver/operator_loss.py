@@ -13,7 +13,7 @@ _logger = logging.getLogger(__name__)
 
 
 class OperatorLoss:
-    """Tells a base what to do when it has lost its operator, if it can do anything."""
+    """Commands a base that has lost its operator, if the base can do more than stand."""
 
     def __init__(self, base: DriveBase, robot: RobotDescription) -> None:
         """Prepare.
@@ -24,7 +24,7 @@ class OperatorLoss:
         wanted = robot.left_alone
         self.watch = OperatorWatch(wanted, robot.surface_after_s)
         self._base = base if isinstance(base, BaseLeftAlone) else None
-        self._deed: LeftAlone | None = None
+        self._action: LeftAlone | None = None
         if self._base is None and wanted is not LeftAlone.STAND:
             problem = (
                 f"[safety] left_alone is {wanted.value!r}, but the kind {robot.kind!r} can only "
@@ -34,10 +34,10 @@ class OperatorLoss:
 
     def look(self, now: float) -> None:
         """See whether there is something new to do."""
-        deed = self.watch.deed(now)
-        if deed is not self._deed:
-            self._deed = deed
+        action = self.watch.action(now)
+        if action is not self._action:
+            self._action = action
             if self._base is not None:
-                does = "is operated again" if deed is None else f"is left alone: {deed.value}"
+                does = "is operated again" if action is None else f"is left alone: {action.value}"
                 _logger.warning("the robot %s", does)
-                self._base.left_alone(deed)
+                self._base.left_alone(action)

@@ -12,10 +12,10 @@ from hub.robots.description import RobotDescription, read_description
 from hub.robots.registry import kind_of
 
 
-def robot(folder: Path, deed: str) -> RobotDescription:
+def robot(folder: Path, action: str) -> RobotDescription:
     file = folder / "robot.toml"
     head = 'name = "magellan"\nkind = "simulated-magellan"\n'
-    file.write_text(f'{head}[safety]\nleft_alone = "{deed}"\n')
+    file.write_text(f'{head}[safety]\nleft_alone = "{action}"\n')
     read, problems = read_description(file)
     assert not problems
     return read

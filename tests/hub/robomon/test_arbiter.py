@@ -188,7 +188,7 @@ def test_names_are_what_all_may_see() -> None:
     assert table.arbiter.owner.operator == "somebody"
 
 
-def _deeds(table: Table, number: int) -> tuple[Callable[[], object], ...]:
+def _actions(table: Table, number: int) -> tuple[Callable[[], object], ...]:
     """What a console may ask for, and that it leaves."""
     arbiter, name = table.arbiter, NAMES[number]
     return (
@@ -216,7 +216,7 @@ def test_random_histories(seed: int) -> None:
     for _ in range(chance.randint(20, 100)):
         number, before = chance.choice(list(NAMES)), table.owner
         which = chance.randrange(9)
-        _deeds(table, number)[which]()
+        _actions(table, number)[which]()
         assert before in (0, number, table.owner) or which in (6, 7)
         if table.owner != before:
             heard[table.owner] = table.now

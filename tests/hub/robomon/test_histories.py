@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.gcm.supervision import CapabilityPhase, ModuleOrder, ModulePhase
-from hub.robomon.life import Deed
+from hub.robomon.life import Action
 from hub.robomon.table import ModuleSpec
 from tests.hub.robomon.world import World, ways
 
@@ -50,7 +50,7 @@ def test_random_histories(seed: int) -> None:
             "crash_at": chance.choice([far, far, far, 0.0, 0.5, 4.0]),
             "hang_at": chance.choice([far, far, 2.0]),
             "deaf_to": frozenset(
-                deed for deed in (Deed.COMMAND, Deed.TERMINATE) if chance.random() < 0.2
+                action for action in (Action.COMMAND, Action.TERMINATE) if chance.random() < 0.2
             ),
         }
 

@@ -16,7 +16,7 @@ from hub.gcm.supervision import (
     announce_every_s,
     keep_alive_s,
 )
-from hub.robomon.life import Deed, Life
+from hub.robomon.life import Action, Life
 from hub.robomon.policy import (
     MAX_SHOWN,
     MAX_STRANGERS,
@@ -135,7 +135,7 @@ def test_rare_crashes_are_forgotten() -> None:
 
 def test_hanging_module_is_terminated_and_killed_and_started_again() -> None:
     world = World(spec("stuck", keep_alive_s=2.0))
-    world.behave = ways(hang_at=5.0, deaf_to=frozenset({Deed.COMMAND, Deed.TERMINATE}))
+    world.behave = ways(hang_at=5.0, deaf_to=frozenset({Action.COMMAND, Action.TERMINATE}))
     world.run(1.0)
     world.behave = ways()
     world.run(20.0)
@@ -186,7 +186,7 @@ def test_program_that_announces_nothing_is_asked_for_nothing() -> None:
 
 def test_stop_goes_from_command_to_kill() -> None:
     world = World(spec("deaf", ask_timeout_s=1.0, stop_timeout_s=2.5))
-    world.behave = ways(deaf_to=frozenset({Deed.COMMAND, Deed.TERMINATE}))
+    world.behave = ways(deaf_to=frozenset({Action.COMMAND, Action.TERMINATE}))
     world.run(2.0)
     world.order("deaf", ModuleOrder.STOP)
     world.run(5.0)
@@ -384,8 +384,8 @@ def test_module_that_cannot_be_started_is_tried_with_pauses() -> None:
     supervisor, tries = Supervisor([spec("one", restart_limit=5)]), []
     for step in range(2000):
         now = 100.0 + STEP_S * step
-        for life, deed in supervisor.step(now):
-            assert deed is Deed.START
+        for life, action in supervisor.step(now):
+            assert action is Action.START
             tries.append(now)
             life.not_started("could not be started", now)
     pauses = [later - earlier for earlier, later in itertools.pairwise(tries)]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from hub.gcm.supervision import ModuleOrder, ModulePhase
-from hub.robomon.life import Deed, Life
+from hub.robomon.life import Action, Life
 from hub.robomon.policy import Supervisor
 from hub.robomon.table import ModuleSpec
 
@@ -23,9 +23,9 @@ class Process:
     announce_at: float
     crash_at: float = float("inf")
     hang_at: float = float("inf")
-    deaf_to: frozenset[Deed] = frozenset()
+    deaf_to: frozenset[Action] = frozenset()
     end_at: float = float("inf")
-    deeds: list[Deed] = field(default_factory=list)
+    actions: list[Action] = field(default_factory=list)
 
 
 def ways(**values: Any) -> Callable[[str], dict[str, Any]]:
@@ -64,8 +64,8 @@ class World:
             if wants:
                 self.supervisor.wants.renew(7, "console", wants.split(), self.now)
             self._live()
-            for life, deed in self.supervisor.step(self.now):
-                self._do(life, deed)
+            for life, action in self.supervisor.step(self.now):
+                self._do(life, action)
 
     def order(self, name: str, order: ModuleOrder) -> tuple[bool, str]:
         """A person has something done with a module; to start it forgives its earlier failures."""
@@ -96,9 +96,9 @@ class World:
         recent = [time for time in waits if time > self.now - life.spec.restart_window_s]
         assert len(recent) <= life.spec.restart_limit, f"{life.spec.name} is started for ever"
 
-    def _do(self, life: Life, deed: Deed) -> None:
+    def _do(self, life: Life, action: Action) -> None:
         name = life.spec.name
-        if deed is Deed.START:
+        if action is Action.START:
             assert name not in self.processes, "two at the same time"
             lacking = [
                 need
@@ -119,11 +119,11 @@ class World:
             life.started(self._pids, self.now)
             return
         process = self.processes[name]
-        self.log.append((self.now, name, deed.value))
-        assert deed not in process.deeds, f"{name} is told the same twice"
-        process.deeds.append(deed)
-        if deed not in process.deaf_to and not (
-            deed is Deed.COMMAND and self.now >= process.hang_at
+        self.log.append((self.now, name, action.value))
+        assert action not in process.actions, f"{name} is told the same twice"
+        process.actions.append(action)
+        if action not in process.deaf_to and not (
+            action is Action.COMMAND and self.now >= process.hang_at
         ):
             process.end_at = self.now + 0.1
 
