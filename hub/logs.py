@@ -12,15 +12,47 @@ import queue
 import sys
 import threading
 import time
+from collections.abc import Callable
 
 from hub.plain_text import plain
 
 LEVELS = ("debug", "info", "warning", "error")
 """What people call how much is logged."""
 
+AT_ONCE, PER_S = 50, 1.0
+"""Lines of one place in the program: in one burst, and each second; more are left out."""
 _ROOM = 1000
 _LAST_WORDS_S = 0.5
 """How long the end of the process waits for the last lines to be written [s]."""
+
+
+class Bound:
+    """Bounds how often one place in the program logs.
+
+    So who asks for what is refused does not fill the disk, or take all older lines from a log file.
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        """Know no place yet.
+
+        Args:
+            clock: Monotonic time [s].
+        """
+        self._clock = clock
+        self._places: dict[tuple[str, int], tuple[float, float, int]] = {}
+
+    def before(self, record: logging.LogRecord) -> int | None:
+        """How many lines of its place were left out before it; None: it is left out too."""
+        if record.levelno <= logging.DEBUG:
+            return 0
+        place, now = (record.pathname, record.lineno), self._clock()
+        level, seen, left_out = self._places.get(place, (float(AT_ONCE), now, 0))
+        level = min(AT_ONCE, level + (now - seen) * PER_S)
+        if level < 1.0:
+            self._places[place] = level, now, left_out + 1
+            return None
+        self._places[place] = level - 1.0, now, 0
+        return left_out
 
 
 class UnhurriedHandler(logging.Handler):
@@ -28,13 +60,18 @@ class UnhurriedHandler(logging.Handler):
 
     def __init__(self) -> None:
         super().__init__()
+        self._bound = Bound()
         self._queue: queue.Queue[str] = queue.Queue(_ROOM)
         self._dropped = 0
         threading.Thread(target=self._write, name="log", daemon=True).start()
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Put the record's line into the queue, or count it as dropped."""
-        self.pass_on(plain(self.format(record), lines=True) + "\n")
+        """Put the record's line into the queue, or count it as left out or dropped."""
+        left_out = self._bound.before(record)
+        if left_out is None:
+            return
+        more = f" ({left_out} lines like it were left out)" if left_out else ""
+        self.pass_on(plain(self.format(record), lines=True) + more + "\n")
 
     def pass_on(self, line: str) -> None:
         """Put a whole line into the queue, or count it as dropped."""

@@ -14,7 +14,7 @@ from hub.ipc.client import Client
 from hub.ipc.reception import Reception
 from hub.modules.vision.coding import code
 from hub.modules.vision.night import NightMode
-from hub.modules.vision.picture import brightened, brightness, check_request, prepare
+from hub.modules.vision.picture import brightened, brightness, prepare
 from hub.modules.vision.poses import PoseHistory
 from hub.robots.cropping import vertical_fov
 from hub.robots.description import ROBOTS_OWN, RobotDescription
@@ -58,7 +58,6 @@ class Vision:
         self._advanced = now
 
     def _answer(self, request: vision.ImageRequest, reply: Reply[vision.Image]) -> None:
-        check_request(request)
         self._advance()
         now = self._clock()
         picture = self._camera.take(request.width_px, request.height_px, now)

@@ -5,30 +5,12 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from hub.errors import HandlerFailedError
-from hub.gcm.vision import ImageKind, ImageRequest
+from hub.gcm.vision import ImageKind
 
 _GREY_WEIGHTS = np.array([77, 150, 29], np.uint16)
 """Rec. 601 luma weights of red, green and blue, in 256ths."""
 _LEAP = 4
 """Brightness is taken from one pixel in so many, along both sides."""
-
-
-def check_request(request: ImageRequest) -> None:
-    """Refuse what cannot be answered; what is larger than the camera's picture can.
-
-    Raises:
-        HandlerFailedError: Sizes or quality are out of bounds.
-    """
-    if request.width_px < 1 or request.height_px < 1:
-        text = (
-            f"a picture of {request.width_px}x{request.height_px} pixels cannot be taken; "
-            "ask for at least 1x1"
-        )
-        raise HandlerFailedError(text)
-    if not 1 <= request.quality <= 100:
-        text = f"a quality of {request.quality} does not exist; ask for 1 to 100"
-        raise HandlerFailedError(text)
 
 
 def prepare(pixels: npt.NDArray[np.uint8], kind: ImageKind) -> npt.NDArray[np.uint8]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hub.errors import HandlerFailedError
-from hub.gcm.vision import ImageKind, ImageRequest
-from hub.modules.vision.picture import brightened, brightness, check_request, prepare
+from hub.errors import RangeError
+from hub.gcm.vision import IMAGE_REQUEST, ImageKind, ImageRequest
+from hub.modules.vision.picture import brightened, brightness, prepare
 
 
 def test_colour_is_the_camera_s_own() -> None:
@@ -40,17 +40,18 @@ def test_brightened_pictures_keep_their_order_and_white() -> None:
 @pytest.mark.parametrize(
     ("request_", "why"),
     [
-        (ImageRequest(width_px=0), "0x120 pixels cannot be taken"),
-        (ImageRequest(height_px=-5), "160x-5 pixels cannot be taken"),
-        (ImageRequest(quality=0), "a quality of 0 does not exist; ask for 1 to 100"),
-        (ImageRequest(quality=101), "a quality of 101 does not exist"),
+        (ImageRequest(width_px=0), "width_px is 0, not 1 to "),
+        (ImageRequest(height_px=-5), "height_px is -5, not 1 to "),
+        (ImageRequest(quality=0), "quality is 0, not 1 to 100"),
+        (ImageRequest(quality=101), "quality is 101, not 1 to 100"),
     ],
 )
 def test_requests_out_of_bounds_are_refused_in_words(request_: ImageRequest, why: str) -> None:
-    with pytest.raises(HandlerFailedError, match=why):
-        check_request(request_)
+    with pytest.raises(RangeError, match=why):
+        IMAGE_REQUEST.decode(b"".join(IMAGE_REQUEST.encode(request_)))
 
 
 def test_requests_for_more_than_any_camera_has_are_no_mistake() -> None:
-    check_request(ImageRequest(width_px=2**31 - 1, height_px=2**31 - 1, quality=100))
-    check_request(ImageRequest(width_px=1, height_px=1, quality=1))
+    for size, quality in ((2**31 - 1, 100), (1, 1)):
+        request = ImageRequest(width_px=size, height_px=size, quality=quality)
+        assert IMAGE_REQUEST.decode(b"".join(IMAGE_REQUEST.encode(request))) == request
