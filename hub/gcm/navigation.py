@@ -147,16 +147,16 @@ class Assistance(enum.IntEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RobotState:
-    """What is known of the robot now.
+class Measured:
+    """What the hardware measures, as `DriveState` and `RobotState` both say it.
 
     Attributes:
         stamp: When it was measured [s since the epoch]; for records only.
-        x: Position in `map` [m].
-        y: Position in `map` [m].
-        theta: Heading in `map` [rad], in (-pi, pi].
-        linear: Measured forward velocity [m/s].
-        angular: Measured turn rate [rad/s].
+        x: Position [m], in `map` for a `RobotState` and in `odom` for a `DriveState`.
+        y: Position in the same frame [m].
+        theta: Heading in the same frame [rad], in (-pi, pi].
+        linear: Forward velocity from the encoders [m/s].
+        angular: Turn rate from the encoders [rad/s].
         commanded_linear: Forward velocity the wheels are told [m/s].
         commanded_angular: Turn rate the wheels are told [rad/s].
         sonar: Range of each sonar from the robot's centre [m], shape (16,); inf: no echo,
@@ -166,6 +166,33 @@ class RobotState:
         bumpers: Bit i is set while bumper i is pressed.
         battery_voltage: Battery [V]; NaN when not measured.
         battery_fraction: Charge left, 0 to 1; NaN when not known.
+    """
+
+    stamp: Stamp
+    x: Metres
+    y: Metres
+    theta: Radians
+    linear: Speed
+    angular: TurnRate
+    commanded_linear: Speed
+    commanded_angular: TurnRate
+    sonar: Ranges
+    infrared: Ranges
+    bumpers: Number
+    battery_voltage: Annotated[float, Range(-1000.0, 1000.0, unit="V", nan=True)]
+    battery_fraction: ShareIfKnown
+
+
+_MEASURED = (
+    "double,double,double,double,double,double,double,double,[float:16],[float:16],uint,float,float"
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotState(Measured):
+    """What is known of the robot now.
+
+    Attributes:
         motion: What is done with velocity commands.
         refused: Commands refused since the module started: late, out of order, not finite, not
             from neutral, or not from who has control.
@@ -179,19 +206,6 @@ class RobotState:
             hand-overs, other drivers. Another number than before means that there was one.
     """
 
-    stamp: Stamp
-    x: Metres
-    y: Metres
-    theta: Radians
-    linear: Speed
-    angular: TurnRate
-    commanded_linear: Speed
-    commanded_angular: TurnRate
-    sonar: Ranges
-    infrared: Ranges
-    bumpers: Number
-    battery_voltage: Annotated[float, Range(-1000.0, 1000.0, unit="V", nan=True)]
-    battery_fraction: ShareIfKnown
     motion: MotionState
     refused: Number
     assistance: Assistance = Assistance.ON
@@ -204,58 +218,30 @@ class RobotState:
 
 ROBOT_STATE = MessageDefinition(
     name="GCM_RobotState",
-    format="{double,double,double,double,double,double,double,double,[float:16],[float:16],"
-    "uint,float,float,{enum:6},uint,{enum:1},float,uint,float,float,uint}",
+    format=f"{{{_MEASURED},{{enum:6}},uint,{{enum:1}},float,uint,float,float,uint}}",
     type=RobotState,
     rate_hz=20.0,
 )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DriveState:
+class DriveState(Measured):
     """What the hardware reports.
 
     Attributes:
-        stamp: When it was measured [s since the epoch]; for records only.
-        x: Dead-reckoned position in `odom` [m].
-        y: Dead-reckoned position in `odom` [m].
-        theta: Dead-reckoned heading in `odom` [rad], in (-pi, pi].
-        linear: Forward velocity from the encoders [m/s].
-        angular: Turn rate from the encoders [rad/s].
-        commanded_linear: Forward velocity the wheels are told [m/s].
-        commanded_angular: Turn rate the wheels are told [rad/s].
-        sonar: As in `RobotState`.
-        infrared: As in `RobotState`.
-        bumpers: Bit i is set while bumper i is pressed.
-        battery_voltage: Battery [V]; NaN when not measured.
-        battery_fraction: Charge left, 0 to 1; NaN when not known.
         odometry: Number of this dead reckoning; another one when it began anew. 0: the driver
             process gives it one.
         origin: Number of the place where `odom` begins; equal numbers, equal places, also after
             the dead reckoning began anew. 0: where the robot was then.
     """
 
-    stamp: Stamp
-    x: Metres
-    y: Metres
-    theta: Radians
-    linear: Speed
-    angular: TurnRate
-    commanded_linear: Speed
-    commanded_angular: TurnRate
-    sonar: Ranges
-    infrared: Ranges
-    bumpers: Number
-    battery_voltage: Annotated[float, Range(-1000.0, 1000.0, unit="V", nan=True)]
-    battery_fraction: ShareIfKnown
     odometry: Number = 0
     origin: Number = 0
 
 
 DRIVE_STATE = MessageDefinition(
     name="GCM_DriveState",
-    format="{double,double,double,double,double,double,double,double,[float:16],[float:16],"
-    "uint,float,float,uint,uint}",
+    format=f"{{{_MEASURED},uint,uint}}",
     type=DriveState,
     rate_hz=50.0,
 )
