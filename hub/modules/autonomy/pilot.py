@@ -111,7 +111,18 @@ class Pilot:
 
     def see_robot(self, state: RobotState, measured: float) -> None:
         """What is known of the robot, measured then [s]."""
+        before = self._senses.state
         self._senses.see_robot(state, measured)
+        ready = before is not None and before.motion is not MotionState.STOPPED
+        between = self._watch.target is None and not self._interrupted
+        # A stop may reach navigation alone, which says so of a goal. One before a command is past.
+        if (
+            state.motion is MotionState.STOPPED
+            and ready
+            and between
+            and measured - self._commanded > LET_GO_S
+        ):
+            self.see_stop("navigation got a stop", measured)
 
     def see_navigation(self, status: NavigationStatus, now: float, *, mine: bool) -> None:
         """What navigation does; `mine`: the task is or was ours."""

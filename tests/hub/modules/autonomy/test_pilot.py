@@ -162,6 +162,18 @@ def test_it_does_not_go_on_if_it_may_have_missed_a_stop() -> None:
     assert stands_for_good(scene)
 
 
+def test_a_stop_between_two_goals_ends_it_even_if_only_navigation_got_it() -> None:
+    scene = busy()
+    scene.end(Task.BLOCKED)
+    scene.wait(0.5)
+    scene.motion = MotionState.STOPPED
+    scene.wait(5.0)
+    assert scene.why == "stopped: navigation got a stop"
+    assert scene.state.phase is Phase.STOPPED
+    assert len(scene.targets) == 1
+    assert stands_for_good(scene)
+
+
 def test_a_robot_that_was_stopped_before_goes_when_it_is_asked() -> None:
     scene = Scene()
     scene.motion = MotionState.STOPPED
