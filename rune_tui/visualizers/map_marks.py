@@ -113,14 +113,18 @@ def _draw_dart(pen: Pen, centre: Point, reach: float, direction: float, theme: T
         pen.polygon(corners_px, colour)
 
 
+def mark_word(mark: InterestPoint, theme: Theme) -> tuple[str, Colour]:
+    """V for a victim and L for a landmark, with its number; and the colour of that."""
+    victim = mark.kind is PointKind.VICTIM
+    return f"{'V' if victim else 'L'}{mark.number}", theme.warning if victim else theme.good
+
+
 def write_points(
     canvas: Canvas, window: MapWindow, points: Sequence[InterestPoint], theme: Theme
 ) -> None:
-    """A letter for what was found, V for victims and L for landmarks, and its number."""
+    """Each mark's word where it is."""
     for point in points:
-        victim = point.kind is PointKind.VICTIM
-        word = f"{'V' if victim else 'L'}{point.number}"
-        ink = theme.warning if victim else theme.good
+        word, ink = mark_word(point, theme)
         write_at(canvas, _point(window.pixels((point.x, point.y))), word, ink, theme)
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Hashable, Iterator
-from dataclasses import dataclass
 from typing import Final
 
-from hub.gcm.mapping import INTEREST_POINTS, PointKind
+import numpy as np
+
+from hub.gcm.mapping import INTEREST_POINTS, InterestPoint
 from rune_tui.model.console_state import ConsoleState, Ghost
 from rune_tui.model.geometry import PictureGeometry
 from rune_tui.model.line_of_sight import hidden
@@ -17,30 +17,23 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.model.sightings import Sight
 from rune_tui.model.theme import Theme
 from rune_tui.model.world import SaidBy, WorldPoint, metres_text
-from rune_tui.raster.canvas import Canvas, Colour
+from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
-from rune_tui.visualizers.map_marks import write_at
+from rune_tui.visualizers.map_marks import mark_word, write_at
 
 FARTHEST_M: Final = 15.0
 """Marks that are farther away are not drawn [m]."""
+_MOST: Final = 24
+"""More words than that hide the picture; the nearest marks in it are drawn."""
 AGAIN: Final = "click again to mark it"
 _REACH: Final = 3.0
 """Half the width of a ghost's cross [pixels]."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Label:
-    """Words at a place in the world."""
-
-    place: WorldPoint
-    words: str
-    ink: Colour
-
-
 def draw_marks(
     canvas: Canvas, geometry: PictureGeometry, pose: Pose, robot: RobotState, state: ConsoleState
 ) -> None:
-    """Each mark that the camera sees, and the ghost with its distance.
+    """Marks that the camera sees, and the ghost with its distance.
 
     Args:
         canvas: What the picture is drawn on.
@@ -50,15 +43,15 @@ def draw_marks(
         state: The console.
     """
     grid = robot.map.value if robot.map is not None else None
-    for label in _labels(robot, state.theme):
-        away = math.hypot(label.place.x - pose.x, label.place.y - pose.y)
-        pixel = _pixel(label.place, geometry, pose) if away <= FARTHEST_M else None
-        if pixel is not None and not hidden(label.place, pose, geometry.mount_forward, grid):
-            write_at(canvas, pixel, f"{label.words} {away:.1f} m", label.ink, state.theme)
+    for mark, pixel, away in _in_picture(robot, geometry, pose):
+        place = WorldPoint(x=mark.x, y=mark.y, uncertainty=mark.uncertainty)
+        if not hidden(place, pose, geometry.mount_forward, grid):
+            word, ink = mark_word(mark, state.theme)
+            write_at(canvas, pixel, f"{word} {away:.1f} m", ink, state.theme)
     ghost = state.ghosts.get(robot.name)
-    pixel = _pixel(ghost.place, geometry, pose) if ghost is not None else None
-    if ghost is not None and pixel is not None:
-        _draw_ghost(canvas, pixel, ghost, state.theme)
+    spot = _pixel(ghost.place, geometry, pose) if ghost is not None else None
+    if ghost is not None and spot is not None:
+        _draw_ghost(canvas, spot, ghost, state.theme)
 
 
 def marks_source(robot: RobotState, state: ConsoleState) -> Hashable:
@@ -80,13 +73,22 @@ def ghost_words(ghost: Ghost) -> str:
     return " ".join(parts)
 
 
-def _labels(robot: RobotState, theme: Theme) -> Iterator[_Label]:
+def _in_picture(
+    robot: RobotState, geometry: PictureGeometry, pose: Pose
+) -> Iterator[tuple[InterestPoint, tuple[float, float], float]]:
+    """The nearest marks in the picture, the farthest first: each, its pixel, how far it is [m]."""
     received = robot.newest(INTEREST_POINTS)
-    for point in received.value.points if received is not None else ():
-        victim = point.kind is PointKind.VICTIM
-        place = WorldPoint(x=point.x, y=point.y, uncertainty=point.uncertainty)
-        ink = theme.warning if victim else theme.good
-        yield _Label(place, f"{'V' if victim else 'L'}{point.number}", ink)
+    marks = received.value.points if received is not None else ()
+    if not marks:
+        return
+    # All at once: a robot may have a thousand, and each picture is drawn anew.
+    places = pose.from_map([(mark.x, mark.y) for mark in marks])
+    away = np.hypot(places[:, 0], places[:, 1])
+    seen = geometry.pixels(places)
+    near = np.flatnonzero(seen.inside & (away <= FARTHEST_M))
+    for number in reversed(near[np.argsort(away[near], kind="stable")][:_MOST].tolist()):
+        x, y = seen.pixels[number].tolist()
+        yield marks[number], (x, y), float(away[number])
 
 
 def _pixel(place: WorldPoint, geometry: PictureGeometry, pose: Pose) -> tuple[float, float] | None:
