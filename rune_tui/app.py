@@ -448,7 +448,7 @@ class Console(CoveredApp, inherit_bindings=False):
 
         def answered(text: str) -> None:
             with self._sparing(effect):
-                self._execute(effect.answer(text))
+                self._execute(effect.answer(text, self.state))
 
         stop = self._console.input_of("widgetStop", effect.robot)
         self.push_screen(Question(effect.asked, effect.text, answered, stop))

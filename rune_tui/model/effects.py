@@ -93,13 +93,13 @@ class AskEffect:
         robot: The robot's name in the layout.
         asked: What is asked for.
         text: What stands there already.
-        answer: What to do with the answer.
+        answer: What to do with the answer, by what is known when it comes.
     """
 
     robot: str
     asked: str
     text: str
-    answer: Callable[[str], tuple[Effect, ...]]
+    answer: Callable[[str, ConsoleState], tuple[Effect, ...]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -38,17 +38,19 @@ class MissionWatch:
                 text = f"mission {now.name} runs, {_marks(now)}"
                 yield state.notice(text, robot=robot.name)
             before = now
-        for text, alarm in _changes(before, now):
+        key = state.input_of("widgetMission", robot.name)
+        for text, alarm in _changes(before, now, key):
             yield state.notice(text, robot=robot.name, alarm=alarm)
 
 
-def _changes(before: MissionState, now: MissionState) -> Iterator[tuple[str, bool]]:
+def _changes(before: MissionState, now: MissionState, key: str) -> Iterator[tuple[str, bool]]:
     """What is different, in words, and whether it needs a hand."""
     again = (now.running, now.begun) != (before.running, before.begun)
     if again and now.running:
         yield f"mission {now.name} begins", False
     elif again and before.running:
-        yield f"mission {before.name} is ended, {_marks(before)}", False
+        more = f"; {key} begins another" if key else ""
+        yield f"mission {before.name} is ended, {_marks(before)}{more}", False
     elif now.running and now.name != before.name:
         yield f"the mission is named {now.name}", False
     if now.running and not again and now.sheet > before.sheet:

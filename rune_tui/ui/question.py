@@ -15,14 +15,14 @@ LONGEST = 500
 
 
 class Question(ModalScreen[None]):
-    """Asks for a text; enter takes it, escape leaves things as they are."""
+    """Asks for a text; enter accepts it, escape changes nothing."""
 
     CSS = """
     Question { align: center middle; }
     Question > Vertical { width: 80%; max-width: 80; height: auto; border: round $accent; }
     Question Label { width: 100%; }
     """
-    BINDINGS: ClassVar = [Binding("escape", "leave", "leave it", show=False)]
+    BINDINGS: ClassVar = [Binding("escape", "leave", "cancel", show=False)]
 
     def __init__(
         self, asked: str, text: str, answered: Callable[[str], None], stop: str = ""
@@ -37,7 +37,7 @@ class Question(ModalScreen[None]):
         """
         super().__init__()
         self._asked = asked
-        self._hints = "enter: take it, escape: leave it"
+        self._hints = "enter: accept, escape: cancel"
         if stop:
             self._hints += f", {stop} twice: stop"
         self._text = text

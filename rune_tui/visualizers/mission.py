@@ -62,16 +62,18 @@ class Mission:
 
 
 def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
-    return tuple(_rows(mission_of(robot), sum(state.overdue.values())))
+    key = state.input_of("widgetMission", robot.name)
+    return tuple(_rows(mission_of(robot), sum(state.overdue.values()), key))
 
 
-def _rows(mission: MissionState | None, unconfirmed: int) -> Iterator[Part]:
+def _rows(mission: MissionState | None, unconfirmed: int, key: str = "") -> Iterator[Part]:
     if mission is None:
         yield Part("the robot tells of no mission", 0, Mood.FAINT)
     elif not mission.running:
         ended = f"mission {mission.name} is ended" if mission.begun else "no mission runs"
         yield Part(ended, 0)
-        yield Part("a mark, or who takes control, begins one", 0, Mood.FAINT)
+        first = f"{key}, " if key else ""
+        yield Part(f"{first}a mark, or who takes control, begins one", 0, Mood.FAINT)
     else:
         yield Part(f"{mission.name}, {_time(mission.running_s)}", 0)
         yield Part(_kept(mission), 0, Mood.WARNING if mission.unkept else Mood.GOOD)

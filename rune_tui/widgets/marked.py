@@ -153,14 +153,14 @@ class EditMark(_MarkWidget):
         self,
         mark: InterestPoint,
         robot: RobotState,
-        state: ConsoleState,
+        state: ConsoleState,  # noqa: ARG002 - what counts is what is known at the answer
     ) -> tuple[Effect, ...]:
         """The question."""
         asked = f"Words for {mark.kind.name.lower()} {mark.number} of {robot.title}"
 
-        def answer(note: str) -> tuple[Effect, ...]:
+        def answer(note: str, later: ConsoleState) -> tuple[Effect, ...]:
             changed = PointCommand(point=dataclasses.replace(mark, note=note))
-            return self._confirming.send(changed, robot, state)
+            return self._confirming.send(changed, later.robot(robot.name) or robot, later)
 
         return (AskEffect(robot=robot.name, asked=asked, text=mark.note, answer=answer),)
 

@@ -2,17 +2,39 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import ClassVar, Final
 
-from hub.gcm.mission import MISSION_STATE, MissionAction
+from hub.gcm.mission import MISSION_STATE, MissionAction, MissionState
 from rune_tui.layout.rules import ChoiceOption, HandlerRule, Section
+from rune_tui.layout.spec import WidgetSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import AskEffect, Effect, MissionEffect, Tell
 from rune_tui.model.mission import mission_of
-from rune_tui.model.robot_state import RobotState
+from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.widgets.widget import OrderWidget
 
-_END = "end"
+_Answer = Callable[[str, ConsoleState], tuple[Effect, ...]]
+_END: Final = "end"
+_YES: Final = "yes"
+WAIT_S: Final = 20.0
+"""So long a name waits for a robot that tells of no mission yet [s]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Waiting:
+    """A name that was typed before the robot told of its mission.
+
+    Attributes:
+        robot: Whose mission is meant.
+        name: What was typed.
+        since: When that was [s].
+    """
+
+    robot: str
+    name: str
+    since: float
 
 
 class Mission(OrderWidget):
@@ -22,8 +44,8 @@ class Mission(OrderWidget):
         section=Section.MARK,
         says={"": "{do}"},
         meaning=(
-            "Begins a mission under the name you type; while one runs, names it anew, or ends it "
-            "when you type 'end'. The robot keeps marks, map and track of a mission."
+            "Begins a mission under the name you type; while one runs, names it anew. Type 'end' "
+            "to end it, then 'yes'. The robot keeps marks, map and track of a mission."
         ),
         options={
             "do": ChoiceOption(
@@ -41,39 +63,102 @@ class Mission(OrderWidget):
         uses=(MISSION_STATE.name,),
     )
 
+    def __init__(self, spec: WidgetSpec, robot: str) -> None:
+        super().__init__(spec, robot)
+        self._waiting: _Waiting | None = None
+
     def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
         """The question."""
-        mission = mission_of(robot)
+        mission = _running(robot)
         do = self.spec.options.word("do")
-        runs = mission is not None and bool(mission.running)
-        if not runs or mission is None:
+        if mission is None:
             if do in ("name", "end"):
                 return (Tell.now(state, "no mission runs", robot=robot.name),)
             asked = f"Begin a mission of {robot.title}; its name, or nothing for date and time"
-            return (self._question(robot, asked, "", MissionAction.BEGIN),)
+            text = self._waiting.name if self._waiting is not None else ""
+            return (AskEffect(robot=robot.name, asked=asked, text=text, answer=self._named(robot)),)
         if do == "begin":
             text = f"mission {mission.name} runs already; end it first"
             return (Tell.now(state, text, robot=robot.name),)
-        waiting = sum(state.unconfirmed.values())
-        risk = f" {waiting} marks are NOT CONFIRMED yet!" if waiting else ""
         if do == "end":
-            asked = f"End mission {mission.name} of {robot.title}? Type '{_END}'.{risk}"
-            return (self._question(robot, asked, "", MissionAction.END),)
-        asked = f"Mission {mission.name} of {robot.title}: another name, or '{_END}' ends it.{risk}"
-        return (self._question(robot, asked, mission.name, MissionAction.NAME),)
+            return (_ending(robot, mission, state),)
+        asked = f"Mission {mission.name} of {robot.title}: another name; '{_END}' asks to end it"
+        answer = self._renamed(robot)
+        return (AskEffect(robot=robot.name, asked=asked, text=mission.name, answer=answer),)
 
-    def _question(
-        self, robot: RobotState, asked: str, text: str, action: MissionAction
-    ) -> AskEffect:
-        def answer(said: str) -> tuple[Effect, ...]:
-            wanted = action
-            if action is not MissionAction.BEGIN and said.lower() == _END:
-                wanted = MissionAction.END
-            elif action is MissionAction.END or (
-                action is MissionAction.NAME and said in ("", text)
-            ):
+    def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
+        """Give a mission the name that was typed before the robot told of it."""
+        waiting = self._waiting
+        if waiting is None:
+            return ()
+        robot = state.robots.get(waiting.robot)
+        if robot is not None and _reachable(robot):
+            self._waiting = None
+            return _given(robot, waiting.name)
+        if state.now - waiting.since < WAIT_S:
+            return ()
+        self._waiting = None
+        text = f"no mission '{waiting.name}': the robot tells of no mission"
+        return (Tell.now(state, text, robot=waiting.robot, alarm=True),)
+
+    def _named(self, asked: RobotState) -> _Answer:
+        """Begin a mission, or name the one that began meanwhile; wait where nothing is known."""
+
+        def answer(said: str, state: ConsoleState) -> tuple[Effect, ...]:
+            robot = state.robots.get(asked.name, asked)
+            if _reachable(robot):
+                return _given(robot, said)
+            self._waiting = _Waiting(robot=robot.name, name=said, since=state.now)
+            text = "the mission begins when the robot tells that it can keep one"
+            return (Tell.now(state, text, robot=robot.name),)
+
+        return answer
+
+    @staticmethod
+    def _renamed(asked: RobotState) -> _Answer:
+        """Another name for the mission that runs, or the question whether to end it."""
+
+        def answer(said: str, state: ConsoleState) -> tuple[Effect, ...]:
+            robot = state.robots.get(asked.name, asked)
+            mission = _running(robot)
+            if said.lower() == _END and mission is not None:
+                return (_ending(robot, mission, state),)
+            if said == "" or (mission is not None and said == mission.name):
                 return ()
-            name = "" if wanted is MissionAction.END else said
-            return (MissionEffect(robot=robot.name, action=wanted, name=name),)
+            return _given(robot, said)
 
-        return AskEffect(robot=robot.name, asked=asked, text=text, answer=answer)
+        return answer
+
+
+def _given(robot: RobotState, name: str) -> tuple[Effect, ...]:
+    """The mission gets a name: the one that runs, else one that begins."""
+    runs = _running(robot) is not None
+    if runs and not name:
+        return ()
+    action = MissionAction.NAME if runs else MissionAction.BEGIN
+    return (MissionEffect(robot=robot.name, action=action, name=name),)
+
+
+def _ending(robot: RobotState, mission: MissionState, state: ConsoleState) -> AskEffect:
+    """The question whether a mission is to end."""
+    waiting = sum(state.unconfirmed.values())
+    risk = f" {waiting} marks are NOT CONFIRMED yet!" if waiting else ""
+
+    def answer(said: str, _: ConsoleState) -> tuple[Effect, ...]:
+        if said.lower() != _YES:
+            return ()
+        return (MissionEffect(robot=robot.name, action=MissionAction.END, name=""),)
+
+    asked = f"End mission {mission.name} of {robot.title}? Type '{_YES}'.{risk}"
+    return AskEffect(robot=robot.name, asked=asked, text="", answer=answer)
+
+
+def _reachable(robot: RobotState) -> bool:
+    """Whether a robot is linked and has told of its mission."""
+    return robot.link.phase is LinkPhase.CONNECTED and mission_of(robot) is not None
+
+
+def _running(robot: RobotState) -> MissionState | None:
+    """The mission, if one runs."""
+    mission = mission_of(robot)
+    return mission if mission is not None and mission.running else None

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from textual.widgets import Input
 
+from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import AskEffect, Effect
 from rune_tui.ui.question import Question
 from tests.console.app_desk import Desk, Script, scrolled_up
@@ -137,7 +138,7 @@ def test_a_page_is_scrolled_by_keys_and_the_wheel_no_farther_than_its_end(
 def test_an_answer_that_its_widget_cannot_take_leaves_the_console_running(
     play: Callable[[Script], None],
 ):
-    def answer(text: str) -> tuple[Effect, ...]:
+    def answer(text: str, _: ConsoleState) -> tuple[Effect, ...]:
         raise ValueError(text)
 
     async def script(desk: Desk) -> None:
@@ -189,7 +190,7 @@ def test_the_stop_key_is_a_letter_of_an_answer_and_stops_the_second_time(
     async def script(desk: Desk) -> None:
         answers: list[str] = []
 
-        def answer(text: str) -> tuple[Effect, ...]:
+        def answer(text: str, _: ConsoleState) -> tuple[Effect, ...]:
             answers.append(text)
             return ()
 

@@ -128,7 +128,7 @@ def test_changes_and_removals_are_sent_again_with_the_version_they_change(handle
     effects = widget.handle(click(), LEFT, seeing(mark))
     for effect in effects:
         if isinstance(effect, AskEffect):
-            effects = effect.answer("behind the door")
+            effects = effect.answer("behind the door", seeing(mark))
     (first,) = sends(effects)
     assert first.value.point.version == 3
     (again,) = sends(widget.tick(knowing(mark, after=AGAIN_S)))

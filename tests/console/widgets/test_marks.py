@@ -239,7 +239,7 @@ def test_edit_asks_for_the_words_of_the_nearest_mark_and_keeps_the_rest():
     assert isinstance(effect, AskEffect)
     assert "victim 2" in effect.asked
     assert effect.text == "wet"
-    command = sent(effect.answer("behind the door"))
+    command = sent(effect.answer("behind the door", seeing(*marks)))
     assert command.action is PointAction.MARK
     assert command.point == dataclasses.replace(sure, note="behind the door")
     narrow = widget_of("widgetEditMark", radius=0.05)

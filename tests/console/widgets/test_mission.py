@@ -15,6 +15,7 @@ from rune_tui.model.leaving import reasons_to_stay
 from rune_tui.model.mission import MissionWatch
 from rune_tui.visualizers.mission import _rows
 from rune_tui.visualizers.troubles import troubles
+from rune_tui.widgets.mission import WAIT_S
 from tests.console.visualizers.conftest import received
 from tests.console.widgets.presses import down, event_spec, seeing, widget_of
 
@@ -47,28 +48,79 @@ def wanted(effects: tuple[Effect, ...]) -> tuple[MissionAction, str]:
     return effect.action, effect.name
 
 
-@pytest.mark.parametrize("mission", [None, dataclasses.replace(RUNS, running=0)])
-def test_the_key_begins_a_mission_under_the_name_that_is_typed(
-    mission: MissionState | None,
+ENDED = dataclasses.replace(RUNS, running=0)
+
+
+def test_the_key_begins_a_mission_under_the_name_that_is_typed() -> None:
+    question = asked("ask", ENDED)
+    for name in ("attic", "", "end"):
+        assert wanted(question.answer(name, on(ENDED))) == (MissionAction.BEGIN, name)
+
+
+@pytest.mark.parametrize("first", [None, ENDED])
+def test_a_mission_that_began_while_its_name_was_typed_gets_that_name(
+    first: MissionState | None,
 ) -> None:
-    question = asked("ask", mission)
-    assert wanted(question.answer("attic")) == (MissionAction.BEGIN, "attic")
-    assert wanted(question.answer("")) == (MissionAction.BEGIN, "")
-    assert wanted(question.answer("end")) == (MissionAction.BEGIN, "end")
+    question = asked("ask", first)
+    assert wanted(question.answer("attic", on(RUNS))) == (MissionAction.NAME, "attic")
+    assert question.answer("", on(RUNS)) == ()
 
 
-def test_the_key_names_or_ends_a_mission_that_runs() -> None:
+def test_a_name_that_was_typed_too_early_waits_for_the_robot() -> None:
+    widget = widget_of("widgetMission", do="ask")
+    for known, action in ((ENDED, MissionAction.BEGIN), (RUNS, MissionAction.NAME)):
+        (question,) = widget.handle(down("m"), KEY, on(None))
+        assert isinstance(question, AskEffect)
+        (told,) = question.answer("attic", on(None))
+        assert isinstance(told, Tell)
+        assert widget.tick(on(None)) == ()
+        (again,) = widget.handle(down("m"), KEY, on(None))
+        assert isinstance(again, AskEffect)
+        assert again.text == "attic"
+        assert wanted(widget.tick(on(known))) == (action, "attic")
+        assert widget.tick(on(known)) == ()
+
+
+def test_a_name_that_waits_in_vain_is_told() -> None:
+    widget = widget_of("widgetMission", do="ask")
+    (question,) = widget.handle(down("m"), KEY, on(None))
+    assert isinstance(question, AskEffect)
+    began = on(None)
+    question.answer("attic", began)
+    assert widget.tick(dataclasses.replace(began, now=began.now + 0.9 * WAIT_S)) == ()
+    (told,) = widget.tick(dataclasses.replace(began, now=began.now + WAIT_S))
+    assert isinstance(told, Tell)
+    assert "attic" in told.notice.text
+    assert told.notice.alarm
+
+
+def test_the_key_names_a_mission_that_runs_and_asks_before_it_ends_it() -> None:
     question = asked("ask", RUNS)
     assert question.text == "cellar"
-    assert wanted(question.answer("attic")) == (MissionAction.NAME, "attic")
-    assert wanted(question.answer("End")) == (MissionAction.END, "")
-    assert question.answer("cellar") == question.answer("") == ()
-    assert asked("end", RUNS).answer("yes") == ()
-    assert wanted(asked("end", RUNS).answer("end")) == (MissionAction.END, "")
+    assert wanted(question.answer("attic", on(RUNS))) == (MissionAction.NAME, "attic")
+    assert question.answer("cellar", on(RUNS)) == question.answer("", on(RUNS)) == ()
+    (sure,) = question.answer("End", on(RUNS))
+    for each in (sure, asked("end", RUNS)):
+        assert isinstance(each, AskEffect)
+        assert each.answer("end", on(RUNS)) == each.answer("", on(RUNS)) == ()
+        assert wanted(each.answer("yes", on(RUNS))) == (MissionAction.END, "")
 
 
 def test_ending_says_what_is_not_confirmed() -> None:
     assert "2 marks are NOT CONFIRMED" in asked("end", RUNS, unconfirmed={1: 2}).asked
+
+
+def test_which_key_begins_another_mission_is_said() -> None:
+    state = on(ENDED, inputs={("widgetMission", "magellan"): "M"})
+    watch = MissionWatch()
+    list(watch.look(on(RUNS).robots["magellan"], on(RUNS)))
+    (notice,) = watch.look(state.robots["magellan"], state)
+    assert notice.text == "mission cellar is ended, 3 marks kept; M begins another"
+    assert _rows_of(ENDED, "M")[1] == "M, a mark, or who takes control, begins one"
+
+
+def _rows_of(mission: MissionState, key: str) -> list[str]:
+    return [part.text for part in _rows(mission, 0, key)]
 
 
 @pytest.mark.parametrize(("do", "mission"), [("begin", RUNS), ("end", None), ("name", None)])

@@ -216,7 +216,7 @@ def test_a_widget_sends_what_it_announced_and_all_of_it_can_be_encoded(handler: 
     for effect in ghosts:  # a second click confirms what the first one shows
         state = changed(seeing(marked(1, LANDMARK)), effect)
         effects += widget.handle(click(), event_spec("mouse left", control), state)
-    answers = [effect.answer("yes") for effect in effects if isinstance(effect, AskEffect)]
+    answers = [effect.answer("yes", at(0.0)) for effect in effects if isinstance(effect, AskEffect)]
     effects = effects + tuple(itertools.chain(*answers))
     sent = [effect for effect in effects if isinstance(effect, SendEffect)]
     for effect in sent:
