@@ -113,6 +113,14 @@ class Pilot:
         """What is known of the robot, measured then [s]."""
         before = self._senses.state
         self._senses.see_robot(state, measured)
+        if (
+            self._errand is not None
+            and before is not None
+            and 0 != before.frame != state.frame != 0
+        ):
+            self._end(Phase.LOST, "the robot has lost its place", measured)
+            self._stop_due = self._watch.target is not None
+            self._watch.forget()
         ready = before is not None and before.motion is not MotionState.STOPPED
         between = self._watch.target is None and not self._interrupted
         # A stop may reach navigation alone, which says so of a goal. One before a command is past.

@@ -126,18 +126,24 @@ class Navigation:
         if self._driver not in (None, reception.publisher):
             _logger.warning("the driver began anew: the robot waits for a neutral command")
             if self._newest is not None and _jumped(self._newest[0], state):
-                why = "the driver began anew and tells another place"
-                self._pilot.errand.end(Task.CANCELLED, why, Cause.DRIVER, now)
-                self._governor.end_task()
+                self._lose_place("the driver began anew and tells another place", now)
             self._governor.driver_began_anew()
         self._driver = reception.publisher
+        before = self._frames.frame.number
         frame = self._frames.reported(state)
         if frame is not None:
+            if frame.number != before:
+                self._lose_place("the robot has lost its place", now)
             _logger.info("the robot's place is told in frame %d", frame.number)
             self._pilot.restart(frame.odom)
         self._newest = (state, reception.measured)
         self._governor.driver_reported(now)
         self._pilot.reported(state, now)
+
+    def _lose_place(self, why: str, now: float) -> None:
+        """End what leads to a place: places of before mean others now, or nothing."""
+        self._pilot.errand.end(Task.CANCELLED, why, Cause.DRIVER, now)
+        self._governor.end_task()
 
     def _go(self, goal: navigation.GoalCommand, reception: Reception) -> None:
         if not self._gate.admits(navigation.GOAL_COMMAND, reception):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -41,6 +42,7 @@ class Scene:
         self.pilot = Pilot(radius=RADIUS, seed=seed)
         self.x = self.y = 0.0
         self.motion = MotionState.STANDING
+        self.frame = 0
         self.number = 0
         self.task = Task.NONE
         self.mine = False
@@ -76,7 +78,8 @@ class Scene:
     def hears(self) -> None:
         """The pilot gets what the others publish."""
         if self.driver_reports:
-            self.pilot.see_robot(robot(self.x, self.y, self.motion), self.now)
+            seen = robot(self.x, self.y, self.motion)
+            self.pilot.see_robot(dataclasses.replace(seen, frame=self.frame), self.now)
         if self.navigation_lives:
             self.tell()
 

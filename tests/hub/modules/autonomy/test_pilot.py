@@ -174,6 +174,25 @@ def test_a_stop_between_two_goals_ends_it_even_if_only_navigation_got_it() -> No
     assert stands_for_good(scene)
 
 
+@pytest.mark.parametrize("rests", [True, False])
+@pytest.mark.parametrize("behaviour", ASKED)
+def test_it_ends_when_the_robot_has_lost_its_place(behaviour: Behaviour, *, rests: bool) -> None:
+    scene = busy(behaviour)
+    scene.frame = 7
+    scene.wait(0.5)
+    if rests:
+        scene.end(Task.BLOCKED)
+        scene.act()
+    goals = len(scene.targets)
+    scene.frame = 8
+    scene.wait(5.0)
+    assert scene.why == "the robot has lost its place"
+    assert scene.state.phase is Phase.LOST
+    assert len(scene.targets) == goals
+    assert scene.task is not Task.GOING
+    assert stands_for_good(scene)
+
+
 def test_a_robot_that_was_stopped_before_goes_when_it_is_asked() -> None:
     scene = Scene()
     scene.motion = MotionState.STOPPED

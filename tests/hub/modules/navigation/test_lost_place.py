@@ -1,0 +1,64 @@
+"""The navigation process when the dead reckoning begins anew."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import time
+from pathlib import Path
+from random import Random
+
+import numpy as np
+import pytest
+
+from hub.gcm.navigation import Cause, DriveState, GoalCommand, Point, Task
+from hub.ipc.reception import Reception
+from hub.modules.navigation.__main__ import Navigation
+from hub.robots.description import find_robot_file, read_description
+from tests.hub.modules.extremes_bus import ExtremesBus
+
+OPERATOR, DRIVER, NEXT_DRIVER = 2, 3, 4
+NOTHING = np.full(16, np.inf, np.float32)
+AT_ORIGIN = DriveState(
+    stamp=0.0,
+    x=0.0,
+    y=0.0,
+    theta=0.0,
+    linear=0.0,
+    angular=0.0,
+    commanded_linear=0.0,
+    commanded_angular=0.0,
+    sonar=NOTHING,
+    infrared=NOTHING,
+    bumpers=0,
+    battery_voltage=24.0,
+    battery_fraction=1.0,
+    odometry=11,
+)
+
+
+@pytest.mark.parametrize(("odometry", "lost"), [(11, False), (12, True)])
+def test_a_goal_ends_when_its_frame_does(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, odometry: int, *, lost: bool
+) -> None:
+    ticks = itertools.count(100_000)
+    monkeypatch.setattr(time, "monotonic", lambda: next(ticks) * 1e-4)
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    robot, _ = read_description(find_robot_file("magellan"))
+    navigation = Navigation(ExtremesBus(time.monotonic, Random(7)), robot)  # type: ignore[arg-type]
+
+    def heard(sender: int) -> Reception:
+        return Reception(sender, 1, 0, 0.0, time.monotonic())
+
+    navigation._report(AT_ORIGIN, heard(DRIVER))
+    goal = GoalCommand(count=1, points=(Point(x=3.0, y=0.0),))
+    navigation._go(goal, heard(OPERATOR))
+    errand = navigation._pilot.errand
+    assert errand.active
+    # The driver was started again where its wheels counted from: no jump shows it.
+    anew = dataclasses.replace(AT_ORIGIN, odometry=odometry)
+    navigation._report(anew, heard(NEXT_DRIVER))
+    assert errand.active is not lost
+    if lost:
+        assert (errand.task, errand.cause) == (Task.CANCELLED, Cause.DRIVER)
+        assert errand.why == "the robot has lost its place"
