@@ -62,7 +62,7 @@ class CommandParser(argparse.ArgumentParser):
         if not option:
             return f"{unknown[0]!r} is one argument too many"
         names = {name.lstrip("-"): name for name in self._option_string_actions}
-        near = nearest(option.lstrip("-"), names, cutoff=0.6)
+        near = nearest(option.lstrip("-"), names)
         hint = f"; did you mean {names[near]}?" if near else or_else
         return f"{option!r} is no option here{hint}"
 
@@ -98,7 +98,7 @@ class ShowVersion(argparse.Action):
         parser.exit()
 
 
-def nearest(word: str, known: Iterable[str], *, cutoff: float = 0.5) -> str:
+def nearest(word: str, known: Iterable[str], *, cutoff: float = 0.6) -> str:
     """The nearest known word; empty where none is as near as `cutoff`, 0 (any) to 1 (the same)."""
     return next(iter(difflib.get_close_matches(word[:64], known, n=1, cutoff=cutoff)), "")
 

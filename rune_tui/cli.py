@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from rune_tui.terminal.traits import Traits
 
 _DEMO_ROBOT = "magellan"
+_INSTEAD_OF_WATCHING = "`rune joytest --list` lists what is plugged in"
 _PICTURE_ENDINGS = (".txt", ".svg", ".png")
 _LOG_BYTES = 1_000_000
 _OBJECTS_PER_LOOK = 10_000
@@ -222,7 +223,7 @@ def _joytest(options: argparse.Namespace) -> int:
     elif options.learn:
         joytest.learn()
     else:
-        _need_terminal()
+        _need_terminal(instead=_INSTEAD_OF_WATCHING)
         joytest.watch()
     return ExitCode.OK
 
@@ -234,7 +235,7 @@ def _watch_layouts_joysticks(options: argparse.Namespace) -> None:
         text = "joytest takes a layout, or one of --list, --udev, --learn and --json, not both"
         raise _UsageError(text)
     joysticks = _load(options.layout, options.set).joysticks
-    _need_terminal()
+    _need_terminal(instead=_INSTEAD_OF_WATCHING)
     if not joysticks:
         text = f"{options.layout} has no joystick; leave it out to see what is plugged in"
         raise _UsageError(text)
@@ -274,7 +275,7 @@ def _console(
 def _terminal(options: argparse.Namespace) -> int:
     from rune_tui.terminal.report import as_json, report
 
-    _need_terminal()
+    _need_terminal(instead="there is nothing to ask, so call it in the terminal itself")
     sys.stdout.write((as_json if options.json else report)(*_asked_terminal(options)))
     return ExitCode.OK
 
@@ -347,7 +348,7 @@ def _endpoints(hubs: Sequence[str]) -> list[str]:
 def _need_screen(layouts: Sequence[str], variables: Sequence[tuple[str, str]]) -> None:
     """Refuse what cannot show a console; mistakes of the layouts come first, as they are nearer."""
     try:
-        _need_terminal(sys.stdout)
+        _need_terminal(sys.stdout, instead="`rune shot` draws a picture into a file")
     except _UsageError:
         for name in layouts:
             _load(name, variables)
@@ -357,9 +358,10 @@ def _need_screen(layouts: Sequence[str], variables: Sequence[tuple[str, str]]) -
         raise _UsageError(text)
 
 
-def _need_terminal(*others: TextIO | None) -> None:
+def _need_terminal(*others: TextIO | None, instead: str) -> None:
+    """Refuse to go on without a terminal; `instead` says what works without one."""
     if not all(stream and stream.isatty() for stream in (sys.stdin, sys.stderr, *others)):
-        text = "this needs a terminal; without one, `rune shot` draws a picture into a file"
+        text = f"this needs a terminal; without one, {instead}"
         raise _UsageError(text)
 
 

@@ -292,7 +292,7 @@ def _wait_connected(client: Client, beyond: str) -> None:
         client.wait_connected(CONNECT_S)
     except CentralUnreachableError as error:
         text = (
-            f"{str(error).removesuffix('?')}, or is the robot to be reached with --ssh USER@HOST?"
+            f"{str(error).removesuffix('?')}; to reach the robot through ssh, add --ssh USER@HOST"
         )
         if beyond:
             text = f"no hub answers at {beyond}; is rune-hub running there?"

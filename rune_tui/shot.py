@@ -12,7 +12,6 @@ from rune_tui.compositor import picture
 from rune_tui.compositor.colours import at_depth
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import GlyphSet
-from rune_tui.errors import PictureFileError
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.model.console_state import ConsoleState
@@ -78,11 +77,7 @@ def take(
             link.close()
     answered = all(robot.link.phase is LinkPhase.CONNECTED for robot in robots.values())
     if (answered or offline) and cells is not None:
-        try:
-            picture.save(at_depth(cells, depth), path)
-        except OSError as error:
-            text = f"{path} cannot be written: {error.strerror or error}"
-            raise PictureFileError(text) from error
+        picture.save(at_depth(cells, depth), path)
     return answered
 
 

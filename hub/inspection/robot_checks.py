@@ -177,5 +177,5 @@ def _way_in(path: Path, found: os.stat_result) -> str:
     with contextlib.suppress(KeyError):
         group = grp.getgrgid(found.st_gid).gr_name
     if found.st_gid and group and found.st_mode & (stat.S_IRGRP | stat.S_IWGRP) == 0o060:
-        return f"usermod -aG {group} {user}, then log in anew"
+        return f"usermod -aG {group} {user}, then log in again"
     return f"write a udev rule that gives {path.name} to a group of {user}, such as plugdev"

@@ -142,9 +142,9 @@ def _demand_private(path: Path, found: os.stat_result, remedy: str) -> None:
     if sys.platform == "win32":  # who may read it is not in these bits
         return
     if found.st_uid not in (os.geteuid(), 0):
-        raise KeyFileError(path, "it belongs to another user; make it anew as yourself")
+        raise KeyFileError(path, "it belongs to another user; make a new one as yourself")
     if found.st_mode & (stat.S_IRWXG | stat.S_IRWXO):
-        raise KeyFileError(path, f"others can read or change it; say: {remedy}")
+        raise KeyFileError(path, f"others can read or change it; run: {remedy}")
 
 
 def _damaged(name: str, problems: list[str], advice: str) -> KeyFileError:

@@ -20,7 +20,7 @@ from hub.ipc.security import Bearer, Role
 from hub.toml_tables import Key, nearest
 
 MAX_KEYS = 1000
-_ADVICE = "put the file back, or delete it and make every client's key anew"
+_ADVICE = "put the file back, or delete it and make a new key for every client"
 _HUB = {"public": Key(key_files.key_text), "secret": Key(key_files.key_text)}
 _HOLDER = {"role": Key(key_files.key_role), "public": Key(key_files.key_text)}
 

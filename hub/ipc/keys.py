@@ -12,7 +12,7 @@ from hub.ipc import key_files
 from hub.ipc.security import Bearer, Role
 from hub.toml_tables import Key
 
-_ADVICE = "copy it anew from the robot, or make a new one there with `rune-hub keys make`"
+_ADVICE = "copy it again from the robot, or make a new one there with `rune-hub keys make`"
 _KEYS = {
     "name": Key(key_files.key_name),
     "role": Key(key_files.key_role),

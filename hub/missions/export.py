@@ -46,7 +46,7 @@ def export(folder: MissionFolder, mission: str, target: Path) -> list[Path]:
             files.replace(target / name, content)
             found.append(target / name)
     except OSError as fault:
-        text = f"{target} cannot be written: {fault.strerror or fault}"
+        text = f"{target} cannot be written: {fault.strerror or fault}; name another with --output"
         raise MissionFileError(text) from fault
     return found
 

@@ -16,7 +16,7 @@ from hub.ipc import descriptors
 from hub.robomon.table import RobotTable
 
 _UNIT = string.Template("""\
-# Runs the hub of $robot. Written by `rune-hub service`; to change it, write it anew, or say
+# Runs the hub of $robot. Written by `rune-hub service`; to change it, write it again, or run
 #     systemctl edit rune-hub
 # Install:   rune-hub service $robot_argument > /etc/systemd/system/rune-hub.service
 #            systemctl daemon-reload && systemctl enable --now rune-hub

@@ -278,8 +278,8 @@ def find_robot_file(name_or_path: str) -> Path:
     if name_or_path in names:
         return SHIPPED / f"{name_or_path}.toml"
     hint = toml.nearest(name_or_path, names)
-    problem = f"there is no such file, and the robots that come with Rune are {', '.join(names)}"
-    raise RobotFileError(name_or_path, [problem + hint])
+    advice = f"; give the path of a robot file, or the name of a shipped one: {', '.join(names)}"
+    raise RobotFileError(name_or_path, [f"there is no such file{hint or advice}"])
 
 
 def read_description(

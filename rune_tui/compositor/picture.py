@@ -45,7 +45,7 @@ def save(cells: Cells, path: Path) -> None:
         else:
             path.write_text(svg(cells) if suffix == ".svg" else plain_text(cells), "utf-8")
     except OSError as error:
-        text = f"{path}: cannot write the picture ({error.strerror or error}); choose another place"
+        text = f"{path} cannot be written: {error.strerror or error}; choose another place"
         raise PictureFileError(text) from error
 
 

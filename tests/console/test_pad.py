@@ -136,7 +136,11 @@ def nothing_plugged_in(monkeypatch: pytest.MonkeyPatch) -> None:
         ),
         (["127.0.0.1", "--device", "1"], ExitCode.USAGE, "there is no joystick 1"),
         (["ipc:///nobody/there"], ExitCode.NO_HUB, "no hub answers at ipc:///nobody/there"),
-        (["ipc:///nobody/there"], ExitCode.NO_HUB, "is the robot to be reached with --ssh USER@"),
+        (
+            ["ipc:///nobody/there"],
+            ExitCode.NO_HUB,
+            "to reach the robot through ssh, add --ssh USER@",
+        ),
     ],
 )
 def test_what_cannot_be_done_is_said_in_one_sentence(
@@ -171,7 +175,7 @@ def test_where_no_gateway_is_the_key_is_named_as_one_of_the_reasons(
     assert main(["pad", "ipc:///nobody/there", "--keys", str(key)]) == ExitCode.NO_HUB
     said = capsys.readouterr().err
     assert f"to the key in {key}; is that its gateway's port" in said
-    assert "with --ssh USER@HOST?" in said
+    assert "through ssh, add --ssh USER@HOST" in said
 
 
 def test_a_hub_that_does_not_answer_behind_ssh_is_named_as_the_robot_knows_it(

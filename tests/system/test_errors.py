@@ -40,6 +40,43 @@ def test_unknown_option_of_rune_gets_a_hint() -> None:
     assert said == "rune shot: '--siez' is no option here; did you mean --size?\n"
 
 
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ("run nowhere.toml", "no such file; give the path of a robot file, or the name of a shi"),
+        ("run magelan", "there is no such file; did you mean 'magellan'?"),
+        (
+            "log-level verbose",
+            "it has to be one of debug, info, warning, error; rune-hub log-level",
+        ),
+        ("completion fish", "it has to be one of bash, zsh, tcsh; rune-hub completion --help says"),
+        ("list --hub 127.0.0.1:1 --keys nowhere.toml", "it is not there; copy it again from the"),
+        ("mission export --folder /nowhere", "there is no mission here; `rune-hub mission list`"),
+    ],
+)
+def test_wrong_usage_of_rune_hub_is_one_sentence_with_advice(arguments: str, said: str) -> None:
+    complained = complaint(rune_hub(*arguments.split()), 2)
+    assert said in complained
+    assert len(complained.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ("terminal", "this needs a terminal; without one, there is nothing to ask"),
+        ("joytest", "this needs a terminal; without one, `rune joytest --list` lists what"),
+        (
+            "shot minimal --offline --seconds 0 --hub 127.0.0.1:1 -o /nowhere/x.png",
+            "rune: /nowhere/x.png cannot be written: No such file or directory; choose another",
+        ),
+    ],
+)
+def test_wrong_usage_of_rune_is_one_sentence_with_advice(arguments: str, said: str) -> None:
+    complained = complaint(run("rune_tui", *arguments.split()), 2)
+    assert said in complained
+    assert len(complained.splitlines()) == 1
+
+
 def test_missing_layout() -> None:
     said = complaint(run("rune_tui", "check", "/nowhere/layout.xml"), 2)
     assert "/nowhere/layout.xml" in said

@@ -147,7 +147,7 @@ def test_folder_that_others_can_look_into_is_refused(keyring: Keyring) -> None:
 @pytest.mark.parametrize(
     ("damage", "said"),
     [
-        (lambda text: text[: len(text) // 2], "anew|keys make"),
+        (lambda text: text[: len(text) // 2], "make a new|keys make"),
         (lambda text: text.replace('public = "', 'public = "~'), "40 characters"),
         (lambda text: text.replace("public", "publik"), "did you mean 'public'"),
         (lambda text: text + "\x00", "not TOML"),
@@ -163,7 +163,7 @@ def test_damaged_file_is_refused_with_its_name_and_what_to_do(
     with pytest.raises(KeyFileError, match=said) as caught:
         _read_all(keyring)
     assert name in str(caught.value)
-    assert "anew" in str(caught.value)
+    assert "make a new" in str(caught.value)
 
 
 def test_halves_of_two_key_pairs_are_refused(keyring: Keyring) -> None:
@@ -189,7 +189,7 @@ def test_damaged_list_lets_nobody_in_until_it_is_mended(keyring: Keyring) -> Non
     whole = path.read_text()
     path.write_text("[")
     for _ in range(2):
-        with pytest.raises(KeyFileError, match="anew"):
+        with pytest.raises(KeyFileError, match="make a new key"):
             keyring.holder(public)
     path.write_text(whole)
     assert keyring.holder(public) is not None
