@@ -486,6 +486,7 @@ class Console(CoveredApp, inherit_bindings=False):
             clock=time.strftime("%H:%M:%S"),
             held=self._keyboard.held,
             must_release=self._keyboard.must_release,
+            tap_first=self._keyboard.tap_first,
             hold_s=self._keyboard.hold_s,
             robots={name: link.state for name, link in self._links.items()},
             display=self._painter.display(time.monotonic()),

@@ -144,6 +144,11 @@ class KeyboardHold:
         """Keys that must be released before a key drives."""
         return self._guard.waited_for
 
+    @property
+    def tap_first(self) -> bool:
+        """Whether a key that is held cannot drive before it was tapped: it repeats too soon."""
+        return self._guard.hasty
+
     def press(
         self,
         key: str,

@@ -58,6 +58,8 @@ PROOF_S: Final = 0.15
 """A key that is down repeats within this time [s]; a press repeats after 0.2 s or more."""
 SLOW_PROOF_S: Final = 0.45
 """The same where the line may hold a key back for up to 0.3 s [s]."""
+_SLOWEST_REPEAT_S: Final = 0.15
+"""A key that was pressed just now repeats later than this, one that was held sooner [s]."""
 _SETTLED_S: Final = 0.02
 """The time from reading a key to handling it, at most [s]."""
 _ANSWERS_KEPT: Final = 8
@@ -153,11 +155,13 @@ class ReleaseGuard:
     Attributes:
         state: Where it is in the table.
         answers: Whether the terminal itself answers questions, so that quiet can be proven.
+        hasty: Whether the last press repeated before it was proven: only a tap can be.
     """
 
     def __init__(self) -> None:
         self.state = GuardState.FREE
         self.answers = False
+        self.hasty = False
         self._down: set[str] = set()
         """Keys that are down as the terminal reports."""
         self._told: set[str] = set()
@@ -219,6 +223,8 @@ class ReleaseGuard:
             key: Its name.
             read: When it was read [s].
         """
+        again = self.state is GuardState.PROVING and key == self._candidate
+        self.hasty = self.hasty or (again and read - self._last > _SLOWEST_REPEAT_S)
         self.saw(key, read)
         action = self._follow(GuardEvent.KEY)
         if action is GuardAction.HOLD_BACK:
@@ -271,6 +277,7 @@ class ReleaseGuard:
         self._timed.clear()
         self._told.clear()
         self.state = GuardState.FREE
+        self.hasty = False
 
     def heard(self, now: float, asked: float) -> None:
         """The terminal answered.
@@ -299,6 +306,7 @@ class ReleaseGuard:
         if self.state is not GuardState.WAITING:
             self._told.clear()
             self._timed.clear()
+        self.hasty = self.hasty and self.state is not GuardState.FREE
         return action
 
     def _last_or(self, last: GuardEvent, other: GuardEvent) -> GuardEvent:

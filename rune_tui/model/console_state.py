@@ -106,6 +106,7 @@ class ConsoleState:
         now: The console's monotonic clock [s].
         held: Keys that count as held down, in the order they were pressed.
         must_release: Keys that must be released before a key drives.
+        tap_first: Whether those drive only when they are tapped once, and then held.
         hold_s: How long a key that repeats counts as held where no release is told [s].
         releases_told: Whether the terminal tells when keys go up.
         run_number: The layout's run number.
@@ -144,6 +145,7 @@ class ConsoleState:
     now: float
     held: tuple[str, ...] = ()
     must_release: tuple[str, ...] = ()
+    tap_first: bool = False
     hold_s: float = 0.6
     releases_told: bool = False
     run_number: int = 0

@@ -292,7 +292,9 @@ def _recording(state: ConsoleState) -> Iterator[Part]:
 
 def _held(state: ConsoleState) -> Iterator[Part]:
     if state.must_release:
-        yield Part(f"LET GO OF {' '.join(state.must_release)} FIRST", 8, Mood.WARNING)
+        keys = " ".join(state.must_release)
+        text = f"LET GO OF {keys}, TAP, THEN HOLD" if state.tap_first else f"LET GO OF {keys} FIRST"
+        yield Part(text, 8, Mood.WARNING)
     if state.held:
         yield Part(f"keys {' '.join(state.held)}", 1)
 

@@ -89,3 +89,38 @@ def test_one_gap_in_the_repeats_of_a_key_that_is_held_through_a_stop_drives_noth
         for number in range(40):
             keyboard.press("w", now + number * 0.033)
             assert keyboard.held == (), f"drives {gap} s after a gap"
+
+
+def held(keyboard: KeyboardHold, since: float, until: float, delay: float) -> bool:
+    """Hold a key, and leave it alone then; whether it drove in the end."""
+    drove = False
+    count = int((until - since - delay) / 0.03)
+    for when in (since, *(since + delay + 0.03 * number for number in range(count))):
+        keyboard.press("w", when, read=when)
+        drove = bool(keyboard.held)
+    return drove
+
+
+def test_a_keyboard_that_repeats_before_a_press_is_proven_has_its_keys_tapped_first() -> None:
+    keyboard = KeyboardHold()
+    keyboard.press("w", 0.0)
+    keyboard.stop({"w"}, 0.1)
+    keyboard.expire(2.0)
+    assert not held(keyboard, 2.0, 4.0, delay=0.25)
+    assert keyboard.must_release == ("w",)
+    assert keyboard.tap_first
+    keyboard.expire(6.0)
+    keyboard.press("w", 6.0)
+    keyboard.expire(7.0)
+    assert not keyboard.tap_first
+    assert held(keyboard, 8.0, 9.0, delay=0.25)
+
+
+def test_a_key_that_never_went_up_need_not_be_tapped() -> None:
+    keyboard = KeyboardHold()
+    keyboard.press("w", 0.0)
+    keyboard.stop({"w"}, 0.1)
+    assert not held(keyboard, 0.2, 4.0, delay=0.25)
+    keyboard.expire(6.0)
+    assert not held(keyboard, 6.0, 8.0, delay=0.03)
+    assert not keyboard.tap_first

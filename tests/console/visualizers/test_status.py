@@ -336,6 +336,8 @@ def test_keys_that_must_go_up_first_are_named(made) -> None:
     state = ConsoleState(now=made.now, must_release=("w", "d"))
     parts = {part.text: part for part in status_parts(made.robot(), state)}
     assert parts["LET GO OF w d FIRST"].mood is Mood.WARNING
+    hasty = ConsoleState(now=made.now, must_release=("w",), tap_first=True)
+    assert "LET GO OF w, TAP, THEN HOLD" in {p.text for p in status_parts(made.robot(), hasty)}
 
 
 def test_what_a_pad_lacks_takes_no_room_from_what_matters_more(made) -> None:
