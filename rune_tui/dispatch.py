@@ -24,9 +24,11 @@ from rune_tui.model.effects import (
     ExportEffect,
     LimitSpeed,
     MissionEffect,
+    PaletteEffect,
     QuitEffect,
     ReleaseFirst,
     SendEffect,
+    SuspendEffect,
     Tell,
     ToggleHelp,
     ToggleLog,
@@ -86,7 +88,8 @@ class Dispatch:
     What only the operator may send who has control is not sent while somebody else has it; what
     drives a free robot takes control of it. When control changes, what is held counts no more.
 
-    While a page covers the view, only the keys of the stop, the page and the quit count. Of keys
+    While a page covers the view, only the keys of the stop, the page, the quit, the list of actions
+    and the way back to the shell count. Of keys
     that may have been typed while the console was away, those of stop, help and quit count.
 
     The caller executes the effects in order. Before it ends, and whenever it can no longer see
@@ -153,7 +156,7 @@ class Dispatch:
         if state.paged:
             return self._paged(event, listeners, state)
         if fresh and event.name not in self._by_input:
-            own = own_effect(event.name, paged=False)
+            own = own_effect(event.name)
             return () if own is None else (own,)
         return self._woken(event, listeners, state)
 
@@ -181,11 +184,14 @@ class Dispatch:
             page = turned(state.page, event.name, state.rows)
         if page != state.page:
             return (TurnPage(page=page), *stopping)
+        own = None if event.name in self._by_input else own_effect(event.name)
+        close = ToggleHelp() if state.help else ToggleLog()
+        if not event.repeat and isinstance(own, PaletteEffect | SuspendEffect):
+            return (close, own) if isinstance(own, PaletteEffect) else (own,)
         if event.repeat or state.page.typing:
             return stopping
         if event.name == _CLOSE:
-            return (ToggleHelp() if state.help else ToggleLog(), *stopping)
-        own = None if event.name in self._by_input else own_effect(event.name, paged=True)
+            return (close, *stopping)
         return self._woken(event, safe, state) if own is None else (own,)
 
     def _answered(
@@ -211,7 +217,7 @@ class Dispatch:
         safe = [each for each in waiting if each.widget.rule.under_help]
         if safe:
             return self._woken(event, safe, state)
-        meant = waiting or own_effect(event.name, paged=False) is not None
+        meant = waiting or own_effect(event.name) is not None
         text = _CLICKED_TO_FOCUS if event.name.startswith(MOUSE) else _TYPED_WHILE_AWAY
         return (Tell.now(state, text),) if meant and not event.repeat else ()
 

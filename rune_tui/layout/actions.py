@@ -27,6 +27,7 @@ class Action:
 
     Attributes:
         words: What they do.
+        help: The same at length.
         inputs: Which they are, in words.
         robot: Whom it concerns; empty for the console itself.
         event: The first of their events, as the layout has it.
@@ -37,6 +38,7 @@ class Action:
     """
 
     words: str
+    help: str
     inputs: tuple[str, ...]
     robot: str
     event: EventSpec
@@ -54,6 +56,7 @@ def actions_of(layout: LayoutSpec) -> tuple[Action, ...]:
         inputs = tuple(dict.fromkeys((*known.inputs, *action.inputs)))
         merged[key] = Action(
             words=known.words,
+            help=known.help,
             inputs=inputs,
             robot=known.robot,
             event=known.event,
@@ -89,6 +92,7 @@ def _single_actions(layout: LayoutSpec) -> Iterator[Action]:
                 for said, moved in ways(event, layout.joysticks, where):
                     yield Action(
                         words=_words(widget, moved, rule),
+                        help=rule.meaning,
                         inputs=(said,),
                         robot=owner if rule.needs_robot else "",
                         event=event,

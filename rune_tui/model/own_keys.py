@@ -38,13 +38,11 @@ OWN_KEYS = (
         section=Section.SESSION,
     ),
 )
-_PAGES = (ToggleHelp(), ToggleLog())
 
 
-def own_effect(key: str, *, paged: bool) -> Effect | None:
-    """What a key does that a layout binds to nothing; under a page those of pages alone."""
-    found = next((each.effect for each in OWN_KEYS if each.key == key), None)
-    return None if paged and found not in _PAGES else found
+def own_effect(key: str) -> Effect | None:
+    """What a key does that a layout binds to nothing."""
+    return next((each.effect for each in OWN_KEYS if each.key == key), None)
 
 
 def unbound(bound: Iterable[str]) -> Iterator[OwnKey]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from functools import partial
 
@@ -38,11 +39,39 @@ def palette_of(actions: Sequence[Action], act: Act) -> CommandPalette:
             """Those that match what is typed, with how well they do."""
             matcher = self.matcher(query)
             for title, action in listed.items():
-                if (score := matcher.match(title)) > 0.0:
+                if (
+                    score := match(query, title, action.help) or min(matcher.match(title), 1.0)
+                ) > 0:
                     marked = matcher.highlight(title)
                     yield Hit(score, marked, partial(act, action), title, _inputs(action))
 
     return CommandPalette([Actions], placeholder="What shall be done?")
+
+
+def match(query: str, title: str, more: str) -> float:
+    """How well words match an action: from 2 on; 0 if only letters here and there may.
+
+    Args:
+        query: What was typed.
+        title: What the action is called.
+        more: What it does, at length.
+    """
+    wanted, called = query.casefold().split(), title.casefold()
+    if not wanted:
+        return 0.0
+    ranks = (
+        called.startswith(" ".join(wanted)),
+        _begins_words(wanted, called),
+        all(word in called for word in wanted),
+        _begins_words(wanted, more.casefold()),
+    )
+    return next((5.0 - rank for rank, fits in enumerate(ranks) if fits), 0.0)
+
+
+def _begins_words(wanted: Sequence[str], text: str) -> bool:
+    """Whether each of some words begins a word of a text."""
+    words = re.findall(r"\w+", text)
+    return all(any(word.startswith(begin) for word in words) for begin in wanted)
 
 
 def choices(actions: Sequence[Action]) -> dict[str, Action]:

@@ -86,7 +86,7 @@ class Autonomy(OrderWidget):
                 choices=tuple(_ORDERS),
                 words={
                     "explore": "Explore by itself",
-                    "return": "Return to the start by itself",
+                    "return": "Go back to the start by itself",
                     "hold": "Do nothing by itself",
                     "wander": "Wander by itself",
                 },

@@ -30,6 +30,7 @@ from rune_tui.model.effects import (
     SuspendEffect,
     Tell,
     ToggleHelp,
+    ToggleLog,
 )
 from rune_tui.model.page import Page
 from rune_tui.model.robot_state import LinkPhase, LinkState, Received
@@ -349,11 +350,17 @@ def test_the_question_mark_opens_and_closes_the_help_and_escape_closes_it():
     assert dispatch.handle(held, HELPED) == ()
 
 
-def test_the_palette_opens_but_not_over_the_help():
+def test_the_list_opens_and_the_shell_comes_back_also_from_a_page():
     dispatch = Dispatch(DEMO)
     assert dispatch.handle(down("ctrl+p"), at(0.0)) == (PaletteEffect(),)
     assert dispatch.handle(down("ctrl+z"), at(0.0)) == (SuspendEffect(),)
-    assert dispatch.handle(down("ctrl+p"), HELPED) == ()
+    logged = ConsoleState(now=0.0, log=True)
+    searching = dataclasses.replace(HELPED, page=Page(typing=True))
+    for state, page in ((HELPED, ToggleHelp()), (logged, ToggleLog()), (searching, ToggleHelp())):
+        assert dispatch.handle(down("ctrl+p"), state) == (page, PaletteEffect())
+        assert dispatch.handle(down("ctrl+z"), state) == (SuspendEffect(),)
+        held = ControlEvent(name="ctrl+p", pressed=True, repeat=True)
+        assert dispatch.handle(held, state) == ()
 
 
 def test_keys_that_the_layout_binds_are_the_layouts(tmp_path: Path):

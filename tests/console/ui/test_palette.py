@@ -8,7 +8,7 @@ import pytest
 
 from rune_tui.layout.actions import actions_of
 from rune_tui.opening import open_layout
-from rune_tui.ui.palette import choices
+from rune_tui.ui.palette import choices, match
 
 LAYOUTS = sorted((Path(__file__).parents[3] / "layouts").glob("*.xml"))
 
@@ -24,6 +24,33 @@ def test_a_careless_enter_neither_ends_the_console_nor_commands_a_robot(path: Pa
     if "Quit" in titles and len(titles) > 1:
         assert titles[-1] == "Quit"
     assert len(titles) == 1 or titles[0] == "This help" or titles[0].endswith("Stop")
+
+
+def found(query: str) -> list[str]:
+    """What the list of `search` has for some words, the best first."""
+    listed = choices(actions_of(open_layout(LAYOUTS[0].with_name("search.xml"))))
+    scores = {title: match(query, title, action.help) for title, action in listed.items()}
+    return sorted((title for title, score in scores.items() if score), key=lambda t: -scores[t])
+
+
+@pytest.mark.parametrize(
+    ("query", "first"),
+    [
+        ("st", "Stop"),
+        ("mark", "Take back your newest mark"),
+        ("sp li up", "Speed limit up"),
+        ("pan", "Look left"),
+        ("mode", "Night mode on or off"),
+    ],
+)
+def test_words_of_the_title_come_before_words_of_the_help(query: str, first: str):
+    titles = found(query)
+    assert titles[0] == first, titles
+
+
+def test_letters_of_other_words_are_no_match():
+    assert "Night mode on or off" not in found("go")
+    assert found("") == []
 
 
 def test_titles_are_plain_words_with_the_robot_where_there_are_several():
