@@ -69,7 +69,7 @@ def track_of(folder: MissionFolder, mission: str) -> list[dict[str, Any]]:
 def _contents(folder: MissionFolder, mission: str, book: MissionBook) -> list[tuple[str, bytes]]:
     marks = marks_of(book)
     contents = [("marks.csv", _marks_table(marks)), ("events.csv", _events_table(book))]
-    for sheet in range(1, book.sheet + 1):
+    for sheet in sorted({book.sheet, *(on for on, _ in marks), *folder.sheets(mission)}):
         points = tuple(point for on, point in marks if on == sheet)
         contents.append((f"sheet-{sheet}.geojson", point_file.encode_points(points)))
         grid = folder.grid(mission, sheet)

@@ -21,6 +21,7 @@ from hub.missions.book import MissionBook
 from hub.missions.records import Begun
 
 _ID = re.compile(r"[0-9]{8}-[0-9]{6}(-[0-9]{1,3})?")
+_SHEET = re.compile(r"sheet-([0-9]{1,10})\.grid")
 _MOST_AT_ONCE = 100
 
 
@@ -220,6 +221,13 @@ class MissionFolder:
             return log_odds.decode(files.read(path, log_odds.MAX_BYTES))
         except MapFileError as error:
             raise MissionFileError(str(error)) from error
+
+    def sheets(self, mission: str) -> set[int]:
+        """Numbers of the sheets whose map was saved."""
+        with contextlib.suppress(OSError):
+            names = (_SHEET.fullmatch(entry.name) for entry in (self.path / mission).iterdir())
+            return {int(name[1]) for name in names if name}
+        return set()
 
     def size(self, mission: str) -> int:
         """All files of a mission together [bytes]."""

@@ -141,12 +141,12 @@ def _length(value: object) -> float:
 def _text(properties: dict[str, Any], name: str, longest: int) -> str:
     """A text that can also be sent; empty if there is none."""
     text = properties.get(name, "")
-    if not isinstance(text, str) or len(text) > longest or "\0" in text or _half(text):
+    if not isinstance(text, str) or len(text) > longest or "\0" in text or has_half(text):
         _refuse(f"have {name!r} that is no text of at most {longest} characters")
     return text
 
 
-def _half(text: str) -> bool:
+def has_half(text: str) -> bool:
     """Whether half of a surrogate pair is in it, which no UTF-8 can say."""
     return any("\ud800" <= character <= "\udfff" for character in text)
 

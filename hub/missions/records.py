@@ -10,6 +10,7 @@ from typing import Any
 from hub.errors import MapFileError, MissionFileError
 from hub.gcm.mapping import InterestPoint
 from hub.missions import point_file
+from hub.missions.point_file import has_half
 from hub.missions.points import MAX_NUMBER, NO_THUMBNAIL
 
 MAX_NAME = 64
@@ -213,7 +214,7 @@ _READERS: dict[str, Callable[[dict[str, Any]], Record]] = {
 
 def _text(values: dict[str, Any], key: str, longest: int = MAX_NAME) -> str:
     text = values.get(key)
-    if not isinstance(text, str) or len(text) > longest or "\0" in text:
+    if not isinstance(text, str) or len(text) > longest or "\0" in text or has_half(text):
         reason = f"the journal has {key!r} that is no text of at most {longest} characters"
         raise MissionFileError(reason)
     return text

@@ -13,9 +13,13 @@ from PIL import Image
 from hub.cli import _parser, _run_command
 from hub.errors import MissionError
 from hub.gcm.mapping import InterestPoint, PointKind
+from hub.missions.export import export
 from hub.missions.folder import MissionFolder
+from hub.missions.journal import encode
 from hub.missions.keeper import MissionKeeper, MissionLimits
 from hub.missions.log_odds import LogOdds
+from hub.missions.points import MAX_NUMBER
+from hub.missions.records import SheetBegun, to_json
 
 
 def main(arguments: list[str]) -> int:
@@ -125,3 +129,24 @@ def test_a_mission_is_exported_as_files_that_others_read(root: Path, tmp_path: P
     # What is there is not overwritten.
     with pytest.raises(MissionError, match="not empty"):
         main(["mission", "export", "--folder", str(root), "-o", str(target)])
+
+
+def test_a_journal_with_any_number_of_a_sheet_is_exported(tmp_path: Path) -> None:
+    root = tmp_path / "kept"
+    name = mission(root, "rover", 1.6e9, ended=False)
+    folder = MissionFolder(root, "rover")
+    begun = SheetBegun(number=MAX_NUMBER, frame=1, carries=True, why="?", stamp=1.6e9)
+    with folder.journal_of(name).open("ab") as file:
+        file.write(encode(to_json(begun)))
+    written = export(folder, name, tmp_path / "out")
+    assert f"sheet-{MAX_NUMBER}.geojson" in {path.name for path in written}
+    assert len(written) < 20
+
+
+def test_half_of_a_letter_in_a_journal_is_a_record_that_cannot_be_read(tmp_path: Path) -> None:
+    name = mission(tmp_path, "rover", 1.6e9, ended=False)
+    folder = MissionFolder(tmp_path, "rover")
+    with folder.journal_of(name).open("ab") as file:
+        file.write(encode({"is": "named", "name": "\ud800", "by": "Eve", "stamp": 1.6e9}))
+    book, _ = folder.read(name)
+    assert (book.name, book.unreadable) == ("search of rover", 1)
