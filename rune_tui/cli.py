@@ -103,6 +103,8 @@ def _demo(options: argparse.Namespace) -> int:
 
     _need_screen([options.layout], options.set)
     log = _log_to_file()
+    sys.stderr.write("rune: starting a simulated robot and the console; this takes some seconds\n")
+    sys.stderr.flush()
     with ExitStack() as stack:
         settings = [f"simulation.arena={_arena(options.arena)}"] if options.arena else []
         hubs = [stack.enter_context(DemoHub(_DEMO_ROBOT, log.path, settings))]

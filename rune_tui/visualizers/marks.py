@@ -18,15 +18,16 @@ from rune_tui.visualizers.reading import Reading
 from rune_tui.visualizers.rows import NARROW, Row, fitting_form, tabled, write_rows
 
 _Cells = tuple[str, ...]
-_WEIGHTS = (9, 8, 7, 5, 2, 4, 3, 6)
+_WEIGHTS = (9, 8, 8, 7, 5, 2, 4, 3, 6)
+_UNKEPT = "NOT KEPT"
 
 
 class Marks(Reading[InterestPoints, tuple[str, tuple[_Cells, ...]]]):
     """How many there are of each kind, then all that is known of each.
 
-    That is: number, kind, place, how far off it may be, from how far away it was seen, when, who,
-    note. The newest is at the top, so that it is seen where there is no room for all. Where room is
-    short a kind is a letter.
+    That is: number, kind, whether it is not on the robot's disk, place, how far off it may be, from
+    how far away it was seen, when, who, note. The newest is at the top, so that it is seen where
+    there is no room for all. Where room is short a kind is a letter, and what is not kept a sign.
     """
 
     rule: ClassVar = VisualizerRule(
@@ -49,10 +50,16 @@ class Marks(Reading[InterestPoints, tuple[str, tuple[_Cells, ...]]]):
         """The head line where there are two rows, and the list."""
         head, marks = reading
         if canvas.width < NARROW:
-            marks = tuple((number, kind[0].upper(), *rest) for number, kind, *rest in marks)
-        rows = [Row(line) for line in tabled(marks, _WEIGHTS, canvas.width)]
+            marks = tuple(
+                (number, kind[0].upper(), "!" if unkept else "", *rest)
+                for number, kind, unkept, *rest in marks
+            )
+        lines = tabled(marks, _WEIGHTS, canvas.width)
+        moods = (Mood.WARNING if unkept else Mood.PLAIN for _, _, unkept, *_ in marks)
+        rows = [Row(line, mood) for line, mood in zip(lines, moods, strict=True)]
         if canvas.rows > 1 or not rows:
-            rows.insert(0, Row(fitting_form(canvas.width, head, _short(head)), Mood.FAINT))
+            mood = Mood.WARNING if _UNKEPT in head else Mood.FAINT
+            rows.insert(0, Row(fitting_form(canvas.width, head, _short(head)), mood))
         write_rows(canvas, rows, theme)
 
 
@@ -60,15 +67,21 @@ def _head(value: InterestPoints) -> str:
     if not value.points:
         return "nothing marked yet"
     counts = Counter(point.kind for point in value.points)
-    return ", ".join(
+    words = [
         f"{count} {kind.name.lower()}{'s' if count > 1 else ''}"
         for kind, count in sorted(counts.items())
-    )
+    ]
+    unkept = sum(not point.kept for point in value.points)
+    # First, as it stays where room is short.
+    return ", ".join([f"{unkept} {_UNKEPT}", *words] if unkept else words)
 
 
 def _short(head: str) -> str:
-    """Such as "2 v, 1 l"."""
-    return ", ".join(part[: part.find(" ") + 2] for part in head.split(", "))
+    """Such as "1 NOT KEPT, 2 v, 1 l"."""
+    parts = head.split(", ")
+    return ", ".join(
+        part if part.endswith(_UNKEPT) else part[: part.find(" ") + 2] for part in parts
+    )
 
 
 def _cells(point: InterestPoint) -> _Cells:
@@ -76,6 +89,7 @@ def _cells(point: InterestPoint) -> _Cells:
     return (
         f"{point.number:>2}",
         point.kind.name.lower(),
+        "" if point.kept else _UNKEPT,
         f"{point.x:.2f}, {point.y:.2f}",
         f"±{off} m" if off else "",
         f"from {away} m" if away else "",

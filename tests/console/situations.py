@@ -111,6 +111,7 @@ def _mark(number: int, kind: PointKind, x: float, y: float, note: str) -> Intere
         y=y,
         stamp=0.0,
         by="ada",
+        kept=1,
         note=note,
         thumbnail=np.zeros(0, np.uint8),
         uncertainty=0.12,

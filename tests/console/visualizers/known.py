@@ -26,7 +26,7 @@ NO_PICTURE = np.zeros(0, np.uint8)
 
 def point(number: int, kind: PointKind = PointKind.VICTIM, **changes: Any) -> InterestPoint:
     """A mark at (2.3, -1.1) without a note."""
-    values: dict[str, Any] = {"x": 2.3, "y": -1.1, "by": "anna", "thumbnail": NO_PICTURE}
+    values: dict[str, Any] = {"x": 2.3, "y": -1.1, "by": "anna", "thumbnail": NO_PICTURE, "kept": 1}
     return InterestPoint(number=number, kind=kind, **values | changes)
 
 

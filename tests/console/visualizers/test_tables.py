@@ -10,6 +10,7 @@ import pytest
 from hub.gcm.mapping import INTEREST_POINTS, PointKind
 from hub.gcm.supervision import CAPABILITY_REPORTS, MODULE_REPORTS, CapabilityPhase, ModulePhase
 from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.theme import DARK
 from tests.console.states import ABSENT, BROKEN, COMING
 from tests.console.visualizers.conftest import made_by, words
 from tests.console.visualizers.known import (
@@ -172,3 +173,17 @@ def test_a_capability_that_the_layout_wants_and_no_module_has_is_listed(listed) 
 def test_what_consoles_provide_is_not_called_missing(listed) -> None:
     value = capabilities(capability("CON_REAL", CapabilityPhase.UNAVAILABLE, wanted="rune"))
     assert listed("visualizeCapabilities", value) == ["the robot can do nothing"]
+
+
+@pytest.mark.parametrize(
+    ("width", "head"), [(90, "1 NOT KEPT, 2 victims"), (18, "1 NOT KEPT, 2 v")]
+)
+def test_a_mark_that_is_not_on_the_robots_disk_is_a_caution(made, draw, width, head) -> None:
+    told = made.received(points(point(1), point(2, kept=0)))
+    canvas = draw("visualizeMarks", made.robot(messages={INTEREST_POINTS.name: told}), (width, 8))
+    rows = words(canvas)
+    assert rows[0] == head
+    sign = "NOT KEPT" if width == 90 else " 2  V  !"
+    assert [sign in row for row in rows[1:3]] == [True, False]
+    inks = [tuple(canvas.ink[row, 1].tolist()) for row in range(3)]
+    assert [ink == DARK.warning for ink in inks] == [True, True, False]
