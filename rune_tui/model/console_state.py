@@ -135,8 +135,9 @@ class ConsoleState:
         pixel_height: Height of a pixel, half a cell of the terminal, over its width.
         inputs: Which input wakes a handler first, in words, by the handler and its robot.
         joysticks: All that is known of the layout's joysticks, by name.
-        unconfirmed: How many marks a widget has sent that no robot has confirmed, by the widget.
-        overdue: How many of those should be confirmed long ago, by the widget.
+        unconfirmed: How many marks a widget has sent that no robot has confirmed, by the widget and
+            the robot.
+        overdue: How many of those should be confirmed long ago, likewise.
         banner: The alarm that stands over everything; panes do not repeat it.
         ghosts: Marks that were pointed at and are not made yet, by robot.
         sent_off: When each robot was last sent somewhere from here [s], by robot.
@@ -173,8 +174,8 @@ class ConsoleState:
     pixel_height: float = 1.0
     inputs: Mapping[tuple[str, str], str] = field(default_factory=dict)
     joysticks: Mapping[str, JoystickState] = field(default_factory=dict)
-    unconfirmed: Mapping[int, int] = field(default_factory=dict)
-    overdue: Mapping[int, int] = field(default_factory=dict)
+    unconfirmed: Mapping[tuple[int, str], int] = field(default_factory=dict)
+    overdue: Mapping[tuple[int, str], int] = field(default_factory=dict)
     banner: Banner | None = None
     ghosts: Mapping[str, Ghost] = field(default_factory=dict)
     sent_off: Mapping[str, float] = field(default_factory=dict)
@@ -215,6 +216,14 @@ class ConsoleState:
     def speed_limit(self, robot: str) -> float:
         """With what share of its speed a robot, which may be `CHOSEN`, is driven, 0 to 1."""
         return self.speed_limits.get(self.chosen if robot == CHOSEN else robot, 1.0)
+
+    def unconfirmed_marks(self, robot: str) -> int:
+        """How many marks this robot has not confirmed."""
+        return sum(count for (_, whose), count in self.unconfirmed.items() if whose == robot)
+
+    def overdue_marks(self, robot: str) -> int:
+        """How many marks this robot should have confirmed long ago."""
+        return sum(count for (_, whose), count in self.overdue.items() if whose == robot)
 
     def input_of(self, handler: str, robot: str) -> str:
         """The input that wakes a handler for a robot, in words; empty if none does."""

@@ -140,7 +140,12 @@ def of_operators(robot: RobotState) -> Doing | None:
 def doing_of(robot: RobotState) -> Doing | None:
     """What the robot does by itself, else what it did last; None: nothing yet."""
     found = [doing for doing in (by_autonomy(robot), of_operators(robot)) if doing is not None]
-    return min(found, key=lambda doing: (not doing.under_way, doing.ended_s), default=None)
+    return min(found, key=_newest, default=None)
+
+
+def _newest(doing: Doing) -> tuple[bool, float]:
+    """What is under way comes first, then what ended last, however long ago it was heard of."""
+    return not doing.under_way, 0.0 if doing.under_way else doing.ended_s - doing.measured
 
 
 def _phase_of(said: NavigationStatus) -> Phase:

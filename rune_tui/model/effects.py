@@ -123,11 +123,13 @@ class MarksWaiting:
 
     Attributes:
         source: Which widget.
+        robot: To whom.
         count: How many.
         overdue: How many of them should be confirmed long ago.
     """
 
     source: int
+    robot: str
     count: int
     overdue: int
 
@@ -386,11 +388,11 @@ def changed(state: ConsoleState, effect: StateEffect) -> ConsoleState:
             return dataclasses.replace(state, zooms=_with(state.zooms, name, zoom))
         case WishPictures() | ToggleNight() | LimitSpeed() | ShowGhost():
             return _of_robot(state, effect)
-        case MarksWaiting(source=source, count=count, overdue=overdue):
+        case MarksWaiting(source=source, robot=name, count=count, overdue=overdue):
             return dataclasses.replace(
                 state,
-                unconfirmed=_with(state.unconfirmed, source, count),
-                overdue=_with(state.overdue, source, overdue),
+                unconfirmed=_with(state.unconfirmed, (source, name), count),
+                overdue=_with(state.overdue, (source, name), overdue),
             )
         case SetTheme(name=name):
             theme = THEMES.get(name or _next(state.theme.name, THEMES), state.theme)

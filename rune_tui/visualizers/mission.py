@@ -63,7 +63,7 @@ class Mission:
 
 def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     key = state.input_of("widgetMission", robot.name)
-    return tuple(_rows(mission_of(robot), sum(state.overdue.values()), key))
+    return tuple(_rows(mission_of(robot), state.overdue_marks(robot.name), key))
 
 
 def _rows(mission: MissionState | None, unconfirmed: int, key: str = "") -> Iterator[Part]:

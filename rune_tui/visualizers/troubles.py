@@ -13,6 +13,7 @@ from rune_tui.model.robot_state import LackKind, RobotState
 from rune_tui.visualizers.doing_words import SILENT_S, doing_parts
 from rune_tui.visualizers.mood import Mood, Part
 from rune_tui.visualizers.range_data import pressed_bumpers
+from rune_tui.visualizers.staleness import Staleness, staleness
 from rune_tui.visualizers.status_words import side_of, status_parts
 
 START_S: Final = 10.0
@@ -69,8 +70,9 @@ def is_in_banner(part: Part, robot: RobotState, state: ConsoleState) -> bool:
 
 def _more(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     """What the status line has no room for."""
-    if robot.navigation is not None:
-        navigation = robot.navigation.value
+    known = robot.navigation
+    if known is not None and staleness(known.age(state.now)) is not Staleness.STALE:
+        navigation = known.value
         sides = dict.fromkeys(map(side_of, pressed_bumpers(navigation)))
         if sides:
             yield Part(f"BUMPER PRESSED {' and '.join(sides)}", 8, Mood.ALARM)
@@ -79,8 +81,9 @@ def _more(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     mission = mission_of(robot)
     if mission is not None and mission.fault:
         yield Part(f"NOT KEPT: {mission.fault}", 8, Mood.ALARM)
-    if waiting := sum(state.overdue.values()):
-        yield Part(f"NOT CONFIRMED BY THE ROBOT: {waiting} marks", 8, Mood.ALARM)
+    if waiting := state.overdue_marks(robot.name):
+        marks = "1 mark" if waiting == 1 else f"{waiting} marks"
+        yield Part(f"NOT CONFIRMED BY THE ROBOT: {marks}", 8, Mood.ALARM)
     starts = state.now - robot.link.since < START_S
     for name, lack in sorted(robot.link.lacking.items()):
         if lack.kind is LackKind.BROKEN or (lack.kind is LackKind.COMING and not starts):

@@ -71,7 +71,7 @@ class Confirming:
         """
         self._words = words
         self._waiting: list[_Waiting] = []
-        self._told = (0, 0)
+        self._told: dict[str, tuple[int, int]] = {}
 
     def send(
         self, command: PointCommand, robot: RobotState, state: ConsoleState
@@ -94,11 +94,16 @@ class Confirming:
         """What became of the commands, and those that are sent again."""
         before, self._waiting = self._waiting, []
         effects = [effect for waiting in before for effect in self._look(waiting, state)]
-        now = len(self._waiting), sum(waiting.alarmed for waiting in self._waiting)
-        if now != self._told:
-            self._told = now
-            effects.append(MarksWaiting(source=id(self), count=now[0], overdue=now[1]))
-        return tuple(effects)
+        return (*effects, *self._counts())
+
+    def _counts(self) -> Iterator[MarksWaiting]:
+        """How many wait for each robot, where that has changed."""
+        for name in {waiting.robot for waiting in self._waiting} | self._told.keys():
+            alarmed = [waiting.alarmed for waiting in self._waiting if waiting.robot == name]
+            now = len(alarmed), sum(alarmed)
+            if now != self._told.get(name, (0, 0)):
+                yield MarksWaiting(source=id(self), robot=name, count=now[0], overdue=now[1])
+            self._told[name] = now
 
     def _look(self, waiting: _Waiting, state: ConsoleState) -> Iterator[Effect]:
         robot = state.robot(waiting.robot)

@@ -16,6 +16,7 @@ from hub.gcm.navigation import (
     Task,
 )
 from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.doing import doing_of
 from rune_tui.model.robot_state import RobotState
 from rune_tui.visualizers.doing_words import OTHERS_S, SHOWN_S, SILENT_S
 from rune_tui.visualizers.mood import Mood, Part
@@ -160,3 +161,13 @@ def test_the_pane_changes_with_its_words_and_its_age() -> None:
     assert pane.source(robot({}), STATE) == before
     assert pane.source(robot({"distance_m": 4.0}), STATE) != before
     assert pane.source(robot({}, age=60.0), STATE) != before
+
+
+def test_of_two_that_ended_the_later_one_is_told_however_long_ago_it_was_heard() -> None:
+    told = {
+        AUTONOMY_STATE.name: received(known.autonomy(phase=Phase.DONE, ended_s=1.0), 60.0),
+        NAVIGATION_STATUS.name: received(navigation(task=Task.REACHED, ended_s=5.0), 0.1),
+    }
+    doing = doing_of(Made().robot(messages=told))
+    assert doing is not None
+    assert doing.deed == "going"

@@ -13,7 +13,7 @@ from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.display_state import DisplayState
 from rune_tui.model.robot_state import LinkPhase, PictureFlow
 from rune_tui.model.theme import DARK, LIGHT
-from rune_tui.visualizers.troubles import START_S
+from rune_tui.visualizers.troubles import START_S, troubles
 from tests.console.states import ABSENT, BROKEN, COMING
 from tests.console.visualizers.conftest import NOW, made_by, words
 
@@ -196,6 +196,16 @@ def test_nothing_wrong_is_told_quietly(made, draw, alarms) -> None:
 )
 def test_every_trouble_is_told_in_words_with_its_sign(alarms, changes, text) -> None:
     assert alarms(**changes) == [text]
+
+
+def test_what_a_bumper_said_long_ago_is_no_alarm_now(alarms) -> None:
+    assert alarms(age=9.0, bumpers=0b11, assistance=Assistance.OFF) == ["!! STATE 9.0 s OLD"]
+
+
+def test_marks_that_another_robot_does_not_confirm_are_its_own_trouble(made) -> None:
+    state = ConsoleState(now=NOW, overdue={(1, "magellan"): 1, (2, "blimp"): 2})
+    texts = [part.text for part in troubles(made.robot(), state)]
+    assert texts == ["NOT CONFIRMED BY THE ROBOT: 1 mark"]
 
 
 def test_a_lost_link_and_a_wanted_capability_that_is_missing_are_told(made, alarms) -> None:

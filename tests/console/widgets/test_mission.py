@@ -107,7 +107,10 @@ def test_the_key_names_a_mission_that_runs_and_asks_before_it_ends_it() -> None:
 
 
 def test_ending_says_what_is_not_confirmed() -> None:
-    assert "2 marks are NOT CONFIRMED" in asked("end", RUNS, unconfirmed={1: 2}).asked
+    assert (
+        "2 marks are NOT CONFIRMED"
+        in asked("end", RUNS, unconfirmed={(1, "magellan"): 2, (1, "blimp"): 3}).asked
+    )
 
 
 def test_which_key_begins_another_mission_is_said() -> None:
