@@ -31,9 +31,10 @@ from rune_tui.visualizers.camera_image import CameraImage
 from rune_tui.visualizers.event_log import EventLog
 from rune_tui.visualizers.label import Label
 from rune_tui.visualizers.notice import write_notice
+from rune_tui.visualizers.range_data import RangeData
 from rune_tui.visualizers.title import draw_title, with_title
 from rune_tui.visualizers.troubles import TOLD_S, banner_of
-from rune_tui.visualizers.visualizer import Locating, Picturing, Visualizer
+from rune_tui.visualizers.visualizer import Locating, Overlaying, Picturing, Visualizer
 
 _logger = logging.getLogger(__name__)
 
@@ -65,6 +66,7 @@ class _Pane:
     fine: bool = False
     rests_until: float = -math.inf
     layer: Layer | None = None
+    over: Layer | None = None
     titled: tuple[str, Layer] | None = None
     source: Hashable = None
     drawn_of: RobotState | None = None
@@ -78,7 +80,7 @@ class _Pane:
     def refresh(self, state: ConsoleState) -> bool:
         """Draw again if that would show something else; whether it did."""
         if not self.visible(state):
-            gone, self.layer = self.layer is not None, None
+            gone, self.layer, self.over = self.layer is not None, None, None
             return gone
         robot = self.robot(state)
         if robot is None or (self.layer is not None and state.now < self.rests_until):
@@ -88,7 +90,7 @@ class _Pane:
             source = self.visualizer.source(robot, state)
             if self.layer is not None and source == self.source:
                 return False
-            canvas = self._drawn(robot, state)
+            canvas, over = self._drawn(robot, state), self._drawn_over(robot, state)
             self.failed = False
         except Exception:  # a fault in one picture must not take the others from the operator
             if self.failed:
@@ -96,7 +98,8 @@ class _Pane:
             self.failed = True
             function = self.spec.visualizer.function if self.spec.visualizer else ""
             _logger.exception("viewport %s: %s failed", self.spec.name, function)
-            source, canvas = object(), Canvas.blank(self.place.width, self.place.height)
+            source, over = object(), None
+            canvas = Canvas.blank(self.place.width, self.place.height)
             write_notice(canvas, f"{function} failed; the log says why", state.theme)
         self._rest_after(self.spent() - began, canvas, state)
         self.source = source
@@ -109,6 +112,7 @@ class _Pane:
             transparency=self.how.transparency,
             urgency=getattr(self.visualizer, "urgency", Urgency.OTHER),
         )
+        self.over = None if over is None else dataclasses.replace(self.layer, canvas=over)
         return True
 
     def _rest_after(self, took: float, canvas: Canvas, state: ConsoleState) -> None:
@@ -169,6 +173,14 @@ class _Pane:
         canvas = Canvas.blank(self.place.width, self.place.height, fine=self.fine)
         self.visualizer.draw(canvas, robot, state)
         return canvas
+
+    def _drawn_over(self, robot: RobotState, state: ConsoleState) -> Canvas | None:
+        """What the ranges over it must not cover; None if there is nothing."""
+        if not isinstance(self.visualizer, Overlaying):
+            return None
+        canvas = Canvas.blank(self.place.width, self.place.height)
+        self.visualizer.draw_over(canvas, robot, state)
+        return canvas if canvas.glyphs.any() or canvas.pixels.any() else None
 
 
 class View:
@@ -315,6 +327,7 @@ class View:
         self._said = now_said
         self._complete = True
         layers = [layer for pane in self._panes for layer in pane.layers(state.theme)]
+        layers += self._uncovered()
         layers += self._page.layers
         if self._too_small:
             layers = [self._apology("too small", state)]
@@ -328,6 +341,14 @@ class View:
         cells = compose(self._columns, self._rows, self._ground(state.theme), layers)
         make_legible(cells, state.theme.tint)
         return tinted(cells, state.theme.tint)
+
+    def _uncovered(self) -> Iterator[Layer]:
+        """What the ranges that lie over a viewport would cover, above them."""
+        ranges = [each for each in self._panes if isinstance(each.visualizer, RangeData)]
+        for pane in self._panes:
+            above = [each.how.zpos for each in ranges if each.place.meets(pane.place)]
+            if pane.over is not None and above:
+                yield dataclasses.replace(pane.over, zpos=max(pane.how.zpos, *above))
 
     def hits(self, x: int, y: int, state: ConsoleState) -> tuple[Hit, ...]:
         """The viewports at a pixel of the terminal (column, 2 * row), the nearest first."""

@@ -105,6 +105,11 @@ class CameraImage:
         if trouble:
             write_notice(canvas, trouble, state.theme)
 
+    def draw_over(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
+        """Draw the marks and the ghost again: who confirms a mark has to see it."""
+        if robot.picture is not None and robot.picture.value.pixels.size:
+            self._draw_marks(canvas, robot, robot.picture.value, state)
+
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with the picture, the look of its age, and the words."""
         words = _explanation(robot, state.now)

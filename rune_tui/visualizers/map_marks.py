@@ -25,12 +25,12 @@ _CONE_M: Final = 2.0
 _CONE_STEPS: Final = 9
 _GLOW: Final = 90
 """How strongly what the camera sees is lit, of 255."""
-_DART_BACK: Final = math.radians(138.0)
+_DART_BACK: Final = math.radians(150.0)
 """From a dart's tip to its other corners, seen from its middle [rad]."""
-_DART_NOTCH: Final = 0.35
+_DART_NOTCH: Final = 0.8
 """How far its notch is behind its middle, of its reach."""
 _SMOOTHING: Final = 4
-_LEAST_ROBOT: Final = 4.5
+_LEAST_ROBOT: Final = 5.0
 """However small the map, a robot reaches at least so far from its centre [pixels]."""
 _SCALES: Final = tuple(step * 10.0**power for power in range(-2, 4) for step in (1.0, 2.0, 5.0))
 _LEAST_COLUMNS, _LEAST_ROWS = 16, 4

@@ -66,6 +66,20 @@ class Locating(Protocol):
 
 
 @runtime_checkable
+class Overlaying(Protocol):
+    """A visualizer some of whose drawing must not be covered by the ranges over it."""
+
+    def draw_over(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
+        """Draw that part again, on a canvas that is clear.
+
+        Args:
+            canvas: As large as that of `draw`.
+            robot: What is known of the robot.
+            state: What the console is doing.
+        """
+
+
+@runtime_checkable
 class Picturing(Protocol):
     """A visualizer that shows the camera's picture, and can tell where in it a pixel is."""
 

@@ -5,7 +5,12 @@ from __future__ import annotations
 import dataclasses
 import re
 
-from hub.gcm.mapping import INTEREST_POINTS
+from hub.gcm.mapping import INTEREST_POINTS, PointKind
+from rune_tui.model.console_state import ConsoleState, Ghost
+from rune_tui.model.world import WorldPoint
+from rune_tui.view import View
+from tests.console import view_scenes
+from tests.console.states import layout_of
 from tests.console.visualizers import known
 from tests.messages import camera_state
 
@@ -28,3 +33,27 @@ def test_of_a_thousand_marks_the_nearest_are_written(made, draw) -> None:
     assert max(written) < nearest + 24
     # The camera does not see the ground at its feet.
     assert f"V{nearest} {1.0 + 0.01 * nearest:.1f} m" in " ".join(lines)
+
+
+def test_ranges_over_the_picture_cover_neither_marks_nor_the_ghost(made) -> None:
+    told = {INTEREST_POINTS.name: made.received(known.points(known.point(7, x=2.0, y=0.2)))}
+    picture = dataclasses.replace(made.picture(), camera=CAMERA)
+    robot = made.robot(picture=made.received(picture), messages=told)
+    place = WorldPoint(x=2.0, y=-0.4, uncertainty=0.1, distance=2.0)
+    ghost = Ghost(kind=PointKind.VICTIM, place=place, until=made.now + 5.0)
+    state = ConsoleState(now=made.now, robots={"magellan": robot}, ghosts={"magellan": ghost})
+    view = View(
+        layout_of(
+            view_scenes.view(
+                view_scenes.viewport("visualizeCameraImage", (0, 0, 160, 96)),
+                view_scenes.viewport("visualizeRangeData", (32, 0, 96, 96), zpos=2),
+                view_scenes.viewport("visualizePanData", (0, 94, 20, 2), zpos=3),
+            )
+        )
+    )
+    view.resize(160, 48)
+    cells = view.render(state)
+    assert cells is not None
+    text = view_scenes.words(cells)
+    assert "V7 2.0 m" in text
+    assert "victim? 2.0 m" in text
