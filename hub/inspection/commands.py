@@ -126,6 +126,7 @@ def send(
     """
     definition = find(client, name)
     value = values.value_from_text(definition, assignments)
+    values.demand_within_ranges(definition, value)
     client.demand_right(definition)
     owner = _owner(client) if name in RESTRICTED else ""
     if owner:
@@ -164,6 +165,7 @@ def query(
     """Ask, and show the answer; 1 if it says that what was asked for cannot be done."""
     definition = find(client, name)
     value = values.value_from_text(definition, assignments)
+    values.demand_within_ranges(definition, value)
     try:
         frame = client.query_frame(definition, value, timeout=timeout)
     except NoHandlerError as error:
@@ -187,8 +189,9 @@ def find(client: Client, name: str) -> MessageDefinition[Any]:
         entry.name: entry for entry in client.directory.listing(_ANSWER_S).definitions
     }
     if name not in listed:
-        text = f"no message {name!r} is defined at {client.endpoint}{nearest(name, listed)}"
-        raise UndefinedMessageError(text + "; `rune-hub list` shows all")
+        advice = nearest(name, listed) or "; `rune-hub list` shows all"
+        text = f"no message {name!r} is defined at {client.endpoint}{advice}"
+        raise UndefinedMessageError(text)
     return from_listing(listed[name])
 
 

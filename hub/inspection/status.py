@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from hub.errors import NotAllowedError
+from hub.errors import NotAllowedError, UnknownModuleError
 from hub.inspection import values
 from hub.inspection.commands import find
 from hub.inspection.writing import put, span, table
@@ -92,7 +92,11 @@ def log(client: Client, names: Sequence[str], *, with_data: bool, count: int) ->
 
 def close(client: Client, name: str) -> int:
     """Have central disconnect a module."""
-    client.directory.close_module(name, timeout=_ANSWER_S)
+    try:
+        client.directory.close_module(name, timeout=_ANSWER_S)
+    except UnknownModuleError as error:
+        text = f"{error}; `rune-hub list` shows all"
+        raise UnknownModuleError(text) from error
     put(f"{name} is disconnected")
     return 0
 

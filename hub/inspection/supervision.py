@@ -181,7 +181,7 @@ def no_daemon(client: Client) -> QueryError:
 
 def _outlook(name: str, report: supervision.CapabilityReport | None) -> str:
     if report is None or not report.modules:
-        return f"{name}: no module of this robot has it"
+        return f"{name}: no module of this robot has it; `rune-hub capabilities` shows all"
     if report.phase is CapabilityPhase.UNAVAILABLE:
         return f"{name}: {report.modules} cannot be started; see `rune-hub modules`"
     if report.phase is CapabilityPhase.RUNNING:

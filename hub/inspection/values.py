@@ -35,10 +35,19 @@ def value_from_text(definition: MessageDefinition[Any], assignments: Sequence[st
     for assignment in assignments:
         path, equals, text = assignment.partition("=")
         if not equals:
-            reason = f"{assignment!r} is no FIELD=VALUE"
+            reason = f"{shorten(assignment)} is no FIELD=VALUE, such as linear.x=0.5"
             raise CodecError(reason)
         value = _assigned(value, path.split("."), text, definition.name)
     return value
+
+
+def demand_within_ranges(definition: MessageDefinition[Any], value: Any) -> None:  # noqa: ANN401
+    """Refuse a value that every receiver would refuse, without a word to its sender.
+
+    Raises:
+        RangeError: A field is out of its range.
+    """
+    definition.decode(b"".join(definition.encode(value)))
 
 
 def plain(value: Any, tree: formats.Format | None = None) -> Any:  # noqa: ANN401 - any message
@@ -180,10 +189,16 @@ def _read(old: Any, text: str, where: str) -> Any:  # noqa: ANN401 - as the memb
             return kind[text.upper()] if not text.lstrip("-").isdigit() else kind(int(text))
         if isinstance(old, float):
             return float(text)
-        return json.loads(text)
+        read = json.loads(text)
     except (ValueError, KeyError, RecursionError) as error:
-        reason = f"{where}: {shorten(text)} does not fit there; give {_wanted(old, text)}"
-        raise CodecError(reason) from error
+        raise _unfit(old, text, where) from error
+    if old is not None and not isinstance(read, int if isinstance(old, int) else list):
+        raise _unfit(old, text, where)
+    return read
+
+
+def _unfit(old: Any, text: str, where: str) -> CodecError:  # noqa: ANN401 - any member
+    return CodecError(f"{where}: {shorten(text)} does not fit there; give {_wanted(old, text)}")
 
 
 def _wanted(old: Any, text: str) -> str:  # noqa: ANN401 - any member

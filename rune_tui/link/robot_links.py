@@ -118,10 +118,8 @@ class RobotLinks(Mapping[str, RobotLink]):
         count = len(layout.robots)
         if len(self._hubs) not in {0, count}:
             option = "--ssh" if self._tunnels else "--hub"
-            there = (
-                f"{layout.path} names {count} robots, and {option} is given {len(self._hubs)} times"
-            )
-            text = f"{there}; give it once for each, in the order of the layout"
+            there = f"{layout.path} names {count} robots, and {option} names {len(self._hubs)}"
+            text = f"{there}; give {option} once for each robot, in the order of the layout"
             raise HubChoiceError(text)
         hubs = self._hubs or tuple(robot.hub for robot in layout.robots)
         return dict(zip((robot.name for robot in layout.robots), hubs, strict=True))

@@ -125,7 +125,7 @@ def test_wrong_robot_file(tmp_path: Path) -> None:
 
 def test_unknown_message(hub: HubProcess) -> None:
     said = complaint(rune_hub("echo", "GCM_RobotStat", "--hub", hub.endpoint), 2)
-    assert "did you mean 'GCM_RobotState'" in said
+    assert said.endswith("; did you mean 'GCM_RobotState'?\n")
 
 
 def test_picture_of_an_unknown_kind(tmp_path: Path) -> None:

@@ -94,7 +94,7 @@ def test_what_cannot_be_followed_changes_nothing(
 
 
 def test_one_hub_cannot_be_for_two_robots(tmp_path: Path) -> None:
-    with pytest.raises(HubChoiceError, match="names 2 robots, and --hub is given 1 times"):
+    with pytest.raises(HubChoiceError, match="names 2 robots, and --hub names 1; give --hub once"):
         RobotLinks(layout_of(tmp_path, a="ipc:///a", b="ipc:///b"), ["ipc:///c"])
 
 

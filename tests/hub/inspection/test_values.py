@@ -11,11 +11,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hub.errors import CodecError
+from hub.errors import CodecError, RangeError
 from hub.gcm import navigation, vision
 from hub.gcm.autonomy import AUTONOMY_COMMAND
 from hub.gcm.catalog import MESSAGES
-from hub.inspection.values import lines, plain, value_from_text
+from hub.inspection.values import demand_within_ranges, lines, plain, value_from_text
 from hub.ipc import codec
 from hub.ipc import format as formats
 from hub.ipc.definition import MessageDefinition
@@ -75,11 +75,20 @@ def test_a_mistake_says_what_to_do(assignment: str, said: str) -> None:
         ("behaviour=99", "one of HOLD, "),
         ("count=many", "count: 'many' does not fit there; give a number"),
         ("points=1,2", "give a JSON list"),
+        ("points=1", "give a JSON list"),
+        ("count=[1]", "give a number"),
     ],
 )
 def test_a_value_that_does_not_fit_says_which_would(assignment: str, said: str) -> None:
     with pytest.raises(CodecError, match=said):
         value_from_text(AUTONOMY_COMMAND, [assignment])
+
+
+def test_a_value_that_receivers_would_refuse_is_not_sent() -> None:
+    fast = value_from_text(navigation.VELOCITY_COMMAND, ["linear.x=1e9"])
+    with pytest.raises(RangeError, match=r"linear\.x"):
+        demand_within_ranges(navigation.VELOCITY_COMMAND, fast)
+    demand_within_ranges(navigation.STOP, value_from_text(navigation.STOP, []))
 
 
 def test_messages_without_a_dataclass_work_alike() -> None:
