@@ -14,8 +14,6 @@ from hub.ipc.complaints import Complaints
 from hub.ipc.quotas import Account, Accounts, Verdict
 from hub.ipc.security import Bearer, parse_bearer
 
-_KNOWN_BEARERS = 2048
-
 
 class Admission:
     """Asks the accounts of the keys about each control message."""
@@ -46,7 +44,6 @@ class Admission:
         self._answer = answer
         self._hang_up = hang_up
         self._holds = holds
-        self._bearers: dict[str, Bearer] = {}
 
     def bearer(self, frame: zmq.Frame) -> Bearer:
         """Whose key the connection has that a frame came in on.
@@ -54,13 +51,7 @@ class Admission:
         Raises:
             NotAllowedError: It has none, or one that was removed.
         """
-        user_id = str(frame.get("User-Id"))
-        known = self._bearers.get(user_id)
-        if known is None:
-            known = parse_bearer(user_id)
-            if len(self._bearers) >= _KNOWN_BEARERS:
-                self._bearers.clear()
-            self._bearers[user_id] = known
+        known = parse_bearer(str(frame.get("User-Id")))
         if not self._holds(known):
             text = f"the key of {known} was removed"
             raise NotAllowedError(text)

@@ -66,7 +66,6 @@ class CommandDoor:
         self._holds = holds
         self._complaints = complaints
         self._clock = clock
-        self._bearers: dict[str, Bearer] = {}
         self._next_word = 0.0
 
     def admit(self, raw: bytes, user_id: str) -> bytes | None:
@@ -77,7 +76,7 @@ class CommandDoor:
             user_id: What ZeroMQ says of its sender, such as "operate:alice:FINGERPRINT".
         """
         try:
-            bearer = self._bearer(user_id)
+            bearer = parse_bearer(user_id)
             if not self._holds(bearer):
                 text = f"the key of {bearer} was removed"
                 raise NotAllowedError(text)
@@ -94,12 +93,6 @@ class CommandDoor:
             if self._complaints.counts["internal fault"] == 1:
                 _logger.exception("the first internal fault")
         return None
-
-    def _bearer(self, user_id: str) -> Bearer:
-        known = self._bearers.get(user_id)
-        if known is None:
-            known = self._bearers[user_id] = parse_bearer(user_id)  # as many as there are keys
-        return known
 
     def _command(self, raw: bytes, bearer: Bearer) -> bytes | None:
         frame = frames.unpack(raw)

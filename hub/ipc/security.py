@@ -7,6 +7,7 @@ Without keys the bus stays on this machine. Pure decisions only: keys are in `ke
 from __future__ import annotations
 
 import enum
+import functools
 import hashlib
 import ipaddress
 import re
@@ -19,6 +20,8 @@ DEFAULT_ENDPOINT = f"tcp://127.0.0.1:{DEFAULT_PORT}"
 CONTROL = "control"
 """The place where control messages come in; the others are "PLANE in" and "PLANE out"."""
 _MAX_IPC_PATH = 100
+_KNOWN_BEARERS = 2048
+"""Bearers that are remembered; a list has half as many keys."""
 _KEY_PRINT = re.compile(r"[0-9a-f]{32}")
 _HOST_NAME = re.compile(r"[A-Za-z0-9]([A-Za-z0-9._-]{0,251}[A-Za-z0-9])?")
 
@@ -103,6 +106,7 @@ LOCAL = Bearer(name="this machine", role=Role.MODULE)
 """Whoever connects without a key; that works on this machine only, whose users are trusted."""
 
 
+@functools.lru_cache(maxsize=_KNOWN_BEARERS)
 def parse_bearer(user_id: str) -> Bearer:
     """The bearer that a frame's User-Id names.
 
