@@ -354,6 +354,8 @@ class Registry:
         """What those who watch are told."""
         message = listing.presence(change, peer, name, count)
         comes_or_goes = change in (Change.CONNECTED, Change.DISCONNECTED)
+        if comes_or_goes or change is Change.DEFINED:
+            self._listing = None  # who asks after it is told of it
         return [
             Outgoing(identity=other.identity, message=message)
             for other in self._peers.values()

@@ -465,3 +465,16 @@ def test_publisher_numbers_cannot_be_guessed_from_the_one_before(bench: Bench) -
     assert len(steps) == 39
     assert min(steps) > 16
     assert bench.registry.peer_of(numbers[0]) is None
+
+
+def test_listing_for_keys_never_has_who_was_gone_when_it_was_asked_for(bench: Bench) -> None:
+    for who in "ab":
+        bench.bearers[who] = Bearer.of(who, Role.OPERATE, who)
+    bench.connect("a", "b")
+    assert {each.name for each in bench.listing("a").peers} == {"module a", "module b"}
+    bench.say("b", control.Bye())
+    assert {each.name for each in bench.listing("a").peers} == {"module a"}
+    bench.connect("c")
+    bench.define("c", "New")
+    assert {each.name for each in bench.listing("a").peers} == {"module a", "module c"}
+    assert "New" in {each.name for each in bench.listing("a").definitions}
