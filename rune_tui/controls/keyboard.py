@@ -40,7 +40,7 @@ from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.release_guard import GuardAction, GuardState, ReleaseGuard
 from rune_tui.layout.names import canonical_key
 
-_FIRST_HOLD_S = 0.6
+FIRST_HOLD_S = 0.6
 """How long a first press holds, and the longest that anything holds [s]."""
 _LEAST_HOLD_S = 0.15
 """How long a repeat holds at least [s]."""
@@ -270,7 +270,7 @@ class KeyboardHold:
             self._guard.heard(now, asked)
         for hold in self._holds.values():
             if hold.told:
-                hold.deadline = max(hold.deadline, now + _FIRST_HOLD_S)
+                hold.deadline = max(hold.deadline, now + FIRST_HOLD_S)
 
     @property
     def needs_answers(self) -> bool:
@@ -316,7 +316,7 @@ class KeyboardHold:
         if hold is None:
             return ()
         hold.must_release = False
-        hold.deadline = now + _FIRST_HOLD_S  # as for a press that comes now
+        hold.deadline = now + FIRST_HOLD_S  # as for a press that comes now
         return (self._proven_press(key, hold),)
 
     @staticmethod
@@ -348,7 +348,7 @@ class KeyboardHold:
 
     def _first(self, key: str, read: float, now: float, *, fine: bool, stale: bool) -> ControlEvent:
         """A key came, on a terminal that reports no releases, that was not down."""
-        hold = _Hold(last=read, deadline=now + _FIRST_HOLD_S, ended=stale, fine=fine)
+        hold = _Hold(last=read, deadline=now + FIRST_HOLD_S, ended=stale, fine=fine)
         hold.must_release = stale
         if self.drives(key):
             action = self._guard.key(key, read)
@@ -409,7 +409,7 @@ class KeyboardHold:
             if hold.told:
                 hold.silent_at = now + _SILENT_S
         if repeats is not None and self._intervals:
-            soon = max(_FIRST_HOLD_S, _REPEAT_FACTOR * max(self._intervals))
+            soon = max(FIRST_HOLD_S, _REPEAT_FACTOR * max(self._intervals))
             repeats.silent_at = now + min(_SILENT_S, soon)
 
     def _repeated(self, hold: _Hold, read: float) -> None:
@@ -426,5 +426,5 @@ class KeyboardHold:
 
     def _repeat_hold(self) -> float:
         if not self._intervals:
-            return _FIRST_HOLD_S
-        return min(_FIRST_HOLD_S, max(_LEAST_HOLD_S, _REPEAT_FACTOR * max(self._intervals)))
+            return FIRST_HOLD_S
+        return min(FIRST_HOLD_S, max(_LEAST_HOLD_S, _REPEAT_FACTOR * max(self._intervals)))

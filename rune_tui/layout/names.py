@@ -31,8 +31,6 @@ def endpoint_of(hub: str) -> str:
     return f"tcp://{hub}" if ":" in hub else f"tcp://{hub}:{DEFAULT_PORT}"
 
 
-MOUSE_PARTS = ("left", "middle", "right", "wheel", "motion")
-"""What of a mouse can wake a widget."""
 MOUSE = "mouse "
 """What the names of the mouse's inputs begin with; no key's name does."""
 

@@ -8,8 +8,6 @@ from hub.gcm.mission import MISSION_STATE, MissionState
 from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.robot_state import RobotState
 
-NEVER_S = 30.0
-"""A map that was never saved is a caution when the mission runs for longer [s]."""
 OLD_S = 60.0
 """A saved map that is older than this is not called fresh [s]."""
 

@@ -14,11 +14,13 @@ from hub.ipc.client import Client
 from rune_tui.app import Console
 from rune_tui.layout.loader import load_layout
 from rune_tui.layout.rules import Vocabulary
+from rune_tui.layout.spec import LayoutSpec
 from rune_tui.layout.watching import LayoutSource
 from rune_tui.link.robot_links import RobotLinks
 from rune_tui.model.robot_state import LinkPhase
-from rune_tui.opening import BUILT_IN
+from rune_tui.opening import BUILT_IN, open_layout
 from tests.console.app_desk import LAYOUT, TRAITS, Desk, Floor, Robot, Script
+from tests.console.dispatching import TWO_ROBOTS
 
 
 @pytest.fixture
@@ -56,3 +58,10 @@ def play(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[
 def ends(monkeypatch: pytest.MonkeyPatch) -> None:
     """Lets consoles end without the last resort, which ends the process that runs the test."""
     monkeypatch.setattr("rune_tui.app.end_anyway", lambda: None)
+
+
+@pytest.fixture(scope="module")
+def two_robots(tmp_path_factory: pytest.TempPathFactory) -> LayoutSpec:
+    path = tmp_path_factory.mktemp("layouts") / "two.xml"
+    path.write_text(TWO_ROBOTS)
+    return open_layout(path)

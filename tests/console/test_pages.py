@@ -17,7 +17,7 @@ from rune_tui.opening import open_layout
 from rune_tui.page_layer import PageLayer
 from rune_tui.raster.canvas import Canvas
 from rune_tui.view import View
-from tests.console.test_dispatch import down, stops
+from tests.console.dispatching import down, stops
 from tests.console.view_scenes import STATE, robot, words
 
 LAYOUTS = Path(__file__).parents[2] / "layouts"
