@@ -8,8 +8,11 @@ from dataclasses import dataclass
 
 from hub.ipc import control
 from hub.ipc.peers import Outgoing, Peer
+from hub.ipc.security import LOCAL
 
 _MAX_UNDER_WAY = 16_384
+_MAX_FAR = _MAX_UNDER_WAY // 2
+"""Of those who have keys, so that they keep no module of the robot waiting."""
 _MAX_EARLY = 4096
 
 
@@ -29,14 +32,19 @@ class Confirmations:
 
     def __init__(self) -> None:
         self._under_way: dict[str, _Confirmation] = {}
+        self._far = 0
         self._early: OrderedDict[str, set[Peer]] = OrderedDict()
 
     def begin(self, subscriber: Peer, token: str, publishers: Iterable[Peer]) -> list[Outgoing]:
         """`subscriber` waits until it and all `publishers` have seen `token`."""
-        if len(self._under_way) >= _MAX_UNDER_WAY:
-            return []  # it stands, but nobody will say so
+        far = subscriber.bearer is not LOCAL
+        full = len(self._under_way) >= _MAX_UNDER_WAY or (far and self._far >= _MAX_FAR)
+        if full or (far and not token.startswith(f"{subscriber.publisher}.")):
+            return []  # it stands, but nobody will say so: who has a key may guess others' tokens
         awaited = {subscriber, *publishers} - self._early.pop(token, set())
+        self._end(token)
         self._under_way[token] = _Confirmation(subscriber, awaited)
+        self._far += far
         return self._conclude(token)
 
     def seen(self, peer: Peer, token: str) -> list[Outgoing]:
@@ -53,7 +61,7 @@ class Confirmations:
     def drop(self, peer: Peer) -> list[Outgoing]:
         """`peer` is gone."""
         for token in [t for t, each in self._under_way.items() if each.subscriber is peer]:
-            del self._under_way[token]
+            self._end(token)
         for early in self._early.values():
             early.discard(peer)
         outgoing = []
@@ -67,6 +75,11 @@ class Confirmations:
         under_way = self._under_way[token]
         if under_way.awaited:
             return []
-        del self._under_way[token]
+        self._end(token)
         message = control.Subscribed(token=token)
         return [Outgoing(identity=under_way.subscriber.identity, message=message)]
+
+    def _end(self, token: str) -> None:
+        under_way = self._under_way.pop(token, None)
+        if under_way is not None and under_way.subscriber.bearer is not LOCAL:
+            self._far -= 1

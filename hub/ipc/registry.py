@@ -482,7 +482,7 @@ class Registry:
         self._numbers.forget(peer)
         if self._names.get(peer.name) is peer:
             del self._names[peer.name]
-        outgoing = self._shortcuts.drop(peer)
+        outgoing = self._shortcuts.drop(peer, self._peers.values())
         wanted = (self._publishing.of(name) for name in peer.subscribes)
         outgoing += self._neighbours.drop(peer, itertools.chain.from_iterable(wanted))
         for crowd, change in (

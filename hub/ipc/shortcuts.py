@@ -41,7 +41,15 @@ class Shortcuts:
         """There are several who answer now."""
         return [each for handler in tuple(handlers) for each in self.close(handler, name)]
 
-    def drop(self, peer: Peer) -> list[Outgoing]:
-        """`peer` is gone; who asked it directly asks through central."""
+    def drop(self, peer: Peer, others: Iterable[Peer]) -> list[Outgoing]:
+        """`peer` is gone; who asked it directly asks through central.
+
+        Args:
+            peer: Who is gone.
+            others: Who is still there; they forget that `peer` asked them.
+        """
+        for other in others:
+            if other.routed:
+                other.routed = {(asker, name) for asker, name in other.routed if asker is not peer}
         names = {name for _, name in peer.routed}
         return [each for name in sorted(names) for each in self.close(peer, name)]

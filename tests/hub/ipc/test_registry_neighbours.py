@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from hub.ipc import control
+from hub.ipc import confirmations, control
 from hub.ipc.control import Advertise, Advertised, Ready, Subscribe, Subscribed, Subscriber
 from hub.ipc.hub_time import this_neighbourhood
+from hub.ipc.security import Bearer, Role
 from tests.hub.ipc.test_registry import Bench
 
 pytestmark = pytest.mark.skipif(not this_neighbourhood(), reason="this system has no neighbours")
@@ -74,3 +75,46 @@ def test_inbox_of_a_stranger_or_elsewhere_is_told_nobody(
 ) -> None:
     bench.say(who, Subscribe(name="M", token="", inbox=inbox))
     assert bench.answer("a", Advertise(name="M")) == Advertised(name="M", subscribed=True)
+
+
+def test_who_has_a_key_takes_nobodys_confirmation(bench: Bench) -> None:
+    bench.bearers["e"] = Bearer.of("eve", Role.OBSERVE, "its key")
+    bench.connect("e")
+    bench.say("a", Advertise(name="M"))
+    bench.say("b", Subscribe(name="M", token="1.1", inbox=INBOX))
+    bench.say("b", Ready(token="1.1"))
+    bench.say("e", Subscribe(name="M", token="1.1"))
+    (stands,) = bench.say("a", Ready(token="1.1"))
+    assert (stands.identity, stands.message) == (b"b", Subscribed(token="1.1"))
+
+
+def test_keys_leave_room_for_the_confirmations_of_the_robot(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(confirmations, "_MAX_UNDER_WAY", 20)
+    monkeypatch.setattr(confirmations, "_MAX_FAR", 10)
+    bench.bearers["e"] = Bearer.of("eve", Role.OBSERVE, "its key")
+    bench.connect("e")
+    own = _number(bench, "e")
+    for rounds in range(2):
+        for count in range(30):
+            bench.say("e", Subscribe(name="M", token=f"{own}.{count}"))
+        token = f"1.{rounds}"
+        bench.say("b", Subscribe(name="M", token=token))
+        (stands,) = bench.say("b", Ready(token=token))
+        assert stands.message == Subscribed(token=token)
+    for count in range(10):
+        bench.say("e", Ready(token=f"{own}.{count}"))
+    assert bench.registry._confirmations._far == 0
+
+
+def test_nothing_is_kept_of_who_asked_directly_and_left(bench: Bench) -> None:
+    bench.define("a", "Ask")
+    bench.say("a", control.Handle(name="Ask", address="ipc://@rune-door"))
+    for _ in range(3):
+        hello = control.Hello(name="asker", pid=1, neighbourhood=this_neighbourhood())
+        bench.say("q", hello)
+        told = bench.say("q", control.Query(number=1, name="Ask", timeout_s=5.0), b"question")
+        assert control.Route(name="Ask", address="ipc://@rune-door") in [t.message for t in told]
+        bench.say("q", control.Bye())
+    assert not bench.registry._peers[b"a"].routed
