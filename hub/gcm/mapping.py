@@ -111,6 +111,7 @@ class InterestPoint:
         version: How often it was marked or changed, from 1. Who changes it sends the version that
             is changed; 0 for a new point.
         kept: 1 if it is on the robot's disk, 0 if it is in memory only.
+        height: How high above the floor [m]; 0: on the floor, or that is not known.
     """
 
     number: Number = 0
@@ -126,10 +127,12 @@ class InterestPoint:
     thumbnail: Octets
     version: Number = 0
     kept: Flag = 0
+    height: Metres = 0.0
 
 
 _POINT = (
-    "{uint,{enum:1},double,double,double,double,double,string,string,uint,<ubyte:10>,uint,ubyte}"
+    "{uint,{enum:1},double,double,double,double,double,string,string,uint,<ubyte:10>,uint,ubyte,"
+    "double}"
 )
 
 

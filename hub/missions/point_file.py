@@ -42,7 +42,7 @@ def feature_of(point: InterestPoint) -> dict[str, Any]:
     """A point as a GeoJSON feature."""
     return {
         "type": "Feature",
-        "geometry": {"type": "Point", "coordinates": [point.x, point.y]},
+        "geometry": {"type": "Point", "coordinates": _coordinates(point)},
         "properties": {
             "number": point.number,
             "kind": point.kind.name.lower(),
@@ -55,6 +55,11 @@ def feature_of(point: InterestPoint) -> dict[str, Any]:
             "version": point.version,
         },
     }
+
+
+def _coordinates(point: InterestPoint) -> list[float]:
+    """Where it is [m], with its height where it is not on the floor."""
+    return [point.x, point.y, *([point.height] if point.height else [])]
 
 
 def decode_points(raw: bytes) -> tuple[InterestPoint, ...]:
@@ -116,6 +121,7 @@ def point_of(feature: Any) -> InterestPoint:  # noqa: ANN401 - whatever JSON hol
         thumbnail=np.frombuffer(thumbnail, np.uint8),
         version=int(_number(properties.get("version", 1), 0, MAX_NUMBER)),
         kept=1,
+        height=_number(place[2], -FARTHEST, FARTHEST) if len(place) == 3 else 0.0,
     )
 
 

@@ -41,16 +41,20 @@ def csv_table(points: Sequence[InterestPoint]) -> str:
     return text.getvalue()
 
 
+def _coordinates(point: InterestPoint) -> list[float]:
+    return [point.x, point.y, *([point.height] if point.height else [])]
+
+
 def geojson(points: Sequence[InterestPoint], robot: str) -> str:
     """A FeatureCollection; a hub's mapping module reads it as well.
 
     The coordinates are metres in the robot's `map`, not degrees on the earth, as the member
-    "frame" says; what is not known is null.
+    "frame" says; the third one is the height above the floor. What is not known is null.
     """
     features: list[dict[str, Any]] = [
         {
             "type": "Feature",
-            "geometry": {"type": "Point", "coordinates": [point.x, point.y]},
+            "geometry": {"type": "Point", "coordinates": _coordinates(point)},
             "properties": {
                 "number": point.number,
                 "kind": point.kind.name.lower(),

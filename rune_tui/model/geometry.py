@@ -154,9 +154,9 @@ class PictureGeometry:
         ahead, left = found.points.tolist()
         return ahead, left
 
-    def pixels(self, points: npt.ArrayLike) -> SeenPoints:
-        """Where points of the ground in the robot's frame [m], shape (..., 2), are seen."""
-        rays = self.rays(points)
+    def pixels(self, points: npt.ArrayLike, heights: npt.ArrayLike = 0.0) -> SeenPoints:
+        """Where points in the robot's frame [m], shape (..., 2), so high [m], are seen."""
+        rays = self.rays(points, heights)
         in_front = rays[..., 0] > _LEAST_DEPTH
         pixels = self.pixels_of_rays(np.where(in_front[..., None], rays, np.nan))
         corner = np.array((self.left, self.top))
@@ -200,8 +200,12 @@ class PictureGeometry:
         along, across = self.spreads((x, y)).tolist()
         return None if math.isnan(along) else Spread(along=along, across=across)
 
-    def rays(self, points: npt.ArrayLike) -> Floats:
-        """From the camera to points of the ground in the robot's frame [m], shape (..., 2).
+    def rays(self, points: npt.ArrayLike, heights: npt.ArrayLike = 0.0) -> Floats:
+        """From the camera to points in the robot's frame [m], shape (..., 2).
+
+        Args:
+            points: Ahead and to the left [m], shape (..., 2).
+            heights: Above the ground [m], shape (...,).
 
         Returns:
             Along the optical axis, to the left and up in the picture [m], shape (..., 3).
@@ -209,7 +213,7 @@ class PictureGeometry:
         x, y = np.moveaxis(np.asarray(points, np.float64), -1, 0)
         x = x - self.mount_forward
         cos, sin = math.cos(self.pan), math.sin(self.pan)
-        down = np.full(np.shape(x), -self.mount_height)
+        down = np.broadcast_to(np.asarray(heights, np.float64) - self.mount_height, np.shape(x))
         return self._tilted(x * cos + y * sin, y * cos - x * sin, down)
 
     def pixels_of_rays(self, rays: Floats) -> Floats:

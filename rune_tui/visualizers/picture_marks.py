@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Hashable, Iterator
 from typing import Final
 
@@ -14,7 +13,6 @@ from rune_tui.model.geometry import PictureGeometry
 from rune_tui.model.line_of_sight import hidden
 from rune_tui.model.pose import Pose
 from rune_tui.model.robot_state import RobotState
-from rune_tui.model.sightings import Sight
 from rune_tui.model.theme import Theme
 from rune_tui.model.world import SaidBy, WorldPoint, metres_text
 from rune_tui.raster.canvas import Canvas
@@ -44,7 +42,7 @@ def draw_marks(
     """
     grid = robot.map.value if robot.map is not None else None
     for mark, pixel, away in _in_picture(robot, geometry, pose):
-        place = WorldPoint(x=mark.x, y=mark.y, uncertainty=mark.uncertainty)
+        place = WorldPoint(x=mark.x, y=mark.y, uncertainty=mark.uncertainty, height=mark.height)
         if not hidden(place, pose, geometry.mount_forward, grid):
             word, ink = mark_word(mark, state.theme)
             write_at(canvas, pixel, f"{word} {away:.1f} m", ink, state.theme)
@@ -84,7 +82,7 @@ def _in_picture(
     # All at once: a robot may have a thousand, and each picture is drawn anew.
     places = pose.from_map([(mark.x, mark.y) for mark in marks])
     away = np.hypot(places[:, 0], places[:, 1])
-    seen = geometry.pixels(places)
+    seen = geometry.pixels(places, [mark.height for mark in marks])
     near = np.flatnonzero(seen.inside & (away <= FARTHEST_M))
     for number in reversed(near[np.argsort(away[near], kind="stable")][:_MOST].tolist()):
         x, y = seen.pixels[number].tolist()
@@ -93,10 +91,9 @@ def _in_picture(
 
 def _pixel(place: WorldPoint, geometry: PictureGeometry, pose: Pose) -> tuple[float, float] | None:
     """Where a place is in the picture; None where it is not."""
-    # What is above the ground looks as if the ground were as high and the camera lower.
-    level = dataclasses.replace(geometry, mount_height=geometry.mount_height - place.height)
-    seen = level.pixel(*pose.from_map((place.x, place.y)).tolist())
-    return seen.pixel if seen.sight is Sight.INSIDE else None
+    seen = geometry.pixels(pose.from_map((place.x, place.y)), place.height)
+    x, y = seen.pixels.tolist()
+    return (x, y) if seen.inside else None
 
 
 def _draw_ghost(canvas: Canvas, pixel: tuple[float, float], ghost: Ghost, theme: Theme) -> None:

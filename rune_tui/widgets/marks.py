@@ -94,6 +94,7 @@ class _SetMark(PointedWidget):
             note=self.spec.options.word("note"),
             length=len(picture),
             thumbnail=picture,
+            height=place.height,
         )
         return self._confirming.send(PointCommand(point=mark), robot, state)
 

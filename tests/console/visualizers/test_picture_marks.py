@@ -8,10 +8,12 @@ import re
 from hub.gcm.mapping import INTEREST_POINTS, PointKind
 from rune_tui.model.console_state import ConsoleState, Ghost
 from rune_tui.model.world import WorldPoint
+from rune_tui.raster.canvas import Canvas
 from rune_tui.view import View
 from tests.console import view_scenes
 from tests.console.states import layout_of
 from tests.console.visualizers import known
+from tests.console.visualizers.conftest import made_by, words
 from tests.messages import camera_state
 
 NAME = "visualizeCameraImage"
@@ -57,3 +59,22 @@ def test_ranges_over_the_picture_cover_neither_marks_nor_the_ghost(made) -> None
     text = view_scenes.words(cells)
     assert "V7 2.0 m" in text
     assert "victim? 2.0 m" in text
+
+
+def test_a_mark_on_a_wall_is_written_where_it_was_clicked_and_not_on_the_floor(made) -> None:
+    rows: dict[float, int] = {}
+    for height in (0.0, 0.4):
+        mark = known.point(7, x=2.5, y=0.0, height=height)
+        told = {INTEREST_POINTS.name: made.received(known.points(mark))}
+        picture = dataclasses.replace(made.picture(), camera=CAMERA)
+        robot = made.robot(picture=made.received(picture), messages=told)
+        lines = words(drawn(robot, (60, 60), made.now))
+        (rows[height],) = (row for row, line in enumerate(lines) if "V7 2.5 m" in line)
+    assert rows[0.4] < rows[0.0]
+
+
+def drawn(robot, size: tuple[int, int], now: float) -> Canvas:
+    """The picture of a robot."""
+    canvas = Canvas.blank(*size)
+    made_by(NAME).draw(canvas, robot, ConsoleState(now=now))
+    return canvas

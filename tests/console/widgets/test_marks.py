@@ -82,9 +82,9 @@ def test_a_click_on_the_ground_marks_it_with_who_and_how_sure(handler: str, kind
 
 def test_the_layout_may_say_who_marks_and_what_to_note():
     widget = widget_of("widgetSetVictim", operator="team 1", note="warm", confirm="off")
-    place = WorldPoint(x=1.0, y=2.0, uncertainty=math.nan)
+    place = WorldPoint(x=1.0, y=2.0, uncertainty=math.nan, height=0.7)
     point = sent(widget.handle(click(place), LEFT, seeing())).point
-    assert (point.by, point.note) == ("team 1", "warm")
+    assert (point.by, point.note, point.height) == ("team 1", "warm", 0.7)
     assert math.isnan(point.uncertainty)
     assert math.isnan(point.distance)
 

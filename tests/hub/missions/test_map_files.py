@@ -40,7 +40,7 @@ POINTS = (
         note="sitzt; „Hilfe“\n", length=256, thumbnail=THUMBNAIL, version=4, kept=1,
     ),
     InterestPoint(
-        number=8, kind=PointKind.LANDMARK, x=0.1, y=1 / 3, stamp=1.5e9,
+        number=8, kind=PointKind.LANDMARK, x=0.1, y=1 / 3, height=1.25, stamp=1.5e9,
         thumbnail=THUMBNAIL[:0], version=1, kept=1,
     ),
 )  # fmt: skip
