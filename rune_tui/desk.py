@@ -20,6 +20,7 @@ from rune_tui.export.points import csv_table, geojson
 from rune_tui.export.report import html_page
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.effects import ControlEffect, MissionEffect, SendEffect
+from rune_tui.model.lacks import untaken
 from rune_tui.model.robot_state import LinkPhase, RobotState
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ def operator_name() -> str:
 def undelivered(
     effect: SendEffect | ControlEffect | MissionEffect, robot: RobotState
 ) -> Outcome | None:
-    """Why an order cannot arrive now; None if it can, or if a newer one follows it anyway."""
+    """Why an order has no effect now; None if it has, or if a newer one follows it anyway."""
     if isinstance(effect, ControlEffect):
         what = "request for control"
     elif isinstance(effect, MissionEffect):
@@ -75,6 +76,8 @@ def undelivered(
         text = f"{what} not sent: your key may watch and stop {robot.title}, not drive it"
     elif robot.link.phase is not LinkPhase.CONNECTED:
         text = f"{what} not sent: there is no link to {robot.title}"
+    elif isinstance(effect, SendEffect) and (why := untaken(robot, effect.definition.name)):
+        text = f"{what} has no effect: {why}"
     else:
         return None
     return Outcome(text=text, alarm=True, robot=robot.name)

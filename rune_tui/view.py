@@ -19,7 +19,7 @@ from rune_tui.compositor.contrast import make_legible
 from rune_tui.controls.events import Hit
 from rune_tui.layout.placing import Area, Placed, arrangement_for, filled, placed
 from rune_tui.layout.rules import Vocabulary
-from rune_tui.layout.spec import LayoutSpec, PlaceSpec, ViewportSpec
+from rune_tui.layout.spec import CHOSEN, LayoutSpec, PlaceSpec, ViewportSpec
 from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.leaving import question
 from rune_tui.model.robot_state import RobotState
@@ -67,7 +67,8 @@ class _Pane:
     rests_until: float = -math.inf
     layer: Layer | None = None
     over: Layer | None = None
-    titled: tuple[str, Layer] | None = None
+    markable: bool = False
+    titled: tuple[tuple[str, bool], Layer] | None = None
     source: Hashable = None
     drawn_of: RobotState | None = None
     failed: bool = False
@@ -123,17 +124,18 @@ class _Pane:
                 0, 0, f"slow: drawn every {(1.0 + _REST) * took:.0f} s", state.theme.alarm_ink
             )
 
-    def layers(self, theme: Theme) -> Iterator[Layer]:
-        """What it shows, and its title."""
+    def layers(self, state: ConsoleState) -> Iterator[Layer]:
+        """What it shows, and its title, which is marked where its robot is the chosen one."""
         if self.layer is None:
             return
         yield self.layer
         if self.head is not None:
-            if self.titled is None or self.titled[0] != theme.name:
+            look = state.theme.name, self.markable and self.spec.robot == state.chosen
+            if self.titled is None or self.titled[0] != look:
                 canvas = Canvas.blank(self.head.width, self.head.height)
-                draw_title(canvas, self.spec.title, theme)
+                draw_title(canvas, self.spec.title, state.theme, marked=look[1])
                 layer = Layer(canvas=canvas, x=self.head.x, y=self.head.y, zpos=self.how.zpos)
-                self.titled = theme.name, layer
+                self.titled = look, layer
             yield self.titled[1]
 
     def robot(self, state: ConsoleState) -> RobotState | None:
@@ -210,7 +212,8 @@ class View:
         self._spent = spent
         self._spec = layout.view
         self._vocabulary = layout.vocabulary
-        self._said: tuple[str, str, Notice | None] = ("", "", None)
+        self._choice = any(each.robot == CHOSEN for each in layout.view.viewports)
+        self._said: tuple[str, str, str, Notice | None] = ("", "", "", None)
         self._columns = 0
         self._rows = 0
         self._panes: list[_Pane] = []
@@ -267,6 +270,7 @@ class View:
                     head=head,
                     spent=self._spent,
                     fine=fine,
+                    markable=self._choice,
                 )
             )
         return self._arrangement is not before
@@ -320,13 +324,13 @@ class View:
         changed.append(self._page.refresh(self._columns, top, rows, nearest, state))
         passing = self._passing(state)
         urgent = question(state.leaving) or state.trouble or _asked(state)
-        now_said = (state.theme.name, urgent, passing)
+        now_said = (state.theme.name, state.chosen, urgent, passing)
         said = now_said == self._said
         if self._complete and not any(changed) and said:
             return None
         self._said = now_said
         self._complete = True
-        layers = [layer for pane in self._panes for layer in pane.layers(state.theme)]
+        layers = [layer for pane in self._panes for layer in pane.layers(state)]
         layers += self._uncovered()
         layers += self._page.layers
         if self._too_small:

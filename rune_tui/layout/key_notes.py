@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from rune_tui.layout.names import RARE_KEYS
+from rune_tui.layout.names import MOUSE, RARE_KEYS
 from rune_tui.layout.spec import EventSpec, LayoutSpec, WidgetSpec
 
 _MOST_NAMED = 3
@@ -24,12 +24,14 @@ def key_notes(layout: LayoutSpec) -> tuple[str, ...]:
 def _collisions(layout: LayoutSpec) -> Iterator[str]:
     """A sentence for each key that is held to do one thing and also does another."""
     rules = layout.vocabulary.widgets
-    users: dict[str, dict[str, bool]] = {}
+    users: dict[tuple[str, str], dict[str, bool]] = {}
     for widget in _widgets(layout):
         for event in widget.events:
             held = rules[widget.handler].rule.held
-            users.setdefault(event.name, {}).setdefault(widget.handler, held)
-    for name, handlers in users.items():
+            # A button of the mouse means only the viewport that is clicked.
+            where = widget.viewport if event.name.startswith(MOUSE) else ""
+            users.setdefault((event.name, where), {}).setdefault(widget.handler, held)
+    for (name, _), handlers in users.items():
         if len(handlers) > 1 and any(handlers.values()) and not all(handlers.values()):
             yield f"{name} wakes {' and '.join(handlers)}: holding it does both"
 

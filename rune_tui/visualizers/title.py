@@ -9,6 +9,7 @@ from rune_tui.raster.canvas import Canvas, printable_text
 _LEAST_ROWS = 3
 """Panes of fewer rows give their title up [cells]."""
 _RULE = "─"
+_MARK = "▶ "
 _BEFORE = 1
 """Length of the rule before the name [cells]."""
 
@@ -21,10 +22,21 @@ def with_title(area: Area, title: str) -> tuple[Area | None, Area]:
     return head, Area(x=area.x, y=area.y + 2, width=area.width, height=area.height - 2)
 
 
-def draw_title(canvas: Canvas, title: str, theme: Theme) -> None:
-    """Draw it into one row; a name that does not fit is left out, and the rule stays."""
+def draw_title(canvas: Canvas, title: str, theme: Theme, *, marked: bool = False) -> None:
+    """Draw it into one row; a name that does not fit is left out, and the rule stays.
+
+    Args:
+        canvas: The row.
+        title: The name.
+        theme: Its colours.
+        marked: Whether it stands out from other titles.
+    """
     canvas.fill(theme.ground)
     canvas.text(0, 0, _RULE * canvas.width, theme.faint)
-    name = f" {printable_text(title)} "
-    if _BEFORE + len(name) <= canvas.width:
-        canvas.text(_BEFORE, 0, name, theme.soft)
+    name = (_MARK if marked else "") + printable_text(title)
+    if _BEFORE + len(name) + 2 <= canvas.width:
+        canvas.text(_BEFORE, 0, f" {name} ", theme.ink if marked else theme.soft)
+    elif marked:
+        # The mark must be seen even where the name does not fit beside it.
+        name = name if len(name) <= canvas.width else _MARK
+        canvas.text(0, 0, name[: canvas.width], theme.ink)

@@ -6,11 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
-from hub.gcm.mission import MISSION_STATE, MissionAction, MissionState
+from hub.gcm.mission import MISSION_COMMAND, MISSION_STATE, MissionAction, MissionState
 from rune_tui.layout.rules import ChoiceOption, HandlerRule, Section
 from rune_tui.layout.spec import WidgetSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import AskEffect, Effect, MissionEffect, Tell
+from rune_tui.model.lacks import untaken
 from rune_tui.model.mission import mission_of
 from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.widgets.widget import OrderWidget
@@ -68,7 +69,9 @@ class Mission(OrderWidget):
         self._waiting: _Waiting | None = None
 
     def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
-        """The question."""
+        """The question; of a robot that keeps no missions, why it does not."""
+        if why := untaken(robot, MISSION_COMMAND.name, lasting=True):
+            return (Tell.now(state, f"no mission: {why}", robot=robot.name),)
         mission = _running(robot)
         do = self.spec.options.word("do")
         if mission is None:

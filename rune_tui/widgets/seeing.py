@@ -15,6 +15,7 @@ from hub.gcm.vision import (
 from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption, Section
 from rune_tui.model.console_state import ConsoleState, PictureWish
 from rune_tui.model.effects import Effect, SendEffect, Tell, ToggleNight, WishPictures
+from rune_tui.model.lacks import untaken
 from rune_tui.model.robot_state import RobotState
 from rune_tui.widgets.widget import OrderWidget
 
@@ -92,7 +93,9 @@ class ToggleNightMode(OrderWidget):
     )
 
     def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
-        """The report's local message, and the command to the robot."""
+        """Night mode here and on the robot; of a robot that has none, why not."""
+        if why := untaken(robot, NIGHT_COMMAND.name):
+            return (Tell.now(state, f"no night mode: {why}", robot=robot.name),)
         wanted = robot.name not in state.night
         command = NightCommand(on=int(wanted))
         send = SendEffect(robot=robot.name, definition=NIGHT_COMMAND, value=command)

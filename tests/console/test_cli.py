@@ -19,6 +19,20 @@ from rune_tui.cli import ExitCode, _log_to_file, main
 from rune_tui.compositor.glyph_set import GlyphSet
 
 LAYOUTS = Path(__file__).parents[2] / "layouts"
+MINIMAL = """<rune>
+  <robot name="robot"><capability name="VIS_VID"/><capability name="NAV_MOVE"/></robot>
+  <view xsize="160" ysize="96">
+    <widget handler="widgetQuit"><event key="q"/></widget>
+    <viewport name="camera" xpos="0" ypos="0" xsize="160" ysize="96">
+      <visualizer function="visualizeCameraImage"/>
+      <widget handler="widgetSetSpeed">
+        <event key="w" control="translate" value="1"/>
+        <event key="s" control="translate" value="-1"/>
+      </widget>
+    </viewport>
+  </view>
+</rune>
+"""
 
 
 def test_it_tells_its_version(capsys: pytest.CaptureFixture[str]) -> None:
@@ -49,10 +63,9 @@ def test_a_layout_that_is_not_there_is_no_reason_to_look_for_a_folder(
 def test_keys_that_not_every_terminal_tells_are_noted(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    minimal = (Path(__file__).parents[2] / "layouts" / "minimal.xml").read_text()
     layout = tmp_path / "rare.xml"
     layout.write_text(
-        minimal.replace('key="w"', 'key="kp_8"').replace('key="s"', 'key="left_shift"')
+        MINIMAL.replace('key="w"', 'key="kp_8"').replace('key="s"', 'key="left_shift"')
     )
     assert main(["check", str(layout)]) is ExitCode.OK
     only = "only terminals with the kitty keyboard protocol tell it"
@@ -153,9 +166,8 @@ def test_a_key_that_drives_and_does_something_else_is_noted(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     layout = tmp_path / "both.xml"
-    text = (LAYOUTS / "minimal.xml").read_text("utf-8")
     stop = '<widget handler="widgetStop"><event key="w"/></widget></viewport>'
-    layout.write_text(text.replace("</viewport>", stop), "utf-8")
+    layout.write_text(MINIMAL.replace("</viewport>", stop), "utf-8")
     assert main(["check", str(layout)]) == ExitCode.OK
     assert "w wakes widgetSetSpeed and widgetStop" in capsys.readouterr().out
 
@@ -163,15 +175,14 @@ def test_a_key_that_drives_and_does_something_else_is_noted(
 def test_no_name_of_a_file_commands_the_terminal(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    minimal = (Path(__file__).parents[2] / "layouts" / "minimal.xml").read_text()
     part = tmp_path / "p\x1b]0;PWNED\x07\u202e.xml"
     part.write_text("<part><nothing/></part>")
     included = f'<include file="{part.name.encode("ascii", "xmlcharrefreplace").decode()}"/></view>'
     for number, name in enumerate((part, tmp_path / "lay\x1b[31m\x9b.xml")):
-        name.write_text(minimal if number else "<part><nothing/></part>")
+        name.write_text(MINIMAL if number else "<part><nothing/></part>")
         main(["check", str(name)])
     layout = tmp_path / "whole.xml"
-    layout.write_text(minimal.replace("</view>", included))
+    layout.write_text(MINIMAL.replace("</view>", included))
     main(["check", str(layout)])
     main(["check", "no\x1b[2Jlayout"])
     said = capsys.readouterr()

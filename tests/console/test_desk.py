@@ -11,7 +11,7 @@ from hub.gcm.navigation import STOP, TURN_COMMAND, VELOCITY_COMMAND, Stop, TurnC
 from rune_tui import desk
 from rune_tui.compositor.blend import compose
 from rune_tui.model.effects import SendEffect
-from rune_tui.model.robot_state import LinkPhase
+from rune_tui.model.robot_state import Lack, LackKind, LinkPhase
 from tests.console.states import layout_of, renamed, view_of
 from tests.console.visualizers.conftest import Made
 from tests.console.widgets.presses import marked, seeing
@@ -87,3 +87,17 @@ def test_an_order_of_somebody_who_may_only_watch_is_told():
     assert outcome is not None
     assert "turn command not sent: your key may watch and stop" in outcome.text
     assert desk.undelivered(STOPPING, robot) is None
+
+
+def test_an_order_that_nothing_on_the_robot_takes_is_told():
+    absent = Lack(kind=LackKind.ABSENT, why="this robot has no module for it")
+    robot = Made().robot(link=Made.link(lacking={"NAV_GOAL": absent, "NAV_MOVE": absent}))
+    outcome = desk.undelivered(TURNING, robot)
+    assert outcome is not None
+    assert outcome.text == (
+        "turn command has no effect: magellan does not provide NAV_GOAL: "
+        "this robot has no module for it"
+    )
+    # A stop has other takers too; a stream of commands is not told of 20 times a second.
+    assert desk.undelivered(STOPPING, robot) is None
+    assert desk.undelivered(DRIVING, robot) is None

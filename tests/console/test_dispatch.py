@@ -46,7 +46,8 @@ def test_every_key_of_the_demo_has_an_effect():
         specs += viewport.widgets
     link = LinkState(phase=LinkPhase.CONNECTED, since=0.0, endpoint="")
     state = dataclasses.replace(at(0.0), robots={"robot": robot_of(name="robot", link=link)})
-    for event in [event for spec in specs for event in spec.events]:
+    events = [event for spec in specs for event in spec.events]
+    for event in [event for event in events if not event.name.startswith("mouse")]:
         assert dispatch.handle(down(event.name), state)
         dispatch.handle(up(event.name), state)
 

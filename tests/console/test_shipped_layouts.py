@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+import dataclasses
 from itertools import combinations
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pytest
 
 from rune_tui.compositor.colours import at_depth
 from rune_tui.compositor.depth import ColourDepth
+from rune_tui.controls.events import ControlEvent
+from rune_tui.dispatch import Dispatch
 from rune_tui.layout.placing import Placed, arrangement_for, placed
 from rune_tui.layout.spec import LayoutSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.effects import AskEffect, StateEffect, changed
 from rune_tui.model.theme import LEAST_CONTRAST, THEMES, Theme
 from rune_tui.opening import BUILT_IN, open_layout
-from tests.console.situations import ROOT, SITUATIONS, scene
+from rune_tui.view import View
+from tests.console.situations import NOW, ROOT, SITUATIONS, scene
 from tests.console.test_contrast import least_contrast
 
 LAYOUTS = sorted((ROOT / "layouts").glob("*.xml"))
@@ -115,3 +122,62 @@ def test_what_is_behind_everything_is_the_themes(path: Path) -> None:
     light = scene(layout, SITUATIONS["lost-link"], (160, 48), THEMES["light"])
     dark = scene(layout, SITUATIONS["lost-link"], (160, 48))
     assert np.mean(light.pixels[..., :3]) > np.mean(dark.pixels[..., :3])
+
+
+COMMON = {
+    "widgetReleaseControl": "c",
+    "widgetGrantControl": "p",
+    "widgetDenyControl": "b",
+    "widgetMission": "m",
+    "widgetUndoMark": "u",
+    "widgetExportMarks": "x",
+    "widgetToggleNightMode": "n",
+    "widgetQuit": "q",
+}
+"""The console's own keys for help, messages and the palette are in every layout anyway."""
+SLOWS = {"]", "[", "1", "2", "3", "4"}
+
+
+@each_layout
+def test_the_keys_that_an_operator_expects_are_in_every_layout(path: Path) -> None:
+    layout = open_layout(path)
+    bound = {(w.handler, event.name) for w in all_widgets(layout) for event in w.events}
+    assert COMMON.items() <= bound
+    assert not any(name in {"ctrl+e", "ctrl+p"} for _, name in bound)
+    for robot in layout.robots:
+        own = {
+            (widget.handler, event.name)
+            for viewport in layout.view.viewports
+            if viewport.robot == robot.name
+            for widget in viewport.widgets
+            for event in widget.events
+        }
+        assert ("widgetStop", "space") in own
+        assert {key for handler, key in own if handler == "widgetSpeedLimit"} >= SLOWS
+        assert any(handler == "widgetTakeControl" for handler, _ in own)
+        assert any(handler == "widgetSetSpeed" for handler, _ in own)
+
+
+@pytest.mark.parametrize("name", ["two-robots", "land-sea-air"])
+@pytest.mark.parametrize("size", [(40, 12), *SIZES], ids=lambda size: f"{size[0]}")
+def test_the_title_of_the_chosen_robot_is_marked(name: str, size: tuple[int, int]) -> None:
+    layout = open_layout(ROOT / "layouts" / f"{name}.xml")
+    view, dispatch = View(layout), Dispatch(layout)
+    view.resize(*size)
+    state = ConsoleState.at_start(layout, NOW, "ada")
+    robots = {each.name: SITUATIONS["driving"].robot(each.name) for each in layout.robots}
+    state = dataclasses.replace(state, robots=robots)
+    for role in [*robots, next(iter(robots))]:
+        cells = view.render(state)
+        assert cells is not None
+        shown = "".join(chr(point or 32) for point in cells.glyphs.flat)
+        assert f"▶ {role}" in shown
+        assert not any(f"▶ {other}" in shown for other in robots if other != role)
+        (question,) = [
+            effect
+            for effect in dispatch.handle(ControlEvent(name="m", pressed=True), state)
+            if isinstance(effect, AskEffect)
+        ]
+        assert question.robot == role
+        for effect in dispatch.handle(ControlEvent(name="tab", pressed=True), state):
+            state = changed(state, cast("StateEffect", effect))

@@ -85,3 +85,19 @@ def test_of_keys_that_all_terminals_tell_nothing_is_said(
     layout: Callable[[str], LayoutSpec],
 ) -> None:
     assert untold_keys(layout("w kp_8 8 kp_add +")) == ""
+
+
+def test_a_button_of_the_mouse_means_the_viewport_that_is_clicked(tmp_path: Path) -> None:
+    path = tmp_path / "layout.xml"
+    seen = '<visualizer function="visualizeLabel" text="x"/>'
+    other = (
+        '<viewport name="stop" robot="magellan" xpos="0" ypos="0" xsize="9" ysize="9">'
+        f"{seen}"
+        '<widget handler="widgetStop"><event mouse="left"/></widget></viewport></view>'
+    )
+    text = LAYOUT.format(events='<event mouse="left" control="translate"/>')
+    text = text.replace('ysize="40">\n      <', 'ysize="40">' + seen + "<")
+    path.write_text(text.replace("</view>", other))
+    assert key_notes(open_layout(path)) == ()
+    path.write_text(text.replace('<event key="5"/>', '<event mouse="left"/>'))
+    assert "mouse left wakes" in key_notes(open_layout(path))[0]

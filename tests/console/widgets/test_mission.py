@@ -13,6 +13,7 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import AskEffect, Effect, MissionEffect, Tell
 from rune_tui.model.leaving import reasons_to_stay
 from rune_tui.model.mission import MissionWatch
+from rune_tui.model.robot_state import Lack, LackKind
 from rune_tui.visualizers.mission import _rows
 from rune_tui.visualizers.troubles import troubles
 from rune_tui.widgets.mission import WAIT_S
@@ -174,3 +175,28 @@ def test_the_pane_says_name_time_marks_and_the_saved_map() -> None:
         "3 marks, 2 changes in memory only", "map saved 4 s ago",
         "NOT CONFIRMED BY THE ROBOT: 1", "NOT KEPT: the disk is full",
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("handler", "capability", "said"),
+    [
+        ("widgetMission", "PRO_POINTS", "no mission: magellan does not provide PRO_POINTS: why"),
+        (
+            "widgetToggleNightMode",
+            "VIS_NIGHT",
+            "no night mode: magellan does not provide VIS_NIGHT: why",
+        ),
+    ],
+)
+def test_a_robot_that_cannot_do_it_is_asked_nothing_and_the_key_says_why(
+    handler: str, capability: str, said: str
+) -> None:
+    state = on(RUNS)
+    robot = state.robots["magellan"]
+    link = dataclasses.replace(
+        robot.link, lacking={capability: Lack(kind=LackKind.ABSENT, why="why")}
+    )
+    state = dataclasses.replace(state, robots={"magellan": robot.with_(link=link)})
+    (effect,) = widget_of(handler).handle(down("m"), KEY, state)
+    assert isinstance(effect, Tell)
+    assert effect.notice.text == said

@@ -1,0 +1,23 @@
+"""Why a robot does not do what an order says: nothing on it takes such an order."""
+
+from __future__ import annotations
+
+from hub.gcm.providers import TAKEN_BY
+from rune_tui.model.robot_state import LackKind, RobotState
+
+
+def untaken(robot: RobotState, message: str, *, lasting: bool = False) -> str:
+    """A sentence on why nothing on the robot takes this message; empty if something may.
+
+    Args:
+        robot: The robot.
+        message: The message's name.
+        lasting: Whether a module that is about to start counts as one that takes it.
+    """
+    takers = TAKEN_BY.get(message, ())
+    lacks = [robot.link.lacking.get(taker) for taker in takers]
+    if not lacks or lacks[0] is None or None in lacks:
+        return ""
+    if lasting and any(lack is not None and lack.kind is LackKind.COMING for lack in lacks):
+        return ""
+    return f"{robot.title} does not provide {takers[0]}: {lacks[0].why}"
