@@ -32,7 +32,7 @@ from rune_tui.visualizers.event_log import EventLog
 from rune_tui.visualizers.label import Label
 from rune_tui.visualizers.notice import write_notice
 from rune_tui.visualizers.range_data import RangeData
-from rune_tui.visualizers.title import draw_title, with_title
+from rune_tui.visualizers.title import titled, with_title
 from rune_tui.visualizers.troubles import TOLD_S, banner_of
 from rune_tui.visualizers.visualizer import Locating, Overlaying, Picturing, Visualizer
 
@@ -45,7 +45,6 @@ _INVISIBLE = 255
 _COMPLAINT_ROWS = 4
 MIN_PICTURE = (16, 12)
 """Smallest picture worth asking for, width and height [pixels]."""
-
 
 SLOW_S = 0.25
 """A drawing that takes more of the processor's time holds up the hands [s]."""
@@ -129,13 +128,11 @@ class _Pane:
         if self.layer is None:
             return
         yield self.layer
-        if self.head is not None:
+        if (head := self.head) is not None:
             look = state.theme.name, self.markable and self.spec.robot == state.chosen
             if self.titled is None or self.titled[0] != look:
-                canvas = Canvas.blank(self.head.width, self.head.height)
-                draw_title(canvas, self.spec.title, state.theme, marked=look[1])
-                layer = Layer(canvas=canvas, x=self.head.x, y=self.head.y, zpos=self.how.zpos)
-                self.titled = look, layer
+                row = titled(head, self.spec.title, state.theme, marked=look[1])
+                self.titled = look, Layer(canvas=row, x=head.x, y=head.y, zpos=self.how.zpos)
             yield self.titled[1]
 
     def robot(self, state: ConsoleState) -> RobotState | None:

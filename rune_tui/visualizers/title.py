@@ -22,15 +22,16 @@ def with_title(area: Area, title: str) -> tuple[Area | None, Area]:
     return head, Area(x=area.x, y=area.y + 2, width=area.width, height=area.height - 2)
 
 
-def draw_title(canvas: Canvas, title: str, theme: Theme, *, marked: bool = False) -> None:
-    """Draw it into one row; a name that does not fit is left out, and the rule stays.
+def titled(head: Area, title: str, theme: Theme, *, marked: bool = False) -> Canvas:
+    """The row of a title; a name that does not fit is left out, and the rule stays.
 
     Args:
-        canvas: The row.
+        head: Where it is.
         title: The name.
         theme: Its colours.
         marked: Whether it stands out from other titles.
     """
+    canvas = Canvas.blank(head.width, head.height)
     canvas.fill(theme.ground)
     canvas.text(0, 0, _RULE * canvas.width, theme.faint)
     name = (_MARK if marked else "") + printable_text(title)
@@ -40,3 +41,4 @@ def draw_title(canvas: Canvas, title: str, theme: Theme, *, marked: bool = False
         # The mark must be seen even where the name does not fit beside it.
         name = name if len(name) <= canvas.width else _MARK
         canvas.text(0, 0, name[: canvas.width], theme.ink)
+    return canvas
