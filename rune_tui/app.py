@@ -297,15 +297,16 @@ class Console(CoveredApp, inherit_bindings=False):
     def _joysticks_moved(self) -> None:
         """Joysticks have something to tell.
 
-        What lies over the view, and another window in front, rests them, but for the stop.
+        Below the list or a question, and behind another window, they only stop.
         """
         now = self._look_up()
-        resting = self.covered or self._console.paged or not self.app_focus
+        unseen = self.covered or not self.app_focus
         for event in self._joysticks.events(now):
-            if self._dispatch.waits_for(event.name):
-                state = dataclasses.replace(self.state, help=resting)
-                self._execute(self._dispatch.handle(event, state))
-        if resting:
+            if unseen and event.pressed:
+                self._execute(self._dispatch.stopping(event.name, self.state))
+            elif not unseen and self._dispatch.waits_for(event.name):
+                self._execute(self._dispatch.handle(event, self.state))
+        if unseen or self._console.paged:
             self._handle(self._joysticks.release_all(now))
 
     async def action_quit(self) -> None:

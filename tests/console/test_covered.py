@@ -6,8 +6,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from textual import events
 from textual.widgets import Input
 
+from rune_tui.controls.events import ControlEvent
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import AskEffect, Effect
 from rune_tui.ui.question import Question
@@ -204,5 +206,28 @@ def test_the_stop_key_is_a_letter_of_an_answer_and_stops_the_second_time(
         await desk.until(lambda: desk.robot.stops)
         await desk.press("x", "enter")
         assert answers == ["two m  x"]
+
+    play(script)
+
+
+@pytest.mark.parametrize("over", ["the list", "another window"])
+def test_a_gamepad_that_nobody_sees_the_effect_of_only_stops(
+    play: Callable[[Script], None], monkeypatch: pytest.MonkeyPatch, over: str
+):
+    async def script(desk: Desk) -> None:
+        console = desk.console
+        if over == "the list":
+            await desk.press("ctrl+p")
+            await desk.until(lambda: console.covered)
+        else:
+            console.post_message(events.AppBlur())
+            await desk.until(lambda: not console.app_focus)
+        moved = [ControlEvent(name=name, pressed=True) for name in ("q", "f", "w", "space")]
+        monkeypatch.setattr(console._joysticks, "events", lambda _: iter(moved))
+        console._joysticks_moved()
+        assert not console._leaving
+        assert not console.state.full
+        await desk.until(lambda: desk.robot.stops)
+        assert set(await desk.commands(2)) == {0.0}
 
     play(script)
