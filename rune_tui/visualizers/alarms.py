@@ -27,7 +27,7 @@ class Alarms:
     """Alarms on the alarm's colour behind "!!", then warnings behind "!", in words."""
 
     rule: ClassVar = VisualizerRule(
-        meaning="what is wrong now but for what the banner says, the worst first; all well if "
+        meaning="what is wrong now, except what the banner says, the worst first; all well if "
         "nothing is",
         message=ROBOT_STATE.name,
         others=(

@@ -42,7 +42,7 @@ class NightMode:
         others=("GCM_CameraState",),
         options={
             "day": ChoiceOption(
-                default="shown", choices=("shown", "hidden"), meaning="what there is to see by day"
+                default="shown", choices=("shown", "hidden"), meaning="what it shows by day"
             )
         },
     )

@@ -1,4 +1,4 @@
-"""visualizeSpeed: how fast the robot moves and turns, and how fast it is told to."""
+"""visualizeSpeed: how fast the robot moves and turns, and its commanded speed."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Speed(Reading[NavigationState, tuple[_Pair, _Pair]]):
     """
 
     rule: ClassVar = VisualizerRule(
-        meaning="how fast the robot moves and turns, and how fast it is told to",
+        meaning="how fast the robot moves and turns, and its commanded speed",
         message=ROBOT_STATE.name,
         options={
             "linear": NumberOption(

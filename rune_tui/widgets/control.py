@@ -57,7 +57,7 @@ class TakeOver(OrderWidget):
         section=Section.ROBOT,
         says={"": "Take control from whoever has it"},
         meaning=(
-            "Takes control from whoever has it, without asking; that needs a key made with "
+            "Takes control from who has it, without asking; that needs a key made with "
             "`--role supervise`, or a console on the robot itself."
         ),
         uses=_USES,

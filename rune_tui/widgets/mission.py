@@ -45,8 +45,8 @@ class Mission(OrderWidget):
         section=Section.MARK,
         says={"": "{do}"},
         meaning=(
-            "Begins a mission under the name you type; while one runs, names it anew. Type 'end' "
-            "to end it, then 'yes'. The robot keeps marks, map and track of a mission."
+            "Begins a mission under the name you type; while one runs, gives it another name. Type "
+            "'end' to end it, then 'yes'. The robot keeps marks, map and track of a mission."
         ),
         options={
             "do": ChoiceOption(

@@ -316,7 +316,7 @@ class StopRobot(PressWidget):
         section=Section.DRIVE,
         says={"": "Stop"},
         meaning=(
-            "Stops the robot at once. Keys that are still held no longer drive; press them anew. "
+            "Stops the robot at once. Keys that are still held no longer drive; press them again. "
             "A stick has to be let go first."
         ),
         sends=("GCM_Stop",),
