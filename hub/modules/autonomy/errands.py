@@ -63,6 +63,7 @@ class Sight:
         fresh: Whether the map came after the last target was reached or given up.
         now: Monotonic time [s].
         left: Way that navigation has left to the present target [m]; NaN: not known.
+        theta: Heading of the robot in `map` [rad]; NaN: not known.
     """
 
     x: float
@@ -71,6 +72,7 @@ class Sight:
     fresh: bool
     now: float
     left: float = NOWHERE
+    theta: float = NOWHERE
 
 
 class Errand(Protocol):

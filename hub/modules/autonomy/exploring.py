@@ -11,8 +11,10 @@ from hub.gcm.navigation import Point
 from hub.grids.frontiers import Frontier, edge_cells, frontiers
 from hub.grids.grid import Grid
 from hub.grids.reach import standing_ground, ways
+from hub.modules.autonomy import base_line
 from hub.modules.autonomy.errands import End, Pause, Sight, Target
 from hub.modules.autonomy.novelty import Limits, Novelty
+from hub.plane import wrapped
 
 SHORTEST = 0.3
 """Shorter frontiers are gaps between the cones of sensors, no ground to explore [m]."""
@@ -43,13 +45,15 @@ VAIN_WORTH = 0.2
 TRIES = 3
 """After so many visits in vain a place is given up."""
 SPEED = 0.35
-"""So fast the robot gets about, turns included [m/s]."""
+"""So fast the robot gets about, turns on the way included [m/s]."""
 HOMEWARD_SPEED = 0.2
 """The way back to the start is made at least so fast on average [m/s]."""
 HOMEWARD_SPARE_S = 20.0
 """The robot turns back so much earlier than the way takes [s]."""
-STOP_S = 6.0
-"""So much longer each target takes: to look, and to turn away [s]."""
+STOP_S = 3.0
+"""So much longer each target takes, to stop and to look [s]."""
+TURN_RATE = 0.7
+"""So fast the robot turns to where it sets out [rad/s]. Each turn costs certainty, too."""
 CLOSED_S = 12.0
 """So long a target stays to which the map shows no way any more [s]."""
 PATIENCE_S = 6.0
@@ -75,6 +79,8 @@ class Explore:
     was there, or that it cannot get to, is worth less and less, and is given up: sonars do not see
     walls that they look at sideways. Noise closes doors on the map until the robot is near, so
     frontiers that the map shows no way to are looked at from as near as the robot gets.
+
+    A robot that has not moved yet drives its base line first, which makes all later poses truer.
 
     Drift makes places anew that are known already, so exploring does not go on when nothing new
     comes. Nor does it go on for longer than the limits say: a robot that has lost its place sees
@@ -106,6 +112,7 @@ class Explore:
         self._end: str | None = None
         self._home = ""
         self._last_looks = False
+        self._base_line: bool | None = None
 
     def choose(self, sight: Sight) -> Target | Pause | End:
         """The frontier to go to."""
@@ -125,6 +132,9 @@ class Explore:
         if late:
             reason = f"{self._novelty.limits.longest:g} s are over with the way back"
             return self._go_home(summary(reason, *counts), sight)
+        base = self._straight(sight, sight.grid)
+        if base is not None:
+            return base
         beyond: list[Frontier] = []
         if self._novelty.over(sight.now) and not self._last_looks:
             self._last_looks = True
@@ -134,7 +144,7 @@ class Explore:
         if (not beyond and (self._last_looks or not left)) or self._novelty.over(sight.now):
             reason = f"nothing new for {self._novelty.limits.seconds:g} s" if left else _NOTHING
             return self._go_home(summary(reason, *counts), sight)
-        return self._target(beyond or left, FAR_LOOK if beyond else LOOK, sight.now)
+        return self._target(beyond or left, FAR_LOOK if beyond else LOOK, sight)
 
     def keeps(self, target: Target, sight: Sight) -> bool:
         """Whether the map still ends there, and the robot is not there yet."""
@@ -144,7 +154,10 @@ class Explore:
         if self._late(sight.now):
             return False
         goal = target.points[-1]
-        if math.dist((goal.x, goal.y), (sight.x, sight.y)) < ARRIVED:
+        there = math.dist((goal.x, goal.y), (sight.x, sight.y)) < ARRIVED
+        if self._base_line:
+            return not there
+        if there:
             self._note(target)
             return False
         if self._reach != LOOK:
@@ -159,7 +172,7 @@ class Explore:
         if sight.left > DETOUR * min(place.distance for place in here) + DETOUR_M:
             self._note(target)
             return False
-        return SWITCH * max(map(self._worth, here)) >= max(map(self._worth, left))
+        return SWITCH * self._best(here, sight)[0] >= self._best(left, sight)[0]
 
     def reached(self, target: Target, now: float) -> None:
         """What is still unknown there will stay so for now."""
@@ -174,6 +187,7 @@ class Explore:
         if self._end is not None:
             self._home = f"it did not get back to its start: {why}"
         self._note(target)
+        self._base_line = False
 
     def _go_home(self, end: str, sight: Sight) -> Target | End:
         """Go back to the start, where people expect the robot, and then end."""
@@ -184,12 +198,12 @@ class Explore:
             return End(why=f"{end}; {self._home}")
         return Target(points=(HOME,), why=f"returns to its start; {end}")
 
-    def _target(self, left: list[Frontier], look: float, now: float) -> Target:
+    def _target(self, left: list[Frontier], look: float, sight: Sight) -> Target:
         """The best of the frontiers that are left."""
-        best = max(left, key=self._worth)
+        best = self._best(left, sight)[1]
         self._reach = look
         self._novelty.set_out()
-        self._open_at = now
+        self._open_at = sight.now
         why = f"explores: {best.gain:.1f} m² of new ground, {best.distance:.1f} m away"
         return Target(points=(Point(x=best.x, y=best.y),), why=why, patience=PATIENCE_S)
 
@@ -217,7 +231,25 @@ class Explore:
         ]
         return [place for place in hidden if not self._visits(place)]
 
+    def _straight(self, sight: Sight, grid: Grid) -> Target | None:
+        """The base line, or what is left of it; None: it is driven, or the robot moved before."""
+        if self._base_line is None:
+            self._base_line = base_line.stands_as_it_began(sight.x, sight.y, sight.theta)
+        if not self._base_line:
+            return None
+        left = base_line.LONGEST - math.dist((sight.x, sight.y), (HOME.x, HOME.y))
+        ahead = base_line.straight_ahead(
+            grid, sight.x, sight.y, sight.theta, radius=self._radius, longest=left
+        )
+        if ahead is None:
+            self._base_line = False
+            return None
+        return Target(points=(ahead,), why="explores: straight ahead first", patience=PATIENCE_S)
+
     def _note(self, target: Target) -> None:
+        """The robot was at a target in vain, unless it was only the base line's."""
+        if self._base_line:
+            return
         goal = target.points[-1]
         known = self._at(goal.x, goal.y)
         if known is None:
@@ -237,9 +269,14 @@ class Explore:
             if math.isfinite(place.distance) and self._visits(place) < TRIES
         ]
 
-    def _worth(self, place: Frontier) -> float:
-        """What a frontier is worth, less for each visit in vain."""
-        return worth(place) * VAIN_WORTH ** self._visits(place)
+    def _best(self, places: list[Frontier], sight: Sight) -> tuple[float, Frontier]:
+        """Worth of the best of some frontiers, less for each visit in vain, and which it is."""
+        worths = [
+            worth(place, _turn(place, sight)) * VAIN_WORTH ** self._visits(place)
+            for place in places
+        ]
+        best = max(range(len(places)), key=worths.__getitem__)
+        return worths[best], places[best]
 
     def _visits(self, place: Frontier) -> int:
         """How often the robot was in vain where it looks into a frontier."""
@@ -305,9 +342,22 @@ def _free_ground(grid: Grid) -> float:
     return float(np.count_nonzero(grid.free)) * grid.resolution**2
 
 
-def worth(frontier: Frontier) -> float:
-    """New ground for the time it takes [m^2/s]."""
-    return min(frontier.gain, MOST_GAIN) ** 2 / (STOP_S + frontier.distance / SPEED)
+def worth(frontier: Frontier, turn: float = 0.0) -> float:
+    """New ground for the time it takes; much at once counts for more than its size.
+
+    Args:
+        frontier: With its way.
+        turn: By so much the robot has to turn before it sets out [rad].
+    """
+    seconds = STOP_S + abs(turn) / TURN_RATE + frontier.distance / SPEED
+    return min(frontier.gain, MOST_GAIN) ** 2 / seconds
+
+
+def _turn(place: Frontier, sight: Sight) -> float:
+    """By how much the robot has to turn to look to where it would go [rad]."""
+    if not math.isfinite(sight.theta) or place.distance < ARRIVED:
+        return 0.0
+    return wrapped(math.atan2(place.y - sight.y, place.x - sight.x) - sight.theta)
 
 
 def _ends_near(grid: Grid, x: float, y: float, reach: float) -> bool:

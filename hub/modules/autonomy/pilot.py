@@ -334,7 +334,9 @@ class Pilot:
         seen = self._senses.map_number
         grid, fresh = self._senses.grid, seen != self._map_left
         left = self._watch.distance
-        sight = Sight(x=state.x, y=state.y, grid=grid, fresh=fresh, now=now, left=left)
+        sight = Sight(
+            x=state.x, y=state.y, grid=grid, fresh=fresh, now=now, left=left, theta=state.theta
+        )
         target = self._watch.target
         if target is not None:
             if self._watch.outcome(now) is Outcome.UNHEARD:

@@ -41,6 +41,7 @@ class Scene:
         self.now = 100.0
         self.pilot = Pilot(radius=RADIUS, seed=seed)
         self.x = self.y = 0.0
+        self.theta = 1.0  # it has turned, so that exploring begins without a base line
         self.motion = MotionState.STANDING
         self.frame = 0
         self.number = 0
@@ -78,7 +79,7 @@ class Scene:
     def hears(self) -> None:
         """The pilot gets what the others publish."""
         if self.driver_reports:
-            seen = robot(self.x, self.y, self.motion)
+            seen = robot(self.x, self.y, self.motion, self.theta)
             self.pilot.see_robot(dataclasses.replace(seen, frame=self.frame), self.now)
         if self.navigation_lives:
             self.tell()
@@ -142,12 +143,12 @@ class Scene:
         self.act()
 
 
-def robot(x: float, y: float, motion: MotionState) -> RobotState:
+def robot(x: float, y: float, motion: MotionState, theta: float = 0.0) -> RobotState:
     return RobotState(
         stamp=0.0,
         x=x,
         y=y,
-        theta=0.0,
+        theta=theta,
         linear=0.0,
         angular=0.0,
         commanded_linear=0.0,

@@ -14,6 +14,7 @@ from hub.grids.clearance import clearance
 from hub.grids.frontiers import Frontier
 from hub.grids.grid import Grid
 from hub.grids.planner import line_cost, plan
+from hub.modules.autonomy.base_line import LONGEST, straight_ahead
 from hub.modules.autonomy.errands import Sight, Target
 from hub.modules.autonomy.exploring import (
     ARRIVED,
@@ -160,6 +161,62 @@ def test_a_room_behind_a_narrow_door_is_worth_more_than_a_gap_near_by() -> None:
     room = Frontier(x=0.0, y=0.0, length=1.8, distance=20.0, gain=10.0)
     gap = Frontier(x=0.0, y=0.0, length=0.45, distance=1.5, gain=3.0)
     assert worth(room) > worth(gap)
+
+
+def test_of_two_rooms_alike_the_one_ahead_is_worth_more() -> None:
+    room = Frontier(x=0.0, y=0.0, length=1.8, distance=4.0, gain=10.0)
+    assert worth(room) > worth(room, math.pi / 2.0) > worth(room, -math.pi)
+
+
+def test_it_explores_where_it_looks_already_rather_than_turn_about() -> None:
+    grid = hall(known=60)
+    grid.cells[:20, 1:10] = grid.cells[20:-1, 1:10] = -1
+    grid.cells[:20, 50:] = grid.cells[20:-1, 50:] = -1
+    for theta in (0.2, math.pi - 0.2):
+        sight = Sight(x=2.0, y=1.0, grid=grid, fresh=True, now=0.0, theta=theta)
+        target = Explore(RADIUS, Limits()).choose(sight)
+        assert isinstance(target, Target)
+        assert (target.points[0].x > 2.0) == (theta < 1.0)
+
+
+def test_exploring_begins_straight_ahead_so_that_the_first_walls_are_drawn_true() -> None:
+    scene = Scene()
+    scene.theta = 0.0
+    scene.hears()
+    scene.grid = hall(known=60)
+    scene.grid.cells[25:, 30:] = -1
+    scene.ask(Behaviour.EXPLORE)
+    scene.wait(1.0)
+    assert scene.targets == [(pytest.approx(LONGEST, abs=0.11), 0.0)]
+    scene.arrive()
+    scene.wait(3.0)
+    assert len(scene.targets) == 2, "and then to what is unknown"
+    assert scene.targets[1][1] > 0.5
+
+
+def test_a_base_line_that_is_blocked_is_left_for_a_frontier() -> None:
+    scene = Scene()
+    scene.theta = 0.0
+    scene.hears()
+    scene.ask(Behaviour.EXPLORE)
+    scene.wait(1.0)
+    assert scene.targets == [(pytest.approx(1.9, abs=0.11), 0.0)]
+    scene.end(Task.BLOCKED)
+    scene.wait(3.0)
+    assert len(scene.targets) == 2
+    assert scene.why.startswith("explores: ")
+    assert "m² of new ground" in scene.why
+
+
+def test_nothing_straight_ahead_of_a_wall() -> None:
+    grid = hall(known=60)
+    ahead = straight_ahead(grid, 0.0, 0.0, 0.0, radius=RADIUS, longest=LONGEST)
+    assert ahead is not None
+    grid.cells[8:12, 16] = 100
+    assert straight_ahead(grid, 0.0, 0.0, 0.0, radius=RADIUS, longest=LONGEST) is None
+    grid.cells[8:12, 6] = 100
+    assert straight_ahead(grid, 0.0, 0.0, math.pi, radius=RADIUS, longest=LONGEST) is None
+    assert straight_ahead(grid, 50.0, 0.0, 0.0, radius=RADIUS, longest=LONGEST) is None
 
 
 def test_a_frontier_that_is_gone_is_not_gone_to() -> None:
