@@ -21,8 +21,13 @@ def rim(body: RobotBody | None, count: int) -> Floats:
 
 
 def largest_radius(body: RobotBody | None) -> float:
-    """Of the circle in which all of the robot lies [m]; 0 where that is not known."""
-    return body.radius if body is not None else 0.0
+    """Of the circle in which all of the robot lies [m]; 0 where that is not known.
+
+    A hub that says less than its robot's corners need is not believed.
+    """
+    if body is None:
+        return 0.0
+    return max(body.radius, *(math.hypot(each.x, each.y) for each in body.footprint), 0.0)
 
 
 def corners(body: RobotBody | None) -> Floats:

@@ -185,7 +185,7 @@ class Pen:
         to_centre = self.width / 2.0 - begin[0], self.height / 2.0 - begin[1]
         along = to_centre[0] * ahead[0] + to_centre[1] * ahead[1]
         aside = to_centre[0] * ahead[1] - to_centre[1] * ahead[0]
-        half = math.sqrt(max(0.0, (self.width**2 + self.height**2) / 4.0 - aside**2))
+        half = math.sqrt(max(0.0, (self.width**2 + self.height**2) / 4.0 - aside * aside))
         return max(0.0, along - half), min(length, along + half)
 
 

@@ -34,6 +34,8 @@ _OPENING = 2.0 * math.pi / SENSOR_COUNT
 _SMOOTHING = 3
 _LEAST_ROOM: Final = 2.0
 """The drawing reaches at least so many radii of the body."""
+_POINT_M: Final = 1e-3
+"""A body that is smaller has no corners that could be drawn [m]."""
 _FREE_ALPHA, _UNBOUNDED_ALPHA, _NEAR_ALPHA = 190, 90, 235
 _PLATE_ALPHA, _RING_ALPHA = 150, 130
 _RING_STEPS: Final = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
@@ -213,7 +215,7 @@ class RangeData:
         centre = (canvas.width / 2.0, canvas.height / 2.0)
         drawn = max(radius / rim_m * rim, min(2.0, rim / 3.0))
         # On the canvas, ahead is up and left is left.
-        around = corners(body) * (drawn / radius if radius else 0.0)
+        around = corners(body) * (drawn / radius if radius > _POINT_M else 0.0)
         points = [(centre[0] - left, centre[1] - ahead) for ahead, left in around.tolist()]
         return _Plan(centre=centre, rim=rim, rim_m=rim_m, outline=points, body=drawn)
 

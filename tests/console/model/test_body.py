@@ -44,3 +44,10 @@ def test_the_rim_of_a_regular_polygon_lies_between_its_two_circles(
     distances = rim(body_of(*points, radius=radius), count)
     assert (distances <= radius * (1.0 + 1e-6)).all()
     assert (distances >= radius * math.cos(math.pi / sides) * (1.0 - 1e-6)).all()
+
+
+@pytest.mark.parametrize("radius", [0.0, 1e-300, 0.4])
+def test_a_radius_that_is_too_small_for_the_corners_is_not_believed(radius: float) -> None:
+    assert largest_radius(body_of((0.6, 0.3), (-0.4, 0.3), (-0.4, -0.3), radius=radius)) == (
+        pytest.approx(math.hypot(0.6, 0.3))
+    )

@@ -178,3 +178,14 @@ def test_circles_of_any_radius_take_no_time_and_show_the_part_that_is_seen(radiu
     if radius <= 1e6:
         assert (canvas.pixels[:, 18:] == BLUE).all()
         assert (canvas.pixels[4:6, :8] == RED).all()
+
+
+@pytest.mark.parametrize("far", [1e9, 1e200, 1e308])
+def test_a_line_to_a_place_that_no_screen_has_is_cut(far: float) -> None:
+    canvas = Canvas.blank(8, 8)
+    with drawing(canvas) as pen:
+        pen.line([(4.0, 4.0), (far, 4.0)], RED)
+        pen.line([(far, far), (far, -far)], RED)
+        pen.dashes([(-far, 4.0), (4.0, 4.0)], RED, dash=1.0, gap=1.0)
+    assert tuple(canvas.pixels[4, 6]) == RED
+    assert not canvas.pixels[0].any()

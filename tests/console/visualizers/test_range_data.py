@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from hub.gcm.body import ROBOT_DESCRIPTION, Point32, RobotBody
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.theme import DARK, LIGHT
 from rune_tui.visualizers.range_data import DEFAULT_RIM_M, RangeData
@@ -79,6 +80,16 @@ def test_near_is_measured_from_the_rim_of_the_body(made, draw) -> None:
     for reading, near in ((0.70, True), (0.71, False)):
         robot = with_navigation(made, sonar=sonar(s3=reading))
         assert bool(marks(draw(NAME, robot, SIZE), "!")) == near
+
+
+@pytest.mark.parametrize("corner", [0.0, 1e-9, 1e6])
+@pytest.mark.parametrize("radius", [0.0, 5e-324, 1e-300])
+def test_a_body_without_a_size_is_drawn_all_the_same(made, draw, radius, corner) -> None:
+    point = Point32(x=corner, y=0.0)
+    body = RobotBody(name="r", kind="k", radius=radius, count=3, footprint=(point,) * 3)
+    navigation = made.received(made.navigation(sonar=sonar()), 0.1)
+    said = {ROBOT_DESCRIPTION.name: made.received(body, 0.1)}
+    assert draw(NAME, made.robot(navigation=navigation, messages=said), SIZE).pixels.any()
 
 
 def test_no_echo_is_faint_up_to_the_rim(made, draw) -> None:
