@@ -19,6 +19,7 @@ from rune_tui.visualizers.doing_words import doing_rows
 from rune_tui.visualizers.mood import Part
 from rune_tui.visualizers.rows import Row, wrapped, write_rows
 from rune_tui.visualizers.staleness import age_look, mark_age, pause_of, weather
+from rune_tui.visualizers.troubles import is_in_banner
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +63,9 @@ class Autonomy:
 
 
 def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
-    return tuple(doing_rows(robot, state.now))
+    """All rows but what the banner says."""
+    rows = doing_rows(robot, state.now)
+    return tuple(part for part in rows if not is_in_banner(part, robot, state))
 
 
 def _told(robot: RobotState) -> Received[None] | None:

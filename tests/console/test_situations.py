@@ -72,6 +72,12 @@ def test_where_nothing_is_wrong_nothing_is_red(name: str) -> None:
     assert words(cells).count("EXPLORING") == (name == "exploring")
 
 
+@pytest.mark.parametrize("size", [(120, 40), (160, 48), (200, 60)])
+def test_a_pane_says_how_far_the_robot_is_by_itself_and_how_it_ended(size: tuple[int, int]) -> None:
+    assert "3.1 m to go" in words(scene(SEARCH, SITUATIONS["exploring"], size))
+    assert "took 41 s, ended 2 s ago" in words(scene(SEARCH, SITUATIONS["goal-blocked"], size))
+
+
 @pytest.mark.parametrize("size", [(40, 12), (80, 24), (120, 40), (200, 60)])
 @pytest.mark.parametrize("name", SITUATIONS)
 def test_the_key_that_stops_is_always_in_sight(name: str, size: tuple[int, int]) -> None:
