@@ -337,7 +337,7 @@ class Console(CoveredApp, inherit_bindings=False):
 
     def _look_at_hands(self, now: float) -> None:
         self._keyboard.answers = self._painter.answers_itself
-        self._handle(self._keyboard.expire(now))
+        self._execute(self._dispatch.handle_all(self._keyboard.expire(now), self.state))
         unheard = self._painter.answers and now - self._heard > _UNHEARD_S
         if self._dispatch.button_held and unheard:
             self._let_go()  # no release comes over a line that is cut

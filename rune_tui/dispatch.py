@@ -141,6 +141,15 @@ class Dispatch:
         """Effects of an event, from every widget that it matches."""
         return (*self.look(state), *self._handled(event, state))
 
+    def handle_all(self, events: Iterable[ControlEvent], state: ConsoleState) -> tuple[Effect, ...]:
+        """Effects of events of one moment; of each robot's velocities only the last is sent.
+
+        Of two keys that go up together, the second would else drive alone for no time.
+        """
+        effects = [effect for event in events for effect in self.handle(event, state)]
+        last = {_driven(effect): effect for effect in effects}
+        return tuple(each for each in effects if last[_driven(each)] is each or not _driven(each))
+
     def _handled(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
         fresh = event.pressed and not event.repeat
         listeners = self._listeners(event)
@@ -407,3 +416,10 @@ def _addressed(effect: Effect, state: ConsoleState) -> tuple[Effect, ...]:
     if not isinstance(effect, _TO_ROBOTS) or effect.robot != CHOSEN:
         return (effect,)
     return (dataclasses.replace(effect, robot=state.chosen),) if state.chosen else ()
+
+
+def _driven(effect: Effect) -> str:
+    """The robot whose velocity an effect sets; empty: none."""
+    if isinstance(effect, SendEffect) and effect.definition is VELOCITY_COMMAND:
+        return effect.robot
+    return ""
