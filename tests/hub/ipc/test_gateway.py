@@ -182,7 +182,7 @@ def test_damaged_list_lets_nobody_in_and_says_so_until_it_is_mended(hub: StandIn
     whole = path.read_text()
     path.write_text("[")
     assert hub.outcome(zmq.DEALER, "control", keys) == "refused"
-    assert any("list.toml" in line and "anew" in line for line in hub.logged)
+    assert any("list.toml" in line and "make a new key" in line for line in hub.logged)
     path.write_text(whole)
     assert hub.outcome(zmq.DEALER, "control", keys) == "in"
 
