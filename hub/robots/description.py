@@ -20,7 +20,7 @@ from hub.robots.video_source import video_source
 SHIPPED = Path(__file__).parent / "files"
 ROBOTS_OWN = "robot"
 """The source of pictures that is the robot's own camera."""
-NOTHING_NEW_S = 120.0
+NOTHING_NEW_S = 240.0
 NOTHING_NEW_SHARE = 0.02
 """Exploring ends when the ground in reach grew by less than this share for this time [s]."""
 LONGEST_EXPLORING_S = 600.0

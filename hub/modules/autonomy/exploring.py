@@ -14,7 +14,6 @@ from hub.grids.reach import standing_ground, ways
 from hub.modules.autonomy import base_line
 from hub.modules.autonomy.errands import End, Pause, Sight, Target
 from hub.modules.autonomy.novelty import Limits, Novelty
-from hub.plane import wrapped
 
 SHORTEST = 0.3
 """Shorter frontiers are gaps between the cones of sensors, no ground to explore [m]."""
@@ -45,15 +44,13 @@ VAIN_WORTH = 0.2
 TRIES = 3
 """After so many visits in vain a place is given up."""
 SPEED = 0.35
-"""So fast the robot gets about, turns on the way included [m/s]."""
+"""So fast the robot gets about, turns included [m/s]."""
 HOMEWARD_SPEED = 0.2
 """The way back to the start is made at least so fast on average [m/s]."""
 HOMEWARD_SPARE_S = 20.0
 """The robot turns back so much earlier than the way takes [s]."""
-STOP_S = 3.0
-"""So much longer each target takes, to stop and to look [s]."""
-TURN_RATE = 0.7
-"""So fast the robot turns to where it sets out [rad/s]. Each turn costs certainty, too."""
+STOP_S = 6.0
+"""So much longer each target takes: to look, and to turn away [s]."""
 CLOSED_S = 12.0
 """So long a target stays to which the map shows no way any more [s]."""
 PATIENCE_S = 6.0
@@ -144,7 +141,7 @@ class Explore:
         if (not beyond and (self._last_looks or not left)) or self._novelty.over(sight.now):
             reason = f"nothing new for {self._novelty.limits.seconds:g} s" if left else _NOTHING
             return self._go_home(summary(reason, *counts), sight)
-        return self._target(beyond or left, FAR_LOOK if beyond else LOOK, sight)
+        return self._target(beyond or left, FAR_LOOK if beyond else LOOK, sight.now)
 
     def keeps(self, target: Target, sight: Sight) -> bool:
         """Whether the map still ends there, and the robot is not there yet."""
@@ -172,7 +169,7 @@ class Explore:
         if sight.left > DETOUR * min(place.distance for place in here) + DETOUR_M:
             self._note(target)
             return False
-        return SWITCH * self._best(here, sight)[0] >= self._best(left, sight)[0]
+        return SWITCH * max(map(self._worth, here)) >= max(map(self._worth, left))
 
     def reached(self, target: Target, now: float) -> None:
         """What is still unknown there will stay so for now."""
@@ -198,12 +195,12 @@ class Explore:
             return End(why=f"{end}; {self._home}")
         return Target(points=(HOME,), why=f"returns to its start; {end}")
 
-    def _target(self, left: list[Frontier], look: float, sight: Sight) -> Target:
+    def _target(self, left: list[Frontier], look: float, now: float) -> Target:
         """The best of the frontiers that are left."""
-        best = self._best(left, sight)[1]
+        best = max(left, key=self._worth)
         self._reach = look
         self._novelty.set_out()
-        self._open_at = sight.now
+        self._open_at = now
         why = f"explores: {best.gain:.1f} m² of new ground, {best.distance:.1f} m away"
         return Target(points=(Point(x=best.x, y=best.y),), why=why, patience=PATIENCE_S)
 
@@ -269,14 +266,9 @@ class Explore:
             if math.isfinite(place.distance) and self._visits(place) < TRIES
         ]
 
-    def _best(self, places: list[Frontier], sight: Sight) -> tuple[float, Frontier]:
-        """Worth of the best of some frontiers, less for each visit in vain, and which it is."""
-        worths = [
-            worth(place, _turn(place, sight)) * VAIN_WORTH ** self._visits(place)
-            for place in places
-        ]
-        best = max(range(len(places)), key=worths.__getitem__)
-        return worths[best], places[best]
+    def _worth(self, place: Frontier) -> float:
+        """What a frontier is worth, less for each visit in vain."""
+        return worth(place) * VAIN_WORTH ** self._visits(place)
 
     def _visits(self, place: Frontier) -> int:
         """How often the robot was in vain where it looks into a frontier."""
@@ -342,22 +334,9 @@ def _free_ground(grid: Grid) -> float:
     return float(np.count_nonzero(grid.free)) * grid.resolution**2
 
 
-def worth(frontier: Frontier, turn: float = 0.0) -> float:
-    """New ground for the time it takes; much at once counts for more than its size.
-
-    Args:
-        frontier: With its way.
-        turn: By so much the robot has to turn before it sets out [rad].
-    """
-    seconds = STOP_S + abs(turn) / TURN_RATE + frontier.distance / SPEED
-    return min(frontier.gain, MOST_GAIN) ** 2 / seconds
-
-
-def _turn(place: Frontier, sight: Sight) -> float:
-    """By how much the robot has to turn to look to where it would go [rad]."""
-    if not math.isfinite(sight.theta) or place.distance < ARRIVED:
-        return 0.0
-    return wrapped(math.atan2(place.y - sight.y, place.x - sight.x) - sight.theta)
+def worth(frontier: Frontier) -> float:
+    """New ground for the time it takes [m^2/s]; much at once counts for more than its size."""
+    return min(frontier.gain, MOST_GAIN) ** 2 / (STOP_S + frontier.distance / SPEED)
 
 
 def _ends_near(grid: Grid, x: float, y: float, reach: float) -> bool:

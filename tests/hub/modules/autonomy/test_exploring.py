@@ -163,22 +163,6 @@ def test_a_room_behind_a_narrow_door_is_worth_more_than_a_gap_near_by() -> None:
     assert worth(room) > worth(gap)
 
 
-def test_of_two_rooms_alike_the_one_ahead_is_worth_more() -> None:
-    room = Frontier(x=0.0, y=0.0, length=1.8, distance=4.0, gain=10.0)
-    assert worth(room) > worth(room, math.pi / 2.0) > worth(room, -math.pi)
-
-
-def test_it_explores_where_it_looks_already_rather_than_turn_about() -> None:
-    grid = hall(known=60)
-    grid.cells[:20, 1:10] = grid.cells[20:-1, 1:10] = -1
-    grid.cells[:20, 50:] = grid.cells[20:-1, 50:] = -1
-    for theta in (0.2, math.pi - 0.2):
-        sight = Sight(x=2.0, y=1.0, grid=grid, fresh=True, now=0.0, theta=theta)
-        target = Explore(RADIUS, Limits()).choose(sight)
-        assert isinstance(target, Target)
-        assert (target.points[0].x > 2.0) == (theta < 1.0)
-
-
 def test_exploring_begins_straight_ahead_so_that_the_first_walls_are_drawn_true() -> None:
     scene = Scene()
     scene.theta = 0.0
