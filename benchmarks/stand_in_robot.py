@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.gcm import rle, vision
-from hub.gcm.navigation import ROBOT_STATE, VELOCITY_COMMAND, MotionState, RobotState
+from hub.gcm.navigation import ROBOT_STATE, VELOCITY_COMMAND, Measured, MotionState, RobotState
 from hub.ipc.central import Central
 from hub.ipc.client import Client
 from hub.ipc.reception import Reception
@@ -88,7 +88,7 @@ class StandInRobot:
         self._body.set_velocity(*self._speeds)
         self._body.advance(DRIVE_S)
         state = self._body.drive_state(time.time())
-        told = {field.name: getattr(state, field.name) for field in dataclasses.fields(state)}
+        told = {each.name: getattr(state, each.name) for each in dataclasses.fields(Measured)}
         self._client.publish(ROBOT_STATE, RobotState(**told, motion=MotionState.MOVING, refused=0))
 
 

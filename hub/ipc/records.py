@@ -363,10 +363,14 @@ def _refuse(kind: str, error: Exception) -> typing.NoReturn:
 
 def _open_twin(kind: type[Any], names: Sequence[str]) -> type[Any] | None:
     """A class whose objects can become `kind`, or None if `kind` does more than hold fields."""
-    plain = kind.__bases__ == (object,) and tuple(getattr(kind, "__slots__", ())) == tuple(names)
+    line = kind.__mro__[-2::-1]  # the first after object comes first
+    slots = tuple(slot for each in line for slot in getattr(each, "__slots__", ("",)))
+    plain = all(len(each.__bases__) == 1 for each in line) and slots == tuple(names)
     if not plain or not names or hasattr(kind, "__post_init__"):
         return None
-    return type(kind.__name__, (), {"__slots__": tuple(names)})
+    # Only a class with the same base has the same layout; a frozen base would refuse all values.
+    own = {"__slots__": kind.__slots__, "__setattr__": object.__setattr__}
+    return type(kind.__name__, kind.__bases__, own)
 
 
 def _member(name: str, hint: Any, node: formats.Format, where: str, *, strict: bool) -> Member:

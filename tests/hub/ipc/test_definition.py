@@ -160,6 +160,28 @@ def test_decoded_value_is_frozen_and_hashable_like_any_other() -> None:
         back.start.x = 3
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Place(Point):
+    z: int
+
+
+def test_value_with_inherited_fields_is_made_without_its_constructor(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The constructor of a frozen class takes longer than all else."""
+    definition = MessageDefinition(name="T_Place", format="{int,int,int}", type=Place)
+    value = Place(x=1, y=2, z=3)
+    payload = b"".join(definition.encode(value))
+    decoded = definition.decode(payload)
+    assert decoded == value
+    assert hash(decoded) == hash(value)
+    assert type(decoded) is Place
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        decoded.x = 4
+    monkeypatch.delattr(Place, "__init__")
+    assert definition.decode(payload) == value
+
+
 def test_field_names_are_shown_in_the_nesting_of_the_format() -> None:
     assert PATH.fields == "mode, start{x, y}, count, points[]{x, y}"
     assert TOUR.fields == (
