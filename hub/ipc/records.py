@@ -369,8 +369,9 @@ def _open_twin(kind: type[Any], names: Sequence[str]) -> type[Any] | None:
     if not plain or not names or hasattr(kind, "__post_init__"):
         return None
     # Only a class with the same base has the same layout; a frozen base would refuse all values.
+    # Python sets attributes fast only where a class has both methods from `object`.
     own = {"__slots__": kind.__slots__, "__setattr__": object.__setattr__}
-    return type(kind.__name__, kind.__bases__, own)
+    return type(kind.__name__, kind.__bases__, own | {"__delattr__": object.__delattr__})
 
 
 def _member(name: str, hint: Any, node: formats.Format, where: str, *, strict: bool) -> Member:
