@@ -17,6 +17,8 @@ _SLACK_M: Final = 0.1
 """How far ground is shown behind what was measured [m]."""
 _STEP_M: Final = 0.2
 """From one point of a line to the next, so that it ends where it is covered [m]."""
+_MOST_STEPS: Final = 256
+"""A longer part of a line, which no picture shows whole, has longer steps."""
 _GRAIN_M: Final = 0.05
 
 
@@ -58,7 +60,7 @@ def uncovered(lines: Floats, covers: tuple[float, ...]) -> Floats:
         return lines
     steps = np.diff(lines, axis=0)
     length = np.nan_to_num(np.hypot(steps[:, 0], steps[:, 1]))
-    count = np.maximum(1, np.ceil(length / _STEP_M)).astype(np.intp)
+    count = np.clip(np.ceil(length / _STEP_M), 1, _MOST_STEPS).astype(np.intp)
     first = np.repeat(np.arange(len(steps)), count)
     share = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
     dense = lines[first] + steps[first] * (share / count[first])[:, None]

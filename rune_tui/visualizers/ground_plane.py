@@ -302,7 +302,8 @@ def _write_way(
     if stop is None:
         _write_low(canvas, course.words, theme.accent, theme)
     elif stop:
-        x, y = (stop[0][0] + stop[0][-1]) / 2.0
+        middle = np.nan_to_num((stop[0][0] + stop[0][-1]) / 2.0)
+        x, y = np.clip(middle, 0.0, (canvas.width, 2.0 * canvas.rows)).tolist()
         words = f"stop {distance:.1f} m"
         column = max(0, min(canvas.width, int(x + len(words) / 2)) - len(words))
         _write(canvas, column, min(canvas.rows - 1, int(y) // 2), words, theme.warning, theme)

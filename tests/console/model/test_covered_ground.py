@@ -42,3 +42,11 @@ def test_a_line_goes_as_far_as_the_wall_and_on_beside_it() -> None:
 
 def test_what_is_covered_changes_in_steps_only() -> None:
     assert ahead(0.501) == ahead(0.499) != ahead(0.6)
+
+
+@pytest.mark.parametrize("far", [1e4, 1e12, 1e300])
+def test_a_line_of_any_length_takes_little_memory(far: float) -> None:
+    line = np.array([(1.0, 0.0), (far, 0.0), (1.0, 0.0)])
+    broken = uncovered(line, (0.5, *(float("inf"),) * 15))
+    assert 3 <= len(broken) < 1000
+    assert np.isnan(broken).all()
