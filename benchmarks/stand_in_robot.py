@@ -88,8 +88,10 @@ class StandInRobot:
         self._body.set_velocity(*self._speeds)
         self._body.advance(DRIVE_S)
         state = self._body.drive_state(time.time())
-        told = {each.name: getattr(state, each.name) for each in dataclasses.fields(Measured)}
-        self._client.publish(ROBOT_STATE, RobotState(**told, motion=MotionState.MOVING, refused=0))
+        measured = {each.name: getattr(state, each.name) for each in dataclasses.fields(Measured)}
+        self._client.publish(
+            ROBOT_STATE, RobotState(**measured, motion=MotionState.MOVING, refused=0)
+        )
 
 
 class Fleet:

@@ -12,8 +12,10 @@ import queue
 import sys
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable
 
+from hub.bucket import Bucket
 from hub.plain_text import plain
 
 LEVELS = ("debug", "info", "warning", "error")
@@ -39,20 +41,18 @@ class Bound:
             clock: Monotonic time [s].
         """
         self._clock = clock
-        self._places: dict[tuple[str, int], tuple[float, float, int]] = {}
+        self._places: dict[tuple[str, int], Bucket] = {}
+        self._left_out: Counter[tuple[str, int]] = Counter()
 
     def before(self, record: logging.LogRecord) -> int | None:
         """How many lines of its place were left out before it; None: it is left out too."""
         if record.levelno <= logging.DEBUG:
             return 0
-        place, now = (record.pathname, record.lineno), self._clock()
-        level, seen, left_out = self._places.get(place, (float(AT_ONCE), now, 0))
-        level = min(AT_ONCE, level + (now - seen) * PER_S)
-        if level < 1.0:
-            self._places[place] = level, now, left_out + 1
+        place = record.pathname, record.lineno
+        if not self._places.setdefault(place, Bucket(PER_S, AT_ONCE)).take(1.0, self._clock()):
+            self._left_out[place] += 1
             return None
-        self._places[place] = level - 1.0, now, 0
-        return left_out
+        return self._left_out.pop(place, 0)
 
 
 class UnhurriedHandler(logging.Handler):

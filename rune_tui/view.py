@@ -66,6 +66,7 @@ class _Pane:
     rests_until: float = -math.inf
     layer: Layer | None = None
     over: Layer | None = None
+    over_zpos: int | None = None
     markable: bool = False
     titled: tuple[tuple[str, bool], Layer] | None = None
     source: Hashable = None
@@ -112,7 +113,9 @@ class _Pane:
             transparency=self.how.transparency,
             urgency=getattr(self.visualizer, "urgency", Urgency.OTHER),
         )
-        self.over = None if over is None else dataclasses.replace(self.layer, canvas=over)
+        self.over = None
+        if over is not None and self.over_zpos is not None:
+            self.over = dataclasses.replace(self.layer, canvas=over, zpos=self.over_zpos)
         return True
 
     def _rest_after(self, took: float, canvas: Canvas, state: ConsoleState) -> None:
@@ -175,7 +178,7 @@ class _Pane:
 
     def _drawn_over(self, robot: RobotState, state: ConsoleState) -> Canvas | None:
         """What the ranges over it must not cover; None if there is nothing."""
-        if not isinstance(self.visualizer, Overlaying):
+        if self.over_zpos is None or not isinstance(self.visualizer, Overlaying):
             return None
         canvas = Canvas.blank(self.place.width, self.place.height)
         self.visualizer.draw_over(canvas, robot, state)
@@ -270,6 +273,10 @@ class View:
                     markable=self._choice,
                 )
             )
+        ranges = [each for each in self._panes if isinstance(each.visualizer, RangeData)]
+        for pane in self._panes:
+            above = [each.how.zpos for each in ranges if each.place.meets(pane.place)]
+            pane.over_zpos = max([pane.how.zpos, *above]) if above else None
         return self._arrangement is not before
 
     def _places(self) -> tuple[Placed, ...]:
@@ -328,7 +335,7 @@ class View:
         self._said = now_said
         self._complete = True
         layers = [layer for pane in self._panes for layer in pane.layers(state)]
-        layers += self._uncovered()
+        layers += [pane.over for pane in self._panes if pane.over is not None]
         layers += self._page.layers
         if self._too_small:
             layers = [self._apology("too small", state)]
@@ -342,14 +349,6 @@ class View:
         cells = compose(self._columns, self._rows, self._ground(state.theme), layers)
         make_legible(cells, state.theme.tint)
         return tinted(cells, state.theme.tint)
-
-    def _uncovered(self) -> Iterator[Layer]:
-        """What the ranges that lie over a viewport would cover, above them."""
-        ranges = [each for each in self._panes if isinstance(each.visualizer, RangeData)]
-        for pane in self._panes:
-            above = [each.how.zpos for each in ranges if each.place.meets(pane.place)]
-            if pane.over is not None and above:
-                yield dataclasses.replace(pane.over, zpos=max(pane.how.zpos, *above))
 
     def hits(self, x: int, y: int, state: ConsoleState) -> tuple[Hit, ...]:
         """The viewports at a pixel of the terminal (column, 2 * row), the nearest first."""

@@ -199,7 +199,7 @@ class RobotState(Measured):
         assistance: Whether velocities that would lead into something are held back.
         held_back: How much of the commanded velocity is held back now, 0 (nothing) to 1.
         frame: Number of the frame `map`. With another number, positions cannot be compared with
-            those of before: the robot has lost its place. 0: not told.
+            those of before: the robot has lost its place. 0: not known.
         position_off: Standard deviation of the position in the map [m]; NaN if it is not known.
         heading_off: Standard deviation of the heading in the map [rad]; NaN if it is not known.
         stops: Counts how often whoever drives had to become neutral first: stops, silences,

@@ -13,7 +13,7 @@ from hub.gcm.mission import MISSION_COMMAND, MissionAction, MissionCommand
 from hub.inspection.login import login_name
 from hub.inspection.writing import outcome, put, span, table
 from hub.ipc.client import Client
-from hub.missions.export import MissionState, facts_of_marks, mission_facts, moment
+from hub.missions.export import MissionPhase, facts_of_marks, mission_facts, moment
 from hub.missions.export import export as export_files
 from hub.missions.folder import MissionFolder
 from hub.plain_text import plain
@@ -21,10 +21,10 @@ from hub.robots.description import find_robot_file, read_description
 
 _ANSWER_S = 5.0
 _STATES = {
-    MissionState.RUNS: "runs",
-    MissionState.INTERRUPTED: "is interrupted; it goes on when the robot's hub starts",
-    MissionState.NOT_ENDED: "was not ended",
-    MissionState.ENDED: "is ended",
+    MissionPhase.RUNS: "runs",
+    MissionPhase.INTERRUPTED: "is interrupted; it goes on when the robot's hub starts",
+    MissionPhase.NOT_ENDED: "was not ended",
+    MissionPhase.ENDED: "is ended",
 }
 
 
@@ -69,7 +69,7 @@ def show(mission: str, robot: str, folder: str, *, as_json: bool) -> int:
         events = [{"stamp": event.stamp, "text": event.text} for event in book.events]
         put(json.dumps({**facts, "marks": facts_of_marks(book), "events": events}))
         return 0
-    state = _STATES[MissionState(facts["state"])]
+    state = _STATES[MissionPhase(facts["state"])]
     put(plain(f"mission {facts['name']} of {facts['robot']} ({mission}) {state}"))
     put(f"in {each.path / mission}")
     if facts["damaged"]:

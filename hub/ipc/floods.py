@@ -18,10 +18,10 @@ from dataclasses import dataclass
 
 import zmq
 
+from hub.bucket import Bucket
 from hub.ipc import sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.descriptors import hang_up, received
-from hub.ipc.quotas import Bucket
 
 _SUSPICIOUS = 200
 """So many more subscriptions from one look to the next are looked into."""

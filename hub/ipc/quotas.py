@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
+from hub.bucket import Bucket
 from hub.ipc import control
 from hub.ipc.security import LOCAL, Bearer, Role
 
@@ -138,31 +139,6 @@ def quota_of(bearer: Bearer) -> Quota | None:
 def counts_with(bearer: Bearer, role: Role) -> bool:
     """Whether what `bearer` uses counts for `role` where a limit is "together"."""
     return bearer is not LOCAL and _ROLES[bearer.role] <= _ROLES[role]
-
-
-class Bucket:
-    """A rate with room for bursts: it fills up with time, and what is done takes from it."""
-
-    __slots__ = ("_filled", "_level", "_most", "_rate")
-
-    def __init__(self, rate: float, most: float) -> None:
-        """A full one.
-
-        Args:
-            rate: What comes back each second.
-            most: What it holds.
-        """
-        self._rate = rate
-        self._most = self._level = most
-        self._filled = 0.0
-
-    def take(self, amount: float, now: float) -> bool:
-        """Take so much if there is so much."""
-        level = min(self._most, self._level + (now - self._filled) * self._rate)
-        self._filled = now
-        enough = amount <= level
-        self._level = level - amount if enough else level
-        return enough
 
 
 class Verdict(enum.Enum):

@@ -355,7 +355,7 @@ class Registry:
         message = listing.presence(change, peer, name, count)
         comes_or_goes = change in (Change.CONNECTED, Change.DISCONNECTED)
         if comes_or_goes or change is Change.DEFINED:
-            self._listing = None  # who asks after it is told of it
+            self._listing = None  # the next listing shows this change
         return [
             Outgoing(identity=other.identity, message=message)
             for other in self._peers.values()

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 
+from hub.bucket import Bucket
 from hub.ipc.peers import Peer
-from hub.ipc.quotas import QUOTAS, Bucket, counts_with, quota_of
+from hub.ipc.quotas import QUOTAS, counts_with, quota_of
 from hub.ipc.security import Bearer, Role
 
 

@@ -6,8 +6,8 @@ from collections import Counter, OrderedDict
 from collections.abc import Callable, Set
 from dataclasses import dataclass
 
+from hub.bucket import Bucket
 from hub.ipc.complaints import Complaints
-from hub.ipc.quotas import Bucket
 from hub.ipc.security import CONTROL
 
 AT_ONCE, PER_S = 300, 40.0

@@ -102,7 +102,7 @@ def picture_of(grid: LogOdds) -> GridPicture:
     )
 
 
-class MissionState(enum.StrEnum):
+class MissionPhase(enum.StrEnum):
     """How a mission stands.
 
     Attributes:
@@ -118,12 +118,12 @@ class MissionState(enum.StrEnum):
     ENDED = "ended"
 
 
-def _state(folder: MissionFolder, mission: str, book: MissionBook) -> MissionState:
+def _state(folder: MissionFolder, mission: str, book: MissionBook) -> MissionPhase:
     if not book.running:
-        return MissionState.ENDED if book.ended else MissionState.NOT_ENDED
+        return MissionPhase.ENDED if book.ended else MissionPhase.NOT_ENDED
     if folder.running() != mission:
-        return MissionState.NOT_ENDED
-    return MissionState.RUNS if folder.in_use() else MissionState.INTERRUPTED
+        return MissionPhase.NOT_ENDED
+    return MissionPhase.RUNS if folder.in_use() else MissionPhase.INTERRUPTED
 
 
 def mission_facts(folder: MissionFolder, mission: str) -> dict[str, Any]:
@@ -143,7 +143,7 @@ def mission_facts(folder: MissionFolder, mission: str) -> dict[str, Any]:
         "begun": begun.stamp if begun else 0.0,
         "ended": book.ended.stamp if book.ended else None,
         "state": state.value,
-        "running": state is MissionState.RUNS,
+        "running": state is MissionPhase.RUNS,
         "marks": len(marks_of(book)),
         "sheets": book.sheet,
         "size_bytes": folder.size(mission),

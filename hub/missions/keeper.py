@@ -10,10 +10,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from hub.bucket import Bucket
 from hub.errors import MissionError, MissionFileError
 from hub.gcm.mapping import InterestPoint, InterestPoints
 from hub.gcm.mission import MissionState
-from hub.ipc.quotas import Bucket
 from hub.missions.book import MissionBook, checked_mission_name
 from hub.missions.folder import MissionFolder
 from hub.missions.journal_file import JournalFile

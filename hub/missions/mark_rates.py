@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from hub.bucket import Bucket
 from hub.errors import MissionError
-from hub.ipc.quotas import Bucket
 
 CHANGES_PER_S = 3.0
 """Changes of one point, whoever makes them [1/s]."""

@@ -1,4 +1,4 @@
-"""What stops a robot, and what it waits for then, told once each."""
+"""Events about what stops a robot and what it then waits for, one for each change."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class MotionWatch:
         if motion is before:
             return
         again = before is MotionState.NO_DRIVER
-        # Who hands control over, or takes it, is told so by what is said of control.
+        # A change of control has an event of its own.
         handed = motion is MotionState.WAITING and not again and owner != owner_before
         others = motion is MotionState.WAITING and standing(robot) is Standing.OTHERS
         words = "" if handed or others else _WORDS.get(motion, "")

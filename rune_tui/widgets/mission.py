@@ -20,12 +20,12 @@ _Answer = Callable[[str, ConsoleState], tuple[Effect, ...]]
 _END: Final = "end"
 _YES: Final = "yes"
 WAIT_S: Final = 20.0
-"""So long a name waits for a robot that tells of no mission yet [s]."""
+"""A name waits at most this time for the robot to report its mission [s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Waiting:
-    """A name that was typed before the robot told of its mission.
+    """A name that was typed before the robot reported its mission.
 
     Attributes:
         robot: Whose mission is meant.
@@ -90,7 +90,7 @@ class Mission(OrderWidget):
         return (AskEffect(robot=robot.name, asked=asked, text=mission.name, answer=answer),)
 
     def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
-        """Give a mission the name that was typed before the robot told of it."""
+        """Give a mission the name that was typed before the robot reported it."""
         waiting = self._waiting
         if waiting is None:
             return ()
@@ -157,7 +157,7 @@ def _ending(robot: RobotState, mission: MissionState, state: ConsoleState) -> As
 
 
 def _reachable(robot: RobotState) -> bool:
-    """Whether a robot is linked and has told of its mission."""
+    """Whether a robot is linked and has reported its mission."""
     return robot.link.phase is LinkPhase.CONNECTED and mission_of(robot) is not None
 
 

@@ -132,12 +132,12 @@ class Desk:
     async def until(self, condition: Callable[[], object]) -> None:
         end = time.monotonic() + TIMEOUT
         while not condition():
-            assert time.monotonic() < end, self.told
+            assert time.monotonic() < end, self.notices
             self.robot.client.listen(0.005)
             await self.pilot.pause(0.005)
 
     @property
-    def told(self) -> list[str]:
+    def notices(self) -> list[str]:
         return [notice.text for notice in self.console.state.notices]
 
     async def press(self, *keys: str) -> None:
@@ -146,14 +146,14 @@ class Desk:
             self.robot.client.listen(0.0)  # a robot never sleeps for as long as a hand types
 
     async def drive(self) -> None:
-        """Press the key for forward until the robot is told to drive.
+        """Press the key for forward until the robot gets a command to drive.
 
         Pressed too soon after all was let go it counts as still down, and a machine that is too
         busy loses it.
         """
         end = time.monotonic() + TIMEOUT
         while not self.robot.speeds or self.robot.speeds[-1] <= 0.0:
-            assert time.monotonic() < end, self.told
+            assert time.monotonic() < end, self.notices
             await self.press("w")
             again = time.monotonic() + 1.0
             while self.robot.speeds[-1:] <= [0.0] and time.monotonic() < again:

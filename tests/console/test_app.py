@@ -32,7 +32,7 @@ def test_a_click_on_the_floor_is_a_mark_on_the_robots_map_and_undo_takes_it_back
         assert (point.x, point.y) == pytest.approx((10 * 29.5 / 60, -10 * 29.5 / 40))
         assert point.by == "jane"
         assert (point.uncertainty, point.note) == (pytest.approx(0.1), "")
-        await desk.until(lambda: any("victim 1 is marked" in text for text in desk.told))
+        await desk.until(lambda: any("victim 1 is marked" in text for text in desk.notices))
         await desk.press("u")
         await desk.until(lambda: desk.robot.book.message.count == 0)
 
@@ -42,7 +42,7 @@ def test_a_click_on_the_floor_is_a_mark_on_the_robots_map_and_undo_takes_it_back
 def test_a_click_on_a_wall_marks_nothing_and_says_so(play: Callable[[Script], None]):
     async def script(desk: Desk) -> None:
         await desk.pilot.click(offset=(29, 3))
-        await desk.until(lambda: any("nothing tells how far" in text for text in desk.told))
+        await desk.until(lambda: any("nothing tells how far" in text for text in desk.notices))
         await desk.commands(2)
         assert desk.robot.book.message.count == 0
 
@@ -151,7 +151,7 @@ def test_a_stop_that_was_typed_while_the_console_was_held_up_is_a_stop_and_nothi
         await desk.press("w", "space")
         await desk.until(lambda: desk.robot.stops)
         assert "w" not in desk.console.state.held
-        assert [text for text in desk.told if "held up does not count" in text]
+        assert [text for text in desk.notices if "held up does not count" in text]
 
     play(script)
 
@@ -160,16 +160,16 @@ def test_keys_of_a_layout_that_the_terminal_does_not_tell_are_named_once(
     play: Callable[[Script], None], tmp_path: Path
 ):
     async def script(desk: Desk) -> None:
-        assert not [text for text in desk.told if "does not tell" in text]
+        assert not [text for text in desk.notices if "does not tell" in text]
         path = tmp_path / "layout.xml"
         path.write_text(path.read_text().replace('"w" control', '"kp_8" control'))
         for told in (True, False, False):
             desk.console.post_message(ReleasesTold(told=told))
             await desk.until(lambda told=told: desk.console.state.releases_told is told)
             await desk.console._open(load_layout(path, desk.console._shown_layout.vocabulary))
-        missed = [text for text in desk.told if "does not tell kp_8" in text]
+        missed = [text for text in desk.notices if "does not tell kp_8" in text]
         assert len(missed) == 1
-        assert desk.told.index(missed[0]) > desk.told.index(f"opened {path}")
+        assert desk.notices.index(missed[0]) > desk.notices.index(f"opened {path}")
 
     play(script)
 
@@ -182,7 +182,7 @@ def test_an_effect_that_cannot_be_done_is_told_once_and_what_comes_after_it_is_d
         stop = SendEffect(robot="magellan", definition=STOP, value=Stop(reason="the test"))
         desk.console._execute((nowhere, nowhere, stop))
         await desk.until(lambda: desk.robot.stops)
-        assert len([text for text in desk.told if "could not be done" in text]) == 1
+        assert len([text for text in desk.notices if "could not be done" in text]) == 1
 
     play(script)
 
@@ -194,7 +194,7 @@ def test_the_click_that_brings_the_terminal_to_the_front_marks_nothing(
         desk.console.post_message(events.AppBlur())
         desk.console.post_message(events.AppFocus())
         await desk.pilot.click(offset=(29, 14))
-        await desk.until(lambda: any("click again" in text for text in desk.told))
+        await desk.until(lambda: any("click again" in text for text in desk.notices))
         assert not desk.console.state.ghosts
 
     play(script)
@@ -210,8 +210,8 @@ def test_a_step_that_fails_ends_no_console_and_leaves_the_others(
     async def script(desk: Desk) -> None:
         with monkeypatch.context() as patch:
             patch.setattr(desk.console._joysticks, "tick", broken)
-            await desk.until(lambda: any("could not be done" in text for text in desk.told))
+            await desk.until(lambda: any("could not be done" in text for text in desk.notices))
             await desk.drive()
-        assert len([text for text in desk.told if "could not be done" in text]) == 1
+        assert len([text for text in desk.notices if "could not be done" in text]) == 1
 
     play(script)

@@ -25,7 +25,7 @@ def test_the_words_of_a_mark_are_changed_and_keys_do_not_drive_meanwhile(
         assert desk.robot.book.message.count == 0
         await desk.pilot.click(offset=(29, 14))
         await desk.until(lambda: desk.robot.book.message.count)
-        await desk.until(lambda: any("victim 1 is marked" in text for text in desk.told))
+        await desk.until(lambda: any("victim 1 is marked" in text for text in desk.notices))
         await desk.pilot.click(offset=(29, 14), button=3)
         await desk.until(lambda: isinstance(desk.console.screen, Question))
         await desk.until(lambda: desk.console.screen.focused is not None)
@@ -147,7 +147,7 @@ def test_an_answer_that_its_widget_cannot_take_leaves_the_console_running(
         asked = AskEffect(robot="magellan", asked="Words", text="", answer=answer)
         desk.console._execute((asked,))
         await desk.press("x", "enter")
-        await desk.until(lambda: any("could not be done" in text for text in desk.told))
+        await desk.until(lambda: any("could not be done" in text for text in desk.notices))
         await desk.drive()
 
     play(script)
@@ -158,7 +158,7 @@ def test_two_enters_at_once_answer_a_question_once(play: Callable[[Script], None
         await desk.pilot.click(offset=(29, 14))
         await desk.until(lambda: desk.console.state.ghosts)
         await desk.pilot.click(offset=(29, 14))
-        await desk.until(lambda: any("victim 1 is marked" in text for text in desk.told))
+        await desk.until(lambda: any("victim 1 is marked" in text for text in desk.notices))
         await desk.pilot.click(offset=(29, 14), button=3)
         await desk.until(lambda: isinstance(desk.console.screen, Question))
         await desk.until(lambda: desk.console.screen.focused is not None)

@@ -8,13 +8,13 @@ import math
 import sys
 import time
 
+from hub.bucket import Bucket
 from hub.errors import HandlerFailedError, MapFileError, MissionError, RobotFileError
 from hub.folders import for_maps, for_missions
 from hub.gcm import map_coding, mapping, navigation
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.ipc.client import Client
-from hub.ipc.quotas import Bucket
 from hub.ipc.reception import Reception
 from hub.missions import storage
 from hub.missions.folder import MissionFolder

@@ -6,6 +6,7 @@ import logging
 import time
 from collections.abc import Callable
 
+from hub.bucket import Bucket
 from hub.control_gate import ControlGate
 from hub.errors import MissionError
 from hub.gcm import mapping, mission
@@ -14,7 +15,6 @@ from hub.gcm.control import ControlState
 from hub.gcm.mission import MissionAction
 from hub.ipc.answering import Reply
 from hub.ipc.client import Client
-from hub.ipc.quotas import Bucket
 from hub.ipc.reception import Reception
 from hub.missions.keeper import MissionKeeper
 from hub.robots.description import MissionBegin, RobotDescription

@@ -1,4 +1,4 @@
-"""What the operator is told when a driver goes and comes back, or somebody stops the robot."""
+"""Events when a driver goes and comes back, or when somebody stops the robot."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Scene:
         self._watch = Watch()
         self.owner = ME
 
-    def told(self, motion: MotionState) -> list[str]:
+    def events_at(self, motion: MotionState) -> list[str]:
         """What is new."""
         control = ControlState(owner=self.owner, operator="ada", why="taken")
         robot = Made().robot(
@@ -34,33 +34,33 @@ class Scene:
 
 def test_a_driver_that_goes_and_comes_back_is_told_and_what_the_robot_waits_for() -> None:
     scene = Scene()
-    scene.told(MotionState.MOVING)
-    assert scene.told(MotionState.NO_DRIVER) == ["its driver does not report: it cannot move"]
-    assert scene.told(MotionState.NO_DRIVER) == []
-    assert scene.told(MotionState.WAITING) == [f"its driver reports again; {NEUTRAL}"]
-    assert scene.told(MotionState.WAITING) == []
-    assert scene.told(MotionState.STANDING) == []
+    scene.events_at(MotionState.MOVING)
+    assert scene.events_at(MotionState.NO_DRIVER) == ["its driver does not report: it cannot move"]
+    assert scene.events_at(MotionState.NO_DRIVER) == []
+    assert scene.events_at(MotionState.WAITING) == [f"its driver reports again; {NEUTRAL}"]
+    assert scene.events_at(MotionState.WAITING) == []
+    assert scene.events_at(MotionState.STANDING) == []
 
 
 def test_a_driver_that_comes_back_at_once_is_told_by_what_the_robot_waits_for() -> None:
     scene = Scene()
-    scene.told(MotionState.STANDING)
-    assert scene.told(MotionState.WAITING) == [NEUTRAL]
+    scene.events_at(MotionState.STANDING)
+    assert scene.events_at(MotionState.WAITING) == [NEUTRAL]
 
 
 def test_that_somebody_stopped_it_is_told() -> None:
     scene = Scene()
-    scene.told(MotionState.GOING)
-    assert scene.told(MotionState.STOPPED) == ["it was stopped: release all keys, then drive"]
+    scene.events_at(MotionState.GOING)
+    assert scene.events_at(MotionState.STOPPED) == ["it was stopped: release all keys, then drive"]
 
 
 def test_what_was_so_before_the_first_look_is_not_told() -> None:
     scene = Scene()
-    assert NEUTRAL not in " ".join(scene.told(MotionState.WAITING))
+    assert NEUTRAL not in " ".join(scene.events_at(MotionState.WAITING))
 
 
 def test_that_control_was_handed_over_is_told_once() -> None:
     scene = Scene()
-    scene.told(MotionState.MOVING)
+    scene.events_at(MotionState.MOVING)
     scene.owner = 9
-    assert NEUTRAL not in scene.told(MotionState.WAITING)
+    assert NEUTRAL not in scene.events_at(MotionState.WAITING)

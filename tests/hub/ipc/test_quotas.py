@@ -9,10 +9,11 @@ from typing import Any
 
 import pytest
 
+from hub.bucket import Bucket
 from hub.ipc import control, quotas, sources
 from hub.ipc.complaints import Complaints
 from hub.ipc.control import Failure, Query, Refused, Response, Welcome
-from hub.ipc.quotas import QUOTAS, Account, Bucket, Verdict
+from hub.ipc.quotas import QUOTAS, Account, Verdict
 from hub.ipc.registry import MAX_PEERS
 from hub.ipc.routes import MAX_QUERIES
 from hub.ipc.security import LOCAL, Bearer, Role
