@@ -27,7 +27,7 @@ from hub.ipc.client import Client
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.keyring import Keyring
 from hub.ipc.keys import read_client_keys
-from hub.ipc.security import Role
+from hub.ipc.roles import Role
 from tests.ports import free_port
 
 HZ, SECONDS = 50.0, 10.0

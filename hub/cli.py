@@ -22,7 +22,8 @@ from hub.command_line import (
     write_completion,
 )
 from hub.errors import CentralUnreachableError, HubError, QueryError
-from hub.ipc.security import DEFAULT_ENDPOINT, DEFAULT_PORT, Role
+from hub.ipc.endpoints import DEFAULT_ENDPOINT, DEFAULT_PORT
+from hub.ipc.roles import Role
 from hub.logs import LEVELS, start_logging
 from hub.plain_text import plain
 

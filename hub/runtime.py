@@ -28,8 +28,8 @@ from hub.gcm.common import CommonCommandKind as Kind
 from hub.gcm.supervision import MODULE_INFO, ModuleInfo, announce_every_s
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.endpoints import DEFAULT_ENDPOINT
 from hub.ipc.reception import Reception
-from hub.ipc.security import DEFAULT_ENDPOINT
 from hub.logs import LEVELS, start_logging
 from hub.robots.description import RobotDescription, read_description, settings
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hub.inspection.writing import put
 from hub.ipc.keyring import Keyring, default_folder
-from hub.ipc.security import Role
+from hub.ipc.roles import Role
 
 _ROLE_WIDTH, _KEY_WIDTH = 11, 42
 

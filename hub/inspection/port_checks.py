@@ -13,7 +13,7 @@ from hub.inspection import commands
 from hub.inspection.finding import Finding, ok, problem, warning
 from hub.inspection.tcp_owners import owner
 from hub.ipc.definition import Plane
-from hub.ipc.security import TcpEndpoint, parse_endpoint
+from hub.ipc.endpoints import TcpEndpoint, parse_endpoint
 from hub.robots.description import RobotDescription
 
 _PORTS = 1 + 2 * len(Plane)

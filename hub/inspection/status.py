@@ -15,7 +15,7 @@ from hub.ipc import control
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.reception import Reception
-from hub.ipc.security import ON_THE_ROBOT
+from hub.ipc.roles import ON_THE_ROBOT
 
 _ANSWER_S = 2.0
 

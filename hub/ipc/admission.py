@@ -12,7 +12,7 @@ from hub.errors import CodecError, FrameError, NotAllowedError
 from hub.ipc import control_frames, permissions
 from hub.ipc.complaints import Complaints
 from hub.ipc.quotas import Account, Accounts, Verdict
-from hub.ipc.security import Bearer, parse_bearer
+from hub.ipc.roles import Bearer, parse_bearer
 
 
 class Admission:

@@ -28,13 +28,14 @@ from hub.ipc import (
     frames,
     listening,
     memory,
-    security,
+    roles,
     sockets,
 )
 from hub.ipc.admission import Admission
 from hub.ipc.command_door import CommandDoor
 from hub.ipc.complaints import Complaints
 from hub.ipc.definition import Plane
+from hub.ipc.endpoints import IpcEndpoint, TcpEndpoint, parse_endpoint
 from hub.ipc.floods import FloodWatch
 from hub.ipc.gateway import Gateway
 from hub.ipc.keyring import Keyring
@@ -43,7 +44,7 @@ from hub.ipc.peers import Caller, Outgoing, Peer
 from hub.ipc.quotas import Accounts
 from hub.ipc.registry import Registry
 from hub.ipc.removed_keys import RemovedKeys
-from hub.ipc.security import LOCAL, Bearer
+from hub.ipc.roles import LOCAL, Bearer
 
 _logger = logging.getLogger(__name__)
 
@@ -141,7 +142,7 @@ class Central:
         )
         self._registry = Registry(clock=clock, complaints=self.complaints, reserved=reserved)
         try:
-            self._bind([security.parse_endpoint(endpoint) for endpoint in endpoints])
+            self._bind([parse_endpoint(endpoint) for endpoint in endpoints])
             if gateway:
                 self._open_gateway(gateway, keyring)
         except HubError:
@@ -180,7 +181,7 @@ class Central:
         for path in self._files:
             path.unlink(missing_ok=True)
 
-    def _bind(self, wanted: Sequence[security.TcpEndpoint | security.IpcEndpoint]) -> None:
+    def _bind(self, wanted: Sequence[TcpEndpoint | IpcEndpoint]) -> None:
         router = self._control_socket(zmq.ROUTER)
         router.router_mandatory = True
         # Without it libzmq 4.3.5 loses memory with each stranger that claims a taken identity.
@@ -216,7 +217,7 @@ class Central:
             ]
             self.endpoints.append(bound[0])
             rest = [address.partition("://")[2] for address in bound[1:]]
-            if isinstance(endpoint, security.TcpEndpoint):
+            if isinstance(endpoint, TcpEndpoint):
                 ports = [int(address.rpartition(":")[2]) for address in rest]
             else:
                 paths = rest
@@ -258,13 +259,13 @@ class Central:
         return told
 
     def _open_gateway(self, wanted: str, keyring: Keyring | None) -> None:
-        endpoint = security.parse_endpoint(wanted, beyond_loopback=True)
-        if not isinstance(endpoint, security.TcpEndpoint) or keyring is None:
+        endpoint = parse_endpoint(wanted, beyond_loopback=True)
+        if not isinstance(endpoint, TcpEndpoint) or keyring is None:
             text = f"the gateway at {wanted!r} needs a tcp:// address and a folder of keys"
             raise EndpointError(text)
 
         def make(kind: int, plane: str) -> sockets.Socket:
-            if plane == security.CONTROL:
+            if plane == roles.CONTROL:
                 made = self._control_socket(kind)
                 made.rcvhwm, made.sndhwm = _FAR_QUEUE, _FAR_BACKLOG
                 return made

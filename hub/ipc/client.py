@@ -21,7 +21,7 @@ from hub.errors import (
     HubError,
     QueryError,
 )
-from hub.ipc import frames, memory, security, sockets
+from hub.ipc import endpoints, frames, memory, sockets
 from hub.ipc.answering import Reply
 from hub.ipc.chores import Timer
 from hub.ipc.codegen import Buffer
@@ -64,7 +64,7 @@ class Client:
     def __init__(
         self,
         name: str,
-        endpoint: str = security.DEFAULT_ENDPOINT,
+        endpoint: str = endpoints.DEFAULT_ENDPOINT,
         *,
         clock: Callable[[], float] = time.monotonic,
         loop: Loop | None = None,
@@ -86,7 +86,7 @@ class Client:
         """
         memory.keep_heap()
         self.name = name
-        self.endpoint = security.connectable(endpoint, with_keys=keys is not None)
+        self.endpoint = endpoints.connectable(endpoint, with_keys=keys is not None)
         self.loop = loop or Loop(clock=clock)
         self._own_loop = loop is None
         self._keys = keys

@@ -21,7 +21,7 @@ from hub.ipc.definition import Plane
 from hub.ipc.peers import Peer
 from hub.ipc.publish_rights import demand_right, right
 from hub.ipc.quotas import QUOTAS, STOPS_PER_S, Accounts
-from hub.ipc.security import Bearer, parse_bearer
+from hub.ipc.roles import Bearer, parse_bearer
 from hub.ipc.sockets import Socket
 
 _logger = logging.getLogger(__name__)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from hub.ipc import control
 from hub.ipc.peers import Outgoing, Peer
-from hub.ipc.security import LOCAL
+from hub.ipc.roles import LOCAL
 
 _MAX_UNDER_WAY = 16_384
 _MAX_FAR = _MAX_UNDER_WAY // 2

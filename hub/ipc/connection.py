@@ -21,7 +21,7 @@ from hub.ipc.hub_time import HubTime, this_neighbourhood
 from hub.ipc.keys import ClientKeys
 from hub.ipc.loop import Loop
 from hub.ipc.publish_rights import demand_right
-from hub.ipc.security import LOCAL, may_enter
+from hub.ipc.roles import LOCAL, may_enter
 
 _logger = logging.getLogger(__name__)
 

@@ -12,7 +12,7 @@ from hub.ipc.codec import compiled
 from hub.ipc.description import from_listing
 from hub.ipc.peers import Peer
 from hub.ipc.quotas import quota_of
-from hub.ipc.security import Bearer
+from hub.ipc.roles import Bearer
 from hub.ipc.traffic import Traffic
 
 MAX_DEFINITIONS = 4096

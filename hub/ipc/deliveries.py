@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import zmq
 
-from hub.ipc import control, neighbours, sockets
+from hub.ipc import control, endpoints, sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.definition import Plane
 
@@ -72,7 +72,7 @@ class Deliveries:
     def note(self, message: control.Subscriber, plane: Plane) -> bool:
         """A neighbour subscribes to a message of `plane`; False if there is no way to it."""
         self._forget(message.name, message.subscriber)
-        if not neighbours.is_place(message.inbox):
+        if not endpoints.is_direct_address(message.inbox):
             where = f"an inbox at {message.inbox[:80]!r}"
             self._complaints.count("malformed control frame", where)
             return False

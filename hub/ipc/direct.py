@@ -13,7 +13,7 @@ from typing import Any
 import zmq
 
 from hub.errors import CodecError, FrameError
-from hub.ipc import control, control_frames, neighbours, sockets
+from hub.ipc import control, control_frames, endpoints, sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.dialogue import Dialogue
 from hub.ipc.loop import Loop
@@ -50,7 +50,7 @@ class DirectDoor:
             loop: Serves it.
             complaints: Counts what is malformed.
         """
-        self.address = f"{neighbours.PLACE}{number:x}"
+        self.address = f"{endpoints.DIRECT_PREFIX}{number:x}"
         self._asked = asked
         self._loop = loop
         self._complaints = complaints

@@ -18,11 +18,12 @@ from hub.errors import EndpointError
 from hub.ipc import command_door, sockets
 from hub.ipc.complaints import Complaints
 from hub.ipc.descriptors import BEYOND, Reserve, ends_of, hang_up
+from hub.ipc.endpoints import TcpEndpoint
 from hub.ipc.floods import Bounds, FloodWatch
 from hub.ipc.keyring import Keyring
 from hub.ipc.keys import KeyPair
 from hub.ipc.quotas import Accounts
-from hub.ipc.security import CONTROL, Bearer, TcpEndpoint
+from hub.ipc.roles import CONTROL, Bearer
 from hub.ipc.sources import Sources
 from hub.ipc.zap import Gatekeeper
 
@@ -72,7 +73,7 @@ class Gateway:
             keyring: Who may connect, and the hub's own keys.
             planes: By name, the inproc addresses of central's XSUB and XPUB, which are bound.
             complaints: Counts the refused.
-            make: A socket with the bus's options: ZeroMQ type, plane or `security.CONTROL`.
+            make: A socket with the bus's options: ZeroMQ type, plane or `roles.CONTROL`.
             accounts: What each key has used; who connects too often is refused for a while.
             clock: Monotonic time [s].
             judge: Decides which commands come in; called by a thread of the gateway.

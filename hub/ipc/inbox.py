@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import zmq
 
-from hub.ipc import neighbours, sockets
+from hub.ipc import endpoints, sockets
 from hub.ipc.definition import Plane
 from hub.ipc.loop import Loop
 
@@ -36,7 +36,7 @@ class Inbox:
             plane: What it is for.
             take: Reads what has come; whether there may be more.
         """
-        self.address = f"{neighbours.PLACE}{plane.value}-{secrets.token_hex(8)}"
+        self.address = f"{endpoints.DIRECT_PREFIX}{plane.value}-{secrets.token_hex(8)}"
         self._loop = loop
         self.socket = sockets.make_inbox(context, zmq.PULL, plane)
         self.socket.bind(self.address)

@@ -15,7 +15,7 @@ from typing import Any
 from zmq.utils import z85
 
 from hub.errors import KeyFileError
-from hub.ipc.security import Role
+from hub.ipc.roles import Role
 from hub.toml_tables import Key, Problems, Reader, RefusedError, choice, load, read_table, shorten
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", re.ASCII)

@@ -16,7 +16,7 @@ from pathlib import Path
 from hub.errors import KeyFileError, KeyNameError
 from hub.ipc import key_files
 from hub.ipc.keys import ClientKeys, KeyPair, write_client_keys
-from hub.ipc.security import Bearer, Role
+from hub.ipc.roles import Bearer, Role
 from hub.toml_tables import Key, nearest
 
 MAX_KEYS = 1000

@@ -9,7 +9,7 @@ import zmq
 
 from hub.errors import KeyFileError
 from hub.ipc import key_files
-from hub.ipc.security import Bearer, Role
+from hub.ipc.roles import Bearer, Role
 from hub.toml_tables import Key
 
 _ADVICE = "copy it again from the robot, or make a new one there with `rune-hub keys make`"

@@ -9,24 +9,24 @@ from pathlib import Path
 import zmq
 
 from hub.errors import EndpointError
-from hub.ipc import security, sockets
+from hub.ipc import endpoints, sockets
 
 
 def sibling(
-    endpoint: security.TcpEndpoint | security.IpcEndpoint, index: int
-) -> security.TcpEndpoint | security.IpcEndpoint:
+    endpoint: endpoints.TcpEndpoint | endpoints.IpcEndpoint, index: int
+) -> endpoints.TcpEndpoint | endpoints.IpcEndpoint:
     """The address of the socket with this number next to central's own."""
     if index == 0:
         return endpoint
-    if isinstance(endpoint, security.TcpEndpoint):
+    if isinstance(endpoint, endpoints.TcpEndpoint):
         port = endpoint.port + index if endpoint.port else 0
-        return security.TcpEndpoint(endpoint.host, port)
-    return security.IpcEndpoint(f"{endpoint.path}.{index}")
+        return endpoints.TcpEndpoint(endpoint.host, port)
+    return endpoints.IpcEndpoint(f"{endpoint.path}.{index}")
 
 
-def bind(socket: sockets.Socket, endpoint: security.TcpEndpoint | security.IpcEndpoint) -> str:
+def bind(socket: sockets.Socket, endpoint: endpoints.TcpEndpoint | endpoints.IpcEndpoint) -> str:
     """Bind; the address with its real port."""
-    if isinstance(endpoint, security.IpcEndpoint):
+    if isinstance(endpoint, endpoints.IpcEndpoint):
         _refuse_taken(endpoint)
     try:
         sockets.bind(socket, str(endpoint))
@@ -39,7 +39,7 @@ def bind(socket: sockets.Socket, endpoint: security.TcpEndpoint | security.IpcEn
     return socket.getsockopt_string(zmq.LAST_ENDPOINT).rstrip("\0")
 
 
-def _refuse_taken(endpoint: security.IpcEndpoint) -> None:
+def _refuse_taken(endpoint: endpoints.IpcEndpoint) -> None:
     """Refuse the path of a live socket or of somebody's file: ZeroMQ would delete either."""
     path = Path(endpoint.path)
     if endpoint.path.startswith("@") or not path.exists():

@@ -5,11 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from hub.ipc import control
+from hub.ipc.endpoints import is_direct_address
 from hub.ipc.peers import Outgoing, Peer
-
-_MAX_ADDRESS = 100
-PLACE = "ipc://@rune-"
-"""What every address begins with that a client offers its neighbours."""
 
 
 class Neighbours:
@@ -27,7 +24,7 @@ class Neighbours:
         self, subscriber: Peer, message: control.Subscribe, publishers: Iterable[Peer]
     ) -> list[Outgoing]:
         """Tell the publishers; they confirm the subscription."""
-        if not (subscriber.near and is_place(message.inbox)):
+        if not (subscriber.near and is_direct_address(message.inbox)):
             return []
         self._inboxes.setdefault(message.name, {})[subscriber] = message
         return [_told(each, subscriber, message, message.token) for each in publishers if each.near]
@@ -60,11 +57,6 @@ class Neighbours:
         over = control.Subscriber(name="", subscriber=subscriber.publisher)
         told = dict.fromkeys(each for each in publishers if each.near and each is not subscriber)
         return [Outgoing(identity=each.identity, message=over) for each in told]
-
-
-def is_place(address: str) -> bool:
-    """Whether a client may be told of this address: nothing but an abstract socket of ours."""
-    return address.startswith(PLACE) and len(address) <= _MAX_ADDRESS
 
 
 def _told(publisher: Peer, subscriber: Peer, message: control.Subscribe, token: str) -> Outgoing:

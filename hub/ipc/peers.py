@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from hub.ipc.codegen import Buffer
-from hub.ipc.security import Bearer
+from hub.ipc.roles import Bearer
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,7 +9,7 @@ from hub.errors import NotAllowedError
 from hub.ipc import control
 from hub.ipc.definition import Plane
 from hub.ipc.publish_rights import demand_right
-from hub.ipc.security import Action, Bearer, demand, may
+from hub.ipc.roles import Action, Bearer, demand, may
 
 _ASKED = {
     control.Subscribe: Action.SUBSCRIBE,

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from hub.errors import NotAllowedError
 from hub.ipc.definition import Plane
-from hub.ipc.security import Bearer, Role
+from hub.ipc.roles import Bearer, Role
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

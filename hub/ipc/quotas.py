@@ -13,7 +13,7 @@ from types import MappingProxyType
 
 from hub.bucket import Bucket
 from hub.ipc import control
-from hub.ipc.security import LOCAL, Bearer, Role
+from hub.ipc.roles import LOCAL, Bearer, Role
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -25,8 +25,8 @@ from hub.ipc.neighbours import Neighbours
 from hub.ipc.peers import Caller, Crowd, Numbers, Outgoing, Peer
 from hub.ipc.publish_rights import ROBOT_NAMES, reserved_text
 from hub.ipc.quotas import counts_with, quota_of
+from hub.ipc.roles import LOCAL, Bearer, Role
 from hub.ipc.routes import Routes
-from hub.ipc.security import LOCAL, Bearer, Role
 from hub.ipc.shortcuts import Shortcuts
 
 _logger = logging.getLogger(__name__)

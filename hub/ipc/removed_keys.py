@@ -7,7 +7,7 @@ from collections.abc import Callable, Set
 
 from hub.errors import KeyFileError
 from hub.ipc.keyring import Keyring
-from hub.ipc.security import Bearer
+from hub.ipc.roles import Bearer
 
 _logger = logging.getLogger(__name__)
 

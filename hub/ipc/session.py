@@ -6,7 +6,7 @@ import collections
 from typing import Any
 
 from hub.errors import CodecError, HubError, NotAllowedError, RedefinedMessageError
-from hub.ipc import control, description, descriptors, frames, neighbours, sockets
+from hub.ipc import control, description, descriptors, endpoints, frames, sockets
 from hub.ipc.answering import Answers
 from hub.ipc.complaints import Complaints
 from hub.ipc.connection import LOST_S, Connection
@@ -247,7 +247,7 @@ class Session:
     def _route(self, message: control.Route) -> None:
         """Central says where queries of a name may go, or that they may no longer."""
         way = next((w for w in self.questions.ways() if w.address == message.address), None)
-        if way is None and neighbours.is_place(message.address):
+        if way is None and endpoints.is_direct_address(message.address):
             way = DirectWay(
                 message.address,
                 answered=self.told,

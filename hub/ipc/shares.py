@@ -7,7 +7,7 @@ from collections import Counter
 from hub.bucket import Bucket
 from hub.ipc.peers import Peer
 from hub.ipc.quotas import QUOTAS, counts_with, quota_of
-from hub.ipc.security import Bearer, Role
+from hub.ipc.roles import Bearer, Role
 
 
 class QueryShares:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from hub.ipc import control
-from hub.ipc.neighbours import is_place
+from hub.ipc.endpoints import is_direct_address
 from hub.ipc.peers import Outgoing, Peer
 
 
@@ -17,7 +17,7 @@ class Shortcuts:
 
     def open(self, handler: Peer, message: control.Handle) -> None:
         """`handler` can be asked directly."""
-        if handler.near and is_place(message.address):
+        if handler.near and is_direct_address(message.address):
             handler.doors[message.name] = message.address
 
     def offer(self, asker: Peer, handler: Peer, name: str) -> list[Outgoing]:

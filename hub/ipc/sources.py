@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from hub.bucket import Bucket
 from hub.ipc.complaints import Complaints
-from hub.ipc.security import CONTROL
+from hub.ipc.roles import CONTROL
 
 AT_ONCE, PER_S = 300, 40.0
 """New connections of one address: in one burst after a rest, and each second."""

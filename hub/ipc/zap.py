@@ -1,6 +1,6 @@
 """Who may connect beyond loopback: ZeroMQ asks here about every CURVE handshake (ZAP, RFC 27).
 
-Each secure socket has a ZAP domain of its own, its place (`security.CONTROL`, "state in", ...). So
+Each secure socket has a ZAP domain of its own, its place (`roles.CONTROL`, "state in", ...). So
 a key is let in or refused place by place, before a single message of its holder is read.
 """
 
@@ -16,7 +16,7 @@ from hub.errors import EndpointError, KeyFileError
 from hub.ipc.complaints import Complaints
 from hub.ipc.keyring import Keyring
 from hub.ipc.quotas import Accounts
-from hub.ipc.security import Bearer, may_enter
+from hub.ipc.roles import Bearer, may_enter
 
 _ADDRESS = "inproc://zeromq.zap.01"
 _VERSION = b"1.0"

@@ -19,7 +19,7 @@ from hub.ipc.client import Client
 from hub.ipc.control import Change, Presence
 from hub.ipc.peers import Peer
 from hub.ipc.reception import Reception
-from hub.ipc.security import Action, Role, may
+from hub.ipc.roles import Action, Role, may
 from hub.robomon.arbiter import Answer, Arbiter
 from hub.runtime import publish_on_request
 

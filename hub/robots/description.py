@@ -13,7 +13,7 @@ from typing import Any
 from hub import toml_tables as toml
 from hub.errors import CameraError, RobotFileError
 from hub.gcm.body import MOST_CORNERS, Point32, RobotBody
-from hub.ipc.security import DEFAULT_PORT
+from hub.ipc.endpoints import DEFAULT_PORT
 from hub.robots.left_alone import SURFACE_AFTER_S, LeftAlone
 from hub.robots.video_source import video_source
 

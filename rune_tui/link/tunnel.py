@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Final
 
 from hub.errors import EndpointError
-from hub.ipc.security import DEFAULT_ENDPOINT, IpcEndpoint, parse_endpoint
+from hub.ipc.endpoints import DEFAULT_ENDPOINT, IpcEndpoint, parse_endpoint
 from hub.plain_text import plain
 from rune_tui.errors import HubChoiceError, TunnelError
 from rune_tui.layout.spec import LayoutSpec

@@ -19,7 +19,7 @@ from hub.gcm.navigation import RobotState as NavigationState
 from hub.gcm.vision import CAMERA_STATE, CameraState, ImageCoding
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.publish_rights import may_publish
-from hub.ipc.security import Role
+from hub.ipc.roles import Role
 
 T = TypeVar("T")
 

@@ -13,7 +13,7 @@ from PIL import Image
 
 from hub.ipc.central import Central
 from hub.ipc.keyring import Keyring
-from hub.ipc.security import Role
+from hub.ipc.roles import Role
 from hub.plain_text import is_plain
 from rune_tui.cli import ExitCode, _log_to_file, main
 from rune_tui.compositor.glyph_set import GlyphSet

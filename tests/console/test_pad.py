@@ -11,7 +11,7 @@ import pytest
 from hub.gcm.pad import PadState
 from hub.ipc.central import Central
 from hub.ipc.keyring import Keyring
-from hub.ipc.security import Role
+from hub.ipc.roles import Role
 from rune_tui import cli, joytest, pad
 from rune_tui.cli import ExitCode, main
 from rune_tui.controls import devices_here, hid_reader

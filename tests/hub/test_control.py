@@ -36,7 +36,7 @@ from hub.ipc.keys import read_client_keys
 from hub.ipc.loop import Loop
 from hub.ipc.publish_rights import ROBOMON
 from hub.ipc.reception import Reception
-from hub.ipc.security import Role
+from hub.ipc.roles import Role
 from hub.robomon.control_desk import ControlDesk
 from tests.waiting import until
 

@@ -23,7 +23,7 @@ from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.keyring import Keyring
 from hub.ipc.keys import read_client_keys
-from hub.ipc.security import Role
+from hub.ipc.roles import Role
 from tests.misbehaving.hostile_observer import ATTACKS
 from tests.ports import free_port
 from tests.system.harness import HubProcess

@@ -19,7 +19,7 @@ from hub.gcm import pad
 from hub.ipc.central import Central
 from hub.ipc.client import Client
 from hub.ipc.keyring import Keyring, default_folder
-from hub.ipc.security import Role
+from hub.ipc.roles import Role
 from tests.command_line import rune_hub
 from tests.system.harness import ConsoleProcess, HubProcess
 from tests.system.ssh_server import SshServer, missing

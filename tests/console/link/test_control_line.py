@@ -16,7 +16,7 @@ from hub.gcm.control import CONSOLE_HEARTBEAT, ControlAction
 from hub.ipc.central import Central
 from hub.ipc.client import Client
 from hub.ipc.keyring import Keyring
-from hub.ipc.security import Role
+from hub.ipc.roles import Role
 from hub.robomon.control_desk import ControlDesk
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.model.control import Standing, asks, control_of, standing

@@ -23,7 +23,7 @@ from hub.ipc.central import Central
 from hub.ipc.client import Client
 from hub.ipc.keyring import Keyring
 from hub.ipc.keys import read_client_keys
-from hub.ipc.security import Role
+from hub.ipc.roles import Role
 from rune_tui.controls.device_reader import Scanned
 from rune_tui.controls.joystick.matching import DeviceInfo
 from rune_tui.layout.spec import LayoutSpec

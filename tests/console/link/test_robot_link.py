@@ -16,7 +16,7 @@ from hub.gcm.supervision import CAPABILITY_WANTS, CapabilityWants
 from hub.ipc.central import Central
 from hub.ipc.client import Client
 from hub.ipc.keyring import Keyring
-from hub.ipc.security import Role
+from hub.ipc.roles import Role
 from rune_tui.layout.spec import CapabilitySpec, LayoutSpec
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.model.console_state import ConsoleState

@@ -11,7 +11,7 @@ import pytest
 from hub.errors import HubError
 from hub.ipc.central import Central
 from hub.ipc.keyring import Keyring
-from hub.ipc.security import Role
+from hub.ipc.roles import Role
 from rune_tui.errors import HubChoiceError
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.robot_links import RobotLinks

@@ -11,7 +11,7 @@ import pytest
 from hub.cli import ExitCode
 from hub.ipc.keyring import Keyring, default_folder
 from hub.ipc.keys import read_client_keys
-from hub.ipc.security import Role
+from hub.ipc.roles import Role
 from tests.command_line import run, rune_hub
 
 

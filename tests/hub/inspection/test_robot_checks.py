@@ -12,7 +12,7 @@ import pytest
 from hub.inspection import robot_checks
 from hub.inspection.finding import Finding, Level
 from hub.ipc.keyring import Keyring
-from hub.ipc.security import Role
+from hub.ipc.roles import Role
 from tests.hub.inspection.robots import robot
 
 UNWRITABLE = "/proc/self"  # even for root

@@ -21,7 +21,7 @@ from hub.inspection import commands, status, supervision
 from hub.ipc.central import Central
 from hub.ipc.client import Client
 from hub.ipc.keyring import Keyring
-from hub.ipc.security import Role
+from hub.ipc.roles import Role
 from tests.hub.ipc.conftest import Peer
 from tests.waiting import until
 

@@ -12,11 +12,12 @@ import zmq
 import zmq.utils.monitor
 
 from hub.ipc.complaints import Complaints
+from hub.ipc.endpoints import TcpEndpoint
 from hub.ipc.gateway import Gateway
 from hub.ipc.keyring import Keyring
 from hub.ipc.keys import ClientKeys, read_client_keys
 from hub.ipc.quotas import Accounts
-from hub.ipc.security import Role, TcpEndpoint
+from hub.ipc.roles import Role
 
 PLANES = ("state", "command", "picture")
 FAILED = (

@@ -18,7 +18,7 @@ from hub.ipc.complaints import Complaints
 from hub.ipc.inlet import Arrival, Inlet
 from hub.ipc.peers import Peer
 from hub.ipc.quotas import QUOTAS, STOPS_AT_ONCE, STOPS_PER_S, Accounts
-from hub.ipc.security import LOCAL, Bearer, Role
+from hub.ipc.roles import LOCAL, Bearer, Role
 
 ALICE, BOB, EYE, FAR, DRIVES = 11, 12, 13, 14, 15
 LOCAL_NUMBER = 20

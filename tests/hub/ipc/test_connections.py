@@ -14,7 +14,7 @@ import psutil
 import pytest
 
 from hub.errors import CentralUnreachableError, EndpointError, NameTakenError, QueryError
-from hub.ipc import security
+from hub.ipc import endpoints
 from hub.ipc.central import Central
 from hub.ipc.client import Client
 from tests.hub.ipc import vocabulary as v
@@ -465,7 +465,7 @@ def test_client_needs_a_port() -> None:
     ],
 )
 def test_endpoint_on_this_machine_is_taken(text: str, address: str) -> None:
-    assert str(security.parse_endpoint(text)) == address
+    assert str(endpoints.parse_endpoint(text)) == address
 
 
 def test_fault_of_central_itself_is_counted_and_does_not_end_it(

@@ -6,10 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hub.errors import MessageFormatError, RedefinedMessageError
+from hub.errors import MessageFormatError
 from hub.ipc import codec
 from hub.ipc import format as formats
-from hub.ipc.named_formats import NamedFormats
 from tests.hub.ipc.trees import formats_of
 
 _GOOD = {
@@ -262,37 +261,3 @@ def test_few_names_that_stand_for_billions_of_members_are_refused_at_once() -> N
 def test_named_integer_can_be_a_size_member() -> None:
     tree = formats.parse("{count,<point:1>}", {"count": "uint", "point": "{float,float}"})
     assert str(tree) == "{uint,<{float,float}:1>}"
-
-
-def test_named_formats_are_spelt_out_and_stay_what_they_are() -> None:
-    named = NamedFormats()
-    named.define_format("pose", "{double, double}")
-    named.define_format("path", "{uint,<pose:1>}")
-    named.define_format("pose", "{double,double}")
-    assert dict(named) == {"pose": "{double,double}", "path": "{uint,<{double,double}:1>}"}
-    assert named.expand("{string,path}") == "{string,{uint,<{double,double}:1>}}"
-    with pytest.raises(RedefinedMessageError, match="'pose' is already defined as"):
-        named.define_format("pose", "{float,float}")
-    assert named["pose"] == "{double,double}"
-
-
-@pytest.mark.parametrize(
-    ("name", "text", "reason"),
-    [
-        ("int", "double", "no word of the grammar"),
-        ("enum", "double", "no word of the grammar"),
-        ("", "double", "1 to 64 letters"),
-        ("a b", "double", "1 to 64 letters"),
-        ("1a", "double", "1 to 64 letters"),
-        ("ä", "double", "1 to 64 letters"),
-        ("x" * 65, "double", "1 to 64 letters"),
-        ("a", "{int,", "position 5"),
-        ("a", "{int,later}", "found 'later'"),
-        ("a", "{int,*a}", "'a' contains itself"),
-    ],
-)
-def test_name_that_cannot_stand_for_a_format_is_refused(name: str, text: str, reason: str) -> None:
-    named = NamedFormats()
-    with pytest.raises(MessageFormatError, match=reason):
-        named.define_format(name, text)
-    assert not named

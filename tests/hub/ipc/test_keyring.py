@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from hub.errors import KeyFileError, KeyNameError
 from hub.ipc.keyring import Holder, Keyring, default_folder
 from hub.ipc.keys import ClientKeys, KeyPair, read_client_keys, write_client_keys
-from hub.ipc.security import Bearer, Role
+from hub.ipc.roles import Bearer, Role
 
 names = st.from_regex(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", fullmatch=True)
 pairs = st.builds(KeyPair.new)

@@ -1,21 +1,17 @@
-"""One loop for several centrals, timers and files; and the same within asyncio."""
+"""One loop for several centrals, timers and files."""
 
 from __future__ import annotations
 
-import asyncio
 import os
-import threading
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from hub.ipc.asyncio_pump import AsyncioPump
 from hub.ipc.central import Central
 from hub.ipc.client import Client
 from hub.ipc.loop import Loop
 from tests.hub.ipc import vocabulary as v
-from tests.hub.ipc.conftest import Peer
 from tests.hub.ipc.vocabulary import Number
 from tests.waiting import until
 
@@ -84,110 +80,3 @@ def test_loop_of_many_files_serves_each() -> None:
         for pipe in pipes:
             for file in pipe:
                 os.close(file)
-
-
-async def test_asyncio_program_gets_every_message_and_keeps_its_own_time(
-    two: tuple[str, str],
-) -> None:
-    peer = Peer("peer", two[0]).connect()
-    client = Client("asyncio", two[0])
-    pump = AsyncioPump(client.loop)
-    came: list[int] = []
-    ticks = 0
-    try:
-        client.subscribe(v.LOG, lambda n, _: came.append(n.value))
-        peer.call(lambda: peer.client.respond(v.ASK, v.ANSWER, lambda ask: ask))
-
-        async def wait(done: object) -> None:
-            async with asyncio.timeout(20.0):
-                while not done():  # noqa: ASYNC110
-                    await asyncio.sleep(0.001)
-
-        await wait(lambda: client.connected and client._inlets.standing)
-
-        def flood() -> None:
-            for number in range(3000):
-                peer.client.publish(v.LOG, Number(value=number))
-                if number % 50 == 0:
-                    peer.client.listen(0.001)
-
-        thread = threading.Thread(target=lambda: peer.call(flood))
-        thread.start()
-        while thread.is_alive() or len(came) < 3000:
-            await asyncio.sleep(0.001)
-            ticks += 1
-        thread.join()
-        assert came == list(range(3000))
-        assert ticks > 1
-        answers: list[int] = []
-        client.query_notify(
-            v.ASK,
-            Number(value=5),
-            v.ANSWER,
-            timeout=5.0,
-            answered=lambda n, _: answers.append(n.value),
-            failed=lambda _: answers.append(-1),
-        )
-        await wait(lambda: answers)
-        assert answers == [5]
-    finally:
-        pump.close()
-        client.close()
-        peer.close()
-
-
-async def test_fault_of_a_handler_is_told_to_asyncio_and_the_pump_goes_on() -> None:
-    loop = Loop()
-    faults: list[BaseException] = []
-    asyncio.get_running_loop().set_exception_handler(
-        lambda _, context: faults.append(context["exception"])
-    )
-    pump = AsyncioPump(loop)
-    calls: list[int] = []
-    loop.after(0.001, lambda: 1 // 0)
-    loop.every(0.002, lambda: calls.append(1))
-    async with asyncio.timeout(10.0):
-        while len(calls) < 3:  # noqa: ASYNC110
-            await asyncio.sleep(0.001)
-    assert [type(fault) for fault in faults] == [ZeroDivisionError]
-    pump.close()
-    loop.close()
-
-
-async def test_pump_serves_a_new_file_that_has_the_number_of_a_closed_one(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr("hub.ipc.asyncio_pump._LONGEST_S", 60.0)  # nothing else wakes it
-    loop, came = Loop(), asyncio.Event()
-    ends = list(os.pipe())
-
-    def read() -> None:
-        os.read(ends[0], 1)
-        came.set()
-
-    def replace() -> None:
-        before = tuple(ends)
-        loop.unwatch(before[0])
-        for end in before:
-            os.close(end)
-        ends[:] = os.pipe()
-        assert ends[0] == before[0]
-        loop.watch(ends[0], read)
-
-    loop.watch(ends[0], read)
-    pump = AsyncioPump(loop)
-    try:
-        for work in (lambda: None, replace):
-            done = asyncio.Event()
-            loop.post(work)
-            loop.post(done.set)
-            async with asyncio.timeout(5.0):
-                await done.wait()
-                came.clear()
-                os.write(ends[1], b"x")
-                await came.wait()
-    finally:
-        pump.close()
-        loop.close()
-        for end in ends:
-            os.close(end)

@@ -10,7 +10,7 @@ from hub.errors import NotAllowedError
 from hub.gcm.catalog import MESSAGES
 from hub.ipc import publish_rights
 from hub.ipc.definition import Plane
-from hub.ipc.security import LOCAL, Bearer, Role
+from hub.ipc.roles import LOCAL, Bearer, Role
 
 SUPERVISED = {"GCM_Common_Command", "GCM_Module_Command"}
 FOR_THE_ROBOT = {"GCM_Drive_Command"}

@@ -15,8 +15,8 @@ from hub.ipc.complaints import Complaints
 from hub.ipc.control import Failure, Query, Refused, Response, Welcome
 from hub.ipc.quotas import QUOTAS, Account, Verdict
 from hub.ipc.registry import MAX_PEERS
+from hub.ipc.roles import LOCAL, Bearer, Role
 from hub.ipc.routes import MAX_QUERIES
-from hub.ipc.security import LOCAL, Bearer, Role
 from hub.ipc.sources import Sources
 from tests.hub.ipc.test_registry import Bench
 

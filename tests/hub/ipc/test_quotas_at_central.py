@@ -13,7 +13,7 @@ import zmq
 from hub.ipc import control, control_frames, gateway
 from hub.ipc.floods import Bounds
 from hub.ipc.keys import ClientKeys
-from hub.ipc.security import Role
+from hub.ipc.roles import Role
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.test_roles_at_central import Hub
 from tests.hub.ipc.vocabulary import Number

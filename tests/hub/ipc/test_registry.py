@@ -17,7 +17,7 @@ from hub.ipc.control import Failure, Query, Refused, Response, Stranger, Welcome
 from hub.ipc.peers import Caller, Outgoing
 from hub.ipc.publish_rights import ROBOT_NAMES
 from hub.ipc.registry import Registry
-from hub.ipc.security import LOCAL, Bearer, Role
+from hub.ipc.roles import LOCAL, Bearer, Role
 
 PORTS, PATHS = (2, 3, 4, 5, 6, 7), tuple("abcdef")
 

@@ -7,7 +7,7 @@ import pytest
 from hub.ipc import confirmations, control
 from hub.ipc.control import Advertise, Advertised, Ready, Subscribe, Subscribed, Subscriber
 from hub.ipc.hub_time import this_neighbourhood
-from hub.ipc.security import Bearer, Role
+from hub.ipc.roles import Bearer, Role
 from tests.hub.ipc.test_registry import Bench
 
 pytestmark = pytest.mark.skipif(not this_neighbourhood(), reason="this system has no neighbours")

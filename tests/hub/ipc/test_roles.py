@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.errors import EndpointError, NotAllowedError
-from hub.ipc import security
+from hub.ipc import endpoints, roles
 from hub.ipc.keys import KeyPair
-from hub.ipc.security import Action, Bearer, Role
+from hub.ipc.roles import Action, Bearer, Role
 
 PLACES = [
     "control",
@@ -21,7 +21,7 @@ PLACES = [
 
 def test_each_role_may_do_what_is_written_in_the_documentation() -> None:
     watch = {Action.SUBSCRIBE, Action.LIST, Action.PRESENCE, Action.QUERY}
-    allowed = {role: {action for action in Action if security.may(role, action)} for role in Role}
+    allowed = {role: {action for action in Action if roles.may(role, action)} for role in Role}
     assert allowed[Role.OBSERVE] == watch
     assert allowed[Role.OPERATE] == watch
     assert allowed[Role.SUPERVISE] == watch | {Action.TAKE_OVER}
@@ -29,7 +29,7 @@ def test_each_role_may_do_what_is_written_in_the_documentation() -> None:
 
 
 def test_only_modules_enter_where_states_and_pictures_go_in() -> None:
-    entered = {role: [p for p in PLACES if security.may_enter(role, p)] for role in Role}
+    entered = {role: [p for p in PLACES if roles.may_enter(role, p)] for role in Role}
     out = ["control", "state out", "command out", "picture out"]
     for role in (Role.OBSERVE, Role.OPERATE, Role.SUPERVISE):
         assert sorted(entered[role]) == sorted([*out, "command in"])
@@ -38,34 +38,34 @@ def test_only_modules_enter_where_states_and_pictures_go_in() -> None:
 
 @pytest.mark.parametrize("place", ["", " ", "in", "out", " in", " out", "state", "CONTROL", "a b"])
 def test_place_that_is_none_is_entered_by_nobody(place: str) -> None:
-    assert not any(security.may_enter(role, place) for role in Role)
+    assert not any(roles.may_enter(role, place) for role in Role)
 
 
 @pytest.mark.parametrize("place", PLACES)
 def test_each_role_enters_where_the_ones_before_it_do(place: str) -> None:
     for less, more in itertools.pairwise(Role):
-        assert security.may_enter(less, place) <= security.may_enter(more, place)
+        assert roles.may_enter(less, place) <= roles.may_enter(more, place)
 
 
 def test_what_a_role_does_not_allow_is_refused_with_the_role_that_does() -> None:
     alice = Bearer(name="alice", role=Role.OBSERVE)
-    security.demand(alice, Action.SUBSCRIBE)
+    roles.demand(alice, Action.SUBSCRIBE)
     with pytest.raises(NotAllowedError, match=r"alice .*may not take control.*--role supervise$"):
-        security.demand(alice, Action.TAKE_OVER)
+        roles.demand(alice, Action.TAKE_OVER)
     with pytest.raises(NotAllowedError, match="do it on the robot's machine"):
-        security.demand(Bearer(name="bob", role=Role.OPERATE), Action.CLOSE_MODULE)
+        roles.demand(Bearer(name="bob", role=Role.OPERATE), Action.CLOSE_MODULE)
 
 
 def test_this_machine_may_do_everything() -> None:
     for action in Action:
-        security.demand(security.LOCAL, action)
+        roles.demand(roles.LOCAL, action)
 
 
 @given(st.sampled_from(Role), st.from_regex(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", fullmatch=True))
 def test_bearer_is_read_back_from_what_goes_with_its_frames(role: Role, name: str) -> None:
     bearer = Bearer.of(name, role, KeyPair.new().public)
-    assert security.parse_bearer(bearer.user_id) == bearer
-    assert security.parse_bearer(bearer.user_id) != Bearer.of(name, role, KeyPair.new().public)
+    assert roles.parse_bearer(bearer.user_id) == bearer
+    assert roles.parse_bearer(bearer.user_id) != Bearer.of(name, role, KeyPair.new().public)
 
 
 @pytest.mark.parametrize(
@@ -74,7 +74,7 @@ def test_bearer_is_read_back_from_what_goes_with_its_frames(role: Role, name: st
 )
 def test_user_id_that_names_no_role_has_no_rights(user_id: str) -> None:
     with pytest.raises(NotAllowedError, match="no role, name and key"):
-        security.parse_bearer(user_id)
+        roles.parse_bearer(user_id)
 
 
 @pytest.mark.parametrize(
@@ -88,7 +88,7 @@ def test_user_id_that_names_no_role_has_no_rights(user_id: str) -> None:
     ],
 )
 def test_hub_with_keys_may_listen_beyond_this_machine(text: str, address: str) -> None:
-    assert str(security.parse_endpoint(text, beyond_loopback=True)) == address
+    assert str(endpoints.parse_endpoint(text, beyond_loopback=True)) == address
 
 
 @pytest.mark.parametrize(
@@ -96,7 +96,7 @@ def test_hub_with_keys_may_listen_beyond_this_machine(text: str, address: str) -
 )
 def test_hub_listens_at_addresses_only(text: str) -> None:
     with pytest.raises(EndpointError, match=r"0\.0\.0\.0"):
-        security.parse_endpoint(text, beyond_loopback=True)
+        endpoints.parse_endpoint(text, beyond_loopback=True)
 
 
 @pytest.mark.parametrize(
@@ -110,7 +110,7 @@ def test_hub_listens_at_addresses_only(text: str) -> None:
     ],
 )
 def test_client_with_keys_may_connect_beyond_this_machine(text: str, address: str) -> None:
-    assert security.connectable(text, with_keys=True) == address
+    assert endpoints.connectable(text, with_keys=True) == address
 
 
 @pytest.mark.parametrize(
@@ -119,12 +119,12 @@ def test_client_with_keys_may_connect_beyond_this_machine(text: str, address: st
 )
 def test_client_cannot_connect_to_what_is_no_machine(text: str) -> None:
     with pytest.raises(EndpointError, match="cannot be used"):
-        security.connectable(text, with_keys=True)
+        endpoints.connectable(text, with_keys=True)
 
 
 @pytest.mark.parametrize("text", ["tcp://192.168.1.5:1481", "tcp://robot.example:1481"])
 def test_without_keys_the_error_says_how_to_make_one(text: str) -> None:
-    for use in (security.parse_endpoint, security.connectable):
+    for use in (endpoints.parse_endpoint, endpoints.connectable):
         with pytest.raises(EndpointError, match=r"rune-hub keys make NAME --role"):
             use(text)
 
@@ -133,8 +133,8 @@ def test_without_keys_the_error_says_how_to_make_one(text: str) -> None:
 def test_any_text_is_an_endpoint_or_refused_in_our_words(rest: str) -> None:
     for text in (rest, f"tcp://{rest}", f"tcp://{rest}:5", f"tcp://[{rest}]:5"):
         for use in (
-            lambda text: security.parse_endpoint(text, beyond_loopback=True),
-            lambda text: security.connectable(text, with_keys=True),
+            lambda text: endpoints.parse_endpoint(text, beyond_loopback=True),
+            lambda text: endpoints.connectable(text, with_keys=True),
         ):
             try:
                 use(text)

@@ -12,7 +12,7 @@ from hub.ipc.central import Central
 from hub.ipc.client import Client
 from hub.ipc.keyring import Keyring
 from hub.ipc.keys import ClientKeys, read_client_keys
-from hub.ipc.security import Role
+from hub.ipc.roles import Role
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Peer
 from tests.hub.ipc.vocabulary import Number

@@ -15,7 +15,7 @@ import pytest
 
 from hub.gcm.common import COMMON_COMMAND
 from hub.gcm.navigation import STOP
-from hub.ipc import security
+from hub.ipc import roles
 from hub.modules.autonomy.__main__ import Autonomy
 from hub.modules.driver.__main__ import build as build_driver
 from hub.modules.mapping.__main__ import Mapping
@@ -34,7 +34,7 @@ def control_desk(bus: Any, _: Any) -> None:
     def peer(number: int) -> Any:
         if number not in (2, 3):
             return None
-        bearer = SimpleNamespace(role=security.Role.SUPERVISE)
+        bearer = SimpleNamespace(role=roles.Role.SUPERVISE)
         return SimpleNamespace(publisher=number, name=f"console-{number}", bearer=bearer)
 
     ControlDesk(bus, peer)

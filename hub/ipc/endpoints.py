@@ -1,0 +1,139 @@
+"""Endpoints: where a hub may listen, and to what a client may connect; pure.
+
+Without keys the bus stays on this machine.
+"""
+
+from __future__ import annotations
+
+import ipaddress
+import re
+from dataclasses import dataclass
+
+from hub.errors import EndpointError
+
+DEFAULT_PORT = 1381
+DEFAULT_ENDPOINT = f"tcp://127.0.0.1:{DEFAULT_PORT}"
+DIRECT_PREFIX = "ipc://@rune-"
+"""Every address at which a client of this machine is reached directly begins so."""
+_MAX_DIRECT = 100
+_MAX_IPC_PATH = 100
+_HOST_NAME = re.compile(r"[A-Za-z0-9]([A-Za-z0-9._-]{0,251}[A-Za-z0-9])?")
+
+
+@dataclass(frozen=True, slots=True)
+class TcpEndpoint:
+    """A TCP address; port 0 lets the system choose when binding."""
+
+    host: str
+    port: int
+
+    def __str__(self) -> str:
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return f"tcp://{host}:{self.port or '*'}"
+
+    @property
+    def on_loopback(self) -> bool:
+        """Whether only this machine reaches it."""
+        return _is_loopback(self.host)
+
+
+@dataclass(frozen=True, slots=True)
+class IpcEndpoint:
+    """A Unix domain socket."""
+
+    path: str
+
+    def __str__(self) -> str:
+        return f"ipc://{self.path}"
+
+
+def parse_endpoint(text: str, *, beyond_loopback: bool = False) -> TcpEndpoint | IpcEndpoint:
+    """The endpoint that a person wrote, for a hub to listen at.
+
+    Args:
+        text: Such as tcp://127.0.0.1:1381 or ipc:///a/path.
+        beyond_loopback: Whether other machines may be let in, which takes keys.
+
+    Raises:
+        EndpointError: It is malformed, or not on this machine and that is not allowed.
+    """
+    scheme, separator, rest = text.partition("://")
+    if separator and scheme == "ipc" and rest:
+        if len(rest.encode()) > _MAX_IPC_PATH:
+            reason = f"its path is longer than {_MAX_IPC_PATH} bytes"
+            raise EndpointError(_refusal(text, reason))
+        if "*" in rest:
+            raise EndpointError(_refusal(text, "write the path of a socket file"))
+        return IpcEndpoint(rest)
+    endpoint = _tcp(text)
+    if endpoint.on_loopback:
+        return endpoint
+    if not beyond_loopback:
+        raise EndpointError(_refusal(text, _NEEDS_KEYS))
+    if not _is_address(endpoint.host):
+        reason = "write an address of this machine, or 0.0.0.0 for all of them"
+        raise EndpointError(_refusal(text, reason))
+    return endpoint
+
+
+def connectable(text: str, *, with_keys: bool = False) -> str:
+    """The endpoint that a person wrote, as the address a client connects to.
+
+    Args:
+        text: Such as tcp://127.0.0.1:1381; with keys also tcp://robot.example:1481.
+        with_keys: Whether the client has keys, and so may leave this machine.
+
+    Raises:
+        EndpointError: It is malformed, names no port, or is not on this machine and the client
+            has no keys.
+    """
+    endpoint: TcpEndpoint | IpcEndpoint
+    if with_keys and text.startswith("tcp://"):
+        endpoint = _tcp(text)
+        if not (_is_address(endpoint.host) or _HOST_NAME.fullmatch(endpoint.host)):
+            raise EndpointError(_refusal(text, "its host is no name and no address"))
+        if _is_address(endpoint.host) and ipaddress.ip_address(endpoint.host).is_unspecified:
+            raise EndpointError(_refusal(text, "that is where a hub listens; name its machine"))
+    else:
+        endpoint = parse_endpoint(text)
+    if isinstance(endpoint, TcpEndpoint) and endpoint.port == 0:
+        raise EndpointError(_refusal(text, "port 0 is only for a hub that starts"))
+    return str(endpoint)
+
+
+_NEEDS_KEYS = (
+    "without keys only this machine (127.0.0.1) is allowed; go to a robot through ssh (`rune` has "
+    "--ssh USER@HOST, `rune-hub` goes through ssh -L), or give --keys the file of a key that "
+    "`rune-hub keys make NAME --role operate` has made on it"
+)
+
+
+def _tcp(text: str) -> TcpEndpoint:
+    scheme, separator, rest = text.partition("://")
+    host, colon, port = rest.rpartition(":")
+    if not separator or scheme != "tcp" or not colon or not (port.isdigit() and port.isascii()):
+        raise EndpointError(_refusal(text, "write tcp://127.0.0.1:1381 or ipc:///a/path"))
+    if len(port) > 5 or int(port) > 65529:
+        raise EndpointError(_refusal(text, "its port is above 65529"))
+    host = host.strip("[]")
+    return TcpEndpoint("127.0.0.1" if host == "localhost" else host, int(port))
+
+
+def _is_address(host: str) -> bool:
+    try:
+        return not ipaddress.ip_address(host).is_multicast
+    except ValueError:
+        return False
+
+
+def _is_loopback(host: str) -> bool:
+    return _is_address(host) and ipaddress.ip_address(host).is_loopback
+
+
+def _refusal(text: str, reason: str) -> str:
+    return f"endpoint {text[:80]!r} cannot be used: {reason}"
+
+
+def is_direct_address(address: str) -> bool:
+    """Whether this is an address that clients use for direct messages: an abstract socket."""
+    return address.startswith(DIRECT_PREFIX) and len(address) <= _MAX_DIRECT

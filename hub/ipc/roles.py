@@ -1,0 +1,151 @@
+"""Roles of keys, and what each role may do; pure.
+
+Which messages each role may publish is in `security/publish_rights.py`.
+"""
+
+from __future__ import annotations
+
+import enum
+import functools
+import hashlib
+import re
+from dataclasses import dataclass
+
+from hub.errors import NotAllowedError
+
+CONTROL = "control"
+"""The place where control messages come in; the others are "PLANE in" and "PLANE out"."""
+_KNOWN_BEARERS = 2048
+"""Bearers that are remembered; a list has half as many keys."""
+_KEY_PRINT = re.compile(r"[0-9a-f]{32}")
+
+
+class Role(enum.Enum):
+    """What a key is for; each role may do what the ones before it may."""
+
+    OBSERVE = "observe"
+    OPERATE = "operate"
+    SUPERVISE = "supervise"
+    MODULE = "module"
+
+    def includes(self, other: Role) -> bool:
+        """Whether holders of this role may do all that holders of the other may."""
+        return _ROLES.index(self) >= _ROLES.index(other)
+
+
+_ROLES = tuple(Role)
+
+
+ON_THE_ROBOT = "do it on the robot's machine, where no key is needed"
+
+
+class Action(enum.Enum):
+    """What a client asks central for; the value says it in an error.
+
+    Who may publish, and query on the command plane, is in `publish_rights`.
+    """
+
+    SUBSCRIBE = "subscribe"
+    LIST = "list messages and modules"
+    PRESENCE = "hear who comes and goes"
+    QUERY = "query"
+    TAKE_OVER = "take control from others"
+    DEFINE = "define a new message"
+    ANSWER = "answer queries"
+    CLOSE_MODULE = "close modules"
+    SET_LOG_LEVEL = "set the log level"
+
+
+_WATCH = frozenset({Action.SUBSCRIBE, Action.LIST, Action.PRESENCE, Action.QUERY})
+_ACTIONS = {
+    Role.OBSERVE: _WATCH,
+    Role.OPERATE: _WATCH,
+    Role.SUPERVISE: _WATCH | {Action.TAKE_OVER},
+    Role.MODULE: frozenset(Action),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bearer:
+    """Who is at the other end of a connection: the holder of a key.
+
+    Two keys are two bearers, also if one was made after the other under the same name.
+
+    Attributes:
+        name: Of the key.
+        role: What the key is for.
+        key: Fingerprint of the public key; empty for who connects without one.
+    """
+
+    name: str
+    role: Role
+    key: str = ""
+
+    @staticmethod
+    def of(name: str, role: Role, public: str) -> Bearer:
+        """The bearer of a public key (Z85)."""
+        return Bearer(name=name, role=role, key=_fingerprint(public))
+
+    @property
+    def user_id(self) -> str:
+        """As ZeroMQ carries it beside each frame of the connection: "operate:alice:FINGERPRINT"."""
+        return f"{self}:{self.key}"
+
+    def __str__(self) -> str:
+        """As people read it: "operate:alice"."""
+        return f"{self.role.value}:{self.name}"
+
+
+LOCAL = Bearer(name="this machine", role=Role.MODULE)
+"""Whoever connects without a key; that works on this machine only, whose users are trusted."""
+
+
+@functools.lru_cache(maxsize=_KNOWN_BEARERS)
+def parse_bearer(user_id: str) -> Bearer:
+    """The bearer that a frame's User-Id names.
+
+    Raises:
+        NotAllowedError: It names none, so its sender has no rights here.
+    """
+    role, _, rest = user_id.partition(":")
+    name, _, key = rest.rpartition(":")
+    known = role in {each.value for each in Role}
+    if not name or not known or _KEY_PRINT.fullmatch(key) is None:
+        text = f"a connection says it belongs to {user_id[:80]!r}, which is no role, name and key"
+        raise NotAllowedError(text)
+    return Bearer(name=name, role=Role(role), key=key)
+
+
+def _fingerprint(public: str) -> str:
+    return hashlib.blake2b(public.encode(), digest_size=16).hexdigest()
+
+
+def may(role: Role, action: Action) -> bool:
+    """Whether holders of this role may do this."""
+    return action in _ACTIONS[role]
+
+
+def demand(bearer: Bearer, action: Action) -> None:
+    """Refuse what the bearer's role does not allow.
+
+    Raises:
+        NotAllowedError: It does not; the text names the least role that does.
+    """
+    if not may(bearer.role, action):
+        least = next(role for role in Role if may(role, action))
+        way = f"that needs a key made with --role {least.value}"
+        if least is Role.MODULE:  # a key that is a part of the robot is no remedy for a person
+            way = ON_THE_ROBOT
+        text = f"{bearer.name} has a key to {bearer.role.value} and may not {action.value}; {way}"
+        raise NotAllowedError(text)
+
+
+def may_enter(role: Role, place: str) -> bool:
+    """Whether holders of this role may connect to a place: CONTROL, "PLANE in" or "PLANE out".
+
+    Every role enters "command in": what passes there is looked at frame by frame.
+    """
+    plane, _, way = place.rpartition(" ")
+    if place == CONTROL or (plane and way == "out"):
+        return True
+    return bool(plane) and way == "in" and (plane == "command" or role is Role.MODULE)
