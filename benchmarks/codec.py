@@ -17,9 +17,9 @@ import numpy.typing as npt
 
 from benchmarks.figures import median_ms, report
 from hub.gcm import map_coding, navigation, rle, vision
-from hub.ipc import format as formats
-from hub.ipc import schema
+from hub.ipc import ros_schema
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.formats import grammar as formats
 
 
 def robot_state() -> navigation.RobotState:
@@ -112,8 +112,8 @@ def rosbags_work(definition: MessageDefinition[Any], value: object) -> tuple[Wor
     """What rosbags does to write a message and to read it."""
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-    name, store = schema.ros_type(definition), get_typestore(Stores.EMPTY)
-    store.register(get_types_from_msg(schema.ros2msg(definition), name))
+    name, store = ros_schema.ros_type(definition), get_typestore(Stores.EMPTY)
+    store.register(get_types_from_msg(ros_schema.ros2msg(definition), name))
     payload = b"".join(definition.encode(value))
     theirs = store.deserialize_cdr(payload, name)
     if bytes(store.serialize_cdr(theirs, name)) != payload:

@@ -21,13 +21,13 @@ from typing import Any
 import zmq
 
 from benchmarks.figures import report, say
-from hub.ipc import frames
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.definition import Keep, MessageDefinition, Plane
-from hub.ipc.keyring import Keyring
-from hub.ipc.keys import read_client_keys
 from hub.ipc.roles import Role
+from hub.ipc.security.client_keys import read_client_keys
+from hub.ipc.security.keyring import Keyring
+from hub.ipc.wire import frames
 from tests.ports import free_port
 
 HZ, SECONDS = 50.0, 10.0

@@ -17,7 +17,7 @@ import numpy as np
 from benchmarks.barn import BODY, Outcome, World, drive, load, ours
 from benchmarks.figures import median_ms, report, say
 from benchmarks.peers.reference_window import ReferenceWindow
-from hub.ipc import memory
+from hub.ipc.transport import heap
 from hub.modules.navigation.dynamic_window import DynamicWindow
 from hub.sim.arena import load_arena
 from tests.hub.modules.navigation.drives import Drive, random_start
@@ -116,7 +116,7 @@ def share(outcomes: Iterable[Outcome], how: str) -> float:
 
 def cycle() -> None:
     """Time of one choice among 8 by 31 velocities, obstacles on all sides."""
-    memory.keep_heap()  # as every module process does
+    heap.keep_heap()  # as every module process does
     random = np.random.default_rng(1997)
     window = DynamicWindow(BODY)
     away = random.uniform(0.4, 1.5, POINTS)

@@ -20,7 +20,7 @@ from benchmarks.figures import report, say
 from hub.errors import HubError
 from hub.gcm import autonomy, mapping, navigation, supervision, vision
 from hub.ipc.client import Client
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 from tests.system.harness import HubProcess
 from tests.waiting import until
 

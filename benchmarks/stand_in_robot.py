@@ -19,9 +19,9 @@ import numpy.typing as npt
 
 from hub.gcm import rle, vision
 from hub.gcm.navigation import ROBOT_STATE, VELOCITY_COMMAND, Measured, MotionState, RobotState
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 from hub.robots.magellan import SimulatedMagellan
 from hub.sim.arena import load_arena
 

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from benchmarks.figures import median_ms, report, say
 from hub.errors import CameraError
 from hub.gcm.vision import ImageCoding, NightCommand
-from hub.ipc.memory import keep_heap
+from hub.ipc.transport.heap import keep_heap
 from hub.modules.vision.coding import code
 from hub.modules.vision.night import NightMode
 from hub.modules.vision.picture import brightened, brightness

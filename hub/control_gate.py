@@ -10,8 +10,8 @@ from typing import Any
 from hub.gcm.control import CONTROL_REFUSAL, CONTROL_STATE, ControlRefusal, ControlState
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.publish_rights import ROBOMON
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
+from hub.ipc.security.publish_rights import ROBOMON
 
 _logger = logging.getLogger(__name__)
 

@@ -29,7 +29,7 @@ from hub.gcm.supervision import MODULE_INFO, ModuleInfo, announce_every_s
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.endpoints import DEFAULT_ENDPOINT
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 from hub.logs import LEVELS, start_logging
 from hub.robots.description import RobotDescription, read_description, settings
 

@@ -18,8 +18,8 @@ from typing import TextIO
 from hub.errors import CentralUnreachableError, HubError
 from hub.gcm import pad
 from hub.ipc.client import Client
-from hub.ipc.keys import read_client_keys
-from hub.ipc.publish_rights import demand_right
+from hub.ipc.security.client_keys import read_client_keys
+from hub.ipc.security.publish_rights import demand_right
 from rune_tui.controls import devices_here
 from rune_tui.controls.device_reader import Gone, News, Opened, Refused, Scanned
 from rune_tui.controls.joystick.matching import DeviceInfo, assigned

@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from hub.ipc import format as formats
-from hub.ipc import ranges
-from hub.ipc.codegen import DTYPES, Buffer
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.formats import grammar as formats
+from hub.ipc.formats import ranges
+from hub.ipc.formats.codegen import DTYPES, Buffer
 
 CONTROL = "\x1b]0;PWNED\x07\x9b31m\u202e\u200b\r\n\x08<script>=1+1"
 WILD_FLOATS = (

@@ -25,10 +25,10 @@ from benchmarks.peers.job import (
     samples,
 )
 from benchmarks.peers.page import now
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.definition import Keep, MessageDefinition, Plane
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 
 _CONNECT_S = 10.0
 _AT_ONCE = 100

@@ -17,7 +17,7 @@ from hub.gcm.fields import (
 )
 from hub.gcm.navigation import MOST_POINTS, Point
 from hub.ipc.definition import Keep, MessageDefinition, Plane
-from hub.ipc.ranges import Most
+from hub.ipc.formats.ranges import Most
 
 
 class Behaviour(enum.IntEnum):

@@ -10,7 +10,7 @@ from typing import Annotated
 
 from hub.gcm.fields import Length, Metres, Name
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.ranges import Most
+from hub.ipc.formats.ranges import Most
 
 MOST_CORNERS = 32
 """Corners of a footprint at most."""

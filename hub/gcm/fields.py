@@ -1,4 +1,4 @@
-"""Kinds of fields that messages share, each with what it may hold; see `hub.ipc.ranges`.
+"""Kinds of fields that messages share, each with what it may hold; see `hub.ipc.formats.ranges`.
 
 A field of another range declares it where it stands. `Known` kinds are NaN where a value is not
 known.
@@ -12,7 +12,7 @@ from typing import Annotated, Final, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from hub.ipc.ranges import Most, Range, Text
+from hub.ipc.formats.ranges import Most, Range, Text
 
 FARTHEST_M: Final = 1e6
 """No place is farther than this from the origin along one axis [m]."""

@@ -20,7 +20,7 @@ from hub.gcm.fields import (
     Stamp,
 )
 from hub.ipc.definition import Keep, MessageDefinition, Plane
-from hub.ipc.ranges import Most, Range
+from hub.ipc.formats.ranges import Most, Range
 
 MOST_CELLS = 1 << 13
 """Longest side of a map [cells]; at 5 cm a cell it is 400 m."""

@@ -8,7 +8,7 @@ from typing import Annotated, TypeAlias
 
 from hub.gcm.fields import Count, Flag, Name, Number, Seconds, Sentence, Stamp
 from hub.ipc.definition import MessageDefinition, Plane
-from hub.ipc.ranges import Range
+from hub.ipc.formats.ranges import Range
 
 Megabytes: TypeAlias = Annotated[float, Range(0.0, 1e12, unit="MB", nearest=True)]
 

@@ -33,7 +33,7 @@ from hub.gcm.fields import (
 from hub.gcm.ground_truth import GROUND_TRUTH as GROUND_TRUTH  # noqa: PLC0414 for others
 from hub.gcm.ground_truth import GroundTruth as GroundTruth  # noqa: PLC0414 for others
 from hub.ipc.definition import Keep, MessageDefinition, Plane
-from hub.ipc.ranges import Most, Range
+from hub.ipc.formats.ranges import Most, Range
 
 MOST_POINTS = 1000
 """Points of the longest way."""

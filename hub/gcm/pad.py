@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from hub.gcm.fields import Flag, Name, Number, Numbers, Octets, Sentence
 from hub.ipc.definition import MessageDefinition, Plane
-from hub.ipc.ranges import Most
+from hub.ipc.formats.ranges import Most
 
 STATE_HZ = 50.0
 """How often a pad that is being used says its state [Hz]."""

@@ -21,7 +21,7 @@ from hub.gcm.fields import (
     Sentence,
 )
 from hub.ipc.definition import MessageDefinition, Plane
-from hub.ipc.ranges import Most, Range
+from hub.ipc.formats.ranges import Most, Range
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

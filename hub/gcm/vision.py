@@ -18,7 +18,7 @@ from hub.gcm.fields import (
     Stamp,
 )
 from hub.ipc.definition import Keep, MessageDefinition, Plane
-from hub.ipc.ranges import Range
+from hub.ipc.formats.ranges import Range
 
 FieldOfView: TypeAlias = Annotated[float, Range(1e-6, 3.1, unit="rad")]
 """What a flat picture can show from one edge to the other [rad]."""

@@ -22,12 +22,12 @@ from hub.gcm.common import CommonResult
 from hub.gcm.control import CONTROL_STATE, RESTRICTED
 from hub.inspection import values
 from hub.inspection.writing import complain, outcome, put
-from hub.ipc import control
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.description import from_listing
-from hub.ipc.keys import read_client_keys
-from hub.ipc.reception import Reception, decode
+from hub.ipc.message_info import Reception, decode
+from hub.ipc.security.client_keys import read_client_keys
+from hub.ipc.wire import control
+from hub.ipc.wire.definition_listing import from_listing
 from hub.plain_text import plain
 from hub.toml_tables import nearest
 

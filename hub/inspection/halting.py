@@ -9,7 +9,7 @@ from hub.gcm.navigation import ROBOT_STATE, STOP, MotionState, RobotState, Stop
 from hub.inspection.login import login_name
 from hub.inspection.writing import complain, put
 from hub.ipc.client import Client
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 
 LIMIT_S = 2.0
 """A robot that does not stand after this time still moves [s]."""

@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 
 from hub.inspection.writing import put
-from hub.ipc.keyring import Keyring, default_folder
 from hub.ipc.roles import Role
+from hub.ipc.security.keyring import Keyring, default_folder
 
 _ROLE_WIDTH, _KEY_WIDTH = 11, 42
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from hub.inspection.finding import Finding, ok, problem, warning
 from hub.inspection.robot_checks import existing, written_folders
-from hub.ipc import descriptors, ring
+from hub.ipc.transport import file_descriptors, shared_ring
 from hub.robots.description import RobotDescription
 
 _FEWEST_DESCRIPTORS = 256
@@ -41,14 +41,14 @@ def user(robot_file: str) -> list[Finding]:
 def shared_memory() -> list[Finding]:
     """Whether modules can hand each other pictures without copying them through sockets."""
     slower = "nothing has to be done; pictures go through sockets, which takes more time"
-    if not ring.available:
+    if not shared_ring.available:
         return [warning("this system has no memfd_create", slower)]
     said = b"a picture"
     try:
-        writer = ring.RingWriter(4096)
+        writer = shared_ring.RingWriter(4096)
         try:
             place = writer.write([said])
-            reader = ring.RingReader(place)
+            reader = shared_ring.RingReader(place)
             try:
                 read = reader.read(place)
             finally:
@@ -65,7 +65,7 @@ def shared_memory() -> list[Finding]:
 def open_files() -> list[Finding]:
     """Whether central may have as many connections as it wants."""
     _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
-    wanted = descriptors.WANTED
+    wanted = file_descriptors.WANTED
     advice = f"raise it: LimitNOFILE={wanted} in the unit, or /etc/security/limits.conf"
     if most == resource.RLIM_INFINITY or most >= wanted:
         return [ok(f"a process may have the {wanted} that central wants")]

@@ -16,8 +16,8 @@ from pathlib import Path
 from hub.errors import KeyFileError
 from hub.folders import LONGEST_FOR_SOCKETS, for_logs, for_maps, for_sockets
 from hub.inspection.finding import Finding, ok, problem, warning
-from hub.ipc import key_files
-from hub.ipc.keyring import Keyring, default_folder
+from hub.ipc.security import key_files
+from hub.ipc.security.keyring import Keyring, default_folder
 from hub.robots.description import ROBOTS_OWN, RobotDescription
 
 """What a robot file says where the robot has a camera of its own."""

@@ -11,11 +11,11 @@ from hub.errors import NotAllowedError, UnknownModuleError
 from hub.inspection import values
 from hub.inspection.commands import find
 from hub.inspection.writing import put, span, table
-from hub.ipc import control
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 from hub.ipc.roles import ON_THE_ROBOT
+from hub.ipc.wire import control
 
 _ANSWER_S = 2.0
 

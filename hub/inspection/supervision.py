@@ -22,7 +22,7 @@ from hub.gcm.supervision import CapabilityPhase, ModuleOrder
 from hub.inspection import values
 from hub.inspection.writing import outcome, put, span, table
 from hub.ipc.client import Client
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 from hub.plain_text import plain
 
 _ANSWER_S = 2.0

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from hub.errors import CodecError
-from hub.ipc import format as formats
-from hub.ipc.codegen import DTYPES
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.formats import grammar as formats
+from hub.ipc.formats.codegen import DTYPES
 from hub.toml_tables import nearest, shorten
 
 _LONGEST_ARRAY = 64

@@ -21,20 +21,22 @@ from hub.errors import (
     HubError,
     QueryError,
 )
-from hub.ipc import endpoints, frames, memory, sockets
-from hub.ipc.answering import Reply
-from hub.ipc.chores import Timer
-from hub.ipc.codegen import Buffer
-from hub.ipc.complaints import Complaints
-from hub.ipc.connection import LOST_S
+from hub.ipc import endpoints
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.directory import Directory
-from hub.ipc.keys import ClientKeys
-from hub.ipc.loop import Loop
-from hub.ipc.outlet import Outlet
-from hub.ipc.questions import Question
-from hub.ipc.reception import Reception, decode
-from hub.ipc.session import Session
+from hub.ipc.formats.codegen import Buffer
+from hub.ipc.message_info import Reception, decode
+from hub.ipc.node.connection import LOST_S
+from hub.ipc.node.directory import Directory
+from hub.ipc.node.pending_queries import Question
+from hub.ipc.node.publisher import Outlet
+from hub.ipc.node.responders import Reply
+from hub.ipc.node.session import Session
+from hub.ipc.security.client_keys import ClientKeys
+from hub.ipc.transport import heap, sockets
+from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.loop import Loop
+from hub.ipc.transport.timers import Timer
+from hub.ipc.wire import frames
 
 _logger = logging.getLogger(__name__)
 
@@ -84,7 +86,7 @@ class Client:
         Raises:
             EndpointError: The endpoint is malformed, or not on this machine and there are no keys.
         """
-        memory.keep_heap()
+        heap.keep_heap()
         self.name = name
         self.endpoint = endpoints.connectable(endpoint, with_keys=keys is not None)
         self.loop = loop or Loop(clock=clock)

@@ -14,11 +14,11 @@ from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
 from hub.errors import CodecError, MessageFormatError
-from hub.ipc import codec
-from hub.ipc import format as formats
-from hub.ipc.codegen import Buffer
-from hub.ipc.ranges import Note, unnoted
-from hub.ipc.records import FAULTS, Record
+from hub.ipc.formats import codec
+from hub.ipc.formats import grammar as formats
+from hub.ipc.formats.codegen import Buffer
+from hub.ipc.formats.dataclass_codec import FAULTS, Record
+from hub.ipc.formats.ranges import Note, unnoted
 
 T = TypeVar("T")
 
@@ -167,9 +167,9 @@ class MessageDefinition(Generic[T]):
     def decode(self, payload: Buffer, note: Note = unnoted) -> T:
         """The value in `payload`, within what its fields declare; arrays are read-only views.
 
-        This is the one place where what others sent becomes a value; `hub.ipc.ranges` says how.
+        Every value from others is made here; `hub.ipc.formats.ranges` bounds its fields.
         A linked list comes as its first node and is nested as deep as it is long, up to
-        `format.MAX_NODES`: follow it in a loop, because its repr and == are recursive.
+        `grammar.MAX_NODES`: follow it in a loop, because its repr and == are recursive.
 
         Args:
             payload: The bytes.

@@ -14,12 +14,12 @@ from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.gcm.control import ControlAction, ControlRequest
 from hub.gcm.navigation import NAVIGATION_STATUS, NavigationStatus, Task
 from hub.gcm.supervision import MODULE_INFO, ModuleInfo
-from hub.ipc.answering import Reply
+from hub.ipc.broker.peers import Peer
 from hub.ipc.client import Client
-from hub.ipc.control import Change, Presence
-from hub.ipc.peers import Peer
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
+from hub.ipc.node.responders import Reply
 from hub.ipc.roles import Action, Role, may
+from hub.ipc.wire.control import Change, Presence
 from hub.robomon.arbiter import Answer, Arbiter
 from hub.runtime import publish_on_request
 

@@ -17,10 +17,10 @@ from pathlib import Path
 from hub import folders
 from hub.errors import EndpointError
 from hub.gcm.supervision import ModulePhase
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
-from hub.ipc.keyring import Keyring, default_folder
-from hub.ipc.publish_rights import ROBOMON
+from hub.ipc.security.keyring import Keyring, default_folder
+from hub.ipc.security.publish_rights import ROBOMON
 from hub.robomon.control_desk import ControlDesk
 from hub.robomon.keeper import Keeper
 from hub.robomon.mission_want import MissionWant

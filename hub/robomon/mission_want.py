@@ -21,7 +21,7 @@ from hub.gcm.capability import Capability
 from hub.gcm.mission import MISSION_STATE, MissionState
 from hub.gcm.supervision import LEASE_S
 from hub.ipc.client import Client
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 from hub.missions.folder import MissionFolder
 from hub.robomon.wants import Wants
 from hub.robots.description import MissionBegin, RobotDescription

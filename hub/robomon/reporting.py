@@ -16,8 +16,8 @@ from hub.gcm.common import (
 )
 from hub.gcm.supervision import ModulePhase
 from hub.ipc.client import Client
-from hub.ipc.control import Change, Presence
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
+from hub.ipc.wire.control import Change, Presence
 from hub.robomon.keeper import BY_ROBOMON, Keeper
 from hub.robomon.life import Life
 from hub.robomon.outputs import REMEMBERED_LINES, Outputs

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hub.errors import HubError
-from hub.ipc import descriptors
+from hub.ipc.transport import file_descriptors
 from hub.robomon.table import RobotTable
 
 _UNIT = string.Template("""\
@@ -126,7 +126,7 @@ def unit(spec: ServiceSpec) -> str:
         description=_plain(spec.robot).replace("%", "%%"),
         network=_ONLINE if spec.gateway else "After=network.target",
         command=" ".join(_word(word).replace("$", "$$") for word in words),
-        descriptors=descriptors.WANTED,
+        descriptors=file_descriptors.WANTED,
         nice=f"\nLimitNICE={spec.nice}" if spec.nice < 0 else "",
         user=spec.user,
         groups=f"\nSupplementaryGroups={' '.join(spec.groups)}" if spec.groups else "",

@@ -22,7 +22,7 @@ from mcap.writer import Writer
 
 from hub.errors import CodecError
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.schema import ros2msg, ros_type
+from hub.ipc.ros_schema import ros2msg, ros_type
 
 _logger = logging.getLogger(__name__)
 

@@ -18,7 +18,7 @@ from hub.gcm.control import (
     ControlRequest,
 )
 from hub.ipc.client import Client
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 from rune_tui.model.control import Standing, standing
 from rune_tui.model.robot_state import RobotState
 

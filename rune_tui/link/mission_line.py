@@ -9,7 +9,7 @@ from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.gcm.mapping import POINT_REFUSAL, PointRefusal
 from hub.gcm.mission import MISSION_COMMAND, MissionAction, MissionCommand
 from hub.ipc.client import Client
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 
 _ANSWER_S = 5.0
 """The robot may wait for its disk [s]."""

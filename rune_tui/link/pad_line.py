@@ -14,7 +14,7 @@ from hub.gcm.pad import (
     PadState,
 )
 from hub.ipc.client import Client
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 from rune_tui.controls.far_pads import FarPads
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from hub.errors import CodecError, HandlerFailedError, HubError, QueryTimeoutError
 from hub.gcm import vision
 from hub.ipc.client import Client
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 from rune_tui.link.picture_choice import PictureChoice
 from rune_tui.link.requests import Requester
 from rune_tui.model.console_state import PictureWish

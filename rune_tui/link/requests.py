@@ -12,7 +12,7 @@ from typing import Generic, TypeVar
 from hub.errors import CodecError, HubError, NoHandlerError, QueryTimeoutError
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 from rune_tui.link.pace import Pace
 
 RETRY_S = 0.25

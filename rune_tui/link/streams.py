@@ -15,7 +15,7 @@ from typing import Any, Final
 from hub.gcm.catalog import BY_NAME
 from hub.ipc.client import Client
 from hub.ipc.definition import Keep, MessageDefinition, Plane
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 
 LATE_S: Final = 0.3
 """What is older when it comes, and not for the round trip, has waited in the link [s]."""

@@ -18,8 +18,8 @@ from hub.gcm.navigation import ROBOT_STATE
 from hub.gcm.navigation import RobotState as NavigationState
 from hub.gcm.vision import CAMERA_STATE, CameraState, ImageCoding
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.publish_rights import may_publish
 from hub.ipc.roles import Role
+from hub.ipc.security.publish_rights import may_publish
 
 T = TypeVar("T")
 

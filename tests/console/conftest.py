@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from rune_tui.app import Console
 from rune_tui.layout.loader import load_layout

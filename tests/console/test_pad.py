@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from hub.gcm.pad import PadState
-from hub.ipc.central import Central
-from hub.ipc.keyring import Keyring
+from hub.ipc.broker.central import Central
 from hub.ipc.roles import Role
+from hub.ipc.security.keyring import Keyring
 from rune_tui import cli, joytest, pad
 from rune_tui.cli import ExitCode, main
 from rune_tui.controls import devices_here, hid_reader

@@ -29,14 +29,14 @@ from hub.gcm.control import (
 from hub.gcm.navigation import GOAL_COMMAND, GoalCommand
 from hub.gcm.supervision import MODULE_INFO, ModuleInfo
 from hub.inspection import commands, control
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
-from hub.ipc.keyring import Keyring
-from hub.ipc.keys import read_client_keys
-from hub.ipc.loop import Loop
-from hub.ipc.publish_rights import ROBOMON
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 from hub.ipc.roles import Role
+from hub.ipc.security.client_keys import read_client_keys
+from hub.ipc.security.keyring import Keyring
+from hub.ipc.security.publish_rights import ROBOMON
+from hub.ipc.transport.loop import Loop
 from hub.robomon.control_desk import ControlDesk
 from tests.waiting import until
 

@@ -17,10 +17,10 @@ from collections.abc import Callable
 
 import zmq
 
-from hub.ipc import control, frames
-from hub.ipc.control_frames import pack
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.description import to_listing
+from hub.ipc.wire import control, frames
+from hub.ipc.wire.control_codec import pack
+from hub.ipc.wire.definition_listing import to_listing
 from tests.soak import vocabulary as v
 
 _BURST_S = 0.005

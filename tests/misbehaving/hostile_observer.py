@@ -18,8 +18,8 @@ from pathlib import Path
 import zmq
 
 from hub.gcm import vision
-from hub.ipc import control, control_frames, frames
-from hub.ipc.keys import read_client_keys
+from hub.ipc.security.client_keys import read_client_keys
+from hub.ipc.wire import control, control_codec, frames
 
 _PLACES = 7
 _STATE_OUT, _PICTURE_OUT = 2, 6
@@ -56,7 +56,7 @@ class Hostile:
     def hello(self) -> bytes:
         """A HELLO with a new name."""
         name = f"eve{os.getpid()}-{next(self._names)}"
-        return control_frames.pack(control.Hello(name=name, pid=1, client=next(self._names) + 1))
+        return control_codec.pack(control.Hello(name=name, pid=1, client=next(self._names) + 1))
 
     def raw(self, place: int) -> socket.socket:
         """A TCP connection that says nothing yet."""
@@ -86,7 +86,7 @@ Step = Callable[[], None]
 
 def _lists(eve: Hostile) -> Step:
     clients = [eve.client() for _ in range(3)]
-    asked = control_frames.pack(control.List())
+    asked = control_codec.pack(control.List())
 
     def step() -> None:
         for each in clients:
@@ -98,7 +98,7 @@ def _lists(eve: Hostile) -> Step:
 
 def _clients(eve: Hostile) -> Step:
     clients = [eve.connect() for _ in range(200)]
-    ping = control_frames.pack(control.Ping(epoch=0))
+    ping = control_codec.pack(control.Ping(epoch=0))
 
     def step() -> None:
         for each in clients:
@@ -158,7 +158,7 @@ def _definitions(eve: Hostile) -> Step:
                 control.Unsubscribe(name=name),
                 control.Watch(),
             ):
-                _send(client, control_frames.pack(said), times=1)
+                _send(client, control_codec.pack(said), times=1)
         _drain(client)
 
     return step
@@ -200,7 +200,7 @@ def _query() -> tuple[bytes, bytes]:
         payload=definition.encode(vision.ImageRequest(width_px=640, height_px=480, quality=100)),
     )
     query = control.Query(number=1, name=definition.name, timeout_s=60.0)
-    return control_frames.pack(query), frame
+    return control_codec.pack(query), frame
 
 
 def _queries(eve: Hostile) -> Step:
@@ -217,7 +217,7 @@ def _queries(eve: Hostile) -> Step:
 def _big_frames(eve: Hostile) -> Step:
     client = eve.client()
     upward = eve.connect(zmq.XSUB, _STATE_OUT)
-    query = control_frames.pack(control.Query(number=1, name="GCM_Image_Request", timeout_s=60.0))
+    query = control_codec.pack(control.Query(number=1, name="GCM_Image_Request", timeout_s=60.0))
     big = bytes(frames.MAX_FRAME - 1)
 
     def step() -> None:
@@ -236,8 +236,8 @@ def _slow_reader(eve: Hostile) -> Step:
         each.subscribe(b"")
     clients = [eve.client() for _ in range(4)]
     for each in clients:
-        _send(each, control_frames.pack(control.Watch()), times=1)
-    said = [(control_frames.pack(control.List()),), _query()]
+        _send(each, control_codec.pack(control.Watch()), times=1)
+    said = [(control_codec.pack(control.List()),), _query()]
 
     def step() -> None:
         for each in clients:

@@ -16,7 +16,7 @@ import numpy as np
 
 from hub.gcm import mapping
 from hub.ipc.client import Client
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 
 MOST = 60
 """Points; when there are so many, their notes are changed."""

@@ -16,8 +16,8 @@ import time
 import zmq
 
 from hub.errors import HubError
-from hub.ipc import control
-from hub.ipc.control_frames import pack, unpack
+from hub.ipc.wire import control
+from hub.ipc.wire.control_codec import pack, unpack
 from tests.misbehaving.bad_frames import control_frames, good_frame, spoil
 from tests.soak import vocabulary as v
 

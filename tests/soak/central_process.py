@@ -14,7 +14,7 @@ import sys
 import threading
 import time
 
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.logs import start_logging
 
 

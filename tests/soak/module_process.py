@@ -21,7 +21,7 @@ from typing import Any
 
 from hub.errors import QueryError
 from hub.ipc.client import Client
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 from tests.soak import vocabulary as v
 from tests.soak.vocabulary import Sample
 

@@ -20,7 +20,7 @@ import psutil
 
 from hub.errors import HubError
 from hub.ipc.client import Client
-from hub.ipc.control import Listing
+from hub.ipc.wire.control import Listing
 from tests.ports import free_port
 from tests.soak import vocabulary as v
 from tests.soak.module_process import COLUMNS, Plan, Row

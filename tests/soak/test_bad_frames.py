@@ -9,7 +9,7 @@ from collections.abc import Callable
 import pytest
 import zmq
 
-from hub.ipc import frames
+from hub.ipc.wire import frames
 from tests.misbehaving.bad_frames import good_frame
 from tests.soak import vocabulary as v
 from tests.soak.good_traffic import GROWTH_MB, GoodTraffic

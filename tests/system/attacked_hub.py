@@ -21,9 +21,9 @@ from hub.gcm import common, control, navigation, vision
 from hub.gcm.navigation import Stop, Twist
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.keyring import Keyring
-from hub.ipc.keys import read_client_keys
 from hub.ipc.roles import Role
+from hub.ipc.security.client_keys import read_client_keys
+from hub.ipc.security.keyring import Keyring
 from tests.misbehaving.hostile_observer import ATTACKS
 from tests.ports import free_port
 from tests.system.harness import HubProcess

@@ -28,7 +28,7 @@ import pytest
 from hub.gcm import navigation
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 from tests.waiting import until
 
 ROBOT_FILE = """

@@ -11,7 +11,7 @@ import psutil
 import zmq
 
 from hub.gcm.navigation import GROUND_TRUTH, GroundTruth
-from hub.ipc import frames
+from hub.ipc.wire import frames
 from tests.command_line import rune_hub
 from tests.system.harness import ConsoleProcess, HubProcess, Observer, family
 

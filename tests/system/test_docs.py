@@ -16,10 +16,10 @@ from typing import Any
 import pytest
 
 from hub.gcm import pad
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
-from hub.ipc.keyring import Keyring, default_folder
 from hub.ipc.roles import Role
+from hub.ipc.security.keyring import Keyring, default_folder
 from tests.command_line import rune_hub
 from tests.system.harness import ConsoleProcess, HubProcess
 from tests.system.ssh_server import SshServer, missing

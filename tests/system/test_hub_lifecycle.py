@@ -20,9 +20,9 @@ import pytest
 from hub.gcm import navigation, vision
 from hub.gcm.body import ROBOT_DESCRIPTION, RobotBody
 from hub.ipc.client import Client
-from hub.ipc.keyring import Keyring
-from hub.ipc.keys import read_client_keys
 from hub.ipc.roles import Role
+from hub.ipc.security.client_keys import read_client_keys
+from hub.ipc.security.keyring import Keyring
 from tests.system.harness import MODULES, HubProcess, Observer, family, gone, in_soak, robot_file
 from tests.waiting import until
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from rune_tui.errors import HubChoiceError, TunnelError
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.robot_links import RobotLinks

@@ -14,7 +14,7 @@ from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
 from hub.grids.grid import grid_of
 from hub.ipc.client import Client
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 from hub.modules.autonomy.novelty import Limits
 from hub.modules.autonomy.pilot import Pilot
 from hub.robots.description import RobotDescription

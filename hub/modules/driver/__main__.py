@@ -12,7 +12,7 @@ from hub.control_gate import follow_control
 from hub.gcm import navigation
 from hub.gcm.capability import Abilities, Capability
 from hub.ipc.client import Client
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 from hub.modules.driver.navigator import Navigator
 from hub.modules.driver.operator_loss import OperatorLoss
 from hub.modules.driver.watchdog import CommandWatchdog

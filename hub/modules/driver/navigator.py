@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 
 from hub.gcm.navigation import DRIVE_COMMAND
-from hub.ipc.publish_rights import COMMANDS
+from hub.ipc.security.publish_rights import COMMANDS
 
 _logger = logging.getLogger(__name__)
 

@@ -15,7 +15,7 @@ from hub.gcm import map_coding, mapping, navigation
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.ipc.client import Client
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 from hub.missions import storage
 from hub.missions.folder import MissionFolder
 from hub.missions.grid_picture import GridPicture

@@ -13,9 +13,9 @@ from hub.gcm import mapping, mission
 from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.gcm.control import ControlState
 from hub.gcm.mission import MissionAction
-from hub.ipc.answering import Reply
 from hub.ipc.client import Client
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
+from hub.ipc.node.responders import Reply
 from hub.missions.keeper import MissionKeeper
 from hub.robots.description import MissionBegin, RobotDescription
 from hub.runtime import publish_on_request

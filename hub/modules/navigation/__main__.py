@@ -17,7 +17,7 @@ from hub.gcm.control import ControlState
 from hub.gcm.navigation import Assistance, Cause, DriveState, MotionState, Task
 from hub.grids.grid import grid_of
 from hub.ipc.client import Client
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 from hub.modules.navigation.dynamic_window import body_of
 from hub.modules.navigation.frame import FrameMemory
 from hub.modules.navigation.pilot import Pilot

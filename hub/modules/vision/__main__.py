@@ -9,9 +9,9 @@ import time
 from hub.control_gate import ControlGate
 from hub.gcm import navigation, vision
 from hub.gcm.capability import Abilities, Capability
-from hub.ipc.answering import Reply
 from hub.ipc.client import Client
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
+from hub.ipc.node.responders import Reply
 from hub.modules.vision.coding import code
 from hub.modules.vision.night import NightMode
 from hub.modules.vision.picture import brightened, brightness, prepare

@@ -8,8 +8,8 @@ from typing import Any
 from hub.control_gate import ControlGate
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.navigation import VELOCITY_COMMAND, Twist
-from hub.ipc.publish_rights import ROBOMON
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
+from hub.ipc.security.publish_rights import ROBOMON
 from hub.modules.driver.watchdog import CommandWatchdog
 from hub.modules.navigation.speed_governor import SpeedGovernor
 from hub.robomon.arbiter import Arbiter

@@ -13,10 +13,10 @@ import pytest
 from hub.control_gate import ControlGate
 from hub.gcm.autonomy import AUTONOMY_COMMAND, AutonomyCommand
 from hub.gcm.control import CONSOLE_HEARTBEAT, ControlAction
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
-from hub.ipc.keyring import Keyring
 from hub.ipc.roles import Role
+from hub.ipc.security.keyring import Keyring
 from hub.robomon.control_desk import ControlDesk
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.model.control import Standing, asks, control_of, standing

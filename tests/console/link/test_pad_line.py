@@ -19,11 +19,11 @@ from hub.gcm.pad import (
     PadConsole,
     PadState,
 )
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
-from hub.ipc.keyring import Keyring
-from hub.ipc.keys import read_client_keys
 from hub.ipc.roles import Role
+from hub.ipc.security.client_keys import read_client_keys
+from hub.ipc.security.keyring import Keyring
 from rune_tui.controls.device_reader import Scanned
 from rune_tui.controls.joystick.matching import DeviceInfo
 from rune_tui.layout.spec import LayoutSpec

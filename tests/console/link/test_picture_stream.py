@@ -11,7 +11,7 @@ import pytest
 
 from hub.errors import HandlerFailedError
 from hub.gcm.vision import IMAGE, IMAGE_REQUEST, Image, ImageCoding, ImageRequest
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.modules.vision.coding import code
 from rune_tui.layout.spec import CapabilitySpec, RobotSpec

@@ -13,10 +13,10 @@ import pytest
 
 from hub.gcm import navigation
 from hub.gcm.supervision import CAPABILITY_WANTS, CapabilityWants
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
-from hub.ipc.keyring import Keyring
 from hub.ipc.roles import Role
+from hub.ipc.security.keyring import Keyring
 from rune_tui.layout.spec import CapabilitySpec, LayoutSpec
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.model.console_state import ConsoleState

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from hub.errors import HubError
-from hub.ipc.central import Central
-from hub.ipc.keyring import Keyring
+from hub.ipc.broker.central import Central
 from hub.ipc.roles import Role
+from hub.ipc.security.keyring import Keyring
 from rune_tui.errors import HubChoiceError
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.robot_links import RobotLinks

@@ -13,7 +13,7 @@ import pytest
 
 from hub.gcm.navigation import ROBOT_STATE
 from hub.gcm.supervision import CAPABILITY_REPORTS, CapabilityReports
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from rune_tui.link.streams import Streams
 from tests.messages import robot_state

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from hub.gcm import navigation, vision
-from hub.ipc.answering import Reply
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
+from hub.ipc.node.responders import Reply
 from hub.modules.vision.coding import code
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.model.robot_state import RobotState

@@ -20,9 +20,9 @@ from hub.gcm.catalog import MESSAGES
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.mapping import MAP
 from hub.gcm.navigation import GOAL_COMMAND, ROBOT_STATE, STOP, VELOCITY_COMMAND, Stop, Twist
-from hub.ipc import format as formats
-from hub.ipc import ranges
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.formats import grammar as formats
+from hub.ipc.formats import ranges
 from hub.plain_text import is_plain
 from tests import extremes
 from tests.hub.gcm.test_wire import value_of

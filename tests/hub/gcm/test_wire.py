@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from hub.gcm.catalog import BY_NAME, MESSAGES
-from hub.ipc import codec
-from hub.ipc import format as formats
-from hub.ipc.codegen import DTYPES
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.formats import codec
+from hub.ipc.formats import grammar as formats
+from hub.ipc.formats.codegen import DTYPES
 
 _GOLDEN = Path(__file__).parents[2] / "golden" / "wire"
 

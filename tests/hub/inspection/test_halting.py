@@ -13,7 +13,7 @@ import pytest
 from hub.gcm.navigation import ROBOT_STATE, STOP, MotionState
 from hub.inspection import halting
 from hub.inspection.halting import Halt
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from tests.command_line import rune_hub
 from tests.hub.ipc.conftest import Peer

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from hub.cli import ExitCode
-from hub.ipc.keyring import Keyring, default_folder
-from hub.ipc.keys import read_client_keys
 from hub.ipc.roles import Role
+from hub.ipc.security.client_keys import read_client_keys
+from hub.ipc.security.keyring import Keyring, default_folder
 from tests.command_line import run, rune_hub
 
 

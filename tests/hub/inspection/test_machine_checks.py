@@ -13,7 +13,7 @@ import pytest
 from hub.inspection import library_checks, machine_checks
 from hub.inspection.finding import Level
 from hub.inspection.versions import Requirement, fits, parse_requirement
-from hub.ipc import descriptors, ring
+from hub.ipc.transport import file_descriptors, shared_ring
 from tests.hub.inspection.robots import robot
 
 
@@ -99,7 +99,7 @@ def test_an_extra_in_a_wrong_version_is_missing(
 def test_shared_memory_works_here_and_is_missed(monkeypatch: pytest.MonkeyPatch) -> None:
     (said,) = machine_checks.shared_memory()
     assert said.level is Level.OK
-    monkeypatch.setattr(ring, "available", False)
+    monkeypatch.setattr(shared_ring, "available", False)
     (said,) = machine_checks.shared_memory()
     assert said.level is Level.WARNING
 
@@ -125,9 +125,9 @@ def test_too_few_open_files_are_told() -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     level, text, advice = done.stdout.split("|")
     assert level == "warning"
-    assert f"1024; central wants {descriptors.WANTED}" in text
-    assert f"LimitNOFILE={descriptors.WANTED}" in advice
-    if resource.getrlimit(resource.RLIMIT_NOFILE)[1] >= descriptors.WANTED:
+    assert f"1024; central wants {file_descriptors.WANTED}" in text
+    assert f"LimitNOFILE={file_descriptors.WANTED}" in advice
+    if resource.getrlimit(resource.RLIMIT_NOFILE)[1] >= file_descriptors.WANTED:
         assert machine_checks.open_files()[0].level is Level.OK
 
 

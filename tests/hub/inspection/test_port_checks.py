@@ -13,9 +13,9 @@ import pytest
 from hub.inspection import port_checks
 from hub.inspection.finding import Level
 from hub.inspection.tcp_owners import listening_inodes, owner
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
-from hub.ipc.keyring import Keyring
+from hub.ipc.security.keyring import Keyring
 from tests.hub.inspection.robots import robot
 from tests.ports import free_port
 

@@ -12,7 +12,7 @@ import pytest
 from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.gcm.mapping import MAP_COMMAND, MapCommand
 from hub.inspection import commands
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from tests.hub.ipc.conftest import Peer
 

@@ -11,8 +11,8 @@ import pytest
 
 from hub.inspection import robot_checks
 from hub.inspection.finding import Finding, Level
-from hub.ipc.keyring import Keyring
 from hub.ipc.roles import Role
+from hub.ipc.security.keyring import Keyring
 from tests.hub.inspection.robots import robot
 
 UNWRITABLE = "/proc/self"  # even for root

@@ -16,10 +16,10 @@ from hub.gcm import navigation, vision
 from hub.gcm.autonomy import AUTONOMY_COMMAND
 from hub.gcm.catalog import MESSAGES
 from hub.inspection.values import demand_within_ranges, lines, plain, value_from_text
-from hub.ipc import codec
-from hub.ipc import format as formats
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.description import from_listing, to_listing
+from hub.ipc.formats import codec
+from hub.ipc.formats import grammar as formats
+from hub.ipc.wire.definition_listing import from_listing, to_listing
 from tests.hub.ipc.ros_shape import definition_of
 from tests.hub.ipc.trees import structs, values_of
 

@@ -18,10 +18,10 @@ from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.gcm.navigation import STOP
 from hub.gcm.supervision import MODULE_COMMAND
 from hub.inspection import commands, status, supervision
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
-from hub.ipc.keyring import Keyring
 from hub.ipc.roles import Role
+from hub.ipc.security.keyring import Keyring
 from tests.hub.ipc.conftest import Peer
 from tests.waiting import until
 

@@ -10,11 +10,11 @@ from typing import Any, TypeVar
 
 import pytest
 
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.keys import ClientKeys
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
+from hub.ipc.security.client_keys import ClientKeys
 from tests.hub.ipc.vocabulary import Number
 from tests.waiting import until
 

@@ -11,13 +11,13 @@ from pathlib import Path
 import zmq
 import zmq.utils.monitor
 
-from hub.ipc.complaints import Complaints
+from hub.ipc.broker.gateway import Gateway
+from hub.ipc.broker.quotas import Accounts
 from hub.ipc.endpoints import TcpEndpoint
-from hub.ipc.gateway import Gateway
-from hub.ipc.keyring import Keyring
-from hub.ipc.keys import ClientKeys, read_client_keys
-from hub.ipc.quotas import Accounts
 from hub.ipc.roles import Role
+from hub.ipc.security.client_keys import ClientKeys, read_client_keys
+from hub.ipc.security.keyring import Keyring
+from hub.ipc.transport.fault_counter import Complaints
 
 PLANES = ("state", "command", "picture")
 FAILED = (

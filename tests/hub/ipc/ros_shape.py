@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from hub.ipc import control, description
-from hub.ipc import format as formats
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.formats import grammar as formats
+from hub.ipc.wire import control, definition_listing
 
 
 def definition_of(tree: formats.Struct, ros_type: str = "") -> MessageDefinition[Any]:
@@ -22,7 +22,7 @@ def definition_of(tree: formats.Struct, ros_type: str = "") -> MessageDefinition
         rate_hz=0.0,
         lifespan_s=1.0,
     )
-    listed = description.from_listing(entry)
+    listed = definition_listing.from_listing(entry)
     return MessageDefinition(
         name=listed.name, format=listed.format, type=listed.type, ros_type=ros_type
     )

@@ -15,9 +15,9 @@ import pytest
 import zmq
 
 from hub.gcm.catalog import MESSAGES
-from hub.ipc import control, control_frames, frames
-from hub.ipc.central import Central
-from hub.ipc.description import to_listing
+from hub.ipc.broker.central import Central
+from hub.ipc.wire import control, control_codec, frames
+from hub.ipc.wire.definition_listing import to_listing
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Peer
 from tests.hub.ipc.vocabulary import Number
@@ -83,7 +83,7 @@ def traffic(connect: Callable[[str], Peer], caplog: pytest.LogCaptureFixture) ->
     yield pair
     pair.check()
     warnings = [r.getMessage().partition(" (")[0] for r in caplog.records
-                if r.name == "hub.ipc.central" and r.levelno >= logging.WARNING]  # fmt: skip
+                if r.name == "hub.ipc.broker.central" and r.levelno >= logging.WARNING]  # fmt: skip
     assert len(warnings) == len(set(warnings)), "central said the same twice"
     assert "internal fault" not in warnings
     assert process.memory_info().rss - memory < 64 << 20
@@ -262,7 +262,7 @@ def test_plain_dealers_with_random_and_cut_control_frames(
     plain: Plain,
 ) -> None:
     randomness = random.Random(2)
-    hello = control_frames.pack(control.Hello(name="rubbish", pid=1))
+    hello = control_codec.pack(control.Hello(name="rubbish", pid=1))
     sent = 0
     for _ in range(10):
         dealer = plain(zmq.DEALER, "control")
@@ -313,9 +313,9 @@ def test_peer_that_says_hello_and_then_nonsense(
         control.Pong(epoch=1, sent=0.0, hub_time=0.0),
     ]
     for message in said:
-        dealer.send(control_frames.pack(message))
+        dealer.send(control_codec.pack(message))
     query = control.Query(number=2, name="T_Ask", timeout_s=5.0)
-    dealer.send_multipart([control_frames.pack(query), b"no frame"])
+    dealer.send_multipart([control_codec.pack(query), b"no frame"])
     for reason, count in {
         "refused definition": 1,
         "refused name": 2,
@@ -327,7 +327,7 @@ def test_peer_that_says_hello_and_then_nonsense(
 
     def failures() -> dict[int, str]:
         while dealer.poll(0):
-            answers.append(control_frames.unpack(dealer.recv_multipart()[0]))
+            answers.append(control_codec.unpack(dealer.recv_multipart()[0]))
         return {a.number: a.error for a in answers if isinstance(a, control.Failure)}
 
     until(lambda: len(failures()) == 2, 5.0)
@@ -341,7 +341,7 @@ def test_frames_of_another_protocol_version_are_counted(
     plain: Plain,
 ) -> None:
     dealer = plain(zmq.DEALER, "control")
-    hello = bytearray(control_frames.pack(control.Hello(name="future", pid=1)))
+    hello = bytearray(control_codec.pack(control.Hello(name="future", pid=1)))
     hello[4] += 1
     dealer.send(bytes(hello))
     until(lambda: dropped("malformed control frame") == 1, 5.0)

@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hub.errors import CodecError
-from hub.ipc import codec
-from hub.ipc import format as formats
+from hub.ipc.formats import codec
+from hub.ipc.formats import grammar as formats
 from tests.hub.ipc.trees import same, structs, values_of
 
 _HEAD = "00010000"

@@ -17,9 +17,9 @@ from hypothesis import strategies as st
 
 from hub.errors import CodecError, MessageFormatError
 from hub.gcm.catalog import MESSAGES
-from hub.ipc import codec
-from hub.ipc import format as formats
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.formats import codec
+from hub.ipc.formats import grammar as formats
 from tests.hub.gcm.test_wire import value_of
 from tests.hub.ipc.ros_shape import definition_of
 from tests.hub.ipc.trees import structs, values_of

@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 from hub.errors import FrameError
 from hub.gcm import common, control, navigation
 from hub.gcm.navigation import Stop, Twist
-from hub.ipc import frames
-from hub.ipc.command_door import CommandDoor
-from hub.ipc.complaints import Complaints
-from hub.ipc.inlet import Arrival, Inlet
-from hub.ipc.peers import Peer
-from hub.ipc.quotas import QUOTAS, STOPS_AT_ONCE, STOPS_PER_S, Accounts
+from hub.ipc.broker.command_filter import CommandDoor
+from hub.ipc.broker.peers import Peer
+from hub.ipc.broker.quotas import QUOTAS, STOPS_AT_ONCE, STOPS_PER_S, Accounts
+from hub.ipc.node.subscription import Arrival, Inlet
 from hub.ipc.roles import LOCAL, Bearer, Role
+from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.wire import frames
 
 ALICE, BOB, EYE, FAR, DRIVES = 11, 12, 13, 14, 15
 LOCAL_NUMBER = 20

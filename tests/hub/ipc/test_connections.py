@@ -15,7 +15,7 @@ import pytest
 
 from hub.errors import CentralUnreachableError, EndpointError, NameTakenError, QueryError
 from hub.ipc import endpoints
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Peer
@@ -477,7 +477,7 @@ def test_fault_of_central_itself_is_counted_and_does_not_end_it(
     monkeypatch.undo()
     one.call(lambda: one.client.directory.listing(5.0))
     lines = [record for record in caplog.records if record.levelno >= logging.WARNING]
-    assert len([record for record in lines if record.name == "hub.ipc.central"]) == 2
+    assert len([record for record in lines if record.name == "hub.ipc.broker.central"]) == 2
 
 
 def test_name_that_is_being_given_back_is_waited_for(

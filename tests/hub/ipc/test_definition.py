@@ -16,10 +16,11 @@ from hypothesis import strategies as st
 
 from hub.errors import CodecError, MessageFormatError
 from hub.gcm.catalog import MESSAGES
-from hub.ipc import codec, control
-from hub.ipc import format as formats
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.description import from_listing, to_listing
+from hub.ipc.formats import codec
+from hub.ipc.formats import grammar as formats
+from hub.ipc.wire import control
+from hub.ipc.wire.definition_listing import from_listing, to_listing
 
 
 class Mode(enum.IntEnum):

@@ -11,10 +11,10 @@ import pytest
 import zmq
 
 from hub.errors import HandlerDiedError, NoHandlerError, QueryError
-from hub.ipc import control, control_frames
-from hub.ipc.answering import Reply
-from hub.ipc.central import Central
-from hub.ipc.hub_time import this_neighbourhood
+from hub.ipc.broker.central import Central
+from hub.ipc.node.responders import Reply
+from hub.ipc.transport.clock_sync import this_neighbourhood
+from hub.ipc.wire import control, control_codec
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Peer
 from tests.hub.ipc.vocabulary import Number
@@ -191,7 +191,7 @@ def test_rubbish_at_the_door_is_counted_and_harms_nobody(
     asker, handler = connect("asker"), _responding(connect("handler"))
     _on_the_short_way(asker, central)
     chance = random.Random(1)
-    good = control_frames.pack(control.Query(number=1, name="T_Ask", timeout_s=1.0))
+    good = control_codec.pack(control.Query(number=1, name="T_Ask", timeout_s=1.0))
     context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
     with context, context.socket(zmq.DEALER) as rogue:
         rogue.linger = 0
@@ -201,11 +201,11 @@ def test_rubbish_at_the_door_is_counted_and_harms_nobody(
             rogue.send_multipart([cut] if number % 2 else [chance.randbytes(30), b"x"])
         rogue.send_multipart([good, b"no frame"])
         rogue.send_multipart([good] * 9)
-        rogue.send_multipart([control_frames.pack(control.Bye()), b""])
+        rogue.send_multipart([control_codec.pack(control.Bye()), b""])
         complaints = handler.client.complaints.counts
         until(lambda: complaints["malformed control frame"] >= 302, 5.0)
         assert rogue.poll(5000)
-        assert isinstance(control_frames.unpack(rogue.recv_multipart()[0]), control.Failure)
+        assert isinstance(control_codec.unpack(rogue.recv_multipart()[0]), control.Failure)
     assert _ask(asker, 5) == 5
     assert not handler.faults
     assert threading.active_count() < 50

@@ -8,8 +8,8 @@ from collections.abc import Callable
 import pytest
 
 from hub.errors import UnknownModuleError
-from hub.ipc.central import Central
-from hub.ipc.control import Change, Presence
+from hub.ipc.broker.central import Central
+from hub.ipc.wire.control import Change, Presence
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Peer
 from tests.hub.ipc.vocabulary import Number

@@ -15,13 +15,13 @@ from hub.errors import HandlerFailedError, NotAllowedError
 from hub.gcm import navigation
 from hub.gcm.common import COMMON_COMMAND, CommonCommand, CommonCommandKind
 from hub.gcm.navigation import STOP, Stop, Twist
-from hub.ipc import control, control_frames, frames
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.definition import MessageDefinition, Plane
-from hub.ipc.keyring import Keyring
-from hub.ipc.keys import ClientKeys, read_client_keys
-from hub.ipc.removed_keys import RemovedKeys
 from hub.ipc.roles import Role
+from hub.ipc.security.client_keys import ClientKeys, read_client_keys
+from hub.ipc.security.keyring import Keyring
+from hub.ipc.security.removed_keys import RemovedKeys
+from hub.ipc.wire import control, control_codec, frames
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Peer
 from tests.hub.ipc.vocabulary import Number
@@ -396,7 +396,7 @@ def test_control_messages_of_a_removed_key_are_refused(hub: Hub) -> None:
     until(lambda: keys.bearer in hub.central._admitted(), 10.0)
     hub.remove("evil")
     until(lambda: not hub.central._keys.holds(keys.bearer), 10.0)
-    raw.send(control_frames.pack(control.Hello(name="late", pid=1)))
+    raw.send(control_codec.pack(control.Hello(name="late", pid=1)))
     counts = hub.central.complaints.counts
     until(lambda: counts["malformed control frame"], 10.0, lambda: str(counts))
     assert "late" not in hub.central.connected()

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.errors import MessageFormatError
-from hub.ipc import codec
-from hub.ipc import format as formats
+from hub.ipc.formats import codec
+from hub.ipc.formats import grammar as formats
 from tests.hub.ipc.trees import formats_of
 
 _GOOD = {

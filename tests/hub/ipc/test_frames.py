@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.errors import CodecError, FrameError
-from hub.ipc import control_frames, frames
-from hub.ipc.codec import compiled
+from hub.ipc.formats.codec import compiled
+from hub.ipc.wire import control_codec, frames
 from tests.hub.ipc.trees import values_of
 
 _NAMES = st.from_regex(r"[A-Za-z_][A-Za-z0-9_]{0,63}", fullmatch=True)
@@ -107,7 +107,7 @@ def test_any_bytes_are_a_frame_or_refused(raw: bytes, rest: bytes) -> None:
 
 @st.composite
 def _control_messages(draw: st.DrawFn) -> Any:
-    kind = draw(st.sampled_from(control_frames.KINDS))
+    kind = draw(st.sampled_from(control_codec.KINDS))
     return kind.decode(b"".join(compiled(kind.format).encode(draw(values_of(kind.tree)))))
 
 
@@ -115,10 +115,10 @@ def _control_messages(draw: st.DrawFn) -> Any:
 def test_control_message_comes_back_and_is_refused_when_cut(
     message: Any, data: st.DataObject
 ) -> None:
-    raw = control_frames.pack(message)
-    assert repr(control_frames.unpack(raw)) == repr(message)
+    raw = control_codec.pack(message)
+    assert repr(control_codec.unpack(raw)) == repr(message)
     with pytest.raises((FrameError, CodecError)):
-        control_frames.unpack(raw[: data.draw(st.integers(0, len(raw) - 1))])
+        control_codec.unpack(raw[: data.draw(st.integers(0, len(raw) - 1))])
 
 
 @given(st.binary(max_size=80), st.integers(0, 255))
@@ -126,7 +126,7 @@ def test_any_bytes_are_a_control_message_or_refused(raw: bytes, kind: int) -> No
     for each in (raw, b"RUNE\4" + bytes([kind, 0, 0]) + raw, b"RUNE\4" + bytes([kind, 0, 0])
                  + b"\0\1\0\0" + raw):  # fmt: skip
         try:
-            control_frames.unpack(each)
+            control_codec.unpack(each)
         except (FrameError, CodecError):
             continue
 
@@ -144,7 +144,7 @@ def test_any_bytes_are_a_control_message_or_refused(raw: bytes, kind: int) -> No
 )
 def test_wrong_control_preamble_is_refused_with_the_reason(raw: bytes, reason: str) -> None:
     with pytest.raises(FrameError, match=reason):
-        control_frames.unpack(raw)
+        control_codec.unpack(raw)
 
 
 def test_topic_of_a_descriptor_carries_descriptors_alone() -> None:

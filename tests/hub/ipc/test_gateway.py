@@ -13,9 +13,9 @@ import pytest
 import zmq
 
 from hub.errors import EndpointError, KeyFileError
-from hub.ipc.keyring import Keyring
-from hub.ipc.keys import ClientKeys, KeyPair
 from hub.ipc.roles import Bearer, Role
+from hub.ipc.security.client_keys import ClientKeys, KeyPair
+from hub.ipc.security.keyring import Keyring
 from tests.hub.ipc.gateway_stand_in import PLANES, StandIn, standing_in
 from tests.ports import free_port
 from tests.waiting import until

@@ -11,10 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
-from hub.ipc.hub_time import HubTime, this_machine
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
+from hub.ipc.transport.clock_sync import HubTime, this_machine
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.vocabulary import Number
 from tests.waiting import until

@@ -16,12 +16,13 @@ from typing import Any
 import pytest
 import zmq
 
-from hub.ipc import frames, sockets
-from hub.ipc.central import Central
-from hub.ipc.control import Subscriber
+from hub.ipc.broker.central import Central
+from hub.ipc.broker.registry import MAX_PEERS
 from hub.ipc.definition import Plane
-from hub.ipc.hub_time import this_neighbourhood
-from hub.ipc.registry import MAX_PEERS
+from hub.ipc.transport import sockets
+from hub.ipc.transport.clock_sync import this_neighbourhood
+from hub.ipc.wire import frames
+from hub.ipc.wire.control import Subscriber
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Make, values
 from tests.hub.ipc.vocabulary import Number

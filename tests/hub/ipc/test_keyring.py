@@ -13,9 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.errors import KeyFileError, KeyNameError
-from hub.ipc.keyring import Holder, Keyring, default_folder
-from hub.ipc.keys import ClientKeys, KeyPair, read_client_keys, write_client_keys
 from hub.ipc.roles import Bearer, Role
+from hub.ipc.security.client_keys import ClientKeys, KeyPair, read_client_keys, write_client_keys
+from hub.ipc.security.keyring import Holder, Keyring, default_folder
 
 names = st.from_regex(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", fullmatch=True)
 pairs = st.builds(KeyPair.new)

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
-from hub.ipc.loop import Loop
+from hub.ipc.transport.loop import Loop
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.vocabulary import Number
 from tests.waiting import until

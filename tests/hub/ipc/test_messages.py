@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from hub.errors import CodecError, RedefinedMessageError
-from hub.ipc import control
-from hub.ipc.central import Central
-from hub.ipc.chores import Timers
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.transport.timers import Timers
+from hub.ipc.wire import control
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Make, Peer
 from tests.hub.ipc.vocabulary import Number

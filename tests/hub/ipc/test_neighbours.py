@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from hub.errors import CodecError, HandlerFailedError, QueryError
-from hub.ipc import arrivals, frames, sockets
 from hub.ipc.definition import Keep, MessageDefinition
-from hub.ipc.hub_time import this_neighbourhood
+from hub.ipc.node import receive_queue
+from hub.ipc.transport import sockets
+from hub.ipc.transport.clock_sync import this_neighbourhood
+from hub.ipc.wire import frames
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Make, values
 from tests.hub.ipc.vocabulary import Number
@@ -299,7 +301,7 @@ def test_inbox_is_read_on_after_a_last_value_came_while_it_was_full(
     one.open(v.LOG)
     until(lambda: received, 5.0)
     if handler == "slow":
-        monkeypatch.setattr(arrivals, "_SLICE_S", -1.0)
+        monkeypatch.setattr(receive_queue, "_SLICE_S", -1.0)
 
     def held_up() -> None:
         for number in range(3):

@@ -9,19 +9,12 @@ from pathlib import Path
 import pytest
 
 from hub.gcm.catalog import MESSAGES
-from hub.ipc import (
-    connection,
-    control_frames,
-    definitions,
-    description,
-    endpoints,
-    frames,
-    listing,
-    registry,
-    routes,
-    sockets,
-)
-from hub.ipc import format as formats
+from hub.ipc import endpoints
+from hub.ipc.broker import definitions, listing, query_routing, registry
+from hub.ipc.formats import grammar as formats
+from hub.ipc.node import connection
+from hub.ipc.transport import sockets
+from hub.ipc.wire import control_codec, definition_listing, frames
 
 _PAGE = (Path(__file__).parents[3] / "docs" / "protocol.md").read_text()
 
@@ -36,7 +29,7 @@ def _rows(title: str) -> list[list[str]]:
 
 def test_control_kinds_and_formats_are_those_of_the_code() -> None:
     rows = [(int(kind), name, text) for kind, name, _, text in _rows("Control messages")]
-    assert rows == [(n, kind.name, kind.format) for n, kind in enumerate(control_frames.KINDS, 1)]
+    assert rows == [(n, kind.name, kind.format) for n, kind in enumerate(control_codec.KINDS, 1)]
 
 
 def test_messages_of_the_vocabulary_are_those_of_the_catalog() -> None:
@@ -67,16 +60,16 @@ def test_every_primitive_is_in_the_table_of_formats() -> None:
         f"levels, {formats.MAX_ELEMENTS:,} elements",
         f"{formats.MAX_NODES:,} nodes in a list",
         f"{formats.MAX_DIMENSIONS} dimensions or size members",
-        f"up to {description.MAX_FIELDS:,}",
+        f"up to {definition_listing.MAX_FIELDS:,}",
         f"PING every {connection.PING_S:g} s",
         f"not heard central for {connection.LOST_S:g} s",
         f"silent for {registry.SILENCE_S:g} s",
         f"| connected clients | {registry.MAX_PEERS} |",
         f"| definitions | {definitions.MAX_DEFINITIONS:,}, "
         f"with {definitions.MAX_LISTED:,} characters",
-        f"| queries under way | {routes.MAX_QUERIES:,} |",
+        f"| queries under way | {query_routing.MAX_QUERIES:,} |",
         f"answers, each | {registry.MAX_NAMES:,} |",
-        f"| time central remembers a query | {routes.MAX_QUERY_S:g} s |",
+        f"| time central remembers a query | {query_routing.MAX_QUERY_S:g} s |",
         f"cut at {listing.MAX_NAMES:,} characters",
         "holds {} frames (state), {} (command) or {} (picture)".format(*sockets.QUEUE.values()),
     ],

@@ -8,9 +8,9 @@ import pytest
 
 from hub.errors import NotAllowedError
 from hub.gcm.catalog import MESSAGES
-from hub.ipc import publish_rights
 from hub.ipc.definition import Plane
 from hub.ipc.roles import LOCAL, Bearer, Role
+from hub.ipc.security import publish_rights
 
 SUPERVISED = {"GCM_Common_Command", "GCM_Module_Command"}
 FOR_THE_ROBOT = {"GCM_Drive_Command"}

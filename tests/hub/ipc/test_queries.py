@@ -19,7 +19,7 @@ from hub.errors import (
     QueryError,
     QueryTimeoutError,
 )
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Peer
 from tests.hub.ipc.vocabulary import Number

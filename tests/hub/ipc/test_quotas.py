@@ -10,14 +10,15 @@ from typing import Any
 import pytest
 
 from hub.bucket import Bucket
-from hub.ipc import control, quotas, sources
-from hub.ipc.complaints import Complaints
-from hub.ipc.control import Failure, Query, Refused, Response, Welcome
-from hub.ipc.quotas import QUOTAS, Account, Verdict
-from hub.ipc.registry import MAX_PEERS
+from hub.ipc.broker import connection_rates, quotas
+from hub.ipc.broker.connection_rates import Sources
+from hub.ipc.broker.query_routing import MAX_QUERIES
+from hub.ipc.broker.quotas import QUOTAS, Account, Verdict
+from hub.ipc.broker.registry import MAX_PEERS
 from hub.ipc.roles import LOCAL, Bearer, Role
-from hub.ipc.routes import MAX_QUERIES
-from hub.ipc.sources import Sources
+from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.wire import control
+from hub.ipc.wire.control import Failure, Query, Refused, Response, Welcome
 from tests.hub.ipc.test_registry import Bench
 
 OBSERVE = QUOTAS[Role.OBSERVE]
@@ -308,15 +309,15 @@ def test_address_that_floods_with_connections_is_turned_away_and_no_other() -> N
     for _ in range(1000):
         descriptor = door.come("control")
         door.sources.ended(descriptor)
-    assert len(door.ended) == 1000 - sources.AT_ONCE
+    assert len(door.ended) == 1000 - connection_rates.AT_ONCE
     assert door.stays("control", "10.0.0.2")
     door.now += 1.0
-    assert sum(door.stays("control") for _ in range(100)) == sources.PER_S
+    assert sum(door.stays("control") for _ in range(100)) == connection_rates.PER_S
 
 
 def test_address_connects_to_planes_as_often_as_to_control_and_some_more() -> None:
     door = Door()
-    assert sum(door.stays("state out") for _ in range(50)) == sources.SPARE
+    assert sum(door.stays("state out") for _ in range(50)) == connection_rates.SPARE
     for _ in range(3):
         assert door.stays("control")
     assert sum(door.stays("state out") for _ in range(50)) == 3
@@ -325,7 +326,7 @@ def test_address_connects_to_planes_as_often_as_to_control_and_some_more() -> No
 
 def test_place_is_free_again_when_a_connection_ends() -> None:
     door = Door()
-    taken = [door.come("state out") for _ in range(sources.SPARE)]
+    taken = [door.come("state out") for _ in range(connection_rates.SPARE)]
     assert not door.stays("state out")
     door.sources.ended(taken[0])
     assert door.stays("state out")

@@ -10,10 +10,11 @@ from pathlib import Path
 import pytest
 import zmq
 
-from hub.ipc import control, control_frames, gateway
-from hub.ipc.floods import Bounds
-from hub.ipc.keys import ClientKeys
+from hub.ipc.broker import gateway
+from hub.ipc.broker.subscription_floods import Bounds
 from hub.ipc.roles import Role
+from hub.ipc.security.client_keys import ClientKeys
+from hub.ipc.wire import control, control_codec
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.test_roles_at_central import Hub
 from tests.hub.ipc.vocabulary import Number
@@ -21,8 +22,8 @@ from tests.waiting import until
 
 _Socket = zmq.Socket[bytes]
 
-HELLO = control_frames.pack(control.Hello(name="eve", pid=1))
-LIST = control_frames.pack(control.List())
+HELLO = control_codec.pack(control.Hello(name="eve", pid=1))
+LIST = control_codec.pack(control.List())
 
 
 class Attack:
@@ -106,9 +107,9 @@ def test_who_asks_too_much_is_told_the_limit(attack: Attack) -> None:
 
     def ask() -> None:
         for _ in range(50):
-            eve.send(control_frames.pack(control.Subscribe(name="T_Log", token="")))
+            eve.send(control_codec.pack(control.Subscribe(name="T_Log", token="")))
         while eve.poll(0):
-            message = control_frames.unpack(eve.recv_multipart()[-1])
+            message = control_codec.unpack(eve.recv_multipart()[-1])
             if isinstance(message, control.Refused):
                 refused.append(message)
 
@@ -163,7 +164,7 @@ def test_frames_that_are_no_subscriptions_do_not_come_in_where_broadcasts_go_out
 def test_key_that_is_turned_away_gets_in_later_and_another_key_at_once(
     attack: Attack, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("hub.ipc.quotas._BARRED_S", 0.5)
+    monkeypatch.setattr("hub.ipc.broker.quotas._BARRED_S", 0.5)
     eve = attack.connect()
     eve.send(HELLO)
     until(

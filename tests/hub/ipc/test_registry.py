@@ -10,14 +10,15 @@ from typing import Any
 import pytest
 
 from hub.errors import NameTakenError, NotAllowedError
-from hub.ipc import control, control_frames, definitions, frames, registry, routes
-from hub.ipc.codec import compiled
-from hub.ipc.complaints import Complaints
-from hub.ipc.control import Failure, Query, Refused, Response, Stranger, Welcome
-from hub.ipc.peers import Caller, Outgoing
-from hub.ipc.publish_rights import ROBOT_NAMES
-from hub.ipc.registry import Registry
+from hub.ipc.broker import definitions, query_routing, registry
+from hub.ipc.broker.peers import Caller, Outgoing
+from hub.ipc.broker.registry import Registry
+from hub.ipc.formats.codec import compiled
 from hub.ipc.roles import LOCAL, Bearer, Role
+from hub.ipc.security.publish_rights import ROBOT_NAMES
+from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.wire import control, control_codec, frames
+from hub.ipc.wire.control import Failure, Query, Refused, Response, Stranger, Welcome
 
 PORTS, PATHS = (2, 3, 4, 5, 6, 7), tuple("abcdef")
 
@@ -344,7 +345,7 @@ def test_definitions_beyond_the_limit_are_refused(
 
 
 def test_queries_beyond_the_limit_fail(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(routes, "MAX_QUERIES", 1)
+    monkeypatch.setattr(query_routing, "MAX_QUERIES", 1)
     bench.connect("a", "b")
     bench.handles("b")
     bench.ask("a")
@@ -385,7 +386,7 @@ def test_list_of_everything_fits_into_one_frame_at_the_limits(bench: Bench) -> N
         bench.say("a", control.Advertise(name=f"M{number:063}"))
         bench.say("a", control.Subscribe(name=f"M{number:063}", token=""))
     listing = bench.listing("a")
-    size = len(control_frames.pack(listing))
+    size = len(control_codec.pack(listing))
     entry = listing.peers[0]
     peer = sum(map(len, (entry.handles, entry.publishes, entry.subscribes))) + 200
     assert size + registry.MAX_PEERS * peer < frames.MAX_FRAME

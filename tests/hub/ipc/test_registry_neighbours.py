@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from hub.ipc import confirmations, control
-from hub.ipc.control import Advertise, Advertised, Ready, Subscribe, Subscribed, Subscriber
-from hub.ipc.hub_time import this_neighbourhood
+from hub.ipc.broker import subscription_acks
 from hub.ipc.roles import Bearer, Role
+from hub.ipc.transport.clock_sync import this_neighbourhood
+from hub.ipc.wire import control
+from hub.ipc.wire.control import Advertise, Advertised, Ready, Subscribe, Subscribed, Subscriber
 from tests.hub.ipc.test_registry import Bench
 
 pytestmark = pytest.mark.skipif(not this_neighbourhood(), reason="this system has no neighbours")
@@ -91,8 +92,8 @@ def test_who_has_a_key_takes_nobodys_confirmation(bench: Bench) -> None:
 def test_keys_leave_room_for_the_confirmations_of_the_robot(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(confirmations, "_MAX_UNDER_WAY", 20)
-    monkeypatch.setattr(confirmations, "_MAX_FAR", 10)
+    monkeypatch.setattr(subscription_acks, "_MAX_UNDER_WAY", 20)
+    monkeypatch.setattr(subscription_acks, "_MAX_FAR", 10)
     bench.bearers["e"] = Bearer.of("eve", Role.OBSERVE, "its key")
     bench.connect("e")
     own = _number(bench, "e")

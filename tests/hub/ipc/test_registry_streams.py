@@ -7,9 +7,10 @@ from typing import Any
 
 import pytest
 
-from hub.ipc import control, control_frames, registry
-from hub.ipc.control import Advertise, Change, Presence, Ready, Subscribe, Subscribed
-from hub.ipc.peers import Outgoing
+from hub.ipc.broker import registry
+from hub.ipc.broker.peers import Outgoing
+from hub.ipc.wire import control, control_codec
+from hub.ipc.wire.control import Advertise, Change, Presence, Ready, Subscribe, Subscribed
 from tests.hub.ipc.test_registry import Bench
 
 FORMAT = "{int}"
@@ -246,7 +247,7 @@ def test_counts_survive_nonsense(bench: Bench) -> None:
         received = control.Received(name="M", received=1, lost=lost, expired=0, oldest_s=oldest)
         bench.say("a", _report(received))
     listing = bench.listing("a")
-    assert control_frames.unpack(control_frames.pack(listing)) == listing
+    assert control_codec.unpack(control_codec.pack(listing)) == listing
     (entry,) = listing.definitions
     assert (entry.messages, entry.bytes, entry.lost) == (0, 0, 0)
 

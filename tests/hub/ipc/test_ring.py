@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.errors import FrameError
-from hub.ipc.ring import Place, RingReader, RingWriter, available
+from hub.ipc.transport.shared_ring import Place, RingReader, RingWriter, available
 
 pytestmark = pytest.mark.skipif(not available, reason="this system has no anonymous files")
 

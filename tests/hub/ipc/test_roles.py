@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from hub.errors import EndpointError, NotAllowedError
 from hub.ipc import endpoints, roles
-from hub.ipc.keys import KeyPair
 from hub.ipc.roles import Action, Bearer, Role
+from hub.ipc.security.client_keys import KeyPair
 
 PLACES = [
     "control",

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from hub.errors import EndpointError, HandlerFailedError, NotAllowedError
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
-from hub.ipc.keyring import Keyring
-from hub.ipc.keys import ClientKeys, read_client_keys
 from hub.ipc.roles import Role
+from hub.ipc.security.client_keys import ClientKeys, read_client_keys
+from hub.ipc.security.keyring import Keyring
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Peer
 from tests.hub.ipc.vocabulary import Number

@@ -6,8 +6,8 @@ from collections import Counter
 
 import pytest
 
-from hub.ipc import control
-from hub.ipc.control import Response
+from hub.ipc.wire import control
+from hub.ipc.wire.control import Response
 from tests.hub.ipc.test_registry import Bench
 
 

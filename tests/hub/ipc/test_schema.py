@@ -22,9 +22,10 @@ from rosbags.typesys.store import Typestore
 
 from hub.errors import MessageFormatError
 from hub.gcm.catalog import MESSAGES
-from hub.ipc import codec, schema
-from hub.ipc import format as formats
+from hub.ipc import ros_schema
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.formats import codec
+from hub.ipc.formats import grammar as formats
 from tests.hub.gcm.test_wire import value_of
 from tests.hub.ipc.ros_shape import definition_of, ros_value
 from tests.hub.ipc.trees import same, structs, values_of
@@ -32,7 +33,8 @@ from tests.hub.ipc.trees import same, structs, values_of
 
 def _store(definition: MessageDefinition[Any]) -> Typestore:
     store = get_typestore(Stores.EMPTY)
-    store.register(get_types_from_msg(schema.ros2msg(definition), schema.ros_type(definition)))
+    text, name = ros_schema.ros2msg(definition), ros_schema.ros_type(definition)
+    store.register(get_types_from_msg(text, name))
     return store
 
 
@@ -92,7 +94,7 @@ def _read(definition: MessageDefinition[Any], payload: bytes) -> Any:
 def _agree(definition: MessageDefinition[Any], value: Any) -> None:
     """Our bytes are theirs, and both read the other's as the same values."""
     assert isinstance(definition.tree, formats.Struct)
-    store, name = _store(definition), schema.ros_type(definition)
+    store, name = _store(definition), ros_schema.ros_type(definition)
     fields = ros_value(definition.tree, value)
     theirs = _made(store, name, fields)
     payload = b"".join(definition.encode(definition.build(value)))
@@ -121,8 +123,8 @@ def _recorded(definition: MessageDefinition[Any], payloads: list[bytes]) -> io.B
     file = io.BytesIO()
     writer = Writer(file)
     writer.start(profile="ros2", library="test")
-    text = schema.ros2msg(definition).encode()
-    kind = writer.register_schema(schema.ros_type(definition), "ros2msg", text)
+    text = ros_schema.ros2msg(definition).encode()
+    kind = writer.register_schema(ros_schema.ros_type(definition), "ros2msg", text)
     channel = writer.register_channel("/message", "cdr", kind)
     for number, payload in enumerate(payloads):
         writer.add_message(channel, log_time=number, publish_time=number, data=payload)
@@ -156,8 +158,8 @@ def test_recording_of_any_message_is_read_by_ros_tools(
 
 
 def _same_types(definition: MessageDefinition[Any]) -> None:
-    from_idl = get_types_from_idl(schema.omg_idl(definition))
-    from_msg = get_types_from_msg(schema.ros2msg(definition), schema.ros_type(definition))
+    from_idl = get_types_from_idl(ros_schema.omg_idl(definition))
+    from_msg = get_types_from_msg(ros_schema.ros2msg(definition), ros_schema.ros_type(definition))
     assert from_idl == from_msg
 
 
@@ -272,21 +274,21 @@ _WALK_IDL = """module rune_msgs {
 
 
 def test_schema_text_names_fields_and_types_as_the_dataclasses_do() -> None:
-    assert schema.ros_type(_WALK) == "rune_msgs/msg/GCMWalk"
-    assert schema.ros2msg(_WALK) == _WALK_TEXT
-    assert schema.omg_idl(_WALK) == _WALK_IDL
+    assert ros_schema.ros_type(_WALK) == "rune_msgs/msg/GCMWalk"
+    assert ros_schema.ros2msg(_WALK) == _WALK_TEXT
+    assert ros_schema.omg_idl(_WALK) == _WALK_IDL
     _same_types(_WALK)
 
 
 def test_message_that_is_a_list_has_a_field_of_nodes() -> None:
     listed = MessageDefinition(name="Steps", format="{{enum:1},{double,byte},*!}", type=_Step)
-    assert schema.ros2msg(listed).startswith(f"rune_msgs/Step[] nodes\n{_RULE}\n")
+    assert ros_schema.ros2msg(listed).startswith(f"rune_msgs/Step[] nodes\n{_RULE}\n")
 
 
 def test_definition_that_names_a_ros_type_has_its_name_and_package() -> None:
     twist = definition_of(formats.parse("{{double},{double}}"), "geometry_msgs/msg/Twist")
-    assert schema.ros_type(twist) == "geometry_msgs/msg/Twist"
-    assert "MSG: geometry_msgs/RandomMessageA0\n" in schema.ros2msg(twist)
+    assert ros_schema.ros_type(twist) == "geometry_msgs/msg/Twist"
+    assert "MSG: geometry_msgs/RandomMessageA0\n" in ros_schema.ros2msg(twist)
 
 
 def test_types_of_one_name_are_told_apart() -> None:
@@ -308,7 +310,7 @@ def test_types_of_one_name_are_told_apart() -> None:
 
     Outer.__annotations__.update(one=first, two=Inner, three=first)
     outer = MessageDefinition(name="Inner", format="{{int},{double},{int}}", type=Outer)
-    lines = schema.ros2msg(outer).splitlines()
+    lines = ros_schema.ros2msg(outer).splitlines()
     assert lines[:3] == [
         "rune_msgs/Inner2 one",
         "rune_msgs/Inner3 two",
@@ -336,7 +338,7 @@ def test_message_without_a_ros_type_is_refused_with_the_reason(
     tree = formats.parse(text)
     assert isinstance(tree, formats.Struct)
     definition = definition_of(tree, ros_type)
-    for function in (schema.ros_type, schema.ros2msg, schema.omg_idl):
+    for function in (ros_schema.ros_type, ros_schema.ros2msg, ros_schema.omg_idl):
         with pytest.raises(MessageFormatError, match=reason):
             function(definition)
 
@@ -346,4 +348,4 @@ def test_field_name_that_ros_does_not_allow_is_refused(name: str) -> None:
     kind = make_dataclass("Kind", [(name, int)], frozen=True)
     definition = MessageDefinition(name="M", format="{int}", type=kind)
     with pytest.raises(MessageFormatError, match="is no name for a field there"):
-        schema.ros2msg(definition)
+        ros_schema.ros2msg(definition)

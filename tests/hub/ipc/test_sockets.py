@@ -10,7 +10,7 @@ import sys
 
 import zmq
 
-from hub.ipc import sockets
+from hub.ipc.transport import sockets
 from tests.misbehaving import bad_connections
 
 # Reads a little, pauses with a full queue for longer than any heartbeat timeout, and reads again.

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from hub.errors import NoValueError
-from hub.ipc import ring
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.transport import shared_ring
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Peer
 from tests.hub.ipc.vocabulary import Number
@@ -277,7 +277,7 @@ def _picture(number: int, size: int = 57_600) -> v.Picture:
     return v.Picture(name=str(number), count=size, pixels=pixels)
 
 
-@pytest.mark.skipif(not ring.available, reason="this system has no anonymous files")
+@pytest.mark.skipif(not shared_ring.available, reason="this system has no anonymous files")
 @pytest.mark.parametrize("wanted_endpoint", ["ipc"], indirect=True)
 def test_picture_goes_through_shared_memory_and_is_a_copy_of_its_own(connect: Connect) -> None:
     one, other = connect("one"), connect("other")
@@ -297,7 +297,7 @@ def test_picture_goes_through_shared_memory_and_is_a_copy_of_its_own(connect: Co
     assert not other.client.complaints.counts
 
 
-@pytest.mark.skipif(not ring.available, reason="this system has no anonymous files")
+@pytest.mark.skipif(not shared_ring.available, reason="this system has no anonymous files")
 @pytest.mark.parametrize("wanted_endpoint", ["ipc"], indirect=True)
 @pytest.mark.parametrize("who", ["publisher", "subscriber"])
 def test_picture_comes_the_plain_way_where_there_is_no_shared_memory(
@@ -309,7 +309,7 @@ def test_picture_comes_the_plain_way_where_there_is_no_shared_memory(
         def full(length: int) -> None:
             raise OSError(length)
 
-        monkeypatch.setattr(ring, "RingWriter", full)
+        monkeypatch.setattr(shared_ring, "RingWriter", full)
     else:
 
         def gone(place: object) -> None:
@@ -333,7 +333,7 @@ def test_picture_comes_the_plain_way_where_there_is_no_shared_memory(
     assert not other.client._inlets._inlets[v.RING_PICTURE.name].in_ring
 
 
-@pytest.mark.skipif(not ring.available, reason="this system has no anonymous files")
+@pytest.mark.skipif(not shared_ring.available, reason="this system has no anonymous files")
 @pytest.mark.parametrize("wanted_endpoint", ["ipc"], indirect=True)
 def test_subscriber_that_was_busy_gets_the_newest_picture_and_counts_the_others(
     connect: Connect, central: Central

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 
-from hub.ipc import format as formats
-from hub.ipc.codegen import DTYPES
+from hub.ipc.formats import grammar as formats
+from hub.ipc.formats.codegen import DTYPES
 
 _RANGE = {
     "byte": (-(2**7), 2**7 - 1),

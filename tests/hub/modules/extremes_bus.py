@@ -17,7 +17,7 @@ from typing import Any
 from hub.errors import CodecError, HubError, QueryTimeoutError
 from hub.gcm.catalog import BY_NAME
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 from tests import extremes
 
 OWN = 1

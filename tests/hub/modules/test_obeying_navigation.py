@@ -11,9 +11,9 @@ import pytest
 
 from hub.errors import NotAllowedError
 from hub.gcm.navigation import DRIVE_COMMAND, DRIVE_STATE, GROUND_TRUTH, GroundTruth, Twist
-from hub.ipc.central import Central
+from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
-from hub.ipc.loop import Loop
+from hub.ipc.transport.loop import Loop
 from hub.modules.driver import __main__ as driver
 from hub.modules.driver.navigator import TELL_S, Navigator
 from hub.robots.description import read_description

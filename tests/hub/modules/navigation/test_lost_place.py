@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from hub.gcm.navigation import Cause, DriveState, GoalCommand, Point, Task
-from hub.ipc.reception import Reception
+from hub.ipc.message_info import Reception
 from hub.modules.navigation.__main__ import Navigation
 from hub.robots.description import find_robot_file, read_description
 from tests.hub.modules.extremes_bus import ExtremesBus

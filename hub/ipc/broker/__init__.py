@@ -1,0 +1,1 @@
+"""Central: it forwards messages, answers control messages, and bounds what each client uses."""

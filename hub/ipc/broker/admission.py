@@ -1,0 +1,87 @@
+"""Whether a control message that came through the gateway is served: whose it is, and its quota."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import zmq
+
+from hub.errors import CodecError, FrameError, NotAllowedError
+from hub.ipc.broker.quotas import Account, Accounts, Verdict
+from hub.ipc.roles import Bearer, parse_bearer
+from hub.ipc.security import permissions
+from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.wire import control_codec
+
+
+class Admission:
+    """Asks the accounts of the keys about each control message."""
+
+    def __init__(
+        self,
+        accounts: Accounts,
+        *,
+        clock: Callable[[], float],
+        complaints: Complaints,
+        answer: Callable[[bytes, Any], None],
+        hang_up: Callable[[zmq.Frame], None],
+        holds: Callable[[Bearer], bool],
+    ) -> None:
+        """Begin.
+
+        Args:
+            accounts: What the keys have used.
+            clock: Monotonic time [s].
+            complaints: Counts what is refused.
+            answer: Sends a control message to a connection.
+            hang_up: Ends the connection that a frame came in on.
+            holds: Whether this key was not removed.
+        """
+        self._accounts = accounts
+        self._clock = clock
+        self._complaints = complaints
+        self._answer = answer
+        self._hang_up = hang_up
+        self._holds = holds
+
+    def bearer(self, frame: zmq.Frame) -> Bearer:
+        """Whose key the connection has that a frame came in on.
+
+        Raises:
+            NotAllowedError: It has none, or one that was removed.
+        """
+        known = parse_bearer(str(frame.get("User-Id")))
+        if not self._holds(known):
+            text = f"the key of {known} was removed"
+            raise NotAllowedError(text)
+        return known
+
+    def admits(self, bearer: Bearer, identity: bytes, body: Sequence[zmq.Frame]) -> bool:
+        """Whether a message is served; who asks too much is refused, and then disconnected.
+
+        Args:
+            bearer: Whose key it came with.
+            identity: Of its connection.
+            body: Its parts.
+        """
+        account, now = self._accounts.of(bearer), self._clock()
+        kind = control_codec.peek(body[0].buffer)
+        verdict = account.ask(identity, kind, sum(map(len, body)), now)
+        if verdict is Verdict.SERVED:
+            return True
+        self._complaints.count("over quota", account.text)
+        if verdict is Verdict.ENDED:
+            self._complaints.count("disconnected for asking too much", account.text)
+            self._hang_up(body[0])
+        elif account.may_answer(now):
+            self._refuse(account, identity, body[0])
+        return False
+
+    def _refuse(self, account: Account, identity: bytes, frame: zmq.Frame) -> None:
+        """Say why not, if what was asked has an answer."""
+        with contextlib.suppress(FrameError, CodecError):
+            answer = permissions.refusal(control_codec.unpack(frame.buffer), account.text)
+            if answer is not None:
+                self._answer(identity, answer)

@@ -1,0 +1,204 @@
+"""The door of commands from other machines: each frame is looked at before the robot gets it.
+
+ZeroMQ adds to every frame the role, name and fingerprint of the key that its connection was made
+with. So the door knows who sends, whatever the frame says. It lets in what that key may publish
+under a number that central gave a client with the same key.
+"""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable
+from typing import Any
+
+import zmq
+
+from hub.errors import FrameError, NotAllowedError
+from hub.ipc.broker.peers import Peer
+from hub.ipc.broker.quotas import QUOTAS, STOPS_PER_S, Accounts
+from hub.ipc.definition import Plane
+from hub.ipc.roles import Bearer, parse_bearer
+from hub.ipc.security.publish_rights import demand_right, right
+from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.sockets import Socket
+from hub.ipc.wire import frames
+
+_logger = logging.getLogger(__name__)
+
+LONGEST = 1 << 16
+"""Longest command from another machine [bytes]; ZeroMQ disconnects who sends a longer one."""
+QUEUE = 100
+"""Commands of one connection that wait at the door."""
+_BATCH = 32
+_PAUSE_MS = 2
+"""Rest after a full batch [ms]. A flood of commands takes no more of the processor than this."""
+_SUBSCRIPTIONS = 256
+_SAY_STOP_S = 1.0
+
+Judge = Callable[[bytes, str], bytes | None]
+"""(frame, User-Id) -> the frame to hand on; None to drop it."""
+
+
+class CommandDoor:
+    """Decides which frames come in; used by the thread that carries them."""
+
+    def __init__(
+        self,
+        peer_of: Callable[[int], Peer | None],
+        holds: Callable[[Bearer], bool],
+        complaints: Complaints,
+        clock: Callable[[], float] = time.monotonic,
+        *,
+        accounts: Accounts,
+    ) -> None:
+        """Start to decide.
+
+        Args:
+            peer_of: Who has a number at central; None if nobody has it.
+            holds: Whether this key was not removed.
+            complaints: Counts what is dropped.
+            clock: Monotonic time [s].
+            accounts: How many commands each key has sent.
+        """
+        self._accounts = accounts
+        self._peer_of = peer_of
+        self._holds = holds
+        self._complaints = complaints
+        self._clock = clock
+        self._next_word = 0.0
+
+    def admit(self, raw: bytes, user_id: str) -> bytes | None:
+        """The frame to hand on; None, and counted, if it is dropped.
+
+        Args:
+            raw: A frame as it came.
+            user_id: What ZeroMQ says of its sender, such as "operate:alice:FINGERPRINT".
+        """
+        try:
+            bearer = parse_bearer(user_id)
+            if not self._holds(bearer):
+                text = f"the key of {bearer} was removed"
+                raise NotAllowedError(text)
+            needed = right(frames.name_of(raw), Plane.COMMAND.value)
+            if needed.unordered:
+                return self._stop(raw, bearer)
+            return self._command(raw, bearer)
+        except FrameError as error:
+            self._complaints.count("malformed command", f"from {user_id[:80]}: {error}")
+        except NotAllowedError as error:
+            self._complaints.count("command not allowed", str(error))
+        except Exception:  # a fault of ours must not end the thread: no stop would come in
+            self._complaints.count("internal fault", "the gateway goes on after it")
+            if self._complaints.counts["internal fault"] == 1:
+                _logger.exception("the first internal fault")
+        return None
+
+    def _command(self, raw: bytes, bearer: Bearer) -> bytes | None:
+        frame = frames.unpack(raw)
+        if frame.kind != frames.INLINE:
+            text = f"a command {frame.name} is of kind {frame.kind}, which no command is"
+            raise FrameError(text)
+        sender = self._sender(frame.publisher, bearer)
+        if sender is None:
+            text = f"{bearer} sends {frame.name} under number {frame.publisher}, not its own"
+            raise NotAllowedError(text)
+        demand_right(bearer, sender.name, frame.name, Plane.COMMAND.value)
+        if not self._accounts.of(bearer).may_command(self._clock()):
+            self._too_many(bearer)
+            return None
+        return raw
+
+    def _too_many(self, bearer: Bearer) -> None:
+        most = QUOTAS[bearer.role].commands_per_s
+        text = f"the key {bearer.name!r} may send {most:.0f} a second, and {STOPS_PER_S:.0f} stops"
+        self._complaints.count("too many commands", text)
+
+    def _stop(self, raw: bytes, bearer: Bearer) -> bytes | None:
+        """A stop passes whatever else stands in it, but under nobody else's number."""
+        now = self._clock()
+        if not self._accounts.of(bearer).may_stop(now):
+            self._too_many(bearer)
+            return None  # the last one that passed was a moment ago
+        if now >= self._next_word:
+            self._next_word = now + _SAY_STOP_S
+            _logger.info("a stop comes from the holder of the key %s", bearer)
+        try:
+            frame = frames.unpack(raw)
+        except FrameError:
+            frame = None
+        if frame is None or frame.kind != frames.INLINE:
+            # Who receives a bare name cannot read it, and stops all the same.
+            return frames.topic(frames.name_of(raw), frames.FAR)
+        own = self._sender(frame.publisher, bearer) is not None
+        return frames.pack(
+            frames.prefix(frame.name, frames.FAR),  # everybody listens to this topic
+            publisher=frame.publisher if own else 0,
+            fingerprint=frame.fingerprint,
+            sequence=frame.sequence,
+            stamp_ns=frame.stamp_ns,
+            payload=[frame.payload],
+        )
+
+    def _sender(self, publisher: int, bearer: Bearer) -> Peer | None:
+        """Whose number this is, if it was given to a client with this key."""
+        peer = self._peer_of(publisher)
+        return peer if peer is not None and peer.bearer == bearer else None
+
+
+def carry(outer: Socket, inner: Socket, told: Socket, judge: Judge) -> None:
+    """Carry commands in and subscriptions out until something comes from `told`.
+
+    ZeroMQ takes one frame of each connection in turn, so one that floods the door does not keep
+    the others out. It does not keep the processor from others either: after a batch the door rests.
+
+    Args:
+        outer: XSUB of the gateway.
+        inner: XPUB to central.
+        told: Says when to end.
+        judge: Decides about each frame.
+    """
+    poller = zmq.Poller()
+    for socket in (outer, inner, told):
+        poller.register(socket, zmq.POLLIN)
+    while True:
+        ready = dict(poller.poll())
+        if told in ready:
+            return
+        if inner in ready:
+            _tell_subscriptions(inner, outer)
+        if outer in ready and _take(outer, inner, judge) and told.poll(_PAUSE_MS):
+            return
+
+
+def _tell_subscriptions(inner: Socket, outer: Socket) -> None:
+    for _ in range(_SUBSCRIPTIONS):
+        try:
+            subscription = inner.recv(zmq.NOBLOCK)
+        except zmq.Again:
+            return
+        outer.send(subscription, zmq.NOBLOCK)
+
+
+def _take(outer: Socket, inner: Socket, judge: Judge) -> bool:
+    """Take a batch of frames; whether there may be more."""
+    for _ in range(_BATCH):
+        try:
+            frame: Any = outer.recv(zmq.NOBLOCK, copy=False)
+        except zmq.Again:
+            return False
+        parts = 1
+        while outer.getsockopt(zmq.RCVMORE):
+            outer.recv(zmq.NOBLOCK, copy=False)
+            parts += 1
+        admitted = judge(frame.bytes if parts == 1 else b"", _user_id(frame))
+        if admitted is not None:
+            inner.send(admitted, zmq.NOBLOCK)
+    return True
+
+
+def _user_id(frame: Any) -> str:
+    try:
+        return str(frame.get("User-Id"))
+    except zmq.ZMQError:
+        return ""

@@ -1,0 +1,96 @@
+"""Who connects to the gateway from where, and how often: no address takes all there is."""
+
+from __future__ import annotations
+
+from collections import Counter, OrderedDict
+from collections.abc import Callable, Set
+from dataclasses import dataclass
+
+from hub.bucket import Bucket
+from hub.ipc.roles import CONTROL
+from hub.ipc.transport.fault_counter import Complaints
+
+AT_ONCE, PER_S = 300, 40.0
+"""New connections of one address: in one burst after a rest, and each second."""
+CONTROLS = 128
+"""Connections of one address where control messages come in."""
+SPARE = 8
+"""An address has so many connections more to each other place than to that of control messages."""
+SILENT_S = 5.0
+"""A control connection without a HELLO is ended after so long [s]."""
+_MAX_ADDRESSES = 4096
+
+
+@dataclass(slots=True)
+class _Connection:
+    address: str
+    place: str
+    since: float
+    known: bool = False
+
+
+class Sources:
+    """The gateway's connections, by the address they come from."""
+
+    def __init__(self, complaints: Complaints, hang_up: Callable[[int], None]) -> None:
+        """Start with none.
+
+        Args:
+            complaints: Counts those that are ended.
+            hang_up: Ends the connection of a descriptor.
+        """
+        self._complaints = complaints
+        self._hang_up = hang_up
+        self._connections: dict[int, _Connection] = {}
+        self._open: Counter[tuple[str, str]] = Counter()
+        self._rates: OrderedDict[str, Bucket] = OrderedDict()
+
+    def admit(self, descriptor: int, address: str, place: str, now: float) -> bool:
+        """Whether a connection from `address` to `place` may stay; else it is counted."""
+        self.ended(descriptor)  # the end of an earlier one with this descriptor was not noticed
+        rate = self._rates.get(address)
+        if rate is None:
+            rate = self._rates[address] = Bucket(PER_S, AT_ONCE)
+            if len(self._rates) > _MAX_ADDRESSES:
+                self._rates.popitem(last=False)
+        most = CONTROLS if place == CONTROL else self._open[address, CONTROL] + SPARE
+        if not rate.take(1.0, now):
+            self._complain(f"{address} connects more than {PER_S:.0f} times a second")
+            return False
+        if self._open[address, place] >= most:
+            self._complain(f"{address} has {most} connections to {place}")
+            return False
+        self._connections[descriptor] = _Connection(address, place, now)
+        self._open[address, place] += 1
+        return True
+
+    def ended(self, descriptor: int) -> None:
+        """A connection has ended."""
+        gone = self._connections.pop(descriptor, None)
+        if gone is not None:
+            self._open[gone.address, gone.place] -= 1
+            if not self._open[gone.address, gone.place]:
+                del self._open[gone.address, gone.place]
+
+    def at(self, places: Set[str]) -> list[int]:
+        """The descriptors of the connections to these places."""
+        return [each for each, found in self._connections.items() if found.place in places]
+
+    def look(self, known: Callable[[int], bool], now: float) -> None:
+        """End control connections that never said who they are; to be called every second or so.
+
+        Args:
+            known: Whether a connected client has this descriptor.
+            now: The time [s].
+        """
+        for descriptor, each in list(self._connections.items()):
+            if each.place != CONTROL or each.known or now - each.since < SILENT_S:
+                continue
+            each.known = known(descriptor)
+            if not each.known:
+                self.ended(descriptor)
+                self._complain(f"one of {each.address} says no HELLO")
+                self._hang_up(descriptor)
+
+    def _complain(self, why: str) -> None:
+        self._complaints.count("too many connections", f"at the gateway: {why}; it is ended")

@@ -1,0 +1,113 @@
+"""The messages that are defined at central, and why one is not defined as somebody wants."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+from hub.errors import HubError
+from hub.ipc.broker.peers import Peer
+from hub.ipc.broker.quotas import quota_of
+from hub.ipc.broker.traffic import Traffic
+from hub.ipc.formats.codec import compiled
+from hub.ipc.roles import Bearer
+from hub.ipc.wire import control
+from hub.ipc.wire.definition_listing import from_listing
+
+MAX_DEFINITIONS = 4096
+MAX_LISTED = 1 << 20
+"""All definitions' texts together [characters]; the list of them must fit into one frame."""
+
+
+@dataclass(slots=True, kw_only=True)
+class Definition:
+    """A message as it was first defined.
+
+    Attributes:
+        entry: What its definer said, and who that was.
+        fingerprint: Of its format.
+        traffic: What is known of its broadcasts.
+    """
+
+    entry: control.Define
+    fingerprint: int
+    traffic: Traffic = field(default_factory=Traffic)
+
+
+class Definitions:
+    """All messages that are defined; none is ever taken back."""
+
+    def __init__(self) -> None:
+        self._known: dict[str, Definition] = {}
+        self._listed = 0
+        self._defined_by: Counter[Bearer] = Counter()
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._known
+
+    def __getitem__(self, name: str) -> Definition:
+        return self._known[name]
+
+    def __iter__(self) -> Iterator[Definition]:
+        return iter(self._known.values())
+
+    def get(self, name: str) -> Definition | None:
+        """The message of this name, if it is defined."""
+        return self._known.get(name)
+
+    def define(self, peer: Peer, message: control.Define) -> control.Refused | None:
+        """Define a message; why it cannot be, None if it is defined like that now."""
+        known = self._known.get(message.name)
+        if known is not None:
+            text = _difference(peer, known, message)
+            return _refused(message.name, text) if text else None
+        error, text = "RedefinedMessageError", self._too_many(peer.bearer)
+        fingerprint = 0
+        if not text:
+            try:
+                fingerprint = from_listing(message).fingerprint
+            except HubError as problem:
+                error, text = type(problem).__name__, str(problem)
+        if text:
+            return _refused(message.name, text, error)
+        entry = replace(message, definer=peer.name)
+        self._listed += len(message.format) + len(message.fields)
+        self._defined_by[peer.bearer] += 1
+        self._known[message.name] = Definition(entry=entry, fingerprint=fingerprint)
+        return None
+
+    def _too_many(self, bearer: Bearer) -> str:
+        """Why nothing new is defined with this key; empty if there is room."""
+        if len(self._known) >= MAX_DEFINITIONS or self._listed > MAX_LISTED:
+            return f"{len(self._known)} messages are defined, no more are taken"
+        quota = quota_of(bearer)
+        if quota is not None and self._defined_by[bearer] >= quota.definitions:
+            return f"the key {bearer.name!r} has defined {quota.definitions} messages, its limit"
+        return ""
+
+
+def _difference(peer: Peer, known: Definition, message: control.Define) -> str:
+    """Why a message that is defined cannot be defined like this; empty if it is the same."""
+    entry = known.entry
+    if message.format != entry.format:  # the same format may be spelt with other blanks
+        try:
+            same = compiled(message.format).fingerprint == known.fingerprint
+        except HubError as problem:
+            return str(problem)
+        if not same:
+            return (
+                f"{message.name} is defined as {entry.format} by {entry.definer}; "
+                f"{peer.name} wants {message.format}"
+            )
+    if message.plane != entry.plane:
+        # They would never meet: each plane has sockets of its own.
+        return (
+            f"{message.name} travels on plane {entry.plane} as {entry.definer} defined it; "
+            f"{peer.name} wants plane {message.plane}"
+        )
+    return ""
+
+
+def _refused(name: str, text: str, error: str = "RedefinedMessageError") -> control.Refused:
+    return control.Refused(subject=name, error=error, text=text)

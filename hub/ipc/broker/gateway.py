@@ -1,0 +1,316 @@
+"""The way in for other machines: a second set of central's sockets, with CURVE.
+
+Broadcasts are relayed between these sockets and central's own ones by ZeroMQ's proxy, a thread for
+each direction of a plane. Commands that come in are the exception: a thread of Python judges each
+one. Control messages come in at a ROUTER of the gateway, which central polls beside its own.
+"""
+
+from __future__ import annotations
+
+import errno
+import threading
+from collections.abc import Callable, Mapping
+from typing import TypeAlias
+
+import zmq
+
+from hub.errors import EndpointError
+from hub.ipc.broker import command_filter
+from hub.ipc.broker.connection_rates import Sources
+from hub.ipc.broker.quotas import Accounts
+from hub.ipc.broker.subscription_floods import Bounds, FloodWatch
+from hub.ipc.broker.zap import Gatekeeper
+from hub.ipc.endpoints import TcpEndpoint
+from hub.ipc.roles import CONTROL, Bearer
+from hub.ipc.security.client_keys import KeyPair
+from hub.ipc.security.keyring import Keyring
+from hub.ipc.transport import sockets
+from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.file_descriptors import BEYOND, Reserve, ends_of, hang_up
+
+_FAILED = zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL | zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL
+_WATCHED = _FAILED | zmq.EVENT_ACCEPTED | zmq.EVENT_DISCONNECTED
+_COMMANDS = "command in"
+_BROADCASTS = frozenset({"state in", "state out", "picture in", "picture out"})
+_BATCH = 16
+"""Events of one place that are looked at before clients of this machine are served again."""
+_RELAY_QUEUE = 200
+"""Room between two proxies of this process, which only fills while one of them gets no time."""
+
+_Socket: TypeAlias = "zmq.Socket[bytes]"
+
+
+class Gateway:
+    """Central's sockets for other machines, open from the start to `close`.
+
+    All but `close` is for the thread that polls it; `close` is for when that thread has ended.
+
+    Attributes:
+        endpoint: Where clients connect, with the real port.
+        control: ROUTER of the control messages. Its frames carry a User-Id (role, name, key).
+        ports: TCP ports in the order of the planes: first plane in, out, second plane in, ...
+        polled: To be polled for input; then call `serve`. Without `control`.
+    """
+
+    def __init__(
+        self,
+        context: zmq.Context[_Socket],
+        endpoint: TcpEndpoint,
+        keyring: Keyring,
+        planes: Mapping[str, tuple[str, str]],
+        complaints: Complaints,
+        *,
+        make: Callable[[int, str], _Socket],
+        accounts: Accounts,
+        clock: Callable[[], float],
+        judge: command_filter.Judge,
+    ) -> None:
+        """Bind and start.
+
+        Args:
+            context: Central's. If it has more than one I/O thread, CURVE has the second for
+                itself, so that strangers do not take time from the local modules.
+            endpoint: Port p takes p and two more for each plane; 0 takes free ones.
+            keyring: Who may connect, and the hub's own keys.
+            planes: By name, the inproc addresses of central's XSUB and XPUB, which are bound.
+            complaints: Counts the refused.
+            make: A socket with the bus's options: ZeroMQ type, plane or `roles.CONTROL`.
+            accounts: What each key has used; who connects too often is refused for a while.
+            clock: Monotonic time [s].
+            judge: Decides which commands come in; called by a thread of the gateway.
+
+        Raises:
+            EndpointError: A port is busy, or this context has a gateway already.
+            KeyFileError: The hub's keys cannot be used.
+        """
+        self._complaints = complaints
+        self._clock = clock
+        self._sources = Sources(complaints, self.hang_up)
+        self._judge = judge
+        self._reserve = Reserve(complaints, part=BEYOND)  # strangers leave some to local modules
+        self._made: list[_Socket] = []
+        self._steering: list[_Socket] = []
+        self._threads: list[threading.Thread] = []
+        self._monitors: dict[_Socket, str] = {}
+        self._floods: dict[str, FloodWatch] = {}
+        keys = keyring.hub_keys()
+        keyring.holders()  # a list that cannot be read is said now, not at the first handshake
+        # First of all: there is no moment in which a secure socket has nobody to ask.
+        self._gatekeeper = Gatekeeper(context, keyring, complaints, accounts=accounts, clock=clock)
+        self._affinity = 2 if context.get(zmq.IO_THREADS) > 1 else 0
+        try:
+            self._open(context, endpoint, keys, planes, make)
+        except (zmq.ZMQError, EndpointError) as error:
+            self._close_sockets()
+            if isinstance(error, EndpointError):
+                raise
+            text = f"the gateway cannot make its sockets: {error}"
+            raise EndpointError(text) from error
+        self.polled = (self._gatekeeper.socket, *self._monitors)
+        for thread in self._threads:
+            thread.start()
+
+    def serve(self, ready: Mapping[_Socket, int]) -> list[int]:
+        """Let in and refuse, and see who left; returns without waiting.
+
+        Args:
+            ready: What the poll gave; sockets of others in it are left alone.
+
+        Returns:
+            The descriptors of control connections that ended.
+        """
+        if self._gatekeeper.socket in ready:
+            self._gatekeeper.serve()
+        ended: list[int] = []
+        for monitor, place in self._monitors.items():
+            if monitor in ready:
+                ended += self._watch(monitor, place)
+        return ended
+
+    def ended(self) -> list[int]:
+        """The descriptors of all control connections that ended up to now."""
+        ended: list[int] = []
+        for monitor, place in self._monitors.items():
+            while place == CONTROL and monitor.poll(0):
+                ended += self._watch(monitor, place)
+        return ended
+
+    def look(self, known: Callable[[int], bool]) -> None:
+        """Look for floods of subscriptions and for silent connections, ten times a second or so.
+
+        Args:
+            known: Whether a connected client has this descriptor.
+        """
+        now = self._clock()
+        for flood in self._floods.values():
+            flood.look(now)
+        self._sources.look(known, now)
+
+    def hang_up(self, descriptor: int) -> None:
+        """End a connection of ours; one of somebody else who has its descriptor now goes on."""
+        ends = ends_of(descriptor)
+        if ends is not None and ends[0] in self._all_ports:
+            hang_up(descriptor)
+
+    def end_broadcasts(self) -> None:
+        """End all connections where states and pictures pass; who may come back does so at once.
+
+        ZeroMQ does not say which of them belong to a key. Connections of commands stay, so that no
+        stop is lost: there each frame is looked at.
+        """
+        for monitor, place in self._monitors.items():
+            while place in _BROADCASTS and monitor.poll(0):
+                self._watch(monitor, place)  # some may have been accepted a moment ago
+        for descriptor in self._sources.at(_BROADCASTS):
+            self.hang_up(descriptor)
+
+    def admitted(self) -> frozenset[Bearer]:
+        """The keys that were let in since the start."""
+        return self._gatekeeper.admitted()
+
+    def close(self) -> None:
+        """End the relays, and free the ports."""
+        for steering in self._steering:
+            steering.send(b"TERMINATE", zmq.NOBLOCK)
+        for thread in self._threads:
+            thread.join()
+        self._close_sockets()
+
+    def _open(
+        self,
+        context: zmq.Context[_Socket],
+        endpoint: TcpEndpoint,
+        keys: KeyPair,
+        planes: Mapping[str, tuple[str, str]],
+        make: Callable[[int, str], _Socket],
+    ) -> None:
+        def secure(kind: int, plane: str, place: str) -> _Socket:
+            socket = make(kind, plane)
+            self._made.append(socket)
+            self._secure(socket, place, keys)
+            return socket
+
+        def inner(kind: int, plane: str, address: str) -> _Socket:
+            socket = make(kind, plane)
+            self._made.append(socket)
+            socket.sndhwm = socket.rcvhwm = max(_RELAY_QUEUE, socket.rcvhwm)
+            socket.connect(address)
+            return socket
+
+        self.control = secure(zmq.ROUTER, CONTROL, CONTROL)
+        ends = [self.control]
+        relays: list[tuple[str, _Socket, _Socket]] = []
+        for plane, (inward, outward) in planes.items():
+            for place, outer_kind, inner_kind, address in (
+                (f"{plane} in", zmq.XSUB, zmq.XPUB, inward),
+                (f"{plane} out", zmq.XPUB, zmq.XSUB, outward),
+            ):
+                outer = secure(outer_kind, plane, place)
+                if place == _COMMANDS:
+                    outer.maxmsgsize, outer.rcvhwm = command_filter.LONGEST, command_filter.QUEUE
+                if outer_kind == zmq.XPUB:
+                    where = f"the gateway's {place}"
+                    self._floods[place] = FloodWatch(outer, where, self._complaints, Bounds())
+                ends.append(outer)
+                relays.append((place, outer, inner(inner_kind, plane, address)))
+        ports = _bind_in_a_row(ends, endpoint)
+        self.endpoint = TcpEndpoint(endpoint.host, ports[0])
+        self.ports = tuple(ports[1:])
+        self._all_ports = frozenset(ports)
+        for place, outer, partner in relays:
+            self._threads.append(self._relay(context, place, outer, partner))
+
+    def _secure(self, socket: _Socket, place: str, keys: KeyPair) -> None:
+        socket.curve_server = True
+        socket.curve_publickey = keys.public.encode()
+        socket.curve_secretkey = keys.secret.encode()
+        socket.zap_domain = place.encode()
+        # Without this ZeroMQ lets everybody in while nobody answers for the domain.
+        socket.setsockopt(zmq.ZAP_ENFORCE_DOMAIN, 1)
+        socket.affinity = self._affinity
+        self._monitors[socket.get_monitor_socket(_WATCHED)] = place
+
+    def _relay(
+        self, context: zmq.Context[_Socket], place: str, outer: _Socket, inner: _Socket
+    ) -> threading.Thread:
+        """The thread that hands on both ways until it is told to terminate."""
+        told, telling = context.socket(zmq.PAIR), context.socket(zmq.PAIR)
+        self._made.append(told)
+        self._steering.append(telling)
+        address = f"inproc://gateway-steering-{place.replace(' ', '-')}"
+        told.bind(address)
+        telling.connect(address)
+
+        def hand_on() -> None:
+            if place == _COMMANDS:
+                command_filter.carry(outer, inner, told, self._judge)
+            else:
+                zmq.proxy_steerable(outer, inner, None, told)
+
+        return threading.Thread(target=hand_on, name=f"gateway {place}", daemon=True)
+
+    def _watch(self, monitor: _Socket, place: str) -> list[int]:
+        ended: list[int] = []
+        for _ in range(_BATCH):
+            try:
+                raw = monitor.recv_multipart(zmq.NOBLOCK)
+            except zmq.Again:
+                break
+            event, descriptor = sockets.parse_event(raw)
+            flood = self._floods.get(place)
+            if event == zmq.EVENT_DISCONNECTED:
+                self._sources.ended(descriptor)
+                if flood is not None:
+                    flood.disconnected(descriptor)
+                elif place == CONTROL:
+                    ended.append(descriptor)
+            elif event == zmq.EVENT_ACCEPTED:
+                self._reserve.admit(descriptor, f"the gateway's {place}")
+                ends = ends_of(descriptor)
+                if ends is None:  # it has ended already
+                    continue
+                if not self._sources.admit(descriptor, ends[1], place, self._clock()):
+                    hang_up(descriptor)
+                elif flood is not None:
+                    flood.connected(descriptor, ends[1])
+            else:
+                self._complaints.count(
+                    f"bad handshake at the gateway's {place}",
+                    "a peer left before it was over, or has no key, or another hub's, "
+                    "or does not speak this protocol",
+                )
+        return ended
+
+    def _close_sockets(self) -> None:
+        for socket in (*self._made, *self._steering):
+            if not socket.closed:
+                # ZeroMQ's own thread would wait for ever with an event for a monitor that is gone,
+                # and a closed socket still has events until that thread has taken it down.
+                socket.disable_monitor()
+            socket.close(0)
+        self._steering.clear()
+        for monitor in self._monitors:
+            monitor.close(0)
+        self._gatekeeper.close()
+
+
+def _bind_in_a_row(ends: list[_Socket], endpoint: TcpEndpoint) -> list[int]:
+    """Bind each to the port behind the one before; the real ports."""
+    last = endpoint.port + len(ends) - 1
+    if last > 65535:
+        text = f"the gateway at {endpoint} needs the ports up to {last}; choose a lower one"
+        raise EndpointError(text)
+    ports = []
+    for index, end in enumerate(ends):
+        wanted = TcpEndpoint(endpoint.host, endpoint.port and endpoint.port + index)
+        end.ipv6 = ":" in endpoint.host
+        try:
+            end.bind(str(wanted))
+        except zmq.ZMQError as error:
+            reason = f"{error}; choose another endpoint"
+            if error.errno == errno.EADDRINUSE:
+                reason = "another program uses it; stop that program or choose another port"
+            text = f"the gateway cannot listen at {wanted}: {reason}"
+            raise EndpointError(text) from error
+        ports.append(int(end.getsockopt_string(zmq.LAST_ENDPOINT).rstrip("\0").rpartition(":")[2]))
+    return ports

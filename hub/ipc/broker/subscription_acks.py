@@ -1,0 +1,85 @@
+"""Subscriptions that are on their way to the publishers: who has to see each before it stands."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from hub.ipc.broker.peers import Outgoing, Peer
+from hub.ipc.roles import LOCAL
+from hub.ipc.wire import control
+
+_MAX_UNDER_WAY = 16_384
+_MAX_FAR = _MAX_UNDER_WAY // 2
+"""Of those who have keys, so that they keep no module of the robot waiting."""
+_MAX_EARLY = 4096
+
+
+@dataclass(slots=True)
+class _Confirmation:
+    subscriber: Peer
+    awaited: set[Peer]
+
+
+class Confirmations:
+    """All subscriptions under way, by token.
+
+    A subscription travels to the publishers through ZeroMQ, beside the control messages. Behind it
+    the subscriber sends a mark with a token that goes the same way; who sees the mark has seen the
+    subscription, and says so.
+    """
+
+    def __init__(self) -> None:
+        self._under_way: dict[str, _Confirmation] = {}
+        self._far = 0
+        self._early: OrderedDict[str, set[Peer]] = OrderedDict()
+
+    def begin(self, subscriber: Peer, token: str, publishers: Iterable[Peer]) -> list[Outgoing]:
+        """`subscriber` waits until it and all `publishers` have seen `token`."""
+        far = subscriber.bearer is not LOCAL
+        full = len(self._under_way) >= _MAX_UNDER_WAY or (far and self._far >= _MAX_FAR)
+        if full or (far and not token.startswith(f"{subscriber.publisher}.")):
+            return []  # it stands, but nobody will say so: who has a key may guess others' tokens
+        awaited = {subscriber, *publishers} - self._early.pop(token, set())
+        self._end(token)
+        self._under_way[token] = _Confirmation(subscriber, awaited)
+        self._far += far
+        return self._conclude(token)
+
+    def seen(self, peer: Peer, token: str) -> list[Outgoing]:
+        """`peer` has seen `token`."""
+        under_way = self._under_way.get(token)
+        if under_way is None:  # the mark was faster than the control message
+            self._early.setdefault(token, set()).add(peer)
+            if len(self._early) > _MAX_EARLY:
+                self._early.popitem(last=False)
+            return []
+        under_way.awaited.discard(peer)
+        return self._conclude(token)
+
+    def drop(self, peer: Peer) -> list[Outgoing]:
+        """`peer` is gone."""
+        for token in [t for t, each in self._under_way.items() if each.subscriber is peer]:
+            self._end(token)
+        for early in self._early.values():
+            early.discard(peer)
+        outgoing = []
+        for token, each in list(self._under_way.items()):
+            if peer in each.awaited:
+                each.awaited.discard(peer)
+                outgoing += self._conclude(token)
+        return outgoing
+
+    def _conclude(self, token: str) -> list[Outgoing]:
+        under_way = self._under_way[token]
+        if under_way.awaited:
+            return []
+        self._end(token)
+        message = control.Subscribed(token=token)
+        return [Outgoing(identity=under_way.subscriber.identity, message=message)]
+
+    def _end(self, token: str) -> None:
+        under_way = self._under_way.pop(token, None)
+        if under_way is not None and under_way.subscriber.bearer is not LOCAL:
+            self._far -= 1

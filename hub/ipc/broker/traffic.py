@@ -1,0 +1,84 @@
+"""What central knows of each message's broadcasts: what was published, and what was missed."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass, field
+
+from hub.ipc.wire import control
+
+_MAX_PUBLISHERS = 1024
+_MAX_JUMP = 1 << 24
+_MAX_BYTES = 1 << 40
+_RECENT_REPORTS = 16
+_LATELY_S = 3.0
+"""What a publisher last told counts for so long; it tells every second while it publishes [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Rate:
+    until: float
+    messages_per_s: float
+    bytes_per_s: float
+
+
+@dataclass(slots=True)
+class Traffic:
+    """The broadcasts of one message, as publishers and subscribers report them.
+
+    Attributes:
+        messages: How many.
+        bytes: Of their payloads.
+        lost: How many subscribers missed, by the sequence numbers.
+        expired: How many subscribers dropped because they were too old.
+        refused: How many subscribers refused because a value was out of its range.
+    """
+
+    messages: int = 0
+    bytes: int = 0
+    lost: int = 0
+    expired: int = 0
+    refused: int = 0
+    _seen: float = -math.inf
+    _rates: dict[int, _Rate] = field(default_factory=dict)
+    _oldest: deque[float] = field(default_factory=lambda: deque(maxlen=_RECENT_REPORTS))
+
+    def published(self, publisher: int, entry: control.Published, now: float) -> None:
+        """A publisher told what it has broadcast; nonsense is left out."""
+        if entry.messages > _MAX_JUMP or entry.bytes > _MAX_BYTES:
+            return
+        if not (0.0 < entry.over_s < math.inf and 0.0 <= entry.silent_s < math.inf):
+            return
+        self.messages += entry.messages
+        self.bytes += entry.bytes
+        self._seen = max(self._seen, now - entry.silent_s)
+        if len(self._rates) >= _MAX_PUBLISHERS:
+            self._rates.clear()
+        self._rates[publisher] = _Rate(
+            now + _LATELY_S, entry.messages / entry.over_s, entry.bytes / entry.over_s
+        )
+
+    def received(self, entry: control.Received) -> None:
+        """A subscriber told what it has had; nonsense is left out."""
+        most = max(entry.lost, entry.expired, entry.refused)
+        if most > _MAX_JUMP or not 0.0 <= entry.oldest_s < math.inf:
+            return
+        self.lost += entry.lost
+        self.expired += entry.expired
+        self.refused += entry.refused
+        self._oldest.append(entry.oldest_s)
+
+    def rate(self, now: float) -> tuple[float, float]:
+        """Messages and bytes lately, of all publishers together [1/s]."""
+        current = [rate for rate in self._rates.values() if rate.until > now]
+        return sum(r.messages_per_s for r in current), sum(r.bytes_per_s for r in current)
+
+    def silent(self, now: float) -> float:
+        """Time since the last broadcast [s]; infinite if there was none."""
+        return now - self._seen
+
+    @property
+    def oldest(self) -> float:
+        """Largest age that subscribers told of lately [s]."""
+        return max(self._oldest, default=0.0)

@@ -1,0 +1,140 @@
+"""Who may connect beyond loopback: ZeroMQ asks here about every CURVE handshake (ZAP, RFC 27).
+
+Each secure socket has a ZAP domain of its own, its place (`roles.CONTROL`, "state in", ...). So
+a key is let in or refused place by place, before a single message of its holder is read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import zmq
+from zmq.utils import z85
+
+from hub.errors import EndpointError, KeyFileError
+from hub.ipc.broker.quotas import Accounts
+from hub.ipc.roles import Bearer, may_enter
+from hub.ipc.security.keyring import Keyring
+from hub.ipc.transport.fault_counter import Complaints
+
+_ADDRESS = "inproc://zeromq.zap.01"
+_VERSION = b"1.0"
+_BATCH = 16
+_PARTS = 9
+"""Sender, empty, version, request, domain, address, identity, mechanism, key."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verdict:
+    """The answer to a handshake.
+
+    Attributes:
+        status: "200" let in, "300" not now, "400" refused, "500" cannot tell. After 300 the
+            client's socket tries again; after 400 and 500 it stays away, and it takes a new one.
+        reason: Why not; empty if let in.
+        detail: More of it, for the log.
+        user_id: Role, name and fingerprint of the key, which ZeroMQ then adds to every frame of
+            the connection.
+    """
+
+    status: str
+    reason: str
+    detail: str = ""
+    user_id: str = ""
+
+
+class Gatekeeper:
+    """Answers ZeroMQ's questions; owned by the thread that polls its socket.
+
+    Attributes:
+        socket: To be polled for input; then call `serve`.
+    """
+
+    def __init__(
+        self,
+        context: zmq.Context[zmq.Socket[bytes]],
+        keyring: Keyring,
+        complaints: Complaints,
+        *,
+        accounts: Accounts,
+        clock: Callable[[], float],
+    ) -> None:
+        """Start to be asked.
+
+        Args:
+            context: Whose secure sockets ask.
+            keyring: Who may connect.
+            complaints: Counts the refused.
+            accounts: Says whether a key has connected too often.
+            clock: Monotonic time [s].
+
+        Raises:
+            EndpointError: This process has another gatekeeper in the same ZeroMQ context.
+        """
+        self._keyring = keyring
+        self._complaints = complaints
+        self._accounts = accounts
+        self._clock = clock
+        self._admitted: set[Bearer] = set()
+        self.socket = context.socket(zmq.ROUTER)
+        self.socket.linger = 0
+        try:
+            self.socket.bind(_ADDRESS)
+        except zmq.ZMQError as error:
+            self.socket.close()
+            text = f"the gateway cannot decide who may connect ({error}); close the other one first"
+            raise EndpointError(text) from error
+
+    def serve(self) -> None:
+        """Answer what was asked; returns without waiting."""
+        for _ in range(_BATCH):
+            try:
+                parts = self.socket.recv_multipart(zmq.NOBLOCK)
+            except zmq.Again:
+                return
+            self._answer(parts)
+
+    def close(self) -> None:
+        """Stop being asked: from now on ZeroMQ refuses every handshake by itself."""
+        self.socket.close()
+
+    def judge(self, domain: str, mechanism: str, key: bytes) -> Verdict:
+        """Whether the owner of `key` (32 bytes) may connect to the place named `domain`."""
+        if mechanism != "CURVE" or len(key) != 32:
+            return Verdict(status="400", reason=f"mechanism {mechanism[:20]!r}")
+        try:
+            holder = self._keyring.holder(z85.encode(key).decode())
+        except KeyFileError as error:
+            return Verdict(status="500", reason="unreadable list of keys", detail=f"{error}; ")
+        if holder is None:
+            return Verdict(status="400", reason="unknown key")
+        if not may_enter(holder.role, domain):
+            return Verdict(status="400", reason=f"role {holder.role.value}")
+        if not self._accounts.of(holder.bearer).may_enter(domain, self._clock()):
+            detail = f"{holder.name} connects too often, or asked too much; "
+            return Verdict(status="300", reason="over quota", detail=detail)
+        self._admitted.add(holder.bearer)
+        return Verdict(status="200", reason="", user_id=holder.bearer.user_id)
+
+    def admitted(self) -> frozenset[Bearer]:
+        """The keys that were let in since the start; as many as the list had in that time."""
+        return frozenset(self._admitted)
+
+    def _answer(self, parts: Sequence[bytes]) -> None:
+        if len(parts) != _PARTS or parts[2] != _VERSION:
+            self._complaints.count("malformed ZAP request", f"{len(parts)} parts")
+            return
+        sender, empty, version, request, domain, address, _, mechanism, key = parts
+        place = domain.decode(errors="replace")
+        verdict = self.judge(place, mechanism.decode(errors="replace"), key)
+        if verdict.status != "200":
+            # The key is public: with it the owner can see whose it is, or make an entry of it.
+            shown = f"from {address.decode(errors='replace')}, key {z85.encode(key).decode()}"
+            self._complaints.count(
+                f"refused at the gateway's {place}: {verdict.reason}", verdict.detail + shown
+            )
+        reply = [sender, empty, version, request, verdict.status.encode()]
+        self.socket.send_multipart(
+            [*reply, verdict.reason.encode(), verdict.user_id.encode(), b""], zmq.NOBLOCK
+        )

@@ -1,0 +1,39 @@
+"""How a message came: from whom, after which one, and how old it is."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from hub.errors import CodecError
+from hub.ipc.definition import MessageDefinition
+from hub.ipc.wire import frames
+
+
+class Reception(NamedTuple):
+    """How a message came.
+
+    Attributes:
+        publisher: Number of the sender's connection.
+        sequence: Counts the messages of this name from this publisher, from 1.
+        missed: Messages of it that were not handed on since the one before.
+        age: Time since it was measured [s].
+        measured: When it was measured, on this process's monotonic clock [s].
+    """
+
+    publisher: int
+    sequence: int
+    missed: int
+    age: float
+    measured: float
+
+
+def decode(definition: MessageDefinition[Any], frame: frames.Frame) -> Any:
+    """The value in a frame that should be of `definition`.
+
+    Raises:
+        CodecError: It is another message, in another format, or malformed.
+    """
+    if frame.name != definition.name or frame.fingerprint != definition.fingerprint:
+        text = f"{frame.name} came where {definition.name} in its own format was expected"
+        raise CodecError(text)
+    return definition.decode(frame.payload)

@@ -1,0 +1,1 @@
+"""A client from within: its connection, publishers, subscriptions and queries."""

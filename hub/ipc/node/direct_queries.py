@@ -1,0 +1,152 @@
+"""The short way of queries between two modules of one machine, past central.
+
+Central still says who answers what. Whoever answers alone has a socket of its own; central tells
+those who ask, and their next queries go there. When the way ends, everything goes through central.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable
+from typing import Any
+
+import zmq
+
+from hub.errors import CodecError, FrameError
+from hub.ipc import endpoints
+from hub.ipc.transport import sockets
+from hub.ipc.transport.control_channel import Dialogue
+from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.loop import Loop
+from hub.ipc.wire import control, control_codec
+
+_QUEUE = 1000
+_BATCH = 64
+
+Asked = Callable[[control.Query, bytes, bytes], None]
+"""Gets a query, its message, and whom to answer."""
+
+
+class DirectDoor:
+    """Where queries come in at who answers them.
+
+    Attributes:
+        address: Where others connect.
+    """
+
+    def __init__(
+        self,
+        number: int,
+        asked: Asked,
+        *,
+        context: sockets.Context,
+        loop: Loop,
+        complaints: Complaints,
+    ) -> None:
+        """Open.
+
+        Args:
+            number: This client's random number.
+            asked: Gets what comes in.
+            context: The client's.
+            loop: Serves it.
+            complaints: Counts what is malformed.
+        """
+        self.address = f"{endpoints.DIRECT_PREFIX}{number:x}"
+        self._asked = asked
+        self._loop = loop
+        self._complaints = complaints
+        self._socket = sockets.make(context, zmq.ROUTER, _QUEUE)
+        self._socket.router_handover = True
+        sockets.keep_to_ourselves(self._socket)
+        self._socket.bind(self.address)
+        self._send = sockets.sender(self._socket)
+        self._file = loop.register(self._socket, self._receive)
+
+    def answer(self, asker: bytes, message: Any, attached: bytes | None) -> None:
+        """Send an answer; if the asker is gone, or we are, nobody misses it."""
+        if self._socket.closed:
+            return
+        packed = control_codec.pack(message)
+        self._loop.touch(self._file)
+        parts = [asker, packed] if attached is None else [asker, packed, attached]
+        with contextlib.suppress(zmq.Again):
+            sockets.send_parts(self._send, parts)
+
+    def close(self) -> None:
+        """Close; who asks notices at once."""
+        self._loop.unregister(self._file)
+        self._socket.close(0)
+
+    def _receive(self) -> bool:
+        for _ in range(_BATCH):
+            try:
+                parts = self._socket.recv_multipart(zmq.NOBLOCK)
+            except zmq.Again:
+                return False
+            try:
+                message = control_codec.unpack(parts[1])
+                if len(parts) != 3 or not isinstance(message, control.Query):
+                    text = f"{len(parts)} parts came directly that are no query"
+                    raise FrameError(text)
+            except (FrameError, CodecError, IndexError) as error:
+                self._complaints.count("malformed control frame", str(error))
+                continue
+            self._asked(message, parts[2], parts[0])
+        return True
+
+
+class DirectWay:
+    """The way to one module that answers.
+
+    Attributes:
+        address: Its door.
+        names: The messages that it answers.
+    """
+
+    def __init__(
+        self,
+        address: str,
+        *,
+        answered: Callable[[Any, bytes | None], None],
+        lost: Callable[[DirectWay], None],
+        context: sockets.Context,
+        loop: Loop,
+        complaints: Complaints,
+    ) -> None:
+        """Connect.
+
+        Args:
+            address: The door.
+            answered: Gets what comes back.
+            lost: Called when the way has ended.
+            context: The client's.
+            loop: Serves it.
+            complaints: Counts what is malformed.
+        """
+        self.address = address
+        self.names: set[str] = set()
+        self._answered = answered
+        made = sockets.make(context, zmq.DEALER, _QUEUE)
+        made.reconnect_ivl = -1
+        self._dialogue = Dialogue(
+            made,
+            told=self._told,
+            events=zmq.EVENT_DISCONNECTED,
+            happened=lambda _: lost(self),
+            loop=loop,
+            complaints=complaints,
+            address=address,
+        )
+
+    def ask(self, query: control.Query, frame: bytes) -> bool:
+        """Send a query; False if there is no connection yet, or none any more."""
+        return self._dialogue.tell(query, frame)
+
+    def close(self) -> None:
+        """Close."""
+        self._dialogue.close()
+
+    def _told(self, message: Any, attached: bytes | None) -> None:
+        if isinstance(message, (control.Response, control.Failure)):
+            self._answered(message, attached)

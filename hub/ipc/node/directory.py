@@ -1,0 +1,156 @@
+"""What central knows of everybody, and what a client may ask it to do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from hub.errors import NotAllowedError, UnknownModuleError
+from hub.ipc.node.connection import Connection
+from hub.ipc.wire import control
+
+
+class _Waits(Protocol):
+    def __call__(self, done: Callable[[], object], timeout: float, why: str) -> None:
+        """Serve until it is `done`; CentralUnreachableError if it is not within `timeout` [s]."""
+
+
+class Directory:
+    """Central's view, for one client."""
+
+    def __init__(
+        self, connection: Connection, wait: _Waits, attend: Callable[[], None], endpoint: str
+    ) -> None:
+        """Ask nothing yet.
+
+        Args:
+            connection: Where central is asked.
+            wait: Serves the client until something is done.
+            attend: To be called before a question.
+            endpoint: Where central is.
+        """
+        self._connection = connection
+        self._wait = wait
+        self._attend = attend
+        self._silence = f"the hub at {endpoint} does not answer"
+        self._listings: list[control.Listing] = []
+        self._asked: Any = None
+        self._closing: str | None = None
+        self._closings: dict[str, control.Close | control.Refused] = {}
+        self._watchers: list[Callable[[control.Presence], None]] = []
+        self._followed: dict[str, Callable[[int], None]] = {}
+
+    def listing(self, timeout: float) -> control.Listing:
+        """All that central knows: modules, messages, who does what with them, what was dropped.
+
+        Raises:
+            CentralUnreachableError: It did not answer within `timeout` [s].
+        """
+        self._attend()
+        self._listings.clear()
+        self._ask(control.List(), lambda: self._listings, timeout)
+        return self._listings[-1]
+
+    def is_defined(self, name: str, timeout: float = 2.0) -> bool:
+        """Whether anybody has defined a message of this name.
+
+        Raises:
+            CentralUnreachableError: Central did not answer within `timeout` [s].
+        """
+        return any(entry.name == name for entry in self.listing(timeout).definitions)
+
+    def number_of_handlers(self, name: str, timeout: float = 2.0) -> int:
+        """How many connected modules answer queries of this name.
+
+        Raises:
+            CentralUnreachableError: Central did not answer within `timeout` [s].
+        """
+        return sum(name in peer.handles.split() for peer in self.listing(timeout).peers)
+
+    def watch(self, handler: Callable[[control.Presence], None]) -> None:
+        """Call `handler` when a module comes or goes, defines, publishes, subscribes or answers.
+
+        Of those that are there already `listing` tells.
+        """
+        self._watchers.append(handler)
+        self.ask_again()
+
+    def follow(self, module: str, learn: Callable[[int], None]) -> None:
+        """Call `learn` with the number of the module of this name; 0 while it is not connected.
+
+        It is the number that central gave that connection. What stands in frames may say anything.
+        """
+        self._followed[module] = learn
+        self._ask_for(module)
+
+    def ask_again(self) -> None:
+        """Central knows us anew, and not what we had asked."""
+        if self._watchers and self._connection.publisher:
+            self._connection.tell(control.Watch())
+        for module, learn in self._followed.items():
+            learn(0)  # central tells at once if it is there
+            self._ask_for(module)
+        if self._asked is not None:
+            self._connection.tell(self._asked)
+
+    def close_module(self, name: str, *, timeout: float) -> None:
+        """Have central disconnect the module of this name for good.
+
+        Raises:
+            UnknownModuleError: There is none.
+            NotAllowedError: Our key does not let us close modules.
+            CentralUnreachableError: Central did not answer within `timeout` [s].
+        """
+        self._attend()
+        self._closings.pop(name, None)
+        self._closing = name
+        try:
+            self._ask(control.Close(name=name), lambda: name in self._closings, timeout)
+        finally:
+            self._closing = None
+        outcome = self._closings.pop(name)
+        if isinstance(outcome, control.Refused):
+            forbidden = outcome.error == NotAllowedError.__name__
+            raise (NotAllowedError if forbidden else UnknownModuleError)(outcome.text)
+
+    def set_log_level(self, level: str) -> None:
+        """Have central log from this level on: debug, info, warning or error."""
+        self._attend()
+        self._connection.tell(control.LogLevel(level=level))
+
+    def _ask_for(self, module: str) -> None:
+        if self._connection.publisher:
+            self._connection.tell(control.Watch(module=module))
+
+    def _ask(self, question: Any, answered: Callable[[], object], timeout: float) -> None:
+        self._connection.tell(question)
+        self._asked = question
+        try:
+            self._wait(answered, timeout, self._silence)
+        finally:
+            self._asked = None
+
+    def told(self, message: Any) -> bool:
+        """A control message came; whether it was meant for us."""
+        if isinstance(message, control.Presence):
+            self._note(message)
+            for watcher in self._watchers:
+                watcher(message)
+        elif isinstance(message, control.Listing):
+            self._listings.append(message)
+        elif isinstance(message, control.Close):
+            self._closings[message.name] = message
+        elif isinstance(message, control.Refused) and (
+            message.error == UnknownModuleError.__name__ or message.subject == self._closing
+        ):
+            self._closings[message.subject] = message
+        else:
+            return False
+        return True
+
+    def _note(self, presence: control.Presence) -> None:
+        learn = self._followed.get(presence.module)
+        if learn is not None and presence.change is control.Change.CONNECTED:
+            learn(presence.publisher)
+        elif learn is not None and presence.change is control.Change.DISCONNECTED:
+            learn(0)

@@ -1,0 +1,218 @@
+"""The queries that a client waits for: each ends exactly once, with an answer or with an error."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import hub.errors
+from hub.errors import (
+    CodecError,
+    FrameError,
+    HandlerDiedError,
+    HandlerFailedError,
+    NoHandlerError,
+    QueryError,
+    QueryTimeoutError,
+)
+from hub.ipc.message_info import Reception
+from hub.ipc.node.connection import Connection
+from hub.ipc.node.direct_queries import DirectWay
+from hub.ipc.wire import control, frames
+
+
+@dataclass(slots=True, kw_only=True)
+class Question:
+    """A query under way.
+
+    Attributes:
+        name: Message name of the query.
+        read: Turns the answer's frame into what `answered` gets.
+        timeout: How long the answer may take [s].
+        deadline: When it has taken so long [s].
+        answered: Called with the answer.
+        failed: Called with the error.
+        unsent: Whether it could not even be sent.
+        frame: The message of a query that went the direct way.
+        way: That way.
+        orphaned: Whether that way has ended, and it was asked again.
+    """
+
+    name: str
+    read: Callable[[frames.Frame], Any]
+    timeout: float
+    deadline: float
+    answered: Callable[[Any, Reception], None]
+    failed: Callable[[QueryError], None]
+    unsent: bool = False
+    frame: bytes | None = None
+    way: DirectWay | None = None
+    orphaned: bool = False
+
+
+class Questions:
+    """All queries under way of one client, by number."""
+
+    def __init__(self, connection: Connection, clock: Callable[[], float]) -> None:
+        self._connection = connection
+        self._clock = clock
+        self._waiting: dict[int, Question] = {}
+        self._last = 0
+        self._ways: dict[str, DirectWay] = {}
+        # Nothing ends by time before this [s]: so most turns need not look at every question.
+        self._earliest = math.inf
+
+    def ask(self, question: Question, frame: bytes | None) -> None:
+        """Ask with a message's frame, or without one for the last value of the message.
+
+        It is not kept for a central that is away: who asks is told so at the next `expire`.
+        """
+        self._last = number = self._last % 0xFFFF_FFFF + 1
+        self._waiting[number] = question
+        if question.deadline < self._earliest:
+            self._earliest = question.deadline
+        if frame is None:
+            last = control.Last(number=number, name=question.name, timeout_s=question.timeout)
+            self._ask_central(question, last, None)
+            return
+        query = control.Query(number=number, name=question.name, timeout_s=question.timeout)
+        way = self._ways.get(question.name)
+        if way is not None and way.ask(query, frame):
+            question.way, question.frame = way, frame
+        else:
+            self._ask_central(question, query, frame)
+
+    def ask_and_wait(
+        self, name: str, frame: bytes | None, timeout: float, listen: Callable[[float], None]
+    ) -> frames.Frame:
+        """Ask, and `listen` until the answer is there.
+
+        Raises:
+            QueryError: No handler, it died or failed, or the time ran out.
+        """
+        answers: list[frames.Frame] = []
+        failures: list[QueryError] = []
+        self._ask_for_frame(name, frame, timeout, answers.append, failures.append)
+        while not answers and not failures:
+            listen(0.1)
+        if failures:
+            raise failures[0]
+        return answers[0]
+
+    def ask_last(self, name: str, timeout: float, answered: Callable[[frames.Frame], None]) -> None:
+        """Ask for the last value of a message; if there is none, what comes next will do."""
+        self._ask_for_frame(name, None, timeout, answered, lambda _: None)
+
+    def _ask_for_frame(
+        self,
+        name: str,
+        frame: bytes | None,
+        timeout: float,
+        answered: Callable[[frames.Frame], None],
+        failed: Callable[[QueryError], None],
+    ) -> None:
+        """Ask, and hand on the answer's frame as it is."""
+        question = Question(
+            name=name,
+            read=lambda answer: answer,
+            timeout=timeout,
+            deadline=self._clock() + timeout,
+            answered=lambda answer, _: answered(answer),
+            failed=failed,
+        )
+        self.ask(question, frame)
+
+    def _ask_central(
+        self, question: Question, message: control.Query | control.Last, frame: bytes | None
+    ) -> None:
+        if not self._connection.publisher or not self._connection.tell(message, frame):
+            question.unsent, question.deadline = True, -math.inf
+            self._earliest = -math.inf
+
+    def follow(self, name: str, way: DirectWay | None) -> DirectWay | None:
+        """Ask for this name on this way from now on, or through central; the way it went before."""
+        if way is not None and self._ways.get(name) is way:
+            return None
+        before = self._ways.pop(name, None)
+        if before is not None:
+            before.names.discard(name)
+            self._ask_again(before, name)
+        if way is not None:
+            self._ways[name] = way
+            way.names.add(name)
+        return before
+
+    def ways(self) -> set[DirectWay]:
+        """All direct ways in use."""
+        return set(self._ways.values())
+
+    def _ask_again(self, way: DirectWay, name: str) -> None:
+        """What went a way that has ended is asked through central."""
+        now = self._clock()
+        for number, question in self._waiting.items():
+            if question.way is way and question.name == name:
+                question.way, question.orphaned = None, True
+                query = control.Query(
+                    number=number, name=name, timeout_s=max(question.deadline - now, 1e-3)
+                )
+                self._ask_central(question, query, question.frame)
+
+    def due(self, otherwise: float) -> float:
+        """When to look for those whose time has run out [s], not later than `otherwise`."""
+        return min(otherwise, self._earliest)
+
+    def expire(self, now: float, endpoint: str) -> None:
+        """End those whose time has run out at `now` [s]."""
+        if now <= self._earliest:
+            return
+        overdue = [(each.deadline, n) for n, each in self._waiting.items() if each.deadline < now]
+        for _, number in sorted(overdue):
+            question = self._waiting.pop(number, None)
+            if question is None:
+                continue  # what another was told made us listen, and so ended this one too
+            if question.unsent:
+                text = f"the query {question.name} was not sent: no hub answers at {endpoint}"
+                question.failed(QueryError(text))
+            else:
+                text = f"no answer to the query {question.name} in {question.timeout:g} s"
+                question.failed(QueryTimeoutError(text))
+        self._earliest = min((each.deadline for each in self._waiting.values()), default=math.inf)
+
+    def end_all(self, why: str) -> None:
+        """Central does not know, or not any more, what we asked it."""
+        for number in list(self._waiting):
+            question = self._waiting.pop(number, None)
+            if question is not None:
+                text = f"the query {question.name} ended without an answer: {why}"
+                question.failed(QueryError(text))
+
+    def conclude(
+        self,
+        message: control.Response | control.Failure,
+        attached: bytes | None,
+        received: Callable[[frames.Frame], Reception],
+    ) -> bool:
+        """What central says of a query; False if nobody waits for it any more."""
+        question = self._waiting.pop(message.number, None)
+        if question is None:
+            return False
+        if not self._waiting:
+            self._earliest = math.inf
+        if isinstance(message, control.Failure) or attached is None:
+            text = message.text if isinstance(message, control.Failure) else "an empty answer"
+            kind = getattr(hub.errors, getattr(message, "error", ""), HandlerFailedError)
+            if question.orphaned and kind is NoHandlerError:
+                kind = HandlerDiedError  # it was there when we asked
+            valid = isinstance(kind, type) and issubclass(kind, QueryError)
+            question.failed(kind(text) if valid else HandlerFailedError(text))
+            return True
+        try:
+            frame = frames.unpack(attached)
+            value = question.read(frame)
+        except (FrameError, CodecError) as error:
+            question.failed(HandlerFailedError(str(error)))
+            return True
+        question.answered(value, received(frame))
+        return True

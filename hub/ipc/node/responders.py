@@ -1,0 +1,163 @@
+"""A client's answers to queries: now, or later."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import Any, Generic, TypeVar
+
+from hub.errors import HandlerFailedError, HubError, NoValueError
+from hub.ipc.definition import MessageDefinition
+from hub.ipc.message_info import decode
+from hub.ipc.node.connection import Connection
+from hub.ipc.node.direct_queries import DirectDoor
+from hub.ipc.wire import control, frames
+
+R = TypeVar("R")
+
+Pack = Callable[[MessageDefinition[Any], Any, float], bytes]
+
+
+class Reply(Generic[R]):
+    """An answer that is owed; it is given once, at any time before the query's time has run out.
+
+    Attributes:
+        asker: Who asked: its number at central, as in frame headers.
+    """
+
+    def __init__(self, asker: int, respond: Callable[[R, float | None], None], fail: Fail) -> None:
+        self.asker = asker
+        self._respond = respond
+        self._fail = fail
+
+    def answer(self, value: R, *, measured: float | None = None) -> None:
+        """This is it; a second answer is dropped by central.
+
+        Args:
+            value: The answer.
+            measured: When its content was measured, on the monotonic clock [s]; default when the
+                question came.
+
+        Raises:
+            CodecError: The value does not fit the format; the query has ended with that error.
+        """
+        try:
+            self._respond(value, measured)
+        except HubError as error:
+            self._fail("HandlerFailedError", str(error))
+            raise
+
+    def fail(self, why: str) -> None:
+        """There will be none."""
+        self._fail("HandlerFailedError", why)
+
+
+Fail = Callable[[str, str], None]
+Tell = Callable[[Any, bytes | None], object]
+_Responder = Callable[[frames.Frame, int, float, Tell], None]
+
+
+class Answers:
+    """What one client answers."""
+
+    def __init__(
+        self,
+        name: str,
+        connection: Connection,
+        pack: Pack,
+        last: Callable[[str], bytes | None],
+        clock: Callable[[], float],
+    ) -> None:
+        """Answer nothing yet.
+
+        Args:
+            name: Of the client.
+            connection: Where answers go.
+            pack: Makes the frame of a value that was measured at a time [s].
+            last: The last published message of a name, as a frame.
+            clock: Monotonic time [s].
+        """
+        self._name = name
+        self._connection = connection
+        self._pack = pack
+        self._last = last
+        self._clock = clock
+        self._responders: dict[str, _Responder] = {}
+        self._door: DirectDoor | None = None
+
+    def add(
+        self,
+        request: MessageDefinition[Any],
+        response: MessageDefinition[R],
+        handler: Callable[[Any, Reply[R]], None],
+    ) -> None:
+        """Let `handler` answer queries of `request`, at once or later."""
+
+        def answer(frame: frames.Frame, number: int, asked: float, tell: Tell) -> None:
+            def respond(value: R, measured: float | None) -> None:
+                when = asked if measured is None else measured
+                tell(control.Response(number=number), self._pack(response, value, when))
+
+            fail = functools.partial(_fail, tell, number)
+            handler(decode(request, frame), Reply(frame.publisher, respond, fail))
+
+        self._responders[request.name] = answer
+        self._announce(request.name, on=True)
+
+    def remove(self, name: str) -> None:
+        """Answer queries of this name no longer."""
+        if self._responders.pop(name, None) is not None:
+            self._announce(name, on=False)
+
+    def announce_all(self) -> None:
+        """Tell central, which knows the definitions now, what we answer."""
+        for name in self._responders:
+            self._announce(name, on=True)
+
+    def open_door(self, door: DirectDoor | None) -> None:
+        """Let others on this machine ask us there, or nowhere but through central."""
+        self._door = door
+
+    def answer(self, query: control.Query, attached: bytes | None) -> None:
+        """A query has come from central."""
+        self._answer(query, attached, self._connection.tell)
+
+    def answer_directly(self, query: control.Query, attached: bytes, asker: bytes) -> None:
+        """A query has come in at our door."""
+        if self._door is not None:
+            self._answer(query, attached, functools.partial(self._door.answer, asker))
+
+    def _answer(self, query: control.Query, attached: bytes | None, tell: Tell) -> None:
+        asked = self._clock()  # what the answer says was measured from now on, not when it is sent
+        responder = self._responders.get(query.name)
+        try:
+            if responder is None or attached is None:
+                text = f"{self._name} does not answer {query.name}"
+                raise HandlerFailedError(text)
+            responder(frames.unpack(attached), query.number, asked, tell)
+        except HubError as error:
+            _fail(tell, query.number, "HandlerFailedError", str(error))
+        except Exception as error:
+            text = f"{self._name} failed at {query.name}: {error!r}"
+            _fail(tell, query.number, "HandlerFailedError", text)
+            raise
+
+    def tell_last(self, query: control.Last) -> None:
+        """Somebody wants the last value that we published."""
+        frame = self._last(query.name)
+        if frame is None:
+            text = f"{self._name} has published no {query.name} yet"
+            _fail(self._connection.tell, query.number, NoValueError.__name__, text)
+        else:
+            self._connection.tell(control.Response(number=query.number), frame)
+
+    def _announce(self, name: str, *, on: bool) -> None:
+        if self._connection.publisher:
+            address = self._door.address if self._door else ""
+            self._connection.tell(control.Handle(name=name, on=on, address=address))
+
+
+def _fail(tell: Tell, number: int, error: str, text: str) -> None:
+    """Say that there will be no answer, in a text that can be sent whatever is in it."""
+    sayable = text.replace("\0", "?").encode(errors="replace").decode()
+    tell(control.Failure(number=number, error=error, text=sayable), None)

@@ -1,0 +1,317 @@
+"""What happens on a client's side of a connection, and in which order its parts hear of it."""
+
+from __future__ import annotations
+
+import collections
+from typing import Any
+
+from hub.errors import CodecError, HubError, NotAllowedError, RedefinedMessageError
+from hub.ipc import endpoints
+from hub.ipc.definition import MessageDefinition
+from hub.ipc.message_info import Reception
+from hub.ipc.node.connection import LOST_S, Connection
+from hub.ipc.node.direct_queries import DirectDoor, DirectWay
+from hub.ipc.node.directory import Directory
+from hub.ipc.node.pending_queries import Questions
+from hub.ipc.node.publishers import Outlets
+from hub.ipc.node.responders import Answers
+from hub.ipc.node.subscriptions import Inlets
+from hub.ipc.security.client_keys import ClientKeys
+from hub.ipc.transport import file_descriptors, sockets
+from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.handshakes import Handshakes
+from hub.ipc.transport.loop import Loop
+from hub.ipc.wire import control, definition_listing, frames
+
+_CHECK_S = 1.0
+_LAST_S = 2.0
+_REPORT_ENTRIES = 1000
+_HANDSHAKE_S = 0.5
+"""How long who leaves waits for handshakes that are under way [s]."""
+
+
+class Session:
+    """The parts of one client, served by its loop.
+
+    Attributes:
+        connection: To central.
+        outlets: What we publish.
+        inlets: What we subscribe to.
+        questions: What we ask.
+        answers: What we answer.
+        directory: What central tells of everybody.
+        refused: Why central refused a definition, by message name.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        endpoint: str,
+        *,
+        context: sockets.Context,
+        loop: Loop,
+        complaints: Complaints,
+        keys: ClientKeys | None,
+        near: bool,
+    ) -> None:
+        self.refused: dict[str, HubError] = {}
+        self.directory: Directory | None = None
+        self._name = name
+        self._endpoint = endpoint
+        self._clock = loop.clock
+        self._complaints = complaints
+        self._definitions: dict[str, MessageDefinition[Any]] = {}
+        self._confirmed: set[str] = set()
+        self._attached: collections.Counter[str] = collections.Counter()
+        self._next_check = 0.0
+        self.connection = Connection(
+            name,
+            endpoint,
+            owner=self,
+            context=context,
+            loop=loop,
+            complaints=complaints,
+            keys=keys,
+            near=near,
+        )
+        self._handshakes = Handshakes()
+        self.outlets = Outlets(context, loop, self.connection, complaints, self._handshakes)
+        self.inlets = Inlets(context, loop, self.connection, complaints, self._handshakes)
+        self.questions = Questions(self.connection, self._clock)
+        self.answers = Answers(name, self.connection, self.pack, self.outlets.last, self._clock)
+        self._context = context
+        self._loop = loop
+        self._door: DirectDoor | None = None
+        self._way_in: tuple[list[str], bool, bool] | None = None
+        self._lasts: set[str] = set()
+
+    @property
+    def defined(self) -> bool:
+        """Whether central has confirmed all our definitions."""
+        return self._confirmed.issuperset(self._definitions)
+
+    def define(self, definition: MessageDefinition[Any]) -> None:
+        """Make a message known at central.
+
+        Raises:
+            RedefinedMessageError: We have defined it with another format ourselves.
+        """
+        known = self._definitions.get(definition.name)
+        if known is not None and known.fingerprint != definition.fingerprint:
+            both = f"{known.format} and as {definition.format}"
+            text = f"{self._name} uses {definition.name} as {both}; keep to one"
+            raise RedefinedMessageError(text)
+        if known is None:
+            self._definitions[definition.name] = definition
+            if self.connection.publisher:
+                self.connection.tell(definition_listing.to_listing(definition))
+
+    @property
+    def pending(self) -> bool:
+        """Whether messages were taken and not handed on yet, or wait to be sent."""
+        return self.inlets.arrivals.pending or self.outlets.pending
+
+    def due(self, otherwise: float) -> float:
+        """When we want to be served even if nothing comes [s]."""
+        wake = min(otherwise, self.connection.due(otherwise), self._next_check)
+        return self.questions.due(wake)
+
+    def turn(self) -> None:
+        """Do what is due."""
+        if self.outlets.pending:
+            self.outlets.flush()
+        self.inlets.arrivals.turn()
+        self.connection.turn()
+        self.questions.expire(now := self._clock(), self._endpoint)
+        if now >= self._next_check:
+            self._check(now)
+
+    def neglected(self, time: float) -> None:
+        """We did not listen for long: what lies in the sockets is old, but events are events."""
+        if time > LOST_S and self.connection.publisher:
+            self.inlets.take_events()
+            self.connection.start_over(f"{self._name} did not listen for {time:.1f} s")
+        else:
+            self.inlets.drop_pictures()
+
+    def welcomed(self, message: control.Welcome, *, anew: bool, same_run: bool) -> None:
+        """Central knows us."""
+        if anew:
+            # Central knew us no more: what lies in the old connections is from before that.
+            self._confirmed.clear()
+            self.refused.clear()
+            addresses = self.connection.addresses(message)
+            if message.near:
+                # Neighbours connect to us, and ZeroMQ ends a process that has no descriptor left.
+                file_descriptors.allow_many()
+            self._leave_planes()
+            self._way_in = (addresses, message.near, same_run)
+            if self.outlets.used or self.inlets.used:
+                self.enter_planes()
+            self._open_door(near=message.near)
+        for definition in self._definitions.values():
+            self.connection.tell(definition_listing.to_listing(definition))
+        if anew:
+            self.outlets.advertise_all()
+            self.inlets.subscribe_all()
+            for name in self._lasts:
+                self.questions.ask_last(name, _LAST_S, self.inlets.accept)
+            self.answers.announce_all()
+            if self.directory is not None:
+                self.directory.ask_again()
+
+    def ask_last(self, name: str) -> None:
+        """Have the last value of a message handed on, now and whenever central is new."""
+        self._lasts.add(name)
+        if self.connection.publisher:
+            self.questions.ask_last(name, _LAST_S, self.inlets.accept)
+
+    def enter_planes(self) -> None:
+        """Connect to where broadcasts go in and come out, unless we have.
+
+        Not before something is published or subscribed to: who only asks needs no broadcasts, and
+        would often leave in the middle of these handshakes.
+        """
+        if self._way_in is not None:
+            addresses, near, same_run = self._way_in
+            self._way_in = None
+            self.outlets.connect(addresses[0::2], near=near)
+            self.inlets.connect(addresses[1::2], near=near, same_run=same_run)
+
+    def _leave_planes(self) -> None:
+        self._way_in = None
+        self.outlets.disconnect()
+        self.inlets.disconnect()
+
+    def lost(self, why: str) -> None:
+        """Central is gone; nothing may wait for it, because it would be old when it comes."""
+        self._confirmed.clear()
+        self._leave_planes()
+        self._close_ways()
+        self.questions.end_all(why)
+
+    def close(self) -> None:
+        """Free everything."""
+        self._way_in = None
+        if self.connection.publisher:
+            self._handshakes.wait(_HANDSHAKE_S)
+        self._close_ways()
+        self._open_door(near=False)
+        self.outlets.close()
+        self.inlets.disconnect()
+        self.connection.close()
+
+    def told(self, message: Any, attached: bytes | None) -> None:
+        """A control message came that is not about the connection."""
+        if isinstance(message, control.Query):
+            self.answers.answer(message, attached)
+        elif isinstance(message, (control.Response, control.Failure)):
+            if not self.questions.conclude(message, attached, self._reception):
+                self._complaints.count("late answer", "nobody waits for it any more")
+        else:
+            self._told_rarely(message)
+
+    def _told_rarely(self, message: Any) -> None:
+        if isinstance(message, control.Last):
+            self.answers.tell_last(message)
+        elif isinstance(message, control.Route):
+            self._route(message)
+        elif isinstance(message, control.Defined):
+            self._confirmed.add(message.name)
+        elif isinstance(message, control.Advertised):
+            self.outlets.advertised(message)
+        elif isinstance(message, control.Subscribed):
+            self.inlets.subscribed(message)
+        elif isinstance(message, control.Subscriber):
+            self.outlets.subscriber(message)
+        elif self.directory is not None and self.directory.told(message):
+            return
+        elif isinstance(message, control.Refused):
+            kind = NotAllowedError if message.error == "NotAllowedError" else RedefinedMessageError
+            self.refused[message.subject] = kind(message.text)
+            self._complaints.count("refused by central", message.text)
+
+    def _open_door(self, *, near: bool) -> None:
+        """Be asked directly as a neighbour, and only then."""
+        if near and self._door is None:
+            self._door = DirectDoor(
+                self.connection.client,
+                self.answers.answer_directly,
+                context=self._context,
+                loop=self._loop,
+                complaints=self._complaints,
+            )
+        elif not near and self._door is not None:
+            self._door.close()
+            self._door = None
+        self.answers.open_door(self._door)
+
+    def _route(self, message: control.Route) -> None:
+        """Central says where queries of a name may go, or that they may no longer."""
+        way = next((w for w in self.questions.ways() if w.address == message.address), None)
+        if way is None and endpoints.is_direct_address(message.address):
+            way = DirectWay(
+                message.address,
+                answered=self.told,
+                lost=self._way_lost,
+                context=self._context,
+                loop=self._loop,
+                complaints=self._complaints,
+            )
+        before = self.questions.follow(message.name, way)
+        if before is not None and not before.names:
+            before.close()
+
+    def _way_lost(self, way: DirectWay) -> None:
+        for name in tuple(way.names):
+            self.questions.follow(name, None)
+        way.close()
+
+    def _close_ways(self) -> None:
+        for way in self.questions.ways():
+            self._way_lost(way)
+
+    def _check(self, now: float) -> None:
+        """What is to be done every second or so."""
+        self._next_check = now + _CHECK_S
+        self._handshakes.look()
+        self.outlets.check()
+        received = self.inlets.reports()[:_REPORT_ENTRIES]
+        published = self.outlets.reports()[:_REPORT_ENTRIES]
+        if (received or published) and self.connection.publisher:
+            self.connection.tell(
+                control.Report(
+                    received_count=len(received),
+                    received=received,
+                    published_count=len(published),
+                    published=published,
+                )
+            )
+
+    def pack(self, definition: MessageDefinition[Any], value: Any, measured: float) -> bytes:
+        """The frame of a message in a query or an answer; these are counted apart.
+
+        Raises:
+            CodecError: The value does not fit the format, or is too long for a frame.
+        """
+        payload = definition.encode(value)
+        self._attached[definition.name] += 1
+        frame = frames.pack(
+            frames.prefix(definition.name),
+            publisher=self.connection.publisher,
+            fingerprint=definition.fingerprint,
+            sequence=self._attached[definition.name],
+            stamp_ns=int((measured + self.connection.hub_time.offset) * 1e9),
+            payload=payload,
+        )
+        if len(frame) > frames.MAX_FRAME:
+            text = (
+                f"{definition.name} of {len(frame)} bytes is too long; {frames.MAX_FRAME} are most"
+            )
+            raise CodecError(text)
+        return frame
+
+    def _reception(self, frame: frames.Frame) -> Reception:
+        now = self._clock()
+        measured = min(now, frame.stamp_ns * 1e-9 - self.connection.hub_time.offset)
+        return Reception(frame.publisher, frame.sequence, 0, now - measured, measured)

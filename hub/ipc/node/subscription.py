@@ -1,0 +1,207 @@
+"""One message on its way to its handlers: what came of it, from whom, and how it is read."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from hub.errors import CodecError
+from hub.ipc.definition import Keep, MessageDefinition
+from hub.ipc.message_info import Reception
+from hub.ipc.wire import control, frames
+
+Handler = Callable[[Any, Reception], None]
+
+_MAX_PUBLISHERS = 256
+_MAX_JUMP = 1 << 24
+_CONVINCING = 3
+"""So many messages in a row with numbers that cannot be are believed."""
+
+
+class Source:
+    """What is known of one publisher of one message.
+
+    Attributes:
+        arrived: Number of the last message that came.
+        handed_on: Number of the last message that was handed on.
+        waiting: What came and was not handed on yet, where that is limited.
+    """
+
+    __slots__ = ("_doubtful", "_doubts", "arrived", "handed_on", "waiting")
+
+    def __init__(self) -> None:
+        self.arrived = 0
+        self.handed_on = 0
+        self.waiting: deque[Any] = deque()
+        self._doubtful = self._doubts = 0
+
+    def accepts(self, sequence: int) -> bool:
+        """Whether a message of this number may follow.
+
+        A number that was used or is far away is not believed, but several in a row are: then it was
+        an earlier one that was wrong. So one damaged frame costs no more than itself and a few.
+        """
+        if self.arrived < sequence <= self.arrived + _MAX_JUMP or (not self.arrived and sequence):
+            self._doubts = 0
+            return True
+        self._doubts = self._doubts + 1 if sequence == self._doubtful + 1 else 1
+        self._doubtful = sequence
+        if self._doubts < _CONVINCING:
+            return False
+        self._doubts = 0
+        self.arrived, self.handed_on = sequence - 1, 0
+        return True
+
+
+class Arrival(NamedTuple):
+    """What one frame brought.
+
+    Attributes:
+        publisher: Number of the sender's connection.
+        first: Sequence number of the first message.
+        kind: What the frame holds.
+        messages: For each message its stamp on the hub's clock [ns], and its payload or, of a flat
+            format, its numbers.
+    """
+
+    publisher: int
+    first: int
+    kind: int
+    messages: list[tuple[int, memoryview | tuple[Any, ...]]]
+
+
+Read = tuple[Any, Any]
+"""Payload and value of a message; instead of the payload the numbers of a flat format."""
+_JUST_NOW = 1 << 62
+
+
+class Inlet:
+    """One message on its way to its handlers.
+
+    Attributes:
+        definition: The message.
+        handlers: Who gets it, and whether as a raw payload.
+        limit: How many of each publisher wait at most; the oldest are left out. None: all wait.
+        priority: The higher, the sooner it is handed on.
+        in_ring: Whether it is asked for by descriptors.
+        token: Of the subscription that is under way; empty when it stands.
+        received: Messages handed on.
+        lost: Messages that did not come, by the sequence numbers.
+        expired: Messages that came too old.
+        refused: Messages with a value out of its range.
+        unfit: What was wrong first with a value of it, in a sentence; empty: nothing was.
+        oldest: Largest age since the last report [s].
+        flat: Reads a flat format from a neighbour; None of any other.
+        unordered: Whether every frame counts, whatever its header says.
+    """
+
+    def __init__(self, definition: MessageDefinition[Any]) -> None:
+        self.definition = definition
+        self.handlers: list[tuple[Handler, bool]] = []
+        self.limit: int | None = 1 if definition.keep is Keep.NEWEST else None
+        self.priority = 0
+        self.in_ring = False
+        self.token = ""
+        self.received = self.lost = self.expired = self.refused = 0
+        self.unfit = ""
+        self.oldest = 0.0
+        self.lifespan_s = definition.lifespan_s
+        self.unordered = definition.unreadable is not None
+        self._sources: dict[int, Source] = {}
+        self._told = (0, 0, 0, 0)
+        self._fingerprint = definition.fingerprint
+        self._name = definition.name
+        self._start = len(frames.prefix(definition.name))
+        self._starts = {
+            kind[0]: len(frames.prefix(definition.name, kind)) for kind in (frames.FAR, frames.RING)
+        }
+        self.flat: frames.FlatFrames | None = None
+        self.receive: Callable[..., Any] | None = None
+
+    def add(self, handler: Handler, *, raw: bool) -> None:
+        """Hand it to this one too."""
+        self.handlers.append((handler, raw))
+        letters = self.definition.flat_letters
+        if letters is None or any(raw for _, raw in self.handlers):
+            self.flat = None
+        else:
+            prefix = frames.prefix(self._name)
+            self.flat = frames.FlatFrames(prefix, self._fingerprint, letters)
+            self.receive = self.definition.receive_flat
+
+    def forget(self) -> None:
+        """The publishers' numbers mean others now."""
+        self._sources.clear()
+
+    def source(self, publisher: int) -> Source:
+        """The publisher of this number."""
+        known = self._sources.get(publisher)
+        if known is None:
+            if len(self._sources) >= _MAX_PUBLISHERS:
+                self._sources.clear()
+            known = self._sources[publisher] = Source()
+        return known
+
+    def read(self, raw: bytes) -> Arrival:
+        """What a frame of this message brings.
+
+        Raises:
+            FrameError: It is no frame of ours.
+            CodecError: It is in another format.
+        """
+        start = self._starts.get(raw[0], self._start)
+        if len(raw) < start + frames.HEADER_SIZE:
+            frame = frames.unpack(raw)
+            payload, kind = frame.payload, frame.kind
+            publisher, sequence, stamp = frame.publisher, frame.sequence, frame.stamp_ns
+            fingerprint = frame.fingerprint
+        else:
+            header = frames.read_header(raw, start)
+            version, kind, publisher, fingerprint, sequence, stamp, length = header
+            payload = memoryview(raw)[start + frames.HEADER_SIZE :]
+            in_ring = raw[:1] == frames.RING
+            if (
+                version != frames.VERSION
+                or length != len(payload)
+                or kind > frames.RING_BATCH
+                or (kind in frames.RING_KINDS) != in_ring
+            ):
+                frames.unpack(raw)  # says what is wrong
+        if fingerprint != self._fingerprint:
+            text = f"{self._name} came in another format"
+            raise CodecError(text)
+        if kind == frames.INLINE:
+            message = (self.flat and self.flat.values(payload)) or payload
+            return Arrival(publisher, sequence, kind, [(stamp, message)])
+        if kind == frames.BATCH:
+            messages: Any = self.flat.items(payload) if self.flat else None
+            if messages is None:
+                messages = frames.items(payload)
+            return Arrival(publisher, sequence, frames.INLINE, messages)
+        if kind == frames.RING_BATCH:
+            descriptors: Any = frames.items(payload)
+            return Arrival(publisher, sequence, frames.IN_RING, descriptors)
+        return Arrival(publisher, sequence, kind, [(stamp, payload)])
+
+    def unreadable(self) -> Arrival | None:
+        """What stands for a frame that cannot be read; None if nothing does."""
+        if not self.unordered:
+            return None
+        return Arrival(0, 0, frames.INLINE, [(_JUST_NOW, memoryview(b""))])
+
+    def report(self) -> control.Received | None:
+        """What came since the last time; None if nothing."""
+        now = (self.received, self.lost, self.expired, self.refused)
+        if now == self._told:
+            return None
+        before, self._told = self._told, now
+        oldest, self.oldest = self.oldest, 0.0
+        return control.Received(
+            name=self._name,
+            received=now[0] - before[0],
+            lost=now[1] - before[1],
+            expired=now[2] - before[2],
+            refused=now[3] - before[3],
+            oldest_s=oldest,
+        )

@@ -1,0 +1,269 @@
+"""The receiving side of a client's broadcasts: an inlet for each message it subscribes to."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+from typing import Any
+
+import zmq
+
+from hub.ipc.definition import MessageDefinition, Plane
+from hub.ipc.node import publishers
+from hub.ipc.node.connection import Connection
+from hub.ipc.node.receive_queue import Arrivals
+from hub.ipc.node.subscription import Handler, Inlet
+from hub.ipc.transport import shared_ring, sockets
+from hub.ipc.transport.direct_inbox import Inbox
+from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.handshakes import Handshakes
+from hub.ipc.transport.loop import Loop
+from hub.ipc.wire import control, frames
+
+
+class Inlets:
+    """All inlets of one client, and the sockets they share.
+
+    Attributes:
+        arrivals: What came to them.
+    """
+
+    def __init__(
+        self,
+        context: sockets.Context,
+        loop: Loop,
+        connection: Connection,
+        complaints: Complaints,
+        handshakes: Handshakes,
+    ) -> None:
+        self._handshakes = handshakes
+        self._context = context
+        self._loop = loop
+        self._connection = connection
+        self._complaints = complaints
+        self.arrivals = Arrivals(
+            clock=loop.clock,
+            hub_time=connection.hub_time,
+            complaints=complaints,
+            no_ring=self._go_plain,
+        )
+        self._sockets: dict[Plane, sockets.Socket] = {}
+        self._files: dict[Plane, int] = {}
+        self._inboxes: dict[Plane, Inbox] = {}
+        self._inlets: dict[str, Inlet] = {}
+        self._under_way: dict[str, Inlet] = {}
+        self._tokens = 0
+        self._near = False
+        self._where: dict[Plane, str] = {}
+
+    @property
+    def used(self) -> bool:
+        """Whether anything is subscribed to."""
+        return bool(self._inlets)
+
+    @property
+    def lost(self) -> int:
+        """Messages that did not come, of those that are subscribed to now."""
+        return sum(inlet.lost for inlet in self._inlets.values())
+
+    @property
+    def unfit(self) -> dict[str, str]:
+        """What was wrong first with values of each message, in a sentence by its name."""
+        return {name: inlet.unfit for name, inlet in self._inlets.items() if inlet.unfit}
+
+    @property
+    def standing(self) -> bool:
+        """Whether every subscription has reached everybody who publishes its message."""
+        return not self._under_way
+
+    def connect(self, addresses: Sequence[str], *, near: bool, same_run: bool) -> None:
+        """Connect where each plane comes out, at a central that does not know us."""
+        self._near = near
+        self._where = dict(zip(sockets.PLANES, addresses, strict=True))
+        # Commands first: they must not wait behind a burst of states.
+        for plane in (Plane.COMMAND, Plane.STATE, Plane.PICTURE):
+            self._connect(plane)
+        for inlet in self._inlets.values():
+            if not same_run:  # else what was missed meanwhile shows in the numbers
+                inlet.forget()
+            inlet.in_ring = self._may_ring(inlet.definition)
+
+    def drop_pictures(self) -> None:
+        """Connect the plane of pictures anew: what lies there is old."""
+        if Plane.PICTURE in self._sockets:
+            self._disconnect(Plane.PICTURE)
+            self._connect(Plane.PICTURE)
+            for inlet in self._inlets.values():
+                if inlet.definition.plane is Plane.PICTURE:
+                    self._ask_for(inlet)
+
+    def take_events(self) -> None:
+        """Take what came of messages that are kept in full, and forget all else that came."""
+        for plane in tuple(self._sockets):
+            if plane is not Plane.PICTURE:
+                self.arrivals.take_events(self._sockets[plane])
+                if plane in self._inboxes:
+                    self.arrivals.take_events(self._inboxes[plane].socket)
+
+    def _connect(self, plane: Plane) -> None:
+        socket = sockets.make_plane(self._context, zmq.SUB, plane, self._connection.keys)
+        self._handshakes.begin(socket)
+        sockets.connect(socket, self._where[plane])
+        self._sockets[plane] = socket
+        self._files[plane] = self._loop.register(
+            socket, functools.partial(self.arrivals.take, socket)
+        )
+        if self._near:
+            self._inboxes[plane] = Inbox(self._context, self._loop, plane, self.arrivals.take)
+
+    def subscribe_all(self) -> None:
+        """Subscribe anew, at a central that knows the definitions now."""
+        for inlet in self._inlets.values():
+            self._ask_for(inlet)
+
+    def disconnect(self) -> None:
+        """Central is gone; what was taken is still handed on."""
+        for plane in tuple(self._sockets):
+            self._disconnect(plane)
+        self._under_way.clear()
+        self.arrivals.close_rings()
+
+    def _disconnect(self, plane: Plane) -> None:
+        self._loop.unregister(self._files[plane])
+        socket = self._sockets.pop(plane)
+        self._handshakes.end(socket)
+        socket.close(0)
+        inbox = self._inboxes.pop(plane, None)
+        if inbox is not None:
+            inbox.close()
+
+    def subscribe(
+        self,
+        definition: MessageDefinition[Any],
+        handler: Handler,
+        *,
+        raw: bool = False,
+        queue: int | None = None,
+        priority: int | None = None,
+    ) -> None:
+        """Hand every message of `definition` to `handler` too."""
+        known = self._inlets.get(definition.name)
+        inlet = known or Inlet(definition)
+        inlet.add(handler, raw=raw)
+        if queue is not None:
+            inlet.limit = queue
+        if priority is not None:
+            inlet.priority = priority
+        self.arrivals.add(inlet)
+        if known is None:
+            self._inlets[definition.name] = inlet
+            inlet.in_ring = self._may_ring(definition)
+            if self._connection.publisher:
+                self._ask_for(inlet)
+
+    def unsubscribe(self, name: str, handler: Handler | None) -> None:
+        """Hand the message to `handler` no longer, or to nobody; what waits is not handed on."""
+        inlet = self._inlets.get(name)
+        if inlet is None:
+            return
+        inlet.handlers = [each for each in inlet.handlers if handler not in (None, each[0])]
+        if inlet.handlers:
+            return
+        del self._inlets[name]
+        self.arrivals.remove(inlet)
+        if self._sockets:
+            self._filter(inlet, on=False)
+            self._stands(inlet.token)
+            self._connection.tell(control.Unsubscribe(name=name))
+
+    def subscribed(self, message: control.Subscribed) -> None:
+        """Central says that a subscription stands."""
+        self._stands(message.token)
+
+    def reports(self) -> tuple[control.Received, ...]:
+        """What came to each inlet since the last time."""
+        made = (inlet.report() for inlet in self._inlets.values())
+        return tuple(report for report in made if report is not None)
+
+    def accept(self, frame: frames.Frame) -> None:
+        """Hand on a message that came another way, such as the last value that was asked for."""
+        inlet = self._inlets.get(frame.name)
+        if inlet is None:
+            return
+        inbox = self._inbox(inlet)
+        if inbox is None or self._emptied(inbox, frame):
+            self.arrivals.accept(inlet, frame)
+
+    def _emptied(self, inbox: Inbox, frame: frames.Frame) -> bool:
+        """Whether an inbox is empty after a turn; else the frame is accepted in a later turn.
+
+        What was sent before the frame has come by now, and would be taken for repeated behind it.
+        """
+        more = True
+        try:
+            more = inbox.take_now()
+        finally:  # also after a handler that raised
+            if more:
+                self._loop.after(0.0, functools.partial(self.accept, frame))
+        return not more
+
+    def _ask_for(self, inlet: Inlet) -> None:
+        """Subscribe, and have central say when nothing can be missed any more."""
+        definition = inlet.definition
+        self._under_way.pop(inlet.token, None)
+        self._tokens += 1
+        inlet.token = f"{self._connection.publisher}.{self._tokens}"
+        self._under_way[inlet.token] = inlet
+        self._filter(inlet, on=True)
+        inbox = self._inbox(inlet)
+        self._connection.tell(
+            control.Subscribe(
+                name=definition.name,
+                token=inlet.token,
+                inbox=inbox.address if inbox else "",
+                in_ring=inlet.in_ring,
+            )
+        )
+        if not self._connection.may_enter(definition.plane):
+            # Who only listens cannot see its own mark come back.
+            self._connection.tell(control.Ready(token=inlet.token))
+
+    def _inbox(self, inlet: Inlet) -> Inbox | None:
+        return self._inboxes.get(Plane.STATE if inlet.in_ring else inlet.definition.plane)
+
+    def _stands(self, token: str) -> None:
+        """The mark of a subscription has done its work."""
+        inlet = self._under_way.pop(token, None)
+        if inlet is not None:
+            inlet.token = ""
+            plane = inlet.definition.plane
+            for topic in self._filters(inlet):
+                self._sockets[plane].unsubscribe(publishers.mark(topic, token))
+            self._loop.touch(self._files[plane])
+
+    def _may_ring(self, definition: MessageDefinition[Any]) -> bool:
+        return self._near and shared_ring.available and definition.plane is Plane.PICTURE
+
+    def _filter(self, inlet: Inlet, *, on: bool) -> None:
+        plane = inlet.definition.plane
+        socket = self._sockets[plane]
+        self._loop.touch(self._files[plane])
+        change = socket.subscribe if on else socket.unsubscribe
+        for topic in self._filters(inlet):
+            change(topic)
+            if on:
+                socket.subscribe(publishers.mark(topic, inlet.token))
+
+    def _filters(self, inlet: Inlet) -> list[bytes]:
+        """What comes from central: what neighbours send only if we are none."""
+        kinds = (frames.FAR,) if self._near else (frames.FAR, b"")
+        return [frames.topic(inlet.definition.name, kind) for kind in kinds]
+
+    def _go_plain(self, inlet: Inlet, why: str) -> None:
+        """Ask for the payloads themselves from now on."""
+        if inlet.in_ring and self._sockets:
+            self._complaints.count("no shared memory", f"{inlet.definition.name}: {why}")
+            self._stands(inlet.token)
+            self._filter(inlet, on=False)
+            inlet.in_ring = False
+            self._ask_for(inlet)

@@ -1,0 +1,239 @@
+"""The schema texts of a message: ros2msg, as recordings carry it, and OMG IDL.
+
+Both say of a payload what its format says, with the names of the dataclass's fields, so that tools
+of the ROS 2 world read the bytes as they are. Where those have no counterpart the wire decides:
+
+| format | in the schema |
+| --- | --- |
+| `byte`, `char` | int8, uint8 |
+| enum | int32 |
+| array of several dimensions, or of arrays | one array of all elements |
+| pointer | sequence of at most one |
+| linked list | sequence of the node's type, which lacks the self pointer |
+| array of or pointer to pointers, lists or sequences | array of a type of its own around them |
+
+Two formats have no schema: an empty struct, for which ROS 2 writes a byte, and a message whose
+fields have names that ROS 2 does not allow.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+from dataclasses import dataclass
+from typing import Any, NoReturn, cast
+
+from hub.errors import MessageFormatError
+from hub.ipc.definition import MessageDefinition
+from hub.ipc.formats import grammar as formats
+from hub.ipc.formats.dataclass_codec import Record
+
+PACKAGE = "rune_msgs"
+"""ROS package of every message that names no ROS 2 type of its own."""
+
+_ROS = {
+    "byte": "int8",
+    "ubyte": "uint8",
+    "char": "uint8",
+    "short": "int16",
+    "ushort": "uint16",
+    "int": "int32",
+    "uint": "uint32",
+    "long": "int64",
+    "ulong": "uint64",
+    "float": "float32",
+    "double": "float64",
+    "boolean": "bool",
+    "string": "string",
+}
+_IDL = _ROS | {"float": "float", "double": "double", "boolean": "boolean"}
+_FIELD_NAME = re.compile(r"[a-z](?:_?[a-z0-9])*", re.ASCII)
+_ROS_TYPE = re.compile(r"([a-z]\w*)/msg/([A-Z][A-Za-z0-9]*)", re.ASCII)
+
+
+@dataclass(frozen=True, slots=True)
+class _Field:
+    """One field of a type.
+
+    Attributes:
+        name: Its name.
+        kind: A primitive of the grammar, or a type of the schema.
+        count: None for a single value, 0 for a sequence, else elements of an array.
+        bounded: Whether it is a sequence with `count` elements at most.
+    """
+
+    name: str
+    kind: str | _Kind
+    count: int | None = None
+    bounded: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class _Kind:
+    """A type of the schema."""
+
+    name: str
+    fields: tuple[_Field, ...]
+
+
+def ros_type(definition: MessageDefinition[Any]) -> str:
+    """The name of the message's ROS 2 type: "rune_msgs/msg/GCMRobotState".
+
+    Raises:
+        MessageFormatError: The message has no ROS 2 type.
+    """
+    schema = _Schema(definition)
+    return f"{schema.package}/msg/{schema.kinds[-1].name}"
+
+
+def ros2msg(definition: MessageDefinition[Any]) -> str:
+    """The message's fields as ROS 2 .msg text, followed by the types it uses.
+
+    The form is that of schemas of encoding "ros2msg" in MCAP files: each further type follows a
+    line of 80 "=" and "MSG: package/Name".
+
+    Raises:
+        MessageFormatError: The message has no ROS 2 type.
+    """
+    schema = _Schema(definition)
+    lines: list[str] = []
+    for kind in reversed(schema.kinds):
+        if lines:
+            lines += ["=" * 80, f"MSG: {schema.package}/{kind.name}"]
+        lines += [_ros_field(each, schema.package) for each in kind.fields]
+    return "\n".join(lines) + "\n"
+
+
+def omg_idl(definition: MessageDefinition[Any]) -> str:
+    """The message and the types it uses as OMG IDL, in the modules that ROS 2 has for them.
+
+    A field whose name is a word of IDL keeps it, as in the IDL that ROS 2 makes of its messages.
+
+    Raises:
+        MessageFormatError: The message has no ROS 2 type.
+    """
+    schema = _Schema(definition)
+    lines = [f"module {schema.package} {{", "  module msg {"]
+    for kind in schema.kinds:
+        lines.append(f"    struct {kind.name} {{")
+        lines += [f"      {_idl_field(each, schema.package)};" for each in kind.fields]
+        lines.append("    };")
+    return "\n".join([*lines, "  };", "};"]) + "\n"
+
+
+def _ros_field(each: _Field, package: str) -> str:
+    name = _ROS[each.kind] if isinstance(each.kind, str) else f"{package}/{each.kind.name}"
+    if each.count is None:
+        return f"{name} {each.name}"
+    return f"{name}[{'<=' if each.bounded else ''}{each.count or ''}] {each.name}"
+
+
+def _idl_field(each: _Field, package: str) -> str:
+    name = _IDL[each.kind] if isinstance(each.kind, str) else f"{package}::msg::{each.kind.name}"
+    if each.bounded:
+        return f"sequence<{name}, {each.count}> {each.name}"
+    if each.count is None:
+        return f"{name} {each.name}"
+    return f"{name} {each.name}[{each.count}]" if each.count else f"sequence<{name}> {each.name}"
+
+
+class _Schema:
+    """The types of one message.
+
+    Attributes:
+        package: ROS package of all of them.
+        kinds: The types; one that uses another stands behind it, the message's own is the last.
+    """
+
+    def __init__(self, definition: MessageDefinition[Any]) -> None:
+        self.kinds: list[_Kind] = []
+        self._known: dict[tuple[type[Any], formats.Format], _Kind] = {}
+        self._format = definition.format
+        self.package, self._root = PACKAGE, _type_name(definition.name)
+        if definition.ros_type:
+            match = _ROS_TYPE.fullmatch(definition.ros_type)
+            if match is None:
+                self._refuse(f"{definition.ros_type[:80]!r} is not written package/msg/Name")
+            self.package, self._root = match.groups()
+        tree = cast("formats.Struct", definition.tree)
+        if tree.next_place is None:
+            self._add(self._root, self._fields(tree, definition.record, self._root))
+        else:
+            nodes = self._field("nodes", tree, definition.record, self._root)
+            self._add(self._root, (nodes,))
+
+    def _refuse(self, reason: str) -> NoReturn:
+        raise MessageFormatError(self._format, 0, f"no ROS 2 type: {reason}")
+
+    def _add(self, name: str, fields: tuple[_Field, ...]) -> _Kind:
+        if not fields:
+            self._refuse(f"{name} is an empty struct")
+        kind = _Kind(name, fields)
+        self.kinds.append(kind)
+        return kind
+
+    def _free(self, name: str) -> str:
+        """The name, with a number if another type has it."""
+        taken = {self._root, *(kind.name for kind in self.kinds)}
+        numbered = (f"{name}{number}" for number in itertools.count(2))
+        return next(each for each in itertools.chain([name], numbered) if each not in taken)
+
+    def _fields(self, tree: formats.Struct, record: Record, owner: str) -> tuple[_Field, ...]:
+        return tuple(
+            self._field(member.name, node, member.record, owner)
+            for member, node in zip(record.members, tree.members, strict=True)
+            if not isinstance(node, formats.SelfPointer)
+        )
+
+    def _field(self, name: str, node: formats.Format, record: Record | None, owner: str) -> _Field:
+        if not _FIELD_NAME.fullmatch(name):
+            self._refuse(f"{name!r} is no name for a field there")
+        kind, count, bounded = self._shape(node, record, owner + _type_name(name))
+        return _Field(name, kind, count, bounded)
+
+    def _shape(
+        self, node: formats.Format, record: Record | None, owner: str
+    ) -> tuple[str | _Kind, int | None, bool]:
+        """Type, count and whether it is bounded, as `_Field` has them."""
+        if isinstance(node, formats.Primitive):
+            return node.name, None, False
+        if isinstance(node, formats.Enum):
+            return "int", None, False
+        if isinstance(node, formats.Struct):
+            count = None if node.next_place is None else 0
+            return self._struct(node, record), count, False
+        if isinstance(node, formats.FixedArray):
+            count = node.count
+            while isinstance(node.element, formats.FixedArray):
+                node = node.element
+                count *= node.count
+            return self._element(node.element, record, owner), count, False
+        if isinstance(node, formats.VariableArray):
+            return self._element(node.element, record, owner), 0, False
+        if isinstance(node, formats.Pointer):
+            target = node.target
+            if isinstance(target, formats.Struct) and target.next_place is not None:
+                return self._struct(target, record), 0, False
+            return self._element(target, record, owner), 1, True
+        raise AssertionError(node)
+
+    def _element(self, node: formats.Format, record: Record | None, owner: str) -> str | _Kind:
+        """The type of one element, with a type around an array, for ROS 2 has no arrays of them."""
+        kind, count, bounded = self._shape(node, record, owner)
+        if count is None:
+            return kind
+        return self._add(self._free(owner), (_Field("items", kind, count, bounded),))
+
+    def _struct(self, node: formats.Struct, known: Record | None) -> _Kind:
+        record = cast("Record", known)
+        key = (record.kind, node)
+        if key not in self._known:
+            name = _type_name(record.kind.__name__)
+            fields = self._fields(node, record, name)
+            self._known[key] = self._add(self._free(name), fields)
+        return self._known[key]
+
+
+def _type_name(name: str) -> str:
+    """A name with underscores as ROS 2 wants that of a type: "GCM_robot_state", "GCMRobotState"."""
+    return "".join(part[0].upper() + part[1:] for part in name.split("_") if part)

@@ -1,0 +1,1 @@
+"""Keys, and what each role may publish and ask for."""

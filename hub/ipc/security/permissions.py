@@ -1,0 +1,66 @@
+"""What a client has to be allowed to do to say something to central."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from hub.errors import NotAllowedError
+from hub.ipc.definition import Plane
+from hub.ipc.roles import Action, Bearer, demand, may
+from hub.ipc.security.publish_rights import demand_right
+from hub.ipc.wire import control
+
+_ASKED = {
+    control.Subscribe: Action.SUBSCRIBE,
+    control.Handle: Action.ANSWER,
+    control.Last: Action.QUERY,
+    control.Query: Action.QUERY,
+    control.Watch: Action.PRESENCE,
+    control.Close: Action.CLOSE_MODULE,
+    control.LogLevel: Action.SET_LOG_LEVEL,
+}
+_NAMED = (control.Define, control.Advertise, control.Subscribe, control.Close)
+
+
+def check(bearer: Bearer, client: str, message: Any, plane: Callable[[str], str | None]) -> None:
+    """Refuse a control message that its sender may not send.
+
+    Args:
+        bearer: Whose key the sender has.
+        client: The sender's name at central.
+        message: The control message.
+        plane: The plane of the message of a name; None if it is not defined.
+
+    Raises:
+        NotAllowedError: The text says what the sender may not do, and who may.
+    """
+    if isinstance(message, control.Define):
+        _check_definition(bearer, message.name, plane)
+        return
+    if isinstance(message, (control.Query, control.Advertise)):
+        known = plane(message.name)
+        publishes = isinstance(message, control.Advertise) and known is not None
+        if known is not None and (publishes or known == Plane.COMMAND.value):
+            demand_right(bearer, client, message.name, known)
+    demand(bearer, _ASKED.get(type(message), Action.LIST))
+
+
+def _check_definition(bearer: Bearer, name: str, plane: Callable[[str], str | None]) -> None:
+    if plane(name) is None and not may(bearer.role, Action.DEFINE):
+        # No advice to take a stronger key: a module of the robot will define it.
+        text = (
+            f"{bearer.name} has a key to {bearer.role.value} and may not define a new message: "
+            f"no module of this robot has defined {name[:80]} yet; start the module that uses it"
+        )
+        raise NotAllowedError(text)
+
+
+def refusal(message: Any, text: str) -> Any:
+    """What the sender of a control message that is not allowed is told; None if nothing."""
+    if isinstance(message, (control.Query, control.Last)):
+        return control.Failure(number=message.number, error="HandlerFailedError", text=text)
+    if isinstance(message, _NAMED):
+        error = NotAllowedError.__name__
+        return control.Refused(subject=message.name, error=error, text=text)
+    return None

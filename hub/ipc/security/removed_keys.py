@@ -1,0 +1,67 @@
+"""Notices that keys were removed from the list while somebody is connected with them."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Set
+
+from hub.errors import KeyFileError
+from hub.ipc.roles import Bearer
+from hub.ipc.security.keyring import Keyring
+
+_logger = logging.getLogger(__name__)
+
+LOOK_S = 1.0
+"""How often the list is looked at [s]."""
+
+
+class RemovedKeys:
+    """Keys that are on the list no longer; `holds` is for any thread, the rest for one.
+
+    A removed key stays refused until the same key is on the list again, with its role and name.
+    Another key of that name is another bearer, and changes nothing for the removed one.
+
+    A list that cannot be read changes nothing here: who is connected stays, and nobody else comes
+    in.
+    """
+
+    def __init__(
+        self,
+        keyring: Keyring,
+        admitted: Callable[[], Set[Bearer]],
+        end: Callable[[Bearer], None],
+    ) -> None:
+        """Begin to watch the list.
+
+        Args:
+            keyring: The list.
+            admitted: The keys that the gateway let in since it started.
+            end: Ends the connections of who has this key.
+        """
+        self._keyring = keyring
+        self._admitted = admitted
+        self._end = end
+        self._removed: frozenset[Bearer] = frozenset()
+        self._next = 0.0
+
+    def holds(self, bearer: Bearer) -> bool:
+        """Whether this key was not removed."""
+        return bearer not in self._removed
+
+    def look(self, now: float) -> None:
+        """End the connections of keys that are on the list no longer, or have another role now.
+
+        Args:
+            now: Monotonic time [s]; it looks once in `LOOK_S`.
+        """
+        if now < self._next:
+            return
+        self._next = now + LOOK_S
+        try:
+            listed = {holder.bearer for holder in self._keyring.holders()}
+        except KeyFileError:
+            return  # the next handshake counts it and logs it
+        before, self._removed = self._removed, frozenset(self._admitted() - listed)
+        for bearer in self._removed - before:
+            _logger.info("the key of %s was removed: its connections end", bearer)
+            self._end(bearer)

@@ -1,0 +1,107 @@
+"""A client's end of a conversation in control messages, with central or with a neighbour."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import zmq
+
+from hub.errors import CodecError, FrameError
+from hub.ipc.transport import sockets
+from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.loop import Loop
+from hub.ipc.wire import control_codec
+
+_BATCH = 256
+_TURN_S = 0.02
+"""What comes is served for so long before timers have their turn: each may take its time [s]."""
+
+
+class Dialogue:
+    """A connected socket (DEALER), served by a loop until it is closed."""
+
+    def __init__(
+        self,
+        socket: sockets.Socket,
+        *,
+        told: Callable[[Any, bytes | None], None],
+        events: int,
+        happened: Callable[[int], None],
+        loop: Loop,
+        complaints: Complaints,
+        address: str,
+    ) -> None:
+        """Connect.
+
+        Args:
+            socket: The socket.
+            told: Gets each control message and the message frame that goes with it.
+            events: What of the connection itself is of interest: `zmq.EVENT_...` together.
+            happened: Gets each of these.
+            loop: Serves it.
+            complaints: Counts what is malformed.
+            address: Where to.
+        """
+        self._socket = socket
+        self._told = told
+        self._happened = happened
+        self._loop = loop
+        self._complaints = complaints
+        self._send = sockets.sender(socket)
+        self._monitor = socket.get_monitor_socket(events)
+        sockets.connect(socket, address)
+        self._file = loop.register(socket, self._receive)
+        self._monitor_file = loop.register(self._monitor, self._watch)
+
+    def tell(self, message: Any, attached: bytes | None = None) -> bool:
+        """Send a control message; False if there is no connection now, or none any more."""
+        if self._socket.closed:
+            return False
+        packed = control_codec.pack(message)
+        self._loop.touch(self._file)
+        try:
+            sockets.send_parts(self._send, [packed] if attached is None else [packed, attached])
+        except zmq.Again:
+            return False
+        return True
+
+    def close(self, linger_ms: int = 0) -> None:
+        """Close; what was just sent gets `linger_ms` to leave."""
+        self._loop.unregister(self._file)
+        self._loop.unregister(self._monitor_file)
+        self._socket.disable_monitor()
+        self._monitor.close(0)
+        self._socket.close(linger_ms)
+
+    def _watch(self) -> bool:
+        while not self._monitor.closed:
+            try:
+                raw = self._monitor.recv_multipart(zmq.NOBLOCK)
+            except zmq.Again:
+                break
+            self._happened(sockets.parse_event(raw)[0])
+        return False
+
+    def _receive(self) -> bool:
+        socket = self._socket
+        end = self._loop.clock() + _TURN_S
+        for _ in range(_BATCH):
+            try:
+                parts = socket.recv_multipart(zmq.NOBLOCK)
+            except zmq.Again:
+                return False
+            try:
+                message = control_codec.unpack(parts[0])
+            except (FrameError, CodecError) as error:
+                self._complaints.count("malformed control frame", str(error))
+                continue
+            self._told(message, parts[1] if len(parts) > 1 else None)
+            if socket.closed:
+                return False
+            if not sockets.readable(socket):
+                self._loop.settle(self._file)
+                return False
+            if self._loop.clock() > end:
+                break
+        return True

@@ -1,0 +1,58 @@
+"""Where neighbours send one client's messages to directly, past central."""
+
+from __future__ import annotations
+
+import functools
+import secrets
+from collections.abc import Callable
+
+import zmq
+
+from hub.ipc import endpoints
+from hub.ipc.definition import Plane
+from hub.ipc.transport import sockets
+from hub.ipc.transport.loop import Loop
+
+
+class Inbox:
+    """The inbox of one plane.
+
+    Attributes:
+        address: Where publishers connect.
+        socket: What comes.
+    """
+
+    def __init__(
+        self,
+        context: sockets.Context,
+        loop: Loop,
+        plane: Plane,
+        take: Callable[[sockets.Socket], bool],
+    ) -> None:
+        """Open.
+
+        Args:
+            context: The client's.
+            loop: Serves it.
+            plane: What it is for.
+            take: Reads what has come; whether there may be more.
+        """
+        self.address = f"{endpoints.DIRECT_PREFIX}{plane.value}-{secrets.token_hex(8)}"
+        self._loop = loop
+        self.socket = sockets.make_inbox(context, zmq.PULL, plane)
+        self.socket.bind(self.address)
+        self._take = functools.partial(take, self.socket)
+        self._file = loop.register(self.socket, self._take)
+
+    def take_now(self) -> bool:
+        """Read what has come, out of turn; whether there may be more.
+
+        The loop reads on: a socket tells of what comes only after it was found empty.
+        """
+        self._loop.touch(self._file)
+        return self._take()
+
+    def close(self) -> None:
+        """Close; what lies in it is forgotten."""
+        self._loop.unregister(self._file)
+        self.socket.close(0)

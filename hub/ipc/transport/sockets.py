@@ -1,0 +1,153 @@
+"""Where every socket of the bus is made: options before bind or connect, in one place."""
+
+from __future__ import annotations
+
+import os
+import struct
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import zmq
+
+from hub.ipc.definition import Plane
+from hub.ipc.security.client_keys import ClientKeys
+from hub.ipc.wire.frames import MAX_FRAME
+
+_EVENT = struct.Struct("=hi")
+"""How ZeroMQ packs an event of a monitor: which, and a descriptor or an error number."""
+Socket = zmq.Socket[bytes]
+Context = zmq.Context[Socket]
+
+PLANES = tuple(Plane)
+QUEUE = {Plane.STATE: 1000, Plane.COMMAND: 500, Plane.PICTURE: 2}
+"""Messages a plane keeps for one slow peer; beyond it the newest are dropped and seen as gaps."""
+
+# As plain numbers: to combine members of an enum takes microseconds.
+NOBLOCK = int(zmq.NOBLOCK)
+MORE = int(zmq.NOBLOCK) | int(zmq.SNDMORE)
+_POLLIN = int(zmq.POLLIN)
+
+_PICTURE_BUFFER = 64 << 10
+"""Kernel buffers of the picture plane [bytes]: what lies in them is old before it is seen."""
+_SUBSCRIPTIONS = 1 << 16
+"""Subscriptions that may be under way at once; they are messages too and must not be dropped."""
+_TAKEN_AT_ONCE = 16
+_LONGEST_SUBSCRIPTION = 320
+"""Nothing but subscriptions comes in where broadcasts go out. The longest frame of a handshake has
+some 300 bytes. A byte of a topic takes 0.3 kB of central's memory [B]."""
+_CONNECTING = 1024
+"""Publishers that may wait to be taken by an inbox: more than central has clients."""
+_NEIGHBOURS_THREAD = 0b10
+"""A client's second thread is for neighbours: what floods central's proxies does not delay them."""
+
+
+def make(context: Context, kind: int, queue: int, keys: ClientKeys | None = None) -> Socket:
+    """A socket with the bus's options, and a client's keys if it has some.
+
+    Queues are bounded; closing never waits. What frees the connections of a dead peer is the
+    system's own keep-alive; that it is dead, its missing pings have told before. ZeroMQ's
+    heartbeats would do it too, but libzmq 4.3.5 aborts the process when one is due while a
+    connection's queue has been full for a while, or when it ends just then.
+    """
+    made = context.socket(kind)
+    made.linger = 0
+    made.sndhwm = made.rcvhwm = queue
+    made.maxmsgsize = MAX_FRAME
+    made.reconnect_ivl = 50
+    made.reconnect_ivl_max = 250
+    made.connect_timeout = 3000
+    made.handshake_ivl = 3000
+    made.tcp_keepalive = 1
+    made.tcp_keepalive_idle, made.tcp_keepalive_intvl, made.tcp_keepalive_cnt = 4, 2, 2
+    made.tcp_maxrt = 8000  # the same, while something is under way
+    if kind in (zmq.XPUB, zmq.DEALER):
+        # Nothing may be kept for a central that is not there: it would be old when it comes.
+        made.immediate = True
+    if keys is not None:
+        keys.apply(made)
+    return made
+
+
+def make_plane(context: Context, kind: int, plane: Plane, keys: ClientKeys | None = None) -> Socket:
+    """A socket of one plane: XSUB and XPUB at central, at a client XPUB to send, SUB to receive."""
+    made = make(context, kind, QUEUE[plane], keys)
+    # Subscriptions run against the messages, so the other queue of each socket holds only them.
+    # ZeroMQ takes in all that have come before it looks at messages again, so few are let in at
+    # once; what has no room waits where it comes from and is not lost.
+    if kind in (zmq.SUB, zmq.XSUB):
+        made.sndhwm = _SUBSCRIPTIONS
+    else:
+        made.rcvhwm = _TAKEN_AT_ONCE
+        made.maxmsgsize = _LONGEST_SUBSCRIPTION
+    if plane is Plane.PICTURE:
+        made.sndbuf = made.rcvbuf = _PICTURE_BUFFER
+    return made
+
+
+def make_inbox(context: Context, kind: int, plane: Plane) -> Socket:
+    """What neighbours send to directly, by its plane: PULL to receive, PUSH to send."""
+    made = make(context, kind, QUEUE[plane])
+    if kind == zmq.PULL:
+        keep_to_ourselves(made)
+        # A subscriber is perhaps held up when all its publishers connect.
+        made.backlog = _CONNECTING
+    made.affinity = _NEIGHBOURS_THREAD
+    if plane is Plane.PICTURE:
+        made.sndbuf = made.rcvbuf = _PICTURE_BUFFER
+    return made
+
+
+def keep_to_ourselves(socket: Socket) -> None:
+    """Let nobody connect but this user: an abstract Unix socket has no permissions of its own."""
+    socket.setsockopt(zmq.IPC_FILTER_UID, os.getuid())
+
+
+def sender(socket: Socket) -> Callable[[bytes, int], Any]:
+    """The socket's `send` for plain bytes; what pyzmq adds to it in Python is for other kinds."""
+    send: Callable[[bytes, int], Any] = zmq.backend.Socket.send.__get__(socket)
+    return send
+
+
+def send_parts(send: Callable[[bytes, int], Any], parts: Sequence[bytes]) -> None:
+    """Send the parts of one message.
+
+    Raises:
+        zmq.Again: There is no room, or nobody to send it to.
+    """
+    for part in parts[:-1]:
+        send(part, MORE)
+    send(parts[-1], NOBLOCK)
+
+
+def readable(socket: Socket) -> bool:
+    """Whether there is something to receive; costs half of what a failing attempt does."""
+    return bool(int(socket.getsockopt(zmq.EVENTS)) & _POLLIN)
+
+
+def bind(socket: Socket, address: str) -> None:
+    """Bind; IPv6 is switched on for the addresses that need it."""
+    socket.ipv6 = "[" in address
+    socket.bind(address)
+
+
+def connect(socket: Socket, address: str) -> None:
+    """Connect; IPv6 is switched on for the addresses that need it."""
+    socket.ipv6 = "[" in address
+    socket.connect(address)
+
+
+def parse_event(parts: Sequence[bytes]) -> tuple[int, int]:
+    """The event, and the value that goes with it, of a message from a monitor.
+
+    pyzmq's own function stands in a file that imports asyncio, which takes as long as NumPy.
+    """
+    event, value = _EVENT.unpack(parts[0])
+    return event, value
+
+
+def descriptor_of(frame: zmq.Frame) -> int:
+    """The connection a frame came in on; -1 where the transport does not say."""
+    try:
+        return int(frame.get("__fd"))
+    except (zmq.ZMQError, ValueError, TypeError):
+        return -1
