@@ -20,7 +20,7 @@ from hub.grids.grid import Grid
 from hub.grids.planner import plan
 from hub.modules.navigation.dynamic_window import Body, DynamicWindow
 from hub.modules.navigation.route import Route
-from hub.plane import Pose
+from hub.pose import Pose
 from hub.sim.kinematics import ANGULAR, LINEAR, approach, moved
 
 Floats = npt.NDArray[np.float64]

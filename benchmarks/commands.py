@@ -28,7 +28,7 @@ from hub.ipc.roles import Role
 from hub.ipc.security.client_keys import read_client_keys
 from hub.ipc.security.keyring import Keyring
 from hub.ipc.wire import frames
-from tests.ports import free_port
+from tests.support.ports import free_port
 
 HZ, SECONDS = 50.0, 10.0
 _PROCESSES = multiprocessing.get_context("spawn")

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from benchmarks.exploring import Exploration
 from benchmarks.figures import report, say
-from hub.plane import Pose
+from hub.pose import Pose
 from hub.sim.arena import load_arena
 from tests.hub.modules.mapping.touring import from_start
 from tests.system.exploring_hub import Tour, mapped_share

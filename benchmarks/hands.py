@@ -28,10 +28,10 @@ from benchmarks.figures import report, say
 from hub.gcm.navigation import GROUND_TRUTH, VELOCITY_COMMAND
 from rune_tui.controls.hid.descriptor import parse
 from rune_tui.controls.hid.device_controls import DeviceDecoder
-from tests.fake_hid import MISSING, VirtualBed, library
+from tests.support.fake_hid import MISSING, VirtualBed, library
+from tests.support.waiting import until
 from tests.system.conftest import LAYOUT
 from tests.system.harness import ConsoleProcess, HubProcess, Observer
-from tests.waiting import until
 
 DEVICES = Path(__file__).parents[1] / "tests" / "data" / "hid"
 
@@ -47,7 +47,7 @@ _BUSY_S = 10.0
 _READ_ON = """
 import json, os, select, sys, threading, types
 from rune_tui.controls import hid_reader
-from rune_tui.controls.joystick.matching import DeviceInfo
+from rune_tui.controls.devices.matching import DeviceInfo
 
 class Device:  # reads a pipe that keeps packets apart, as the kernel's queue of reports does
     def open_path(self, path):

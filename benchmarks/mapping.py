@@ -10,7 +10,7 @@ from collections.abc import Callable
 from benchmarks.figures import report, say
 from hub.modules.mapping.grid import OccupancyGrid
 from hub.modules.mapping.scans import ScanSelector
-from hub.plane import Pose
+from hub.pose import Pose
 from hub.robots.magellan import SimulatedMagellan
 from hub.sim.arena import load_arena
 from tests.hub.modules.mapping.touring import (

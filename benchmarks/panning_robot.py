@@ -8,7 +8,7 @@ import numpy.typing as npt
 from benchmarks.camera_scenes import panning
 from benchmarks.stand_in_robot import StandInRobot, coded
 from hub.gcm import vision
-from tests.messages import camera_state
+from tests.support.messages import camera_state
 
 Pixels = npt.NDArray[np.uint8]
 

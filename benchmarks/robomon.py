@@ -21,8 +21,8 @@ from hub.errors import HubError
 from hub.gcm import autonomy, mapping, navigation, supervision, vision
 from hub.ipc.client import Client
 from hub.ipc.message_info import Reception
+from tests.support.waiting import until
 from tests.system.harness import HubProcess
-from tests.waiting import until
 
 ROUNDS = 5
 MODULES = ("driver", "navigation", "vision", "mapping", "autonomy")

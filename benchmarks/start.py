@@ -17,9 +17,9 @@ from contextlib import ExitStack, closing
 from pathlib import Path
 
 from benchmarks.figures import report, say
+from tests.support.waiting import until
 from tests.system.conftest import LAYOUT
 from tests.system.harness import ConsoleProcess, HubProcess, Observer
-from tests.waiting import until
 
 ROUNDS = 5
 PRESSES = 20

@@ -37,9 +37,9 @@ from benchmarks.panning_robot import (
 from benchmarks.slow_terminal import Line, SlowTerminal
 from benchmarks.stand_in_robot import fleet
 from rune_tui.raster.resize import resized
+from tests.support.thin_link import ADDRESS, ThinLink
 from tests.system.harness import ConsoleProcess
 from tests.system.ssh_server import SshServer, missing
-from tests.thin_link import ADDRESS, ThinLink
 
 WARM_S, MEASURED_S = 8.0, 20.0
 KEYS = 8

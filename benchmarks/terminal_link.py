@@ -1,9 +1,9 @@
 """Pictures over thin links: from the robot's camera to the console, and on to its terminal.
 
 What lies behind the console, slow terminals and ssh to them, is in `benchmarks.terminal_far`. Here
-the hub, its modules, the simulated camera and the console's link are the real ones; what lies
-between them is `tests.thin_link`, a TCP relay with one queue a direction. The console's clock is
-two hours ahead of the robot's, so that ages are measured as between two machines.
+the hub, its modules, the simulated camera and the console's link are the real ones; between them
+is `tests.support.thin_link`, a TCP relay with one queue a direction. The console's clock is two
+hours ahead of the robot's, so that ages are measured as between two machines.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ from rune_tui.layout.spec import RobotSpec
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.link.tunnel import Tunnel
 from rune_tui.model.robot_state import RobotState
-from rune_tui.opening import open_layout
-from tests.ports import free_port
+from rune_tui.startup.opening import open_layout
+from tests.support.ports import free_port
+from tests.support.thin_link import ADDRESS, ThinLink
+from tests.support.waiting import until
 from tests.system.harness import ConsoleProcess, HubProcess
 from tests.system.ssh_server import SshServer, missing
-from tests.thin_link import ADDRESS, ThinLink
-from tests.waiting import until
 
 AHEAD_S = 7200.0
 DRAW_S = 1.0 / 30.0

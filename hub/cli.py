@@ -24,7 +24,7 @@ from hub.command_line import (
 from hub.errors import CentralUnreachableError, HubError, QueryError
 from hub.ipc.endpoints import DEFAULT_ENDPOINT, DEFAULT_PORT
 from hub.ipc.roles import Role
-from hub.logs import LEVELS, start_logging
+from hub.nonblocking_logging import LEVELS, start_logging
 from hub.plain_text import plain
 
 if TYPE_CHECKING:
@@ -78,9 +78,9 @@ def _run_command(options: argparse.Namespace) -> int:
         return _look_at_missions(options)
     if options.command in ("doctor", "service"):
         return _look_at_machine(options)
-    from hub.inspection import commands
+    from hub.inspection import message_commands
 
-    client = commands.connect(options.hub, options.command, options.keys)
+    client = message_commands.connect(options.hub, options.command, options.keys)
     try:
         return _look(client, options)
     except KeyboardInterrupt:
@@ -91,107 +91,117 @@ def _run_command(options: argparse.Namespace) -> int:
 
 def _look(client: Client, options: argparse.Namespace) -> int:
     """Carry out a command that looks into a running hub."""
-    from hub.inspection import commands
+    from hub.inspection import message_commands
 
     if options.command in ("status", "log", "close", "log-level"):
         return _look_at_central(client, options)
     if options.command == "control":
         return _look_at_control(client, options)
     if options.command == "halt":
-        from hub.inspection import halting
+        from hub.inspection import halt_command
 
-        return halting.halt(client, as_json=options.json)
+        return halt_command.halt(client, as_json=options.json)
     if options.command == "mission":
         return _order_mission(client, options)
     if options.command in _OF_MODULES:
         return _look_at_modules(client, options)
     if options.command == "list":
-        return commands.list_all(client, as_json=options.json)
+        return message_commands.list_all(client, as_json=options.json)
     if options.command == "echo":
-        return commands.echo(client, options.name, count=options.count, as_json=options.json)
+        return message_commands.echo(
+            client, options.name, count=options.count, as_json=options.json
+        )
     if options.command == "rate":
-        return commands.rate(client, options.name, seconds=options.seconds, as_json=options.json)
+        return message_commands.rate(
+            client, options.name, seconds=options.seconds, as_json=options.json
+        )
     if options.command == "send":
-        return commands.send(
+        return message_commands.send(
             client,
             options.name,
             options.fields,
             rate_hz=options.rate,
             zero_first=options.zero_first,
         )
-    return commands.query(
+    return message_commands.query(
         client, options.name, options.fields, timeout=options.timeout, as_json=options.json
     )
 
 
 def _look_at_central(client: Client, options: argparse.Namespace) -> int:
     """Carry out a command that is about central itself."""
-    from hub.inspection import status
+    from hub.inspection import central_commands
 
     if options.command == "status":
-        return status.status(client, as_json=options.json)
+        return central_commands.status(client, as_json=options.json)
     if options.command == "log":
-        return status.log(client, options.names, with_data=options.data, count=options.count)
+        return central_commands.log(
+            client, options.names, with_data=options.data, count=options.count
+        )
     if options.command == "close":
-        return status.close(client, options.module)
-    return status.log_level(client, options.level)
+        return central_commands.close(client, options.module)
+    return central_commands.log_level(client, options.level)
 
 
 def _look_at_control(client: Client, options: argparse.Namespace) -> int:
     """Carry out a command about who commands the robot."""
-    from hub.inspection import control
+    from hub.inspection import control_commands
 
     if options.task == "release":
-        return control.release(client, force=options.force)
-    return control.show(client, as_json=options.json)
+        return control_commands.release(client, force=options.force)
+    return control_commands.show(client, as_json=options.json)
 
 
 def _look_at_missions(options: argparse.Namespace) -> int:
     """Carry out a command about what missions have kept; no hub needs to run."""
-    from hub.inspection import missions
+    from hub.inspection import mission_commands
 
     if options.task == "list":
-        return missions.list_all(options.robot, options.folder, as_json=options.json)
+        return mission_commands.list_all(options.robot, options.folder, as_json=options.json)
     if options.task == "show":
-        return missions.show(options.id, options.robot, options.folder, as_json=options.json)
-    return missions.export(options.id, options.robot, options.folder, options.output)
+        return mission_commands.show(
+            options.id, options.robot, options.folder, as_json=options.json
+        )
+    return mission_commands.export(options.id, options.robot, options.folder, options.output)
 
 
 def _order_mission(client: Client, options: argparse.Namespace) -> int:
     """Carry out a command for the robot that keeps the mission."""
     from hub.gcm.mission import MissionAction
-    from hub.inspection import missions
+    from hub.inspection import mission_commands
 
     name = " ".join(getattr(options, "name", ()))
-    return missions.order(client, MissionAction[options.task.upper()], name)
+    return mission_commands.order(client, MissionAction[options.task.upper()], name)
 
 
 def _look_at_modules(client: Client, options: argparse.Namespace) -> int:
     """Carry out a command for the daemon that runs the modules."""
-    from hub.inspection import supervision
+    from hub.inspection import module_commands
 
     if options.command == "modules":
-        return supervision.modules(client, as_json=options.json)
+        return module_commands.modules(client, as_json=options.json)
     if options.command == "capabilities":
-        return supervision.capabilities(client, as_json=options.json)
+        return module_commands.capabilities(client, as_json=options.json)
     if options.command == "want":
-        return supervision.want(client, options.capabilities, seconds=options.seconds)
+        return module_commands.want(client, options.capabilities, seconds=options.seconds)
     if options.command == "logs":
-        return supervision.logs(client, options.module, lines=options.lines, follow=options.follow)
-    return supervision.order(client, options.module, options.command)
+        return module_commands.logs(
+            client, options.module, lines=options.lines, follow=options.follow
+        )
+    return module_commands.order(client, options.module, options.command)
 
 
 def _look_at_machine(options: argparse.Namespace) -> int:
     """Carry out a command that is about this machine; no hub needs to run."""
-    from hub.robomon.table import load_robot_table
+    from hub.robomon.module_table import load_robot_table
 
     if options.command == "doctor":
-        from hub.inspection import doctor
+        from hub.inspection.doctor import doctor
 
         return doctor.examine(options.robot, load_robot_table, as_json=options.json)
-    from hub.robomon import service
+    from hub.robomon import systemd_unit
 
-    return service.write_unit(load_robot_table(options.robot), options.robot, options.user)
+    return systemd_unit.write_unit(load_robot_table(options.robot), options.robot, options.user)
 
 
 def _tend_keys(options: argparse.Namespace) -> int:
@@ -209,7 +219,7 @@ def _run_daemon(options: argparse.Namespace) -> int:
     import dataclasses
 
     from hub.robomon.daemon import Daemon
-    from hub.robomon.table import load_robot_table
+    from hub.robomon.module_table import load_robot_table
 
     table = load_robot_table(options.robot, options.set)
     if options.port is not None:

@@ -30,7 +30,7 @@ from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.endpoints import DEFAULT_ENDPOINT
 from hub.ipc.message_info import Reception
-from hub.logs import LEVELS, start_logging
+from hub.nonblocking_logging import LEVELS, start_logging
 from hub.robots.description import RobotDescription, read_description, settings
 
 _logger = logging.getLogger(__name__)

@@ -19,18 +19,17 @@ from textual import events
 from textual.app import App, ComposeResult
 from textual.binding import Binding
 
-from rune_tui import desk
-from rune_tui.controls import devices_here
+from rune_tui.controls.devices import local_devices
 from rune_tui.controls.events import ControlEvent
-from rune_tui.controls.joystick.store import CalibrationStore
-from rune_tui.controls.joysticks import Joysticks
+from rune_tui.controls.joystick.calibration_store import CalibrationStore
+from rune_tui.controls.joystick_set import Joysticks
+from rune_tui.controls.joystick_sources import Sources
 from rune_tui.controls.keyboard import KeyboardHold, name_of_key, without_shift
-from rune_tui.controls.sources import Sources
-from rune_tui.controls.stall_guard import StallGuard
-from rune_tui.deeds import Deeds
+from rune_tui.controls.pause_guard import StallGuard
 from rune_tui.dispatch import Dispatch
-from rune_tui.filing import Filing
-from rune_tui.following import LayoutFollower
+from rune_tui.effect_runner import Deeds
+from rune_tui.files import user_files
+from rune_tui.files.file_writer import Filing
 from rune_tui.layout.actions import Action, actions_of
 from rune_tui.layout.key_notes import untold_keys
 from rune_tui.layout.names import MOUSE, WAY_OUT
@@ -59,6 +58,7 @@ from rune_tui.model.effects import (
 )
 from rune_tui.model.happenings import Watch
 from rune_tui.model.leaving import ordered, reasons_to_stay
+from rune_tui.startup.following import LayoutFollower
 from rune_tui.terminal.input_stream import KeyMove
 from rune_tui.terminal.traits import Traits
 from rune_tui.ui.covered import CoveredApp
@@ -122,14 +122,14 @@ class Console(CoveredApp, inherit_bindings=False):
         self._links = links
         self._view = View(layout, fine=traits.glyphs.fine)
         self._dispatch = Dispatch(layout)
-        operator = links.operator or desk.operator_name()
+        operator = links.operator or user_files.operator_name()
         start = ConsoleState.at_start(layout, time.monotonic(), operator)
         self._console = dataclasses.replace(start, pixel_height=traits.aspect / 2.0)
         self._actions = actions_of(layout)
         self._watch = Watch()
         self._keyboard = KeyboardHold(self._dispatch.waits_for_hold)
         self._joysticks = Joysticks(
-            layout.joysticks, Sources(devices_here.reader(), links.pads), CalibrationStore()
+            layout.joysticks, Sources(local_devices.reader(), links.pads), CalibrationStore()
         )
         self._stalls = StallGuard()
         self._sparing = Sparing(self._tell)
@@ -180,7 +180,7 @@ class Console(CoveredApp, inherit_bindings=False):
         self.set_interval(_TICK_S, self._tick)
         self.run_worker(self._layouts.run())
         if self._trouble:
-            self._tell(desk.Outcome(text=self._trouble, alarm=True))
+            self._tell(user_files.Outcome(text=self._trouble, alarm=True))
         self.set_timer(_SETTLED_S, self._miss_keys)
 
     def _come_back(self, _: App[None]) -> None:
@@ -203,7 +203,7 @@ class Console(CoveredApp, inherit_bindings=False):
         self._shown_layout = layout
         self._joysticks.follow(layout.joysticks, time.monotonic())
         self._filing.recorder.follow(layout)
-        self._tell(desk.Outcome(text=f"opened {layout.path}"))
+        self._tell(user_files.Outcome(text=f"opened {layout.path}"))
         self._miss_keys()
         self._ask_for_pictures()
         for link in gone:
@@ -211,7 +211,7 @@ class Console(CoveredApp, inherit_bindings=False):
 
     def _complain(self, text: str) -> None:
         self._console = dataclasses.replace(self._console, trouble=text)
-        self._tell(desk.Outcome(text=text, alarm=True))
+        self._tell(user_files.Outcome(text=text, alarm=True))
 
     async def on_resize(self, event: events.Resize) -> None:
         """Follow the terminal's size; from now on, ask for no larger pictures than it shows."""
@@ -272,7 +272,7 @@ class Console(CoveredApp, inherit_bindings=False):
         """Say, once for each layout, what of it this terminal cannot tell."""
         text = "" if self._console.releases_told else untold_keys(self._shown_layout)
         if text and all(notice.text != text for notice in self._console.notices):
-            self._tell(desk.Outcome(text=text))
+            self._tell(user_files.Outcome(text=text))
 
     def mouse(
         self, event: events.MouseEvent, part: str, *, pressed: bool = True, value: float = 1.0
@@ -342,7 +342,7 @@ class Console(CoveredApp, inherit_bindings=False):
         if self._dispatch.button_held and unheard:
             self._let_go()  # no release comes over a line that is cut
         for text in self._joysticks.tick(now):
-            self._tell(desk.Outcome(text=text))
+            self._tell(user_files.Outcome(text=text))
         if self._joysticks.unsaved:
             self._joysticks.unsaved = False
             self._filing.keep_calibrations(self._joysticks.store)
@@ -442,7 +442,7 @@ class Console(CoveredApp, inherit_bindings=False):
         self._let_go()
         if not suspend():
             text = "Ctrl-Z does nothing here: no shell would have the console go on"
-            self._tell(desk.Outcome(text=text))
+            self._tell(user_files.Outcome(text=text))
 
     def _ask(self, effect: AskEffect) -> None:
         self._let_go()
@@ -457,7 +457,7 @@ class Console(CoveredApp, inherit_bindings=False):
     def _act(self, action: Action) -> None:
         self._execute(self._dispatch.act(action, self.state))
 
-    def _tell(self, said: desk.Outcome) -> None:
+    def _tell(self, said: user_files.Outcome) -> None:
         self._change(Tell.now(self.state, **dataclasses.asdict(said)))
 
     def _change(self, effect: StateEffect) -> None:

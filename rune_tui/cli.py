@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple, TextIO
 
 from hub.command_line import ExitCode, write_completion
 from hub.plain_text import plain
-from rune_tui.arguments import parser
+from rune_tui.commands.arguments import parser
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import GlyphSet
 from rune_tui.errors import ConsoleError, TunnelError
@@ -99,7 +99,7 @@ def _run(options: argparse.Namespace) -> int:
 def _demo(options: argparse.Namespace) -> int:
     from contextlib import ExitStack
 
-    from rune_tui.demo import DemoHub
+    from rune_tui.commands.demo import DemoHub
 
     _need_screen([options.layout], options.set)
     log = _log_to_file()
@@ -165,7 +165,7 @@ def _arena(named: str) -> str:
 def _layouts(options: argparse.Namespace) -> int:
     import json
 
-    from rune_tui.opening import shipped_layouts
+    from rune_tui.startup.opening import shipped_layouts
 
     shipped = shipped_layouts()
     widest = max(map(len, shipped))
@@ -180,8 +180,8 @@ def _layouts(options: argparse.Namespace) -> int:
 def _shot(options: argparse.Namespace) -> int:
     from contextlib import ExitStack
 
-    from rune_tui import shot
-    from rune_tui.demo import DemoHub
+    from rune_tui.commands import shot
+    from rune_tui.commands.demo import DemoHub
 
     path: Path = options.output
     if path.suffix not in _PICTURE_ENDINGS:
@@ -214,7 +214,7 @@ def _shot(options: argparse.Namespace) -> int:
 
 
 def _joytest(options: argparse.Namespace) -> int:
-    from rune_tui import joytest
+    from rune_tui.commands import joytest
 
     if options.layout is not None:
         _watch_layouts_joysticks(options)
@@ -231,7 +231,7 @@ def _joytest(options: argparse.Namespace) -> int:
 
 
 def _watch_layouts_joysticks(options: argparse.Namespace) -> None:
-    from rune_tui import joytest
+    from rune_tui.commands import joytest
 
     if options.list or options.json or options.udev or options.learn:
         text = "joytest takes a layout, or one of --list, --udev, --learn and --json, not both"
@@ -245,7 +245,7 @@ def _watch_layouts_joysticks(options: argparse.Namespace) -> None:
 
 
 def _pad(options: argparse.Namespace) -> int:
-    from rune_tui import pad
+    from rune_tui.commands import pad
     from rune_tui.layout.names import endpoint_of
 
     _refuse_two_ways(options)
@@ -302,7 +302,7 @@ def _asked_terminal(options: argparse.Namespace) -> tuple[Traits, Answers, float
 
 
 def _load(name_or_path: str, variables: Sequence[tuple[str, str]]) -> LayoutSpec:
-    from rune_tui.opening import open_layout
+    from rune_tui.startup.opening import open_layout
 
     return open_layout(name_or_path, dict(variables))
 
@@ -314,7 +314,7 @@ def _links(
     tunnels: Sequence[Tunnel] = (),
     operator: str | None = None,
 ) -> RobotLinks:
-    from rune_tui.desk import operator_name
+    from rune_tui.files.user_files import operator_name
     from rune_tui.link.robot_links import RobotLinks
 
     return RobotLinks(

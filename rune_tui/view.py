@@ -12,7 +12,6 @@ from typing import cast
 
 import numpy as np
 
-from rune_tui.banner_layer import BannerLayer
 from rune_tui.compositor.blend import Layer, compose, tinted, urgencies_of
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.contrast import make_legible
@@ -24,17 +23,18 @@ from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.leaving import question
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import DARK, Theme
-from rune_tui.page_layer import PageLayer
+from rune_tui.overlays.banner_layer import BannerLayer
+from rune_tui.overlays.page_layer import PageLayer
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgencies, Urgency
-from rune_tui.visualizers.camera_image import CameraImage
-from rune_tui.visualizers.event_log import EventLog
-from rune_tui.visualizers.label import Label
-from rune_tui.visualizers.notice import write_notice
-from rune_tui.visualizers.range_data import RangeData
-from rune_tui.visualizers.title import titled, with_title
-from rune_tui.visualizers.troubles import TOLD_S, banner_of
+from rune_tui.visualizers.maps.range_data import RangeData
+from rune_tui.visualizers.parts.notice import write_notice
+from rune_tui.visualizers.video.camera_image import CameraImage
 from rune_tui.visualizers.visualizer import Locating, Overlaying, Picturing, Visualizer
+from rune_tui.visualizers.words.event_log import EventLog
+from rune_tui.visualizers.words.label import Label
+from rune_tui.visualizers.words.title import titled, with_title
+from rune_tui.visualizers.words.troubles import TOLD_S, banner_of
 
 _logger = logging.getLogger(__name__)
 

@@ -17,8 +17,8 @@ import psutil
 import pytest
 from hypothesis import settings
 
-from tests.sharing_out import shared_out
-from tests.waiting import until
+from tests.support.sharing_out import shared_out
+from tests.support.waiting import until
 
 # As the commands do: NumPy's own threads cost each process that a test starts time at its start.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

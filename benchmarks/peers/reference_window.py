@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.barn import BODY, Velocity, World
-from hub.plane import Pose
+from hub.pose import Pose
 
 Floats = npt.NDArray[np.float64]
 

@@ -14,7 +14,7 @@ import time
 from pathlib import Path
 from typing import Self
 
-from hub import files, folders
+from hub import files, paths
 from hub.errors import MapFileError, MissionFileError
 from hub.missions import journal, journal_file, log_odds
 from hub.missions.book import MissionBook
@@ -34,7 +34,7 @@ class MissionFolder:
     """
 
     def __init__(self, root: Path, robot: str) -> None:
-        self.path = root / folders.as_file_name(robot)
+        self.path = root / paths.as_file_name(robot)
         self.robot = robot
         self._named = True
 
@@ -188,7 +188,7 @@ class MissionFolder:
             stamp = max(0.0, min((event.stamp for event in book.events), default=0.0))
             book.begun = Begun(robot=self.robot, name=mission, by="", stamp=stamp)
             book.name = book.name or mission
-        if not self._named and folders.as_file_name(book.begun.robot) == self.path.name:
+        if not self._named and paths.as_file_name(book.begun.robot) == self.path.name:
             self.robot, self._named = book.begun.robot, True
         if book.begun.robot != self.robot:
             text = f"mission {mission} in {self.path} is of {book.begun.robot}, not {self.robot}"

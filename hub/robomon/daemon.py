@@ -14,22 +14,22 @@ import threading
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
-from hub import folders
+from hub import paths
 from hub.errors import EndpointError
 from hub.gcm.supervision import ModulePhase
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.security.keyring import Keyring, default_folder
 from hub.ipc.security.publish_rights import ROBOMON
-from hub.robomon.control_desk import ControlDesk
-from hub.robomon.keeper import Keeper
+from hub.robomon.control_service import ControlDesk
 from hub.robomon.mission_want import MissionWant
-from hub.robomon.outputs import LogFolder, Outputs
+from hub.robomon.module_logs import LogFolder, Outputs
+from hub.robomon.module_table import RobotTable, hub_arguments, robot_arguments
 from hub.robomon.policy import Supervisor
 from hub.robomon.process import adopt_orphans
+from hub.robomon.process_supervisor import Keeper
 from hub.robomon.reporting import Reporting
-from hub.robomon.systemd import Notifier
-from hub.robomon.table import RobotTable, hub_arguments, robot_arguments
+from hub.robomon.sd_notify import Notifier
 
 _logger = logging.getLogger(__name__)
 
@@ -170,7 +170,7 @@ class Daemon:
 @contextlib.contextmanager
 def _socket_folder() -> Iterator[Path]:
     """A new folder for socket files; those of daemons that were killed are removed."""
-    parent = folders.for_sockets()
+    parent = paths.for_sockets()
     for old in parent.glob(_FOLDER.format(pid="*") + "*"):
         pid = old.name.split("-")[2]
         if pid.isdigit() and not Path(f"/proc/{pid}").exists() and Path("/proc/self").exists():

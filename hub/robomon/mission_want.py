@@ -16,13 +16,13 @@ import time
 from collections.abc import Callable
 
 from hub.errors import MissionFileError
-from hub.folders import for_missions
 from hub.gcm.capability import Capability
 from hub.gcm.mission import MISSION_STATE, MissionState
 from hub.gcm.supervision import LEASE_S
 from hub.ipc.client import Client
 from hub.ipc.message_info import Reception
 from hub.missions.folder import MissionFolder
+from hub.paths import for_missions
 from hub.robomon.wants import Wants
 from hub.robots.description import MissionBegin, RobotDescription
 

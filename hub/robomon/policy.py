@@ -13,10 +13,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from hub.gcm.supervision import CapabilityPhase, ModuleOrder, ModulePhase
-from hub.robomon.life import Action, Life
-from hub.robomon.table import ModuleSpec
+from hub.robomon.module_lifecycle import Action, Life
+from hub.robomon.module_table import ModuleSpec
 from hub.robomon.wants import MAX_CAPABILITIES, MAX_NAME, Wants
-from hub.toml_tables import nearest
+from hub.toml_reader import nearest
 
 AWAY_S = 1.0
 """A longer pause between two steps means that this process itself was away [s]."""

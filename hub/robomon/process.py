@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hub.errors import ModuleStartError
-from hub.robomon import guardian
-from hub.robomon.table import ModuleSpec
+from hub.robomon import orphan_reaper
+from hub.robomon.module_table import ModuleSpec
 
 _logger = logging.getLogger(__name__)
 
@@ -69,14 +69,14 @@ class Guardian:
         if process.stdin is not None:
             process.stdin.close()
         try:
-            process.wait(guardian.GRACE_S + _PATIENCE_S)
+            process.wait(orphan_reaper.GRACE_S + _PATIENCE_S)
         except subprocess.TimeoutExpired:
             _logger.warning("the guardian of the modules hangs; it is killed")
             process.kill()
             process.wait()
 
     def _start(self) -> None:
-        command = [sys.executable, "-I", "-S", guardian.__file__, f"{_MARK}={_OURS}"]
+        command = [sys.executable, "-I", "-S", orphan_reaper.__file__, f"{_MARK}={_OURS}"]
         try:
             process = subprocess.Popen(
                 command,

@@ -18,9 +18,9 @@ from hub.gcm.supervision import ModulePhase
 from hub.ipc.client import Client
 from hub.ipc.message_info import Reception
 from hub.ipc.wire.control import Change, Presence
-from hub.robomon.keeper import BY_ROBOMON, Keeper
-from hub.robomon.life import Life
-from hub.robomon.outputs import REMEMBERED_LINES, Outputs
+from hub.robomon.module_lifecycle import Life
+from hub.robomon.module_logs import REMEMBERED_LINES, Outputs
+from hub.robomon.process_supervisor import BY_ROBOMON, Keeper
 from hub.runtime import publish_on_request
 
 _MOST_TEXT = 262_144

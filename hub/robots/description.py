@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hub import toml_tables as toml
+from hub import toml_reader as toml
 from hub.errors import CameraError, RobotFileError
 from hub.gcm.body import MOST_CORNERS, Point32, RobotBody
 from hub.ipc.endpoints import DEFAULT_PORT

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from hub.errors import CameraError, UnknownKindError
 from hub.robots.description import ROBOTS_OWN, RobotDescription
 from hub.robots.interfaces import Camera, DriveBase
-from hub.toml_tables import nearest
+from hub.toml_reader import nearest
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.errors import ArenaError
-from hub.plane import Pose
+from hub.pose import Pose
 from hub.sim.arena_file import read_arena_file
 from hub.sim.arena_specs import ArenaSpec
 from hub.sim.building import build

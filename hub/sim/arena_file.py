@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hub import toml_tables as toml
+from hub import toml_reader as toml
 from hub.errors import ArenaError
 from hub.sim.arena_specs import (
     COLOURS,

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from hub.plane import Pose
+from hub.pose import Pose
 from hub.sim.arena import BODY_RADIUS, Footprints
 
 TOUCH = 1e-3

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from hub.plane import Pose, wrapped
+from hub.pose import Pose, wrapped
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

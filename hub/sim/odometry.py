@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hub.plane import Pose, wrapped
+from hub.pose import Pose, wrapped
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

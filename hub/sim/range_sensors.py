@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.gcm.navigation import SENSOR_COUNT
-from hub.plane import Pose
+from hub.pose import Pose
 from hub.sim.arena import BODY_RADIUS, Footprints
 
 Floats = npt.NDArray[np.float64]

@@ -15,7 +15,7 @@ from hub.gcm.pad import (
 )
 from hub.ipc.client import Client
 from hub.ipc.message_info import Reception
-from rune_tui.controls.far_pads import FarPads
+from rune_tui.controls.remote_pad.far_pads import FarPads
 
 
 class PadLine:

@@ -37,7 +37,7 @@ from hub.ipc.definition import MessageDefinition
 from hub.ipc.message_info import Reception
 from hub.ipc.security.client_keys import read_client_keys
 from hub.ipc.security.publish_rights import may_publish
-from rune_tui.controls.far_pads import FarPads
+from rune_tui.controls.remote_pad.far_pads import FarPads
 from rune_tui.layout.names import CAPABILITY_INTERVALS_MS
 from rune_tui.layout.spec import RobotSpec
 from rune_tui.link.control_line import ControlLine

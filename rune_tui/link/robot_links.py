@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from rune_tui.controls.far_pads import FarPads
+from rune_tui.controls.remote_pad.far_pads import FarPads
 from rune_tui.errors import HubChoiceError
 from rune_tui.layout.spec import LayoutSpec, RobotSpec
 from rune_tui.link.robot_link import RobotLink

@@ -9,9 +9,9 @@ from functools import partial
 from textual.command import CommandPalette, DiscoveryHit, Hit, Hits, Provider
 from textual.content import Content
 
-from rune_tui.help_page import robot_words
 from rune_tui.layout.actions import Action
 from rune_tui.layout.rules import Section
+from rune_tui.overlays.help_page import robot_words
 
 _SECTIONS = list(Section)
 

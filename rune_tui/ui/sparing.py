@@ -7,7 +7,7 @@ import logging
 from collections.abc import Callable, Iterator
 from typing import Final
 
-from rune_tui.desk import Outcome
+from rune_tui.files.user_files import Outcome
 
 _logger = logging.getLogger(__name__)
 

@@ -4,34 +4,34 @@ from __future__ import annotations
 
 from typing import Final
 
-from rune_tui.visualizers.alarms import Alarms
-from rune_tui.visualizers.attitude import Attitude
-from rune_tui.visualizers.autonomy import Autonomy
-from rune_tui.visualizers.battery import Battery
-from rune_tui.visualizers.button import Button
-from rune_tui.visualizers.camera_image import CameraImage
-from rune_tui.visualizers.capabilities import Capabilities
-from rune_tui.visualizers.compass import Compass
-from rune_tui.visualizers.control import Control
-from rune_tui.visualizers.depth import Depth
-from rune_tui.visualizers.event_log import EventLog
-from rune_tui.visualizers.ground_plane import GroundPlane
-from rune_tui.visualizers.heading import Heading
-from rune_tui.visualizers.joystick import Joystick
-from rune_tui.visualizers.label import Label
-from rune_tui.visualizers.link_words import Link
-from rune_tui.visualizers.map_data import MapData
-from rune_tui.visualizers.marks import Marks
-from rune_tui.visualizers.mission import Mission
-from rune_tui.visualizers.modules import Modules
-from rune_tui.visualizers.night_mode import NightMode
-from rune_tui.visualizers.pan_data import PanData
-from rune_tui.visualizers.plot import Plot
-from rune_tui.visualizers.range_data import RangeData
-from rune_tui.visualizers.speed_gauge import Speed
-from rune_tui.visualizers.status import Status
-from rune_tui.visualizers.tilt_data import TiltData
+from rune_tui.visualizers.gauges.attitude import Attitude
+from rune_tui.visualizers.gauges.battery import Battery
+from rune_tui.visualizers.gauges.compass import Compass
+from rune_tui.visualizers.gauges.depth import Depth
+from rune_tui.visualizers.gauges.heading import Heading
+from rune_tui.visualizers.gauges.plot import Plot
+from rune_tui.visualizers.gauges.speed_gauge import Speed
+from rune_tui.visualizers.maps.map_data import MapData
+from rune_tui.visualizers.maps.range_data import RangeData
+from rune_tui.visualizers.video.camera_image import CameraImage
+from rune_tui.visualizers.video.ground_plane import GroundPlane
+from rune_tui.visualizers.video.night_mode import NightMode
+from rune_tui.visualizers.video.pan_data import PanData
+from rune_tui.visualizers.video.tilt_data import TiltData
 from rune_tui.visualizers.visualizer import Visualizer
+from rune_tui.visualizers.words.alarms import Alarms
+from rune_tui.visualizers.words.autonomy import Autonomy
+from rune_tui.visualizers.words.button import Button
+from rune_tui.visualizers.words.capabilities import Capabilities
+from rune_tui.visualizers.words.control import Control
+from rune_tui.visualizers.words.event_log import EventLog
+from rune_tui.visualizers.words.joystick import Joystick
+from rune_tui.visualizers.words.label import Label
+from rune_tui.visualizers.words.link_words import Link
+from rune_tui.visualizers.words.marks import Marks
+from rune_tui.visualizers.words.mission import Mission
+from rune_tui.visualizers.words.modules import Modules
+from rune_tui.visualizers.words.status import Status
 
 VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
     "visualizeCameraImage": CameraImage,

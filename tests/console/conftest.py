@@ -18,7 +18,7 @@ from rune_tui.layout.spec import LayoutSpec
 from rune_tui.layout.watching import LayoutSource
 from rune_tui.link.robot_links import RobotLinks
 from rune_tui.model.robot_state import LinkPhase
-from rune_tui.opening import BUILT_IN, open_layout
+from rune_tui.startup.opening import BUILT_IN, open_layout
 from tests.console.app_desk import LAYOUT, TRAITS, Desk, Floor, Robot, Script
 from tests.console.dispatching import TWO_ROBOTS
 

@@ -12,7 +12,7 @@ from rune_tui.model.effects import (
     Effect,
     SendEffect,
 )
-from rune_tui.opening import open_layout
+from rune_tui.startup.opening import open_layout
 
 DEMO = open_layout(Path(__file__).parents[2] / "layouts" / "demo.xml")
 TWO_ROBOTS = """\

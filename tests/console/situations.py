@@ -29,7 +29,7 @@ from hub.gcm.navigation import (
     Point,
     Task,
 )
-from hub.plane import Pose
+from hub.pose import Pose
 from hub.robots.magellan import SimulatedCamera
 from hub.sim.arena import load_arena
 from hub.sim.range_sensors import RangeSensors
@@ -48,10 +48,10 @@ from rune_tui.model.robot_state import (
     RobotState,
 )
 from rune_tui.model.theme import DARK, Theme
-from rune_tui.opening import open_layout
+from rune_tui.startup.opening import open_layout
 from rune_tui.view import View
 from tests.console.states import described, robot_of
-from tests.messages import robot_state
+from tests.support.messages import robot_state
 
 ROOT: Final = Path(__file__).parents[2]
 NOW: Final = 1000.0

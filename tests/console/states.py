@@ -21,7 +21,7 @@ from rune_tui.layout.spec import (
 )
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import Lack, LackKind, Received, RobotState
-from rune_tui.opening import BUILT_IN
+from rune_tui.startup.opening import BUILT_IN
 from rune_tui.view import View
 
 ABSENT = Lack(kind=LackKind.ABSENT, why="this robot has no module for it")

@@ -17,7 +17,7 @@ from rune_tui.layout.actions import actions_of
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import ChooseRobot, Effect, SendEffect, StateEffect, ToggleHelp, changed
-from rune_tui.opening import open_layout
+from rune_tui.startup.opening import open_layout
 from tests.console.visualizers.conftest import Made
 
 CHOOSING = """\

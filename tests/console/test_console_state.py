@@ -12,7 +12,7 @@ from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState, Ghost, PictureWish, carried_over
 from rune_tui.model.robot_state import LinkPhase, LinkState
 from rune_tui.model.world import WorldPoint
-from rune_tui.opening import open_layout
+from rune_tui.startup.opening import open_layout
 from tests.console.states import described, robot_of
 
 

@@ -23,7 +23,7 @@ from rune_tui.model.control import owner_words
 from rune_tui.model.effects import ControlEffect, Effect, SendEffect, Tell, ToggleNight
 from rune_tui.model.happenings import Watch
 from rune_tui.model.robot_state import LinkPhase, LinkState, RobotState
-from rune_tui.opening import open_layout
+from rune_tui.startup.opening import open_layout
 from tests.console.states import robot_of
 from tests.console.visualizers.conftest import received
 

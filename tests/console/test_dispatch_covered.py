@@ -25,10 +25,10 @@ from rune_tui.model.effects import (
 )
 from rune_tui.model.page import Page
 from rune_tui.model.robot_state import LinkPhase, LinkState, Received
-from rune_tui.opening import open_layout
+from rune_tui.startup.opening import open_layout
 from tests.console.dispatching import DEMO, TWO_ROBOTS, at, down, stops, up, velocities
 from tests.console.states import robot_of
-from tests.messages import robot_state
+from tests.support.messages import robot_state
 
 
 def test_quit_is_global(two_robots: LayoutSpec):

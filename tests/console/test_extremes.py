@@ -31,12 +31,12 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import SendEffect, StateEffect, changed
 from rune_tui.model.happenings import Watch
 from rune_tui.model.robot_state import LinkPhase, LinkState, Received, RobotState
-from rune_tui.opening import open_layout
+from rune_tui.startup.opening import open_layout
 from rune_tui.view import View
-from rune_tui.visualizers.status_words import status_parts
-from tests import extremes
+from rune_tui.visualizers.words.status_words import status_parts
 from tests.console.test_layout_snapshots import robot as usual
 from tests.console.test_layout_snapshots import room
+from tests.support import extremes
 
 ROOT = Path(__file__).parents[2]
 LAYOUTS = sorted(path.stem for path in (ROOT / "layouts").glob("*.xml"))

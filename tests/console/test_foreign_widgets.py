@@ -17,7 +17,7 @@ from rune_tui.layout.rules import HandlerRule, Vocabulary
 from rune_tui.layout.spec import EventSpec, LayoutSpec, WidgetSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, SendEffect, Tell
-from rune_tui.opening import BUILT_IN
+from rune_tui.startup.opening import BUILT_IN
 
 LAYOUT = """<rune>
   <robot name="magellan"><capability name="NAV_MOVE"/></robot>

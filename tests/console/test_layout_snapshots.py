@@ -25,10 +25,10 @@ from rune_tui.model.robot_state import (
     Received,
     RobotState,
 )
-from rune_tui.opening import open_layout
+from rune_tui.startup.opening import open_layout
 from rune_tui.view import View
 from tests.console.states import described, renamed, rendered, robot_of
-from tests.messages import camera_state, robot_state
+from tests.support.messages import camera_state, robot_state
 
 ROOT = Path(__file__).parents[2]
 SNAPSHOTS = ROOT / "tests" / "golden" / "layouts"

@@ -19,7 +19,7 @@ from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import AskEffect, StateEffect, changed
 from rune_tui.model.theme import LEAST_CONTRAST, THEMES, Theme
-from rune_tui.opening import BUILT_IN, open_layout
+from rune_tui.startup.opening import BUILT_IN, open_layout
 from rune_tui.view import View
 from tests.console.situations import NOW, ROOT, SITUATIONS, scene
 from tests.console.test_contrast import least_contrast

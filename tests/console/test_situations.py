@@ -12,7 +12,7 @@ import pytest
 
 from rune_tui.compositor.picture import plain_text
 from rune_tui.model.theme import DARK
-from rune_tui.opening import open_layout
+from rune_tui.startup.opening import open_layout
 from tests.console.situations import ROOT, SITUATIONS, scene
 
 SNAPSHOTS = ROOT / "tests" / "golden" / "situations"

@@ -9,7 +9,7 @@ import pytest
 
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import FillView, ShowViewport, changed
-from rune_tui.opening import open_layout
+from rune_tui.startup.opening import open_layout
 from rune_tui.view import View
 from tests.console.view_scenes import STATE, robot, words
 

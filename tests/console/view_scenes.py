@@ -21,7 +21,7 @@ from tests.console.states import (
     view_of,
     visualizer_spec,
 )
-from tests.messages import camera_state, robot_state
+from tests.support.messages import camera_state, robot_state
 
 STATE = ConsoleState(now=100.0)
 CAMERA = camera_state(pan=0.5, tilt=0.1)

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 import hub.cli
-import rune_tui.arguments
-from rune_tui.opening import open_layout
+import rune_tui.commands.arguments
+from rune_tui.startup.opening import open_layout
 
 ROOT = Path(__file__).parents[2]
 ROWS = [
@@ -31,7 +31,7 @@ def test_every_row_says_something_of_everyone_and_ends_with_a_command() -> None:
 def test_a_command_is_one_that_there_is(command: str) -> None:
     program, *arguments = shlex.split(command)
     if program == "rune":
-        options = rune_tui.arguments.parser().parse_args(arguments)
+        options = rune_tui.commands.arguments.parser().parse_args(arguments)
         for layout in [getattr(options, "layout", None), *getattr(options, "layouts", [])]:
             if isinstance(layout, str) and "bad_layouts" not in layout:
                 open_layout(ROOT / layout if "/" in layout else layout)

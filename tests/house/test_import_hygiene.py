@@ -15,8 +15,8 @@ ON_DEMAND = {"av"}
     ("statement", "forbidden"),
     [
         (
-            "import hub.cli, hub.robomon.daemon, hub.inspection.commands, hub.robots.magellan,"
-            " hub.modules.driver.__main__, hub.modules.navigation.__main__,"
+            "import hub.cli, hub.robomon.daemon, hub.inspection.message_commands,"
+            " hub.robots.magellan, hub.modules.driver.__main__, hub.modules.navigation.__main__,"
             " hub.modules.vision.__main__, hub.modules.mapping.__main__, hub.robots.video_camera,"
             " hub.modules.autonomy.__main__",
             CONSOLE_ONLY | ON_DEMAND,
@@ -26,7 +26,7 @@ ON_DEMAND = {"av"}
             "import rune_tui.view, rune_tui.dispatch, rune_tui.layout.spec",
             {"textual", "rich", "hid", "hidraw", "zmq"},
         ),
-        ("import rune_tui.shot", {"textual", "rich", "hid", "hidraw"}),
+        ("import rune_tui.commands.shot", {"textual", "rich", "hid", "hidraw"}),
         (
             "import hub.cli, rune_tui.cli",
             CONSOLE_ONLY - {"rune_tui"} | {"zmq", "numpy", "importlib.metadata"},

@@ -6,7 +6,7 @@ from itertools import groupby, pairwise
 
 import pytest
 
-from tests.sharing_out import shared_out
+from tests.support.sharing_out import shared_out
 
 Test = tuple[str, int]
 

@@ -6,7 +6,7 @@ from importlib.metadata import version
 
 import pytest
 
-from tests.command_line import rune_hub
+from tests.support.command_line import rune_hub
 
 
 def test_it_tells_its_version() -> None:

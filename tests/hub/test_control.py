@@ -28,7 +28,7 @@ from hub.gcm.control import (
 )
 from hub.gcm.navigation import GOAL_COMMAND, GoalCommand
 from hub.gcm.supervision import MODULE_INFO, ModuleInfo
-from hub.inspection import commands, control
+from hub.inspection import control_commands, message_commands
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.message_info import Reception
@@ -37,8 +37,8 @@ from hub.ipc.security.client_keys import read_client_keys
 from hub.ipc.security.keyring import Keyring
 from hub.ipc.security.publish_rights import ROBOMON
 from hub.ipc.transport.loop import Loop
-from hub.robomon.control_desk import ControlDesk
-from tests.waiting import until
+from hub.robomon.control_service import ControlDesk
+from tests.support.waiting import until
 
 HOLDS = ConsoleHeartbeat(holds=1)
 
@@ -261,19 +261,19 @@ def test_commands_show_who_has_control_and_free_the_robot(
     robot: Robot, capsys: pytest.CaptureFixture[str]
 ) -> None:
     alice, bob, tool = robot.client("alice"), robot.client("bob"), robot.client("tool")
-    assert control.show(tool, as_json=False) == 0
+    assert control_commands.show(tool, as_json=False) == 0
     assert capsys.readouterr().out.splitlines()[0] == "nobody has control"
     want(alice, ControlAction.TAKE)
     want(bob, ControlAction.ASK)
-    assert control.show(tool, as_json=False) == 0
+    assert control_commands.show(tool, as_json=False) == 0
     first, second, *_ = capsys.readouterr().out.splitlines()
     assert first.startswith("alice (alice) has had control for 0.")
     assert second.startswith("bob (bob) asks for it, ")
-    assert control.show(tool, as_json=True) == 0
+    assert control_commands.show(tool, as_json=True) == 0
     assert json.loads(capsys.readouterr().out)["operator"] == "alice"
     with pytest.raises(HubError, match="add --force"):
-        control.release(tool, force=False)
-    assert control.release(tool, force=True) == 0
+        control_commands.release(tool, force=False)
+    assert control_commands.release(tool, force=True) == 0
     assert capsys.readouterr().out == "control was taken from alice\n"
     robot.until_owned_by(None)
 
@@ -283,11 +283,11 @@ def test_who_sends_what_is_refused_is_told_so(
 ) -> None:
     tool = robot.client("tool")
     goal = functools.partial(
-        commands.send, tool, GOAL_COMMAND.name, [], rate_hz=0.0, zero_first=False
+        message_commands.send, tool, GOAL_COMMAND.name, [], rate_hz=0.0, zero_first=False
     )
     assert goal() == 0
     want(robot.client("alice"), ControlAction.TAKE)
     assert goal() == 1
     assert "alice has control, so the robot refuses this" in capsys.readouterr().err
-    commands.send(tool, "GCM_Stop", [], rate_hz=0.0, zero_first=False)
+    message_commands.send(tool, "GCM_Stop", [], rate_hz=0.0, zero_first=False)
     assert "has control" not in capsys.readouterr().err

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from hub.errors import RobotFileError
-from hub.robomon.table import hub_arguments, load_robot_table
+from hub.robomon.module_table import hub_arguments, load_robot_table
 
 
 def test_values_stand_in_place_of_the_files_and_every_module_gets_them() -> None:

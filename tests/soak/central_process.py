@@ -15,7 +15,7 @@ import threading
 import time
 
 from hub.ipc.broker.central import Central
-from hub.logs import start_logging
+from hub.nonblocking_logging import start_logging
 
 
 def main() -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 from tests.soak.module_process import Row
 from tests.soak.rig import PUBLISHER, SENT, Rig, Vitals, latency_ms, lost
-from tests.waiting import until
+from tests.support.waiting import until
 
 P99_MS = 5.0
 GROWTH_MB = 5.0

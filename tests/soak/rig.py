@@ -21,10 +21,10 @@ import psutil
 from hub.errors import HubError
 from hub.ipc.client import Client
 from hub.ipc.wire.control import Listing
-from tests.ports import free_port
 from tests.soak import vocabulary as v
 from tests.soak.module_process import COLUMNS, Plan, Row
-from tests.waiting import until
+from tests.support.ports import free_port
+from tests.support.waiting import until
 
 ROOT = Path(__file__).parents[2]
 Rows = npt.NDArray[np.int64]

@@ -12,7 +12,7 @@ import pytest
 from tests.misbehaving import bad_connections
 from tests.soak.good_traffic import GoodTraffic
 from tests.soak.rig import Rig
-from tests.waiting import until
+from tests.support.waiting import until
 
 CONNECTIONS = int(os.environ.get("RUNE_SOAK_CONNECTIONS", "100000"))
 AT_MOST_S = float(os.environ.get("RUNE_SOAK_ATTACK_S", "180"))

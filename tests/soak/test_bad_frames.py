@@ -15,7 +15,7 @@ from tests.soak import vocabulary as v
 from tests.soak.good_traffic import GROWTH_MB, GoodTraffic
 from tests.soak.module_process import Row
 from tests.soak.rig import PUBLISHER, SENT, SEQUENCE, Rig, Vitals
-from tests.waiting import until
+from tests.support.waiting import until
 
 FRAMES = int(os.environ.get("RUNE_SOAK_FRAMES", "1000000"))
 AT_MOST_S = float(os.environ.get("RUNE_SOAK_ATTACK_S", "180"))

@@ -15,7 +15,7 @@ from hub.ipc.client import Client
 from tests.soak import vocabulary as v
 from tests.soak.module_process import Row
 from tests.soak.rig import AT, KIND, NUMBER, SENT, ModuleProcess, Rig
-from tests.waiting import until
+from tests.support.waiting import until
 
 ROUNDS = int(os.environ.get("RUNE_SOAK_ROUNDS", "50"))
 FLOWS_MS = 300.0

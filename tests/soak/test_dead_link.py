@@ -17,7 +17,7 @@ from hub.ipc.client import Client
 from tests.soak import vocabulary as v
 from tests.soak.module_process import Row
 from tests.soak.rig import AT, KIND, SENT, ModuleProcess, Rig, Rows, Started
-from tests.waiting import until
+from tests.support.waiting import until
 
 DEAD_S = float(os.environ.get("RUNE_SOAK_DEAD_S", "20"))
 SEEN_S = 2.1

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import pytest
 
 from tests.soak.rig import ModuleProcess, Rig, Vitals, latency_ms
-from tests.waiting import until
+from tests.support.waiting import until
 
 MINUTES = float(os.environ.get("RUNE_SOAK_MINUTES", "30"))
 GROWTH_MB = 2.0

@@ -10,7 +10,7 @@ from collections.abc import Callable
 import pytest
 
 from tests.soak.rig import AT, MISSED, SENT, SEQUENCE, ModuleProcess, Rig, latency_ms
-from tests.waiting import until
+from tests.support.waiting import until
 
 STUCK_S = float(os.environ.get("RUNE_SOAK_STUCK_S", "60"))
 GROWTH_MB = 5.0

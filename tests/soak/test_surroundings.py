@@ -20,8 +20,8 @@ import pytest
 from tests.misbehaving import bad_connections
 from tests.soak.good_traffic import GoodTraffic
 from tests.soak.rig import AT, SENT, Rig
-from tests.waiting import until
-from tests.wall_clock import WallClock
+from tests.support.waiting import until
+from tests.support.wall_clock import WallClock
 
 CROWD_S = float(os.environ.get("RUNE_SOAK_CROWD_S", "60"))
 _CROWD = 200

@@ -25,9 +25,9 @@ from hub.ipc.roles import Role
 from hub.ipc.security.client_keys import read_client_keys
 from hub.ipc.security.keyring import Keyring
 from tests.misbehaving.hostile_observer import ATTACKS
-from tests.ports import free_port
+from tests.support.ports import free_port
+from tests.support.waiting import until
 from tests.system.harness import HubProcess
-from tests.waiting import until
 
 MIX = tuple(ATTACKS)
 """One hostile observer of each kind."""

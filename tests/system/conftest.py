@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from tests.fake_hid import VirtualBed
+from tests.support.fake_hid import VirtualBed
 from tests.system.harness import ConsoleProcess, HubProcess, Observer
 
 LAYOUT = """<rune run="1">

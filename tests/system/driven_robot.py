@@ -15,11 +15,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from tests.fake_hid import VirtualBed, VirtualDevice
-from tests.ports import free_port
+from tests.support.fake_hid import VirtualBed, VirtualDevice
+from tests.support.ports import free_port
+from tests.support.waiting import until
 from tests.system.harness import DELAY_S, ConsoleProcess, HubProcess
 from tests.system.recorded_robot import Row, Wheels
-from tests.waiting import until
 
 _PAD = "logitech_f310_dinput"
 _STICKS = """

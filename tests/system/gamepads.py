@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
 
-from tests.fake_hid import VirtualBed, VirtualDevice
+from tests.support.fake_hid import VirtualBed, VirtualDevice
 from tests.system.harness import ConsoleProcess, HubProcess, Observer
 
 PAD = "logitech_f310_dinput"

@@ -29,7 +29,7 @@ from hub.gcm import navigation
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.message_info import Reception
-from tests.waiting import until
+from tests.support.waiting import until
 
 ROBOT_FILE = """
 name = "magellan"

@@ -10,8 +10,8 @@ import subprocess
 from contextlib import suppress
 from pathlib import Path
 
-from tests.ports import free_port
-from tests.waiting import until
+from tests.support.ports import free_port
+from tests.support.waiting import until
 
 _CONFIG = """
 Port {port}

@@ -12,7 +12,7 @@ import zmq
 
 from hub.gcm.navigation import GROUND_TRUTH, GroundTruth
 from hub.ipc.wire import frames
-from tests.command_line import rune_hub
+from tests.support.command_line import rune_hub
 from tests.system.harness import ConsoleProcess, HubProcess, Observer, family
 
 HUGE_FRAME = (

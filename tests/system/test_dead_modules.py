@@ -10,8 +10,8 @@ import signal
 
 import psutil
 
+from tests.support.waiting import until
 from tests.system.harness import ConsoleProcess, HubProcess, Observer, drive, expect_stop
-from tests.waiting import until
 
 
 def _hold_on(console: ConsoleProcess, observer: Observer) -> None:

@@ -7,8 +7,8 @@ from contextlib import ExitStack, closing
 
 import pytest
 
+from tests.support.waiting import until
 from tests.system.harness import ConsoleProcess, family, gone, in_soak
-from tests.waiting import until
 
 
 @pytest.fixture

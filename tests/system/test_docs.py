@@ -20,10 +20,10 @@ from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.roles import Role
 from hub.ipc.security.keyring import Keyring, default_folder
-from tests.command_line import rune_hub
+from tests.support.command_line import rune_hub
+from tests.support.waiting import until
 from tests.system.harness import ConsoleProcess, HubProcess
 from tests.system.ssh_server import SshServer, missing
-from tests.waiting import until
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])

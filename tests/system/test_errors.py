@@ -8,7 +8,7 @@ from subprocess import CompletedProcess
 
 import pytest
 
-from tests.command_line import run, rune_hub
+from tests.support.command_line import run, rune_hub
 from tests.system.harness import ConsoleProcess, HubProcess, in_soak
 
 

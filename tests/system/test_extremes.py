@@ -17,9 +17,9 @@ from hub.gcm.catalog import MESSAGES
 from hub.gcm.common import COMMON_COMMAND
 from hub.gcm.supervision import MODULE_COMMAND, MODULE_INFO
 from hub.ipc.client import Client
-from tests import extremes
+from tests.support import extremes
+from tests.support.waiting import until
 from tests.system.harness import HubProcess
-from tests.waiting import until
 
 EACH = int(os.environ.get("RUNE_EXTREMES_SENT", "1000"))
 _ENDING = {COMMON_COMMAND.name, MODULE_COMMAND.name}

@@ -14,9 +14,9 @@ from hub.gcm import map_coding, mapping, navigation
 from hub.gcm.common import REQUEST_DATA, RequestData
 from hub.gcm.navigation import Assistance, MotionState, Task
 from hub.ipc.definition import MessageDefinition
-from hub.plane import Pose
+from hub.pose import Pose
+from tests.support.waiting import until
 from tests.system.harness import HubProcess, Observer
-from tests.waiting import until
 
 HUB = {"modules": ("driver", "navigation")}
 COMMANDS = (

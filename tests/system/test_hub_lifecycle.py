@@ -23,8 +23,8 @@ from hub.ipc.client import Client
 from hub.ipc.roles import Role
 from hub.ipc.security.client_keys import read_client_keys
 from hub.ipc.security.keyring import Keyring
+from tests.support.waiting import until
 from tests.system.harness import MODULES, HubProcess, Observer, family, gone, in_soak, robot_file
-from tests.waiting import until
 
 
 def _nothing_left(hub: HubProcess, processes: list[psutil.Process]) -> None:

@@ -13,7 +13,7 @@ from contextlib import ExitStack
 
 import pytest
 
-from tests.fake_hid import VirtualBed, VirtualDevice, needs_virtual_devices
+from tests.support.fake_hid import VirtualBed, VirtualDevice, needs_virtual_devices
 from tests.system.gamepads import NAME, PAD, console_at, drive, expect_no_driving, forward, report
 from tests.system.harness import ConsoleProcess, HubProcess, Observer, expect_stop
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from rune_tui.controls.joystick.user_files import user_file
-from tests.fake_hid import VirtualBed, VirtualDevice, needs_virtual_devices
+from tests.support.fake_hid import VirtualBed, VirtualDevice, needs_virtual_devices
 from tests.system.harness import ConsoleProcess
 
 pytestmark = needs_virtual_devices

@@ -11,9 +11,9 @@ import pytest
 from hub.gcm.common import COMMON_RESULT
 from hub.gcm.control import CONTROL_REQUEST, CONTROL_STATE, ControlAction, ControlRequest
 from hub.ipc.client import Client
+from tests.support.waiting import until
 from tests.system import diving_robot
 from tests.system.harness import HubProcess
-from tests.waiting import until
 
 SAFETY = """
 [safety]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from tests.ports import free_port
+from tests.support.ports import free_port
 from tests.system.harness import ConsoleProcess, HubProcess, Observer
 
 

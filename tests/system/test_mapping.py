@@ -16,7 +16,7 @@ from PIL import Image
 from hub.errors import HandlerFailedError
 from hub.gcm import map_coding, mapping, navigation
 from hub.gcm.common import COMMON_RESULT, REQUEST_DATA, CommonResult, RequestData
-from tests.command_line import run
+from tests.support.command_line import run
 from tests.system.harness import HubProcess, Observer, robot_file
 
 WHOLE = mapping.MapRequest(x=math.nan)

@@ -11,8 +11,8 @@ import pytest
 
 from hub.gcm import mapping
 from hub.gcm.mission import MissionAction
+from tests.support.waiting import until
 from tests.system.mission_site import Site, killed_often
-from tests.waiting import until
 
 
 @pytest.fixture

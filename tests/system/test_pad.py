@@ -18,8 +18,8 @@ import pytest
 
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.navigation import GROUND_TRUTH, GroundTruth
-from tests.fake_hid import VirtualBed, VirtualDevice, needs_virtual_devices
-from tests.ports import free_port
+from tests.support.fake_hid import VirtualBed, VirtualDevice, needs_virtual_devices
+from tests.support.ports import free_port
 from tests.system.gamepads import NAME, PAD, console_at, drive, expect_no_driving, forward, report
 from tests.system.harness import STILL, ConsoleProcess, HubProcess, Observer, expect_stop
 

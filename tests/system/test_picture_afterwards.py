@@ -22,9 +22,9 @@ import pyte
 import pytest
 
 from hub.gcm.navigation import VELOCITY_COMMAND
+from tests.support.waiting import until
 from tests.system.conftest import LAYOUT
 from tests.system.harness import ConsoleProcess, HubProcess, Observer, TerminalProcess, in_soak
-from tests.waiting import until
 
 PICTURE_ROWS = 20
 """Below them are words that change by themselves."""

@@ -19,12 +19,12 @@ from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.robot_links import RobotLinks
 from rune_tui.link.tunnel import Tunnel, open_tunnels
 from rune_tui.model.robot_state import LinkPhase
-from rune_tui.opening import open_layout
-from tests.ports import free_port
+from rune_tui.startup.opening import open_layout
+from tests.support.ports import free_port
+from tests.support.waiting import until
 from tests.system.conftest import LAYOUT
 from tests.system.harness import ConsoleProcess, HubProcess, Observer, drive
 from tests.system.ssh_server import SshServer, missing
-from tests.waiting import until
 
 
 @pytest.fixture

@@ -25,10 +25,10 @@ import pytest
 from hub.gcm.navigation import STOP, Stop
 from hub.ipc.client import Client
 from tests.conftest import leaving_nothing
-from tests.fake_hid import VirtualBed, needs_virtual_devices
+from tests.support.fake_hid import VirtualBed, needs_virtual_devices
+from tests.support.wall_clock import WallClock
 from tests.system.driven_robot import DrivenRobot
 from tests.system.ssh_server import SshServer
-from tests.wall_clock import WallClock
 
 pytestmark = needs_virtual_devices
 

@@ -28,9 +28,9 @@ from hub.gcm.common import (
 )
 from hub.gcm.supervision import CapabilityPhase, ModulePhase
 from hub.ipc.client import Client
-from tests.command_line import rune_hub
+from tests.support.command_line import rune_hub
+from tests.support.waiting import until
 from tests.system.harness import family, gone
-from tests.waiting import until
 
 ROOT = Path(__file__).parents[2]
 

@@ -13,8 +13,8 @@ from functools import partial
 import psutil
 import pytest
 
+from tests.support.waiting import until
 from tests.system.harness import ConsoleProcess, HubProcess, Observer, in_soak
-from tests.waiting import until
 
 RUBBISH = [
     b"\xff\x80\xe9",

@@ -19,8 +19,8 @@ from hub.gcm import navigation, rle, vision
 from hub.gcm.supervision import MODULE_INFO
 from hub.sim.arena import SHIPPED
 from tests.hub.robots.videos import make_video
+from tests.support.waiting import until
 from tests.system.harness import HubProcess, Observer
-from tests.waiting import until
 
 StartHub = Callable[..., HubProcess]
 

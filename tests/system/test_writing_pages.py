@@ -17,9 +17,9 @@ import pytest
 
 from hub.gcm import navigation
 from rune_tui.cli import main
+from tests.support.waiting import until
 from tests.system.harness import HubProcess
 from tests.system.test_supervision import Robot, run
-from tests.waiting import until
 
 DOCS = Path(__file__).parents[2] / "docs"
 LONGEST_PROGRAM = 60

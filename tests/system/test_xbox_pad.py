@@ -9,8 +9,8 @@ import sys
 import time
 from pathlib import Path
 
-from tests.fake_evdev import ABS, NAME, VirtualXboxPad, needs_virtual_pads
-from tests.fake_hid import VirtualBed
+from tests.support.fake_evdev import ABS, NAME, VirtualXboxPad, needs_virtual_pads
+from tests.support.fake_hid import VirtualBed
 from tests.system.gamepads import console_at, forward
 from tests.system.harness import ConsoleProcess, HubProcess, Observer, expect_stop
 

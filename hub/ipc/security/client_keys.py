@@ -10,7 +10,7 @@ import zmq
 from hub.errors import KeyFileError
 from hub.ipc.roles import Bearer, Role
 from hub.ipc.security import key_files
-from hub.toml_tables import Key
+from hub.toml_reader import Key
 
 _ADVICE = "copy it again from the robot, or make a new one there with `rune-hub keys make`"
 _KEYS = {

@@ -16,7 +16,7 @@ from zmq.utils import z85
 
 from hub.errors import KeyFileError
 from hub.ipc.roles import Role
-from hub.toml_tables import Key, Problems, Reader, RefusedError, choice, load, read_table, shorten
+from hub.toml_reader import Key, Problems, Reader, RefusedError, choice, load, read_table, shorten
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", re.ASCII)
 _Z85 = re.compile(r"[0-9a-zA-Z.\-:+=^!/*?&<>()\[\]{}@%$#]{40}", re.ASCII)

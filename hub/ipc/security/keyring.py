@@ -17,7 +17,7 @@ from hub.errors import KeyFileError, KeyNameError
 from hub.ipc.roles import Bearer, Role
 from hub.ipc.security import key_files
 from hub.ipc.security.client_keys import ClientKeys, KeyPair, write_client_keys
-from hub.toml_tables import Key, nearest
+from hub.toml_reader import Key, nearest
 
 MAX_KEYS = 1000
 _ADVICE = "put the file back, or delete it and make a new key for every client"

@@ -51,7 +51,7 @@ COMMANDS: Mapping[str, Right] = {
     "GCM_Capability_Wants": _OPERATOR,
     "GCM_Common_RequestData": _OPERATOR,
     "GCM_Console_Heartbeat": _OPERATOR,
-    # Two of its actions need `supervise`; `hub.robomon.control_desk` looks at them.
+    # Two of its actions need `supervise`; `hub.robomon.control_service` looks at them.
     "GCM_Control_Request": _OPERATOR,
     "GCM_Pad_Device": _OPERATOR,
     "GCM_Pad_State": _OPERATOR,

@@ -10,7 +10,6 @@ import time
 
 from hub.bucket import Bucket
 from hub.errors import HandlerFailedError, MapFileError, MissionError, RobotFileError
-from hub.folders import for_maps, for_missions
 from hub.gcm import map_coding, mapping, navigation
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.common import COMMON_RESULT, CommonResult
@@ -23,6 +22,7 @@ from hub.missions.keeper import MissionKeeper, MissionLimits
 from hub.modules.mapping.grid import LOADED, MAX_EDGE_CELLS, OccupancyGrid
 from hub.modules.mapping.mission_desk import MissionDesk
 from hub.modules.mapping.scans import ScanSelector
+from hub.paths import for_maps, for_missions
 from hub.robots.description import RobotDescription
 from hub.runtime import run_module
 

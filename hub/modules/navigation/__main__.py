@@ -10,7 +10,6 @@ import time
 
 from hub.control_gate import ControlGate
 from hub.errors import CodecError, HubError
-from hub.folders import for_pose
 from hub.gcm import mapping, navigation
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
@@ -23,7 +22,8 @@ from hub.modules.navigation.frame import FrameMemory
 from hub.modules.navigation.pilot import Pilot
 from hub.modules.navigation.reports import robot_state, status
 from hub.modules.navigation.speed_governor import SpeedGovernor
-from hub.plane import wrapped
+from hub.paths import for_pose
+from hub.pose import wrapped
 from hub.robots.description import RobotDescription
 from hub.runtime import publish_on_request, run_module
 

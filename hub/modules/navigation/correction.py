@@ -12,7 +12,7 @@ import math
 from dataclasses import dataclass
 
 from hub.gcm.navigation import LandmarkCorrection
-from hub.plane import Pose, wrapped
+from hub.pose import Pose, wrapped
 
 LEAST_APART = 1.0
 """Landmarks nearer to each other than this [m] say too little about the heading."""

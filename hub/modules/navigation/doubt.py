@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from hub.plane import Pose, wrapped
+from hub.pose import Pose, wrapped
 
 STEP_S = 0.1
 """Errors are drawn anew after this time [s]."""

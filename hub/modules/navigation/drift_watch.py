@@ -10,7 +10,7 @@ from hub.grids.grid import Grid
 from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.doubt import Doubt, Spread
 from hub.modules.navigation.matching import FARTHEST, Sightings, drift
-from hub.plane import Pose
+from hub.pose import Pose
 
 YOUNGEST_S = 1.0
 """What was seen since a younger map is too little to be laid onto it [s]."""

@@ -20,7 +20,7 @@ from pathlib import Path
 
 from hub import files
 from hub.gcm.navigation import DriveState
-from hub.plane import Pose
+from hub.pose import Pose
 
 _logger = logging.getLogger(__name__)
 

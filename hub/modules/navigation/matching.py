@@ -20,7 +20,7 @@ import numpy.typing as npt
 from hub.grids.clearance import clearance
 from hub.grids.grid import Grid
 from hub.modules.navigation.doubt import Spread
-from hub.plane import Pose
+from hub.pose import Pose
 
 FEWEST = 40
 """So many points on known ground it takes."""

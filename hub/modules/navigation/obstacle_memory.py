@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.gcm.navigation import SENSOR_COUNT
-from hub.plane import Pose, each_wrapped, wrapped
+from hub.pose import Pose, each_wrapped, wrapped
 
 Floats = npt.NDArray[np.float64]
 

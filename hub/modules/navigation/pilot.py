@@ -28,7 +28,7 @@ from hub.modules.navigation.dynamic_window import Body, DynamicWindow
 from hub.modules.navigation.hindrances import Hindrances
 from hub.modules.navigation.obstacle_memory import ObstacleMemory, Scan
 from hub.modules.navigation.task import LARGEST_TURN, Aim, Errand, refusal
-from hub.plane import Pose, each_wrapped
+from hub.pose import Pose, each_wrapped
 
 REACH = 0.7
 """Obstacles farther away than this [m] do not matter to an operator's velocity."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from itertools import pairwise
 
-from hub.plane import Pose
+from hub.pose import Pose
 
 Way = tuple[tuple[float, float], ...]
 

@@ -14,7 +14,7 @@ from itertools import pairwise
 
 from hub.gcm.navigation import Cause, GoalCommand, Task, TurnCommand
 from hub.modules.navigation.route import CARROT, OFF, Route, Way
-from hub.plane import Pose, wrapped
+from hub.pose import Pose, wrapped
 
 REACHED = 0.1
 """A point counts as reached from so far off [m]."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from hub.gcm.fields import FARTHEST_M
 from hub.gcm.navigation import RobotState
-from hub.plane import Pose, wrapped
+from hub.pose import Pose, wrapped
 
 _KEPT_S = 5.0
 """Older poses are forgotten [s]; no picture takes that long."""

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
 
+from rune_tui.controls.devices.matching import DeviceInfo
 from rune_tui.controls.hid.device_controls import PhysicalControl
 from rune_tui.controls.hid.sdl import roles_from_sdl
-from rune_tui.controls.joystick.matching import DeviceInfo
 from rune_tui.controls.joystick.user_files import read_user_file, user_file
 
 FILE_NAME = "gamecontrollerdb.txt"

@@ -14,12 +14,12 @@ from typing import Any
 
 from hub.gcm.control import CONTROL_STATE, ConsoleHeartbeat, ControlAction, ControlState
 from hub.gcm.navigation import ROBOT_STATE, STOP, VELOCITY_COMMAND
-from rune_tui.controls.device_reader import Gone, Opened, Scanned
+from rune_tui.controls.devices.device_reader import Gone, Opened, Scanned
 from rune_tui.controls.events import ControlEvent
-from rune_tui.controls.joystick.store import CalibrationStore
-from rune_tui.controls.joysticks import Joysticks
+from rune_tui.controls.joystick.calibration_store import CalibrationStore
+from rune_tui.controls.joystick_set import Joysticks
 from rune_tui.controls.keyboard import KeyboardHold
-from rune_tui.controls.stall_guard import StallGuard
+from rune_tui.controls.pause_guard import StallGuard
 from rune_tui.dispatch import Dispatch
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState
@@ -30,7 +30,7 @@ from tests.console.controls.joystick.pads import LEFT_X, LEFT_Y, PAD, REST, devi
 from tests.console.controls.pure_agent import HeardPads, PadAgent
 from tests.console.controls.pure_robot import STEP_S, Robot
 from tests.console.controls.slow_link import Link
-from tests.messages import robot_state
+from tests.support.messages import robot_state
 
 TICK_S = 0.05
 """How often the console does [s]."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 from hub.gcm.pad import PadDevice, PadState
-from rune_tui.controls.far_pads import FarPads
 from rune_tui.controls.hid.reading import Value
-from rune_tui.controls.joystick.pad_sender import PadSender
+from rune_tui.controls.remote_pad.far_pads import FarPads
+from rune_tui.controls.remote_pad.pad_sender import PadSender
 from tests.console.controls.hid.fixtures import device as recorded
 from tests.console.controls.joystick.pads import device
 from tests.console.controls.slow_link import Link

@@ -12,7 +12,7 @@ from hub.ipc.message_info import Reception
 from hub.ipc.security.publish_rights import ROBOMON
 from hub.modules.driver.watchdog import CommandWatchdog
 from hub.modules.navigation.speed_governor import SpeedGovernor
-from hub.robomon.arbiter import Arbiter
+from hub.robomon.control_lease import Arbiter
 from hub.sim.kinematics import ANGULAR, LINEAR, approach
 
 STEP_S = 0.02

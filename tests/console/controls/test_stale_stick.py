@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import pytest
 
 from rune_tui.layout.spec import LayoutSpec
-from rune_tui.opening import open_layout
+from rune_tui.startup.opening import open_layout
 from tests.console.controls.hands_to_wheels import Console, World
 from tests.console.controls.pure_agent import PadAgent
 

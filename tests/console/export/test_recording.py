@@ -20,9 +20,9 @@ from mcap_ros2.decoder import DecoderFactory
 from hub.gcm.navigation import ROBOT_STATE, VELOCITY_COMMAND, Twist
 from hub.gcm.vision import IMAGE, Image, ImageCoding
 from rune_tui.export.recording import Recording
-from tests.full_disk import files_no_longer_than
-from tests.messages import camera_state, robot_state
-from tests.waiting import until
+from tests.support.full_disk import files_no_longer_than
+from tests.support.messages import camera_state, robot_state
+from tests.support.waiting import until
 
 
 def test_messages_are_read_back_by_tools_of_ros(tmp_path: Path) -> None:
@@ -100,7 +100,7 @@ import sys, time
 from pathlib import Path
 from rune_tui.export.recording import Recording
 from hub.gcm.navigation import ROBOT_STATE
-from tests.messages import robot_state
+from tests.support.messages import robot_state
 recording = Recording(Path(sys.argv[1]), {})
 while True:
     recording.add("left", ROBOT_STATE, robot_state(), time.monotonic())

@@ -9,7 +9,7 @@ import pytest
 
 from rune_tui.layout.actions import Action, actions_of
 from rune_tui.layout.spec import LayoutSpec
-from rune_tui.opening import BUILT_IN, open_layout
+from rune_tui.startup.opening import BUILT_IN, open_layout
 
 LAYOUT = """\
 <rune>

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from rune_tui.layout.arrangement_notes import arrangement_notes
 from rune_tui.layout.placing import Placed, arrangement_for, filled, placed
 from rune_tui.layout.spec import ArrangementSpec, LayoutSpec, PlaceSpec
-from rune_tui.opening import open_layout
+from rune_tui.startup.opening import open_layout
 
 TEXT = """\
 <rune>

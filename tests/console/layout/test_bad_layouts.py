@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from rune_tui.errors import LayoutError, LayoutProblem
-from rune_tui.opening import open_layout
+from rune_tui.startup.opening import open_layout
 
 FOLDER = Path(__file__).parents[2] / "bad_layouts"
 FILES = sorted(FOLDER.glob("*.xml"))

@@ -9,7 +9,7 @@ import pytest
 
 from rune_tui.layout.key_notes import key_notes, untold_keys
 from rune_tui.layout.spec import LayoutSpec
-from rune_tui.opening import open_layout
+from rune_tui.startup.opening import open_layout
 
 LAYOUT = """<rune>
   <robot name="magellan"><capability name="NAV_MOVE"/></robot>

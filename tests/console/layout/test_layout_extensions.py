@@ -14,7 +14,7 @@ from rune_tui.dispatch import Dispatch
 from rune_tui.errors import LayoutError
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import SendEffect
-from rune_tui.opening import open_layout
+from rune_tui.startup.opening import open_layout
 
 DOCS = Path(__file__).parents[3] / "docs"
 LAYOUT = """<rune>

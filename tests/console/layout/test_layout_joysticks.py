@@ -8,7 +8,7 @@ import pytest
 
 from rune_tui.layout.actions import Action, actions_of
 from rune_tui.layout.spec import ControlKind, ControlSpec, EventSpec, JoystickSpec, LayoutSpec
-from rune_tui.opening import open_layout
+from rune_tui.startup.opening import open_layout
 
 PAGE = (Path(__file__).parents[3] / "docs" / "layout-reference.md").read_text()
 EXAMPLES = [text.split("```")[0] for text in PAGE.split("\n```xml\n")[1:]]

@@ -17,7 +17,7 @@ from rune_tui.errors import LayoutError, LayoutProblem
 from rune_tui.layout import loader
 from rune_tui.layout.loader import LARGEST_FILE, load_layout
 from rune_tui.layout.spec import CapabilitySpec, EventSpec, LayoutSpec
-from rune_tui.opening import BUILT_IN, open_layout
+from rune_tui.startup.opening import BUILT_IN, open_layout
 
 LAYOUTS = Path(__file__).parents[3] / "layouts"
 GOOD = sorted(LAYOUTS.glob("*.xml"))

@@ -18,7 +18,7 @@ from rune_tui.controls.hid import usages
 from rune_tui.layout import names
 from rune_tui.layout.loader import _schema
 from rune_tui.layout.rules import LOCAL_MESSAGES, HandlerRule, Option, VisualizerRule
-from rune_tui.opening import BUILT_IN, open_layout
+from rune_tui.startup.opening import BUILT_IN, open_layout
 from rune_tui.terminal import input_stream
 
 ROOT = Path(__file__).parents[3]

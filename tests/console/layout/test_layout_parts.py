@@ -12,7 +12,7 @@ from rune_tui.errors import LayoutError
 from rune_tui.layout.loader import LARGEST_FILE
 from rune_tui.layout.parts import DEEPEST, MOST
 from rune_tui.layout.spec import LayoutSpec
-from rune_tui.opening import open_layout
+from rune_tui.startup.opening import open_layout
 
 PAGE = Path(__file__).parents[3] / "docs" / "layout-reference.md"
 ROBOT = '<robot name="magellan"><capability name="NAV_STATE"/><capability name="NAV_MOVE"/></robot>'

@@ -10,7 +10,7 @@ import pytest
 from rune_tui.errors import LayoutError
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.layout.watching import LayoutSource, first_problem
-from rune_tui.opening import open_layout
+from rune_tui.startup.opening import open_layout
 
 TEXT = """<rune run="{run}">
   <robot name="magellan"/>

@@ -17,11 +17,11 @@ from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.roles import Role
 from hub.ipc.security.keyring import Keyring
-from hub.robomon.control_desk import ControlDesk
+from hub.robomon.control_service import ControlDesk
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.model.control import Standing, asks, control_of, standing
-from rune_tui.opening import open_layout
-from tests.waiting import until
+from rune_tui.startup.opening import open_layout
+from tests.support.waiting import until
 
 LAYOUT = """<rune>
   <robot name="magellan" hub="{hub}"><capability name="AUT_PILOT"/></robot>

@@ -24,13 +24,13 @@ from hub.ipc.client import Client
 from hub.ipc.roles import Role
 from hub.ipc.security.client_keys import read_client_keys
 from hub.ipc.security.keyring import Keyring
-from rune_tui.controls.device_reader import Scanned
-from rune_tui.controls.joystick.matching import DeviceInfo
+from rune_tui.controls.devices.device_reader import Scanned
+from rune_tui.controls.devices.matching import DeviceInfo
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.robot_links import RobotLinks
-from rune_tui.opening import open_layout
-from tests.console.controls.test_far_pads import CONTROLS, told_device
-from tests.waiting import until
+from rune_tui.startup.opening import open_layout
+from tests.console.controls.remote_pad.test_far_pads import CONTROLS, told_device
+from tests.support.waiting import until
 
 JOYSTICK = '<joystick name="pad"/>'
 

@@ -17,8 +17,8 @@ from hub.modules.vision.coding import code
 from rune_tui.layout.spec import CapabilitySpec, RobotSpec
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.model.console_state import PictureWish
-from tests.messages import camera_state
-from tests.waiting import until
+from tests.support.messages import camera_state
+from tests.support.waiting import until
 
 
 class Robot:

@@ -9,7 +9,7 @@ from hub.errors import CodecError
 from hub.gcm.vision import Image, ImageCoding
 from hub.modules.vision.coding import code
 from rune_tui.link.pictures import picture_of
-from tests.messages import camera_state
+from tests.support.messages import camera_state
 
 RAMP = np.linspace(0, 255, 24 * 32 * 3).astype(np.uint8).reshape(24, 32, 3)
 

@@ -21,11 +21,11 @@ from rune_tui.layout.spec import CapabilitySpec, LayoutSpec
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase
-from rune_tui.opening import open_layout
+from rune_tui.startup.opening import open_layout
 from rune_tui.view import View
 from tests.console.states import rendered
-from tests.messages import robot_state
-from tests.waiting import until
+from tests.support.messages import robot_state
+from tests.support.waiting import until
 
 LAYOUT = """<rune run="1">
   <robot name="magellan" hub="{hub}">

@@ -16,8 +16,8 @@ from rune_tui.errors import HubChoiceError
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.robot_links import RobotLinks
 from rune_tui.model.robot_state import LinkPhase
-from rune_tui.opening import open_layout
-from tests.waiting import until
+from rune_tui.startup.opening import open_layout
+from tests.support.waiting import until
 
 
 @pytest.fixture

@@ -16,8 +16,8 @@ from hub.gcm.supervision import CAPABILITY_REPORTS, CapabilityReports
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from rune_tui.link.streams import Streams
-from tests.messages import robot_state
-from tests.waiting import until
+from tests.support.messages import robot_state
+from tests.support.waiting import until
 
 
 class Rig:

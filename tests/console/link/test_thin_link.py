@@ -18,11 +18,11 @@ from hub.ipc.node.responders import Reply
 from hub.modules.vision.coding import code
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.model.robot_state import RobotState
-from rune_tui.opening import open_layout
-from tests.messages import camera_state, robot_state
-from tests.ports import free_port
-from tests.thin_link import ThinLink
-from tests.waiting import until
+from rune_tui.startup.opening import open_layout
+from tests.support.messages import camera_state, robot_state
+from tests.support.ports import free_port
+from tests.support.thin_link import ThinLink
+from tests.support.waiting import until
 
 AHEAD_S = 7200.0
 LAYOUT = """<rune>

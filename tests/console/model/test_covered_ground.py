@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rune_tui.model.covered_ground import COVERS_M, covered, covers_of, uncovered
-from tests.messages import robot_state
+from tests.support.messages import robot_state
 
 CLEAR = np.full(16, np.inf, np.float32)
 

@@ -13,7 +13,7 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.doings import WAIT_S, DoingWatch
 from tests.console.visualizers import known
 from tests.console.visualizers.conftest import Made, received
-from tests.console.visualizers.test_autonomy import navigation
+from tests.console.visualizers.words.test_autonomy import navigation
 
 
 class Story:

@@ -13,7 +13,7 @@ from rune_tui.model.effects import AskToLeave, changed
 from rune_tui.model.leaving import ORDERED_S, question, reasons_to_stay
 from rune_tui.model.robot_state import LinkPhase, LinkState, Received, RobotState
 from tests.console.states import robot_of
-from tests.messages import robot_state
+from tests.support.messages import robot_state
 
 MINE, OTHERS = 7, 8
 

@@ -14,7 +14,7 @@ from rune_tui.model.line_of_sight import SURE_HEIGHT_M, Surroundings, hidden, pl
 from rune_tui.model.pose import Pose
 from rune_tui.model.robot_state import OccupancyMap
 from rune_tui.model.world import SaidBy, WorldPoint
-from tests.messages import camera_state, robot_state
+from tests.support.messages import camera_state, robot_state
 
 WIDTH, HEIGHT = 160, 120
 HERE = Pose(x=0.0, y=0.0, theta=0.0)

@@ -7,7 +7,7 @@ from hub.gcm.navigation import MotionState
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.happenings import Watch
 from tests.console.visualizers.conftest import Made, received
-from tests.messages import robot_state
+from tests.support.messages import robot_state
 
 ME = 7
 NEUTRAL = "it waits for a neutral command: release all keys, then drive"

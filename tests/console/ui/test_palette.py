@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from rune_tui.layout.actions import actions_of
-from rune_tui.opening import open_layout
+from rune_tui.startup.opening import open_layout
 from rune_tui.ui.palette import choices, match
 
 LAYOUTS = sorted((Path(__file__).parents[3] / "layouts").glob("*.xml"))

@@ -16,7 +16,7 @@ from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.registry import VISUALIZERS
 from rune_tui.visualizers.visualizer import Visualizer
 from tests.console.states import robot_of, visualizer_spec
-from tests.messages import camera_state, robot_state
+from tests.support.messages import camera_state, robot_state
 
 NOW = 100.0
 GOLDEN = Path(__file__).parents[2] / "golden" / "cells"

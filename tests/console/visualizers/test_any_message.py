@@ -24,7 +24,7 @@ from rune_tui.visualizers.registry import VISUALIZERS
 from rune_tui.visualizers.visualizer import Locating
 from tests.console.visualizers import known
 from tests.console.visualizers.conftest import NOW, Made, made_by, received
-from tests.messages import camera_state, robot_state
+from tests.support.messages import camera_state, robot_state
 
 CONTROL = "\x1b[31m\x07\x9b2J\u202e\ud800\n"
 TINY = 5e-324

@@ -10,8 +10,8 @@ from hub.gcm.mapping import INTEREST_POINTS
 from hub.gcm.navigation import ROBOT_STATE, STOP
 from hub.gcm.supervision import MODULE_REPORTS
 from rune_tui.model.robot_state import LinkPhase
+from rune_tui.visualizers.parts.staleness import Staleness, age_text, pause_of, staleness
 from rune_tui.visualizers.registry import VISUALIZERS
-from rune_tui.visualizers.staleness import Staleness, age_text, pause_of, staleness
 from tests.console.states import visualizer_spec
 from tests.console.visualizers.known import everything
 

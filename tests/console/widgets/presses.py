@@ -16,7 +16,7 @@ from rune_tui.model.world import WorldPoint
 from rune_tui.widgets.registry import WIDGETS
 from rune_tui.widgets.widget import Widget
 from tests.console.visualizers.conftest import NOW, Made, received
-from tests.messages import camera_state, robot_state
+from tests.support.messages import camera_state, robot_state
 
 VICTIM, LANDMARK = PointKind.VICTIM, PointKind.LANDMARK
 PLACE = WorldPoint(x=3.0, y=-1.0, uncertainty=0.125, distance=2.5)

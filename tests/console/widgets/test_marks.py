@@ -20,7 +20,7 @@ from hub.gcm.mapping import (
     PointKind,
 )
 from hub.gcm.navigation import LANDMARK_CORRECTION
-from hub.plane import Pose
+from hub.pose import Pose
 from rune_tui.controls.events import ControlEvent, Hit
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import (
@@ -48,7 +48,7 @@ from tests.console.widgets.presses import (
     seeing,
     widget_of,
 )
-from tests.messages import camera_state, robot_state
+from tests.support.messages import camera_state, robot_state
 
 LEFT = event_spec("mouse left")
 KEY = event_spec("u")

@@ -14,8 +14,8 @@ from rune_tui.model.effects import AskEffect, Effect, MissionEffect, Tell
 from rune_tui.model.leaving import reasons_to_stay
 from rune_tui.model.mission import MissionWatch
 from rune_tui.model.robot_state import Lack, LackKind
-from rune_tui.visualizers.mission import _rows
-from rune_tui.visualizers.troubles import troubles
+from rune_tui.visualizers.words.mission import _rows
+from rune_tui.visualizers.words.troubles import troubles
 from rune_tui.widgets.mission import WAIT_S
 from tests.console.visualizers.conftest import received
 from tests.console.widgets.presses import down, event_spec, seeing, widget_of

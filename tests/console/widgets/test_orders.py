@@ -40,7 +40,7 @@ from tests.console.widgets.presses import (
     up,
     widget_of,
 )
-from tests.messages import camera_state, robot_state
+from tests.support.messages import camera_state, robot_state
 
 KEY = event_spec("x")
 

@@ -17,7 +17,7 @@ from rune_tui.dispatch import Dispatch
 from rune_tui.layout.spec import ControlKind, EventSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import LimitSpeed, SendEffect, changed
-from rune_tui.opening import open_layout
+from rune_tui.startup.opening import open_layout
 from rune_tui.widgets.speed import SetSpeed
 
 _LAYOUT = """<rune>

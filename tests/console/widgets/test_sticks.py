@@ -22,7 +22,7 @@ from rune_tui.layout.rules import Options
 from rune_tui.layout.spec import ControlKind, EventSpec, LayoutSpec, WidgetSpec
 from rune_tui.model.effects import Effect, QuitEffect, SendEffect, Zoom
 from rune_tui.model.joystick_state import JoystickState
-from rune_tui.opening import open_layout
+from rune_tui.startup.opening import open_layout
 from rune_tui.widgets.registry import WIDGETS
 from rune_tui.widgets.speed import SetSpeed
 from rune_tui.widgets.widget import Widget

@@ -24,9 +24,9 @@ from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats import grammar as formats
 from hub.ipc.formats import ranges
 from hub.plain_text import is_plain
-from tests import extremes
 from tests.hub.gcm.test_wire import value_of
-from tests.messages import camera_state, robot_state
+from tests.support import extremes
+from tests.support.messages import camera_state, robot_state
 
 EACH = int(os.environ.get("RUNE_EXTREMES", "30"))
 by_definition = pytest.mark.parametrize("definition", MESSAGES, ids=lambda each: each.name)

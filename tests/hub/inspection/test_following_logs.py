@@ -14,7 +14,7 @@ from hub.errors import (
     UnknownModuleError,
 )
 from hub.gcm.supervision import LogLines, ModuleReports
-from hub.inspection import supervision
+from hub.inspection import module_commands
 
 
 class Daemons:
@@ -48,7 +48,7 @@ def lines(first: int, *words: str) -> LogLines:
 
 def follow(daemons: Any) -> None:
     with pytest.raises(UnknownModuleError):
-        supervision.logs(daemons, "one", lines=10, follow=True)
+        module_commands.logs(daemons, "one", lines=10, follow=True)
 
 
 def test_daemon_that_does_not_answer_yet_is_waited_for(capsys: pytest.CaptureFixture[str]) -> None:

@@ -12,7 +12,7 @@ from hub.cli import ExitCode
 from hub.ipc.roles import Role
 from hub.ipc.security.client_keys import read_client_keys
 from hub.ipc.security.keyring import Keyring, default_folder
-from tests.command_line import run, rune_hub
+from tests.support.command_line import run, rune_hub
 
 
 def keys(*arguments: str) -> subprocess.CompletedProcess[str]:

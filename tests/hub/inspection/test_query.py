@@ -11,7 +11,7 @@ import pytest
 
 from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.gcm.mapping import MAP_COMMAND, MapCommand
-from hub.inspection import commands
+from hub.inspection import message_commands
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from tests.hub.ipc.conftest import Peer
@@ -29,14 +29,14 @@ def client(tmp_path: Path) -> Iterator[Client]:
     with closing(Central([f"ipc://{tmp_path}/central"])) as central:
         mapping = Peer("mapping", central.endpoints[0]).connect()
         mapping.call(lambda: mapping.client.respond(MAP_COMMAND, COMMON_RESULT, answered))
-        with closing(commands.connect(central.endpoints[0], "query", None)) as connected:
+        with closing(message_commands.connect(central.endpoints[0], "query", None)) as connected:
             yield connected
         mapping.close()
 
 
 def ask(client: Client, name: str, *, as_json: bool = False) -> int:
     fields = ["order=LOAD", f"name={name}"]
-    return commands.query(client, MAP_COMMAND.name, fields, timeout=5.0, as_json=as_json)
+    return message_commands.query(client, MAP_COMMAND.name, fields, timeout=5.0, as_json=as_json)
 
 
 def test_what_is_done_is_shown(client: Client, capsys: pytest.CaptureFixture[str]) -> None:

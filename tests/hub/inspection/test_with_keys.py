@@ -17,13 +17,13 @@ from hub.errors import (
 from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.gcm.navigation import STOP
 from hub.gcm.supervision import MODULE_COMMAND
-from hub.inspection import commands, status, supervision
+from hub.inspection import central_commands, message_commands, module_commands
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.roles import Role
 from hub.ipc.security.keyring import Keyring
 from tests.hub.ipc.conftest import Peer
-from tests.waiting import until
+from tests.support.waiting import until
 
 Connect = Callable[[Role], Client]
 
@@ -48,7 +48,7 @@ def connect(central: Central, keyring: Keyring) -> Iterator[Connect]:
 
         def make(role: Role) -> Client:
             path = keyring.make(f"a-{role.value}", role)
-            client = commands.connect(central.endpoints[1], f"test-{role.value}", path)
+            client = message_commands.connect(central.endpoints[1], f"test-{role.value}", path)
             return opened.enter_context(closing(client))
 
         yield make
@@ -57,12 +57,12 @@ def connect(central: Central, keyring: Keyring) -> Iterator[Connect]:
 @pytest.mark.parametrize("role", [Role.OBSERVE, Role.OPERATE])
 def test_who_may_not_close_modules_is_told_so_at_once(connect: Connect, role: Role) -> None:
     with pytest.raises(NotAllowedError, match=r"may not close modules; do it on the robot"):
-        status.close(connect(role), "driver")
+        central_commands.close(connect(role), "driver")
 
 
 def test_who_may_close_modules_is_told_which_there_are_not(connect: Connect) -> None:
     with pytest.raises(UnknownModuleError, match="driver"):
-        status.close(connect(Role.MODULE), "driver")
+        central_commands.close(connect(Role.MODULE), "driver")
 
 
 @pytest.mark.parametrize("role", [Role.OBSERVE, Role.OPERATE])
@@ -71,7 +71,7 @@ def test_a_log_level_that_was_not_set_is_not_said_to_be(connect: Connect, role: 
     before = client.directory.listing(5.0).level
     other = "error" if before != "error" else "debug"
     with pytest.raises(NotAllowedError, match=rf"logs from {before} on.*do it on the robot"):
-        status.log_level(client, other)
+        central_commands.log_level(client, other)
     assert client.directory.listing(5.0).level == before
 
 
@@ -82,7 +82,7 @@ def test_who_has_a_removed_key_is_told_that_it_is_refused(
     keyring.make("gone", Role.OPERATE).rename(copied)
     keyring.remove("gone")
     with pytest.raises(NotAllowedError, match=r"refuses the key 'gone'.*rune-hub keys list"):
-        commands.connect(central.endpoints[1], "test", copied)
+        message_commands.connect(central.endpoints[1], "test", copied)
 
 
 def test_the_key_of_another_hub_is_one_of_the_reasons_given_for_silence(
@@ -90,11 +90,11 @@ def test_the_key_of_another_hub_is_one_of_the_reasons_given_for_silence(
 ) -> None:
     other = Keyring(tmp_path / "other").make("one", Role.OPERATE)
     with pytest.raises(CentralUnreachableError, match="was the key made on that robot"):
-        commands.connect(central.endpoints[1], "test", other)
+        message_commands.connect(central.endpoints[1], "test", other)
 
 
 def sent(client: Client, name: str) -> int:
-    return commands.send(client, name, [], rate_hz=0.0, zero_first=False)
+    return message_commands.send(client, name, [], rate_hz=0.0, zero_first=False)
 
 
 @pytest.mark.parametrize("role", Role)
@@ -136,5 +136,5 @@ def test_modules_are_started_and_stopped_by_who_may_supervise(
         daemon.call(lambda: daemon.client.wait_defined(5.0))
         daemon.call(lambda: daemon.client.directory.listing(5.0))
         with pytest.raises(HandlerFailedError, match=r"GCM_Module_Command.*--role supervise$"):
-            supervision.order(connect(Role.OPERATE), "vision", "stop")
-        assert supervision.order(connect(Role.SUPERVISE), "vision", "stop") == 0
+            module_commands.order(connect(Role.OPERATE), "vision", "stop")
+        assert module_commands.order(connect(Role.SUPERVISE), "vision", "stop") == 0

@@ -16,7 +16,7 @@ from hub.ipc.definition import MessageDefinition
 from hub.ipc.message_info import Reception
 from hub.ipc.security.client_keys import ClientKeys
 from tests.hub.ipc.vocabulary import Number
-from tests.waiting import until
+from tests.support.waiting import until
 
 T = TypeVar("T")
 

@@ -21,7 +21,7 @@ from hub.ipc.wire.definition_listing import to_listing
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Peer
 from tests.hub.ipc.vocabulary import Number
-from tests.waiting import until
+from tests.support.waiting import until
 
 _GREETING = b"\xff" + bytes(8) + b"\x7f" + b"\3\1" + b"NULL".ljust(20, b"\0") + b"\0" + bytes(31)
 _PLACES = {"control": 0, "state in": 1, "state out": 2, "command in": 3, "command out": 4}

@@ -20,8 +20,8 @@ from hub.ipc.client import Client
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Peer
 from tests.hub.ipc.vocabulary import Number
-from tests.ports import free_port
-from tests.waiting import until
+from tests.support.ports import free_port
+from tests.support.waiting import until
 
 Make = Callable[[str, str], Peer]
 

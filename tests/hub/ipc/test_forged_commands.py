@@ -25,7 +25,7 @@ from hub.ipc.wire import control, control_codec, frames
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Peer
 from tests.hub.ipc.vocabulary import Number
-from tests.waiting import until
+from tests.support.waiting import until
 
 NEWEST = MessageDefinition(name="T_Newest", format="{int}", type=Number, plane=Plane.COMMAND)
 GOAL = navigation.GOAL_COMMAND

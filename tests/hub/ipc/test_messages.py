@@ -19,7 +19,7 @@ from hub.ipc.wire import control
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Make, Peer
 from tests.hub.ipc.vocabulary import Number
-from tests.waiting import until
+from tests.support.waiting import until
 
 Connect = Callable[[str], Peer]
 

@@ -17,7 +17,7 @@ from hub.ipc.wire import frames
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Make, values
 from tests.hub.ipc.vocabulary import Number
-from tests.waiting import until
+from tests.support.waiting import until
 
 pytestmark = pytest.mark.skipif(not this_neighbourhood(), reason="this system has no neighbours")
 

@@ -23,7 +23,7 @@ from hub.ipc.broker.central import Central
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Peer
 from tests.hub.ipc.vocabulary import Number
-from tests.waiting import until
+from tests.support.waiting import until
 
 Connect = Callable[[str], Peer]
 

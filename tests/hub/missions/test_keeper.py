@@ -29,7 +29,7 @@ from hub.missions.mark_rates import (
 )
 from hub.missions.pending import MAX_PENDING
 from hub.missions.points import MAX_THUMBNAIL_BYTES, NO_THUMBNAIL
-from tests.full_disk import files_no_longer_than
+from tests.support.full_disk import files_no_longer_than
 
 NOW = 1.7e9
 GRID = LogOdds.of(np.diag([1.0, 0.0, -2.0]).astype(np.float32), 0.05, -1.0, 2.0)

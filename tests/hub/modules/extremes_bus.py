@@ -18,7 +18,7 @@ from hub.errors import CodecError, HubError, QueryTimeoutError
 from hub.gcm.catalog import BY_NAME
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.message_info import Reception
-from tests import extremes
+from tests.support import extremes
 
 OWN = 1
 

@@ -21,7 +21,7 @@ from hub.modules.driver.__main__ import build as build_driver
 from hub.modules.mapping.__main__ import Mapping
 from hub.modules.navigation.__main__ import Navigation
 from hub.modules.vision.__main__ import Vision
-from hub.robomon.control_desk import ControlDesk
+from hub.robomon.control_service import ControlDesk
 from hub.robomon.policy import Supervisor
 from hub.robomon.reporting import Reporting
 from hub.robots.description import find_robot_file, read_description

@@ -17,7 +17,7 @@ from hub.ipc.transport.loop import Loop
 from hub.modules.driver import __main__ as driver
 from hub.modules.driver.navigator import TELL_S, Navigator
 from hub.robots.description import read_description
-from tests.waiting import until
+from tests.support.waiting import until
 
 FORWARD, NEUTRAL = Twist.planar(0.4, 0.0), Twist.planar(0.0, 0.0)
 

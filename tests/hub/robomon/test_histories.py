@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.gcm.supervision import CapabilityPhase, ModuleOrder, ModulePhase
-from hub.robomon.life import Action
-from hub.robomon.table import ModuleSpec
+from hub.robomon.module_lifecycle import Action
+from hub.robomon.module_table import ModuleSpec
 from tests.hub.robomon.world import World, ways
 
 _MODULES = ("a", "b", "c", "d")

@@ -16,7 +16,7 @@ from hub.gcm.supervision import (
     announce_every_s,
     keep_alive_s,
 )
-from hub.robomon.life import Action, Life
+from hub.robomon.module_lifecycle import Action, Life
 from hub.robomon.policy import (
     MAX_SHOWN,
     MAX_STRANGERS,

@@ -14,10 +14,10 @@ import psutil
 import pytest
 
 from hub.errors import ModuleStartError
-from hub.robomon import guardian, process
+from hub.robomon import orphan_reaper, process
+from hub.robomon.module_table import ModuleSpec
 from hub.robomon.process import Guardian, ModuleProcess
-from hub.robomon.table import ModuleSpec
-from tests.waiting import until
+from tests.support.waiting import until
 
 
 class Starter:
@@ -88,7 +88,7 @@ def test_guardian_finds_what_left_its_session_or_is_stopped(start: Starter) -> N
 def test_guardian_that_hangs_does_not_keep_the_daemon(
     watcher: Guardian, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(guardian, "GRACE_S", 0.1)
+    monkeypatch.setattr(orphan_reaper, "GRACE_S", 0.1)
     pid = watcher.pid
     os.kill(pid, signal.SIGSTOP)
     watcher.close()

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from hub.gcm.supervision import ModuleOrder, ModulePhase
-from hub.robomon.life import Action, Life
+from hub.robomon.module_lifecycle import Action, Life
+from hub.robomon.module_table import ModuleSpec
 from hub.robomon.policy import Supervisor
-from hub.robomon.table import ModuleSpec
 
 STEP_S = 0.05
 

@@ -19,7 +19,7 @@ from hub.robots.video_camera import VideoCamera
 from hub.robots.video_reader import VideoReader
 from hub.robots.video_source import video_source
 from tests.hub.robots.videos import frame_of, jpeg_of, make_video
-from tests.waiting import until
+from tests.support.waiting import until
 
 pytest.importorskip("av", reason="PyAV is not installed: pip install 'robot-user-nexus[camera]'")
 

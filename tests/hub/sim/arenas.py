@@ -6,7 +6,7 @@ import tomllib
 
 import numpy as np
 
-from hub.plane import Pose
+from hub.pose import Pose
 from hub.sim.arena import BODY_RADIUS, Arena, arena_from_spec
 from hub.sim.arena_file import check_arena
 

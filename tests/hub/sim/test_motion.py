@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hub.plane import Pose, wrapped
+from hub.pose import Pose, wrapped
 from hub.robots.magellan import LONGEST_ADVANCE, STEP, SimulatedMagellan
 from hub.sim.arena import BODY_RADIUS, Arena, load_arena
 from hub.sim.battery import Battery

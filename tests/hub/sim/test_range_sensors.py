@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hub.plane import Pose
+from hub.pose import Pose
 from hub.robots.magellan import SimulatedMagellan
 from hub.sim.arena import BODY_RADIUS, load_arena
 from hub.sim.range_sensors import (

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from rune_tui.controls.hid.device_controls import DeviceDecoder, hat_direction
 from rune_tui.controls.hid.kernel_codes import EV_ABS, EV_KEY, KernelPad
 from rune_tui.layout.spec import ControlKind
-from tests.fake_evdev import AXES, BUTTONS
+from tests.support.fake_evdev import AXES, BUTTONS
 
 ENDS = st.tuples(st.integers(-(2**31), 2**31 - 2), st.integers(1, 2**31)).map(
     lambda pair: (pair[0], min(2**31 - 1, pair[0] + pair[1]))

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rune_tui.controls.device_reader import News
-from rune_tui.controls.joystick.inbox import Inbox
-from rune_tui.controls.joystick.matching import DeviceInfo
+from rune_tui.controls.devices.device_reader import News
+from rune_tui.controls.devices.inbox import Inbox
+from rune_tui.controls.devices.matching import DeviceInfo
 from rune_tui.model.joystick_state import Absence
 from tests.console.controls.joystick.pads import PAD
 

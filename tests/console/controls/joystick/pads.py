@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from rune_tui.controls.devices.matching import DeviceInfo
 from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.hid.device_controls import PhysicalControl
-from rune_tui.controls.joystick.matching import DeviceInfo
 from rune_tui.layout.names import ROLES
 from rune_tui.layout.spec import ControlKind, ControlSpec, JoystickSpec
 

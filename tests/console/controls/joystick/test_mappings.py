@@ -15,7 +15,7 @@ from rune_tui.controls.joystick.mappings import Mappings
 from rune_tui.controls.joystick.user_files import user_file
 from rune_tui.layout.names import ROLES
 from tests.console.controls.joystick.pads import ALL, LEFT_X, LEFT_Y, PAD, REST, device
-from tests.console.controls.joystick.test_joysticks import Table
+from tests.console.controls.test_joystick_set import Table
 
 SWAPPED = "030000006d04000016c2000010010000,Pad,leftx:a1,lefty:a0,a:b0,platform:Linux,"
 PADS_LINE = st.sampled_from([SWAPPED.partition("leftx")[0], "# ", ""])

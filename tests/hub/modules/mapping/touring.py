@@ -16,7 +16,7 @@ from hub.modules.mapping.grid import OccupancyGrid
 from hub.modules.mapping.scans import ScanSelector
 from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.drift_watch import DriftWatch
-from hub.plane import Pose, wrapped
+from hub.pose import Pose, wrapped
 from hub.robots.magellan import SimulatedMagellan
 from hub.sim.arena import BODY_RADIUS, Arena, Footprints
 from hub.sim.range_sensors import first_hits

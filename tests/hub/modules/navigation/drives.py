@@ -10,7 +10,7 @@ import numpy as np
 from hub.gcm.navigation import GroundTruth
 from hub.modules.navigation.dynamic_window import body_of
 from hub.modules.navigation.pilot import Pilot
-from hub.plane import Pose
+from hub.pose import Pose
 from hub.robots.description import find_robot_file, read_description
 from hub.robots.magellan import SimulatedMagellan
 from hub.sim.arena import BODY_RADIUS, Arena

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from hub.gcm.navigation import LandmarkCorrection
 from hub.modules.navigation.correction import LARGEST_TURN, RECENT_S, PoseCorrection
-from hub.plane import Pose
+from hub.pose import Pose
 
 DRIFT = st.builds(
     Pose,

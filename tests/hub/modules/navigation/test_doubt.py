@@ -7,7 +7,7 @@ import math
 import pytest
 
 from hub.modules.navigation.doubt import LANDMARK_OFF, Doubt, Spread
-from hub.plane import Pose, wrapped
+from hub.pose import Pose, wrapped
 
 
 def driven(*, speed: float, rate: float, hz: float = 20.0, seconds: float = 5.0) -> Doubt:

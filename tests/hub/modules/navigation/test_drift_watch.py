@@ -15,7 +15,7 @@ from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.doubt import Spread
 from hub.modules.navigation.drift_watch import OLDEST_S, YOUNGEST_S, DriftWatch
 from hub.modules.navigation.matching import drift
-from hub.plane import Pose
+from hub.pose import Pose
 from hub.robots.magellan import SimulatedMagellan
 from hub.sim.arena import load_arena
 from tests.hub.modules.mapping.touring import (

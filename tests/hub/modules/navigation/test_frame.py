@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from hub.gcm.navigation import DriveState
 from hub.modules.navigation.frame import Frame, FrameMemory, chosen
-from hub.plane import Pose
+from hub.pose import Pose
 from hub.robots.magellan import SimulatedMagellan
 from tests.hub.sim.arenas import arena_of
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hub.grids.grid import Grid
 from hub.modules.navigation.doubt import Spread
 from hub.modules.navigation.matching import FEWEST, Sightings, drift
-from hub.plane import Pose
+from hub.pose import Pose
 
 CORNER_X = np.concatenate((np.linspace(-1.0, 1.0, 80), np.full(60, 1.0)))
 CORNER_Y = np.concatenate((np.full(80, 1.0), np.linspace(-0.5, 1.0, 60)))

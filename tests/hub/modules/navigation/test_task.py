@@ -22,7 +22,7 @@ from hub.modules.navigation.task import (
     Errand,
     refusal,
 )
-from hub.plane import Pose
+from hub.pose import Pose
 
 
 def goal(

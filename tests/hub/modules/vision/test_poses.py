@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.modules.vision.poses import AHEAD_S, GAP_S, UNKNOWN, PoseHistory
-from tests.messages import robot_state
+from tests.support.messages import robot_state
 
 
 def test_nothing_is_known_before_the_robot_said_where_it_is() -> None:

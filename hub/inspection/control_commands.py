@@ -1,0 +1,75 @@
+"""`rune-hub control`: who has control of the robot, and to free it for somebody who stands by."""
+
+from __future__ import annotations
+
+import json
+
+from hub.errors import HubError, NoHandlerError, QueryError, QueryTimeoutError
+from hub.gcm.autonomy import Pilot
+from hub.gcm.common import COMMON_RESULT
+from hub.gcm.control import (
+    CONTROL_REQUEST,
+    CONTROL_STATE,
+    WARNED_S,
+    ControlAction,
+    ControlRequest,
+    ControlState,
+)
+from hub.inspection import value_text
+from hub.inspection.module_commands import no_daemon
+from hub.inspection.output import outcome, put, span
+from hub.ipc.client import Client
+from hub.plain_text import plain
+
+_ANSWER_S = 2.0
+
+
+def show(client: Client, *, as_json: bool) -> int:
+    """Show who has control, who asks for it, and who moves the robot."""
+    try:
+        state = client.last_value(CONTROL_STATE, timeout=_ANSWER_S)
+    except QueryTimeoutError:
+        raise
+    except QueryError as error:
+        raise no_daemon(client) from error
+    if as_json:
+        put(json.dumps(value_text.plain(state)))
+        return 0
+    for line in _lines(state):
+        put(plain(line))
+    return 0
+
+
+def release(client: Client, *, force: bool) -> int:
+    """Take control from whoever has it; those who ask do not get it.
+
+    Raises:
+        HubError: That is not what was asked for.
+    """
+    if not force:
+        text = "this takes control from whoever has it; if you stand by the robot, add --force"
+        raise HubError(text)
+    request = ControlRequest(action=ControlAction.FREE)
+    try:
+        result = client.query_response(CONTROL_REQUEST, request, COMMON_RESULT, timeout=_ANSWER_S)
+    except NoHandlerError as error:
+        raise no_daemon(client) from error
+    if result.done:
+        put(plain(result.text))
+    return outcome(result)
+
+
+def _lines(state: ControlState) -> list[str]:
+    lines = ["nobody has control"]
+    if state.owner:
+        held = span(state.held_s)
+        lines = [f"{state.operator} ({state.owner_name}) has had control for {held}"]
+        if state.silent_s >= WARNED_S:
+            lines.append(f"{state.operator}'s console has been silent for {state.silent_s:.1f} s")
+    if state.asker:
+        more = f"; {state.waiting} more wait" if state.waiting else ""
+        asker = f"{state.asker_operator} ({state.asker_name})"
+        lines.append(f"{asker} asks for it, {state.left_s:.0f} s left to answer{more}")
+    moved = state.commander is not Pilot.NOBODY
+    lines.append(f"{state.commander_name} moves the robot" if moved else "nobody moves the robot")
+    return [*lines, f"last: {state.why}"]

@@ -1,0 +1,124 @@
+"""`rune-hub doctor`: looks at robot file and machine, and says what is wrong and what to do."""
+
+from __future__ import annotations
+
+import functools
+import json
+from collections.abc import Callable, Iterator, Mapping
+
+from hub.errors import RobotFileError
+from hub.inspection.doctor import library_checks, machine_checks, port_checks, robot_checks
+from hub.inspection.doctor.finding import Finding, Level, ok, problem, warning
+from hub.inspection.output import put
+from hub.plain_text import plain
+from hub.robots.description import RobotDescription, find_robot_file, read_description
+
+_NOTHING_WRONG, _WRONG, _WRONG_ROBOT_FILE = 0, 1, 2
+_ROBOT_FILE = "robot file"
+
+MACHINE: Mapping[str, Callable[[], list[Finding]]] = {
+    "versions": library_checks.versions,
+    "shared memory": machine_checks.shared_memory,
+    "open files": machine_checks.open_files,
+    "clock": machine_checks.clock,
+    "memory": machine_checks.memory,
+    "processors": machine_checks.processors,
+}
+SAYING: Mapping[str, Callable[[str], list[Finding]]] = {
+    "service": machine_checks.service,
+    "user": machine_checks.user,
+}
+"""What says commands in which the robot file's name stands, as it was given to the doctor."""
+ROBOT: Mapping[str, Callable[[RobotDescription], list[Finding]]] = {
+    "ports": port_checks.ports,
+    "gateway": port_checks.gateway,
+    "keys": robot_checks.keys,
+    "sockets": robot_checks.sockets,
+    "folders": robot_checks.folders,
+    "space": machine_checks.space,
+    "devices": robot_checks.devices,
+    "extras": library_checks.extras,
+}
+
+
+def examine(name_or_path: str, load: Callable[[str], object], *, as_json: bool) -> int:
+    """Look at everything and say it, a line each.
+
+    Args:
+        name_or_path: The robot file, or the name of a shipped one.
+        load: Reads it whole, or raises RobotFileError.
+        as_json: JSON, one line a finding.
+
+    Returns:
+        The exit code: 2 if the robot file is wrong, 1 if something else is, 0 if nothing is.
+    """
+    counts = dict.fromkeys(Level, 0)
+    robot_file_wrong = False
+    for check, finding in _findings(name_or_path, load):
+        counts[finding.level] += 1
+        robot_file_wrong |= check == _ROBOT_FILE and finding.level is Level.PROBLEM
+        put(_as_json(check, finding) if as_json else _as_line(check, finding))
+    problems, warnings = counts[Level.PROBLEM], counts[Level.WARNING]
+    if not as_json:
+        put(f"problems: {problems}, warnings: {warnings}")
+    if robot_file_wrong:
+        return _WRONG_ROBOT_FILE
+    return _WRONG if problems else _NOTHING_WRONG
+
+
+def attempt(check: Callable[[], list[Finding]]) -> list[Finding]:
+    """What a check finds; one that fails itself is a finding too, and the others go on."""
+    try:
+        return check()
+    except Exception as fault:  # noqa: BLE001 - whatever machine this is, the rest is looked at
+        text = f"could not be looked at ({type(fault).__name__}: {fault})"
+        return [warning(text, "look yourself, and please report it")]
+
+
+def _findings(name_or_path: str, load: Callable[[str], object]) -> Iterator[tuple[str, Finding]]:
+    for finding in attempt(lambda: _robot_file(name_or_path, load)):
+        yield _ROBOT_FILE, finding
+    robot = _readable(name_or_path)
+    if robot is not None:
+        for name, of_robot in ROBOT.items():
+            for finding in attempt(functools.partial(of_robot, robot)):
+                yield name, finding
+    for name, of_machine in MACHINE.items():
+        for finding in attempt(of_machine):
+            yield name, finding
+    for name, of_name in SAYING.items():
+        for finding in attempt(functools.partial(of_name, name_or_path)):
+            yield name, finding
+
+
+def _robot_file(name_or_path: str, load: Callable[[str], object]) -> list[Finding]:
+    try:
+        load(name_or_path)
+    except RobotFileError as error:
+        return [problem(text, f"correct {name_or_path}") for text in error.problems]
+    return [ok(f"{find_robot_file(name_or_path)} has no mistakes")]
+
+
+def _readable(name_or_path: str) -> RobotDescription | None:
+    """The robot, as far as its file can be read, mistakes or not."""
+    try:
+        return read_description(find_robot_file(name_or_path))[0]
+    except RobotFileError:
+        return None
+
+
+def _as_line(check: str, finding: Finding) -> str:
+    said = f"{finding.level.value:8}{check}: {finding.text}"
+    said += f" -> {finding.advice}" if finding.advice else ""
+    return plain(said)
+
+
+def _as_json(check: str, finding: Finding) -> str:
+    return json.dumps(
+        {
+            "check": check,
+            "level": finding.level.value,
+            "text": finding.text,
+            "advice": finding.advice,
+        }
+    )

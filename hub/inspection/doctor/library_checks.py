@@ -1,0 +1,71 @@
+"""The doctor on Python and libraries: whether they are those that this robot needs."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import platform
+
+from hub.inspection.doctor.finding import Finding, ok, problem, warning
+from hub.inspection.doctor.versions import fits, parse_requirement
+from hub.robots.description import ROBOTS_OWN, RobotDescription
+
+_DISTRIBUTION = "robot-user-nexus"
+_CAMERA_EXTRA = "camera"
+
+
+def versions() -> list[Finding]:
+    """Whether Python and the libraries are those that the hub was made for."""
+    python = platform.python_version()
+    wanted = importlib.metadata.metadata(_DISTRIBUTION)["Requires-Python"]
+    lines = importlib.metadata.requires(_DISTRIBUTION) or []
+    found = [("Python", python, wanted)] + [
+        (need.name, _installed(need.name), need.ranges)
+        for need in map(parse_requirement, lines)
+        if need is not None and not need.extra
+    ]
+    return [judged_version(*one) for one in found]
+
+
+def judged_version(name: str, version: str, ranges: str) -> Finding:
+    """What is to be said of a library; an empty version is none."""
+    if not version:
+        return problem(f"{name} is not installed", f'pip install "{name}{ranges}"')
+    if not fits(version, ranges):
+        advice = f'pip install "{name}{ranges}"' if name != "Python" else "install another Python"
+        return problem(f"{name} {version} is not {ranges}", advice)
+    return ok(f"{name} {version}")
+
+
+def extras(robot: RobotDescription) -> list[Finding]:
+    """Whether the libraries are there that only some robots need."""
+    needed = robot.camera_source != ROBOTS_OWN
+    missing = _missing(_CAMERA_EXTRA)
+    if not missing:
+        return [ok("all that this robot needs is installed")]
+    text = f"extra {_CAMERA_EXTRA!r} lacks {', '.join(missing)}"
+    install = f'pip install "{_DISTRIBUTION}[{_CAMERA_EXTRA}]"'
+    if needed:
+        return [problem(f"{text}, which camera {robot.camera_source} needs", install)]
+    return [warning(f"{text}: pictures cannot be coded as JPEG", install)]
+
+
+def _missing(extra: str) -> list[str]:
+    """Libraries of an extra that are not installed, or in another version than we want."""
+    missing = []
+    for line in importlib.metadata.requires(_DISTRIBUTION) or []:
+        wanted = parse_requirement(line)
+        if wanted is None or wanted.extra != extra:
+            continue
+        version = _installed(wanted.name)
+        if not version:
+            missing.append(wanted.name)
+        elif not fits(version, wanted.ranges):
+            missing.append(f"{wanted.name} {wanted.ranges} (there is {version})")
+    return missing
+
+
+def _installed(name: str) -> str:
+    try:
+        return importlib.metadata.version(name)
+    except importlib.metadata.PackageNotFoundError:
+        return ""

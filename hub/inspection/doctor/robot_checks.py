@@ -1,0 +1,181 @@
+"""The doctor on what one robot file needs: keys, folders, devices."""
+
+from __future__ import annotations
+
+import contextlib
+import grp
+import os
+import pwd
+import re
+import socket
+import stat
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from hub.errors import KeyFileError
+from hub.inspection.doctor.finding import Finding, ok, problem, warning
+from hub.ipc.security import key_files
+from hub.ipc.security.keyring import Keyring, default_folder
+from hub.paths import LONGEST_FOR_SOCKETS, for_logs, for_maps, for_sockets
+from hub.robots.description import ROBOTS_OWN, RobotDescription
+
+"""What a robot file says where the robot has a camera of its own."""
+"""As long as a folder for sockets may be; a socket's path has about 100 bytes at most."""
+_DEVICE = re.compile(r"/dev/[^\s,;\"']+")
+_EVERYBODYS = ("/dev/null", "/dev/zero", "/dev/stdin", "/dev/stdout", "/dev/stderr")
+_MOST_SHOWN = 8
+
+
+def keys(robot: RobotDescription) -> list[Finding]:
+    """Whether those who have keys can come in, and nobody else can read them."""
+    if not robot.gateway:
+        return [ok("not needed: there is no gateway")]
+    make = "make one with: rune-hub keys make NAME --role operate"
+    make += f" --folder {robot.keys}" if robot.keys else ""
+    try:
+        folder = Path(robot.keys) if robot.keys else default_folder()
+        keyring = Keyring(folder)
+        if not key_files.is_there(folder):
+            fault = _unwritable(folder)
+            if fault:
+                return [problem(f"{folder} is not there and cannot be made ({fault})", make)]
+            return [warning(f"{folder} is not there, so nobody has a key", make)]
+        key_files.private_folder(folder)
+        made = key_files.is_there(folder / "hub.toml")
+        if made:  # otherwise asking for them would make them
+            keyring.hub_keys()
+        holders = keyring.holders()
+    except KeyFileError as error:
+        return [problem(str(error), "nobody can connect from other machines before")]
+    if not made and (fault := _unwritable(folder)):
+        return [problem(f"the hub's own keys cannot be made in {folder} ({fault})", make)]
+    if not holders:
+        return [warning(f"no keys are listed in {folder}, so nobody can come in", make)]
+    names = ", ".join(holder.name for holder in holders[:_MOST_SHOWN])
+    return [ok(f"{len(holders)} in {folder}: {names}")]
+
+
+def sockets(robot: RobotDescription) -> list[Finding]:
+    """Whether there is a folder in which modules can reach central."""
+    del robot
+    named = os.environ.get("XDG_RUNTIME_DIR", "")
+    findings = []
+    parent = for_sockets()
+    if named and named != str(parent):
+        reason = "is too long" if len(named) > LONGEST_FOR_SOCKETS else "is no folder"
+        text = f"XDG_RUNTIME_DIR ({named}) {reason}; another folder is taken"
+        findings.append(warning(text, f"name a folder of up to {LONGEST_FOR_SOCKETS} characters"))
+    try:
+        with (
+            tempfile.TemporaryDirectory(prefix="rune-doctor-", dir=parent) as folder,
+            socket.socket(socket.AF_UNIX) as probe,
+        ):
+            probe.bind(f"{folder}/central")
+    except OSError as fault:
+        text = f"no sockets can be made in {parent} ({key_files.reason_of(fault)})"
+        return [*findings, problem(text, "set XDG_RUNTIME_DIR to a folder that you can write to")]
+    return [*findings, ok(f"they can be made in {parent}")]
+
+
+def folders(robot: RobotDescription) -> list[Finding]:
+    """Whether logs and maps can be written; a hub runs without, unless the robot file wants it."""
+    findings = []
+    for what, (folder, wanted) in written_folders(robot).items():
+        if fault := _unwritable(folder):
+            text = f"{what} cannot be written to {folder} ({fault})"
+            advice = f"mkdir -p {folder}, and let this user write there"
+            findings.append(problem(text, advice) if wanted else warning(text, advice))
+        else:
+            findings.append(ok(f"{what} can be written to {folder}"))
+    return findings
+
+
+def written_folders(robot: RobotDescription) -> dict[str, tuple[Path, bool]]:
+    """Where logs and maps are written, and whether the robot file says so."""
+    logs, maps = for_logs(robot.logs), for_maps(robot.map_folder)
+    return {"logs": (logs, bool(robot.logs)), "maps": (maps, bool(robot.map_folder))}
+
+
+def existing(folder: Path) -> Path:
+    """The folder, or the nearest one above it that exists."""
+    folder = folder.absolute()
+    return next(place for place in (folder, *folder.parents) if place.exists())
+
+
+def devices(robot: RobotDescription) -> list[Finding]:
+    """Whether devices and files that the robot file names are there and open to this user."""
+    findings = [_device(Path(name)) for name in _named_devices(robot)]
+    source = robot.camera_source
+    if source != ROBOTS_OWN and not source.startswith("/dev/"):
+        if "://" in source:
+            findings.append(ok(f"the camera is at {source}; it was not tried"))
+        elif not _is_open(Path(source), os.R_OK):
+            text = f"the camera's file {source} is not there or cannot be read"
+            findings.append(problem(text, "correct [camera], key 'source'"))
+        else:
+            findings.append(ok(f"the camera's file {source} can be read"))
+    return findings or [ok("the robot file names none")]
+
+
+def _unwritable(folder: Path) -> str:
+    """Why nothing can be written to a folder, or where it would be made; empty if it can be."""
+    try:
+        with tempfile.TemporaryFile(dir=existing(folder)):
+            return ""
+    except OSError as fault:
+        return key_files.reason_of(fault)
+
+
+def _named_devices(robot: RobotDescription) -> list[str]:
+    named = [*_texts(robot.camera_source), *_texts(robot.modules)]
+    found = [device for text in named for device in _DEVICE.findall(text)]
+    return [device for device in dict.fromkeys(found) if device not in _EVERYBODYS]
+
+
+def _texts(value: object) -> Iterator[str]:
+    """All texts in what TOML gives."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, dict):
+        for item in value.values():
+            yield from _texts(item)
+    elif isinstance(value, list):
+        for item in value:
+            yield from _texts(item)
+
+
+def _device(path: Path) -> Finding:
+    try:
+        found = path.stat()
+    except OSError as fault:
+        others = sorted(str(other) for other in path.parent.glob(f"{_stem(path.name)}*"))
+        seen = f"; there are {', '.join(others[:_MOST_SHOWN])}" if others else ""
+        text = f"{path}: {key_files.reason_of(fault)}{seen}"
+        return problem(text, "plug it in, or correct its name in the robot file")
+    if _is_open(path, os.R_OK | os.W_OK):
+        return ok(f"{path} is there and open to this user")
+    return problem(f"{path} is not open to this user", _way_in(path, found))
+
+
+def _is_open(path: Path, wanted: int) -> bool:
+    """Whether this user may; the system is asked, because access lists count as well."""
+    return os.access(path, wanted, effective_ids=os.access in os.supports_effective_ids)
+
+
+def _stem(name: str) -> str:
+    """The name without its number: glob of those of the same kind."""
+    return re.sub(r"[*?\[]", "?", name.rstrip("0123456789"))
+
+
+def _way_in(path: Path, found: os.stat_result) -> str:
+    """What gives this user a device."""
+    user = str(os.geteuid())
+    with contextlib.suppress(KeyError):
+        user = pwd.getpwuid(os.geteuid()).pw_name
+    group = ""
+    with contextlib.suppress(KeyError):
+        group = grp.getgrgid(found.st_gid).gr_name
+    if found.st_gid and group and found.st_mode & (stat.S_IRGRP | stat.S_IWGRP) == 0o060:
+        return f"usermod -aG {group} {user}, then log in again"
+    return f"write a udev rule that gives {path.name} to a group of {user}, such as plugdev"

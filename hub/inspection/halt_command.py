@@ -1,0 +1,116 @@
+"""`rune-hub halt`: stop the robot, and wait until it reports that it stands."""
+
+from __future__ import annotations
+
+import json
+import time
+
+from hub.gcm.navigation import ROBOT_STATE, STOP, MotionState, RobotState, Stop
+from hub.inspection.login import login_name
+from hub.inspection.output import complain, put
+from hub.ipc.client import Client
+from hub.ipc.message_info import Reception
+
+LIMIT_S = 2.0
+"""A robot that does not stand after this time still moves [s]."""
+STILL_M_S = 0.01
+"""A robot that is slower than this stands [m/s]."""
+STILL_RAD_S = 0.02
+"""A robot that turns more slowly than this stands [rad/s]."""
+_REPEAT_S = 0.1
+_MOVING = (MotionState.MOVING, MotionState.GOING, MotionState.NO_DRIVER)
+
+
+class Halt:
+    """What the robot has reported since the first stop; pure.
+
+    Attributes:
+        report: The newest report; None: none came.
+        seen: Whether the robot has reported a stop.
+    """
+
+    def __init__(self) -> None:
+        self.report: RobotState | None = None
+        self.seen = False
+        self._stops_before: int | None = None
+
+    def take(self, report: RobotState) -> None:
+        """Look at a report of the robot."""
+        if self._stops_before is None:
+            self._stops_before = report.stops
+        # A console that sends neutral ends the state STOPPED at once, but the count stays.
+        stopped = report.motion is MotionState.STOPPED or report.stops != self._stops_before
+        self.seen = self.seen or stopped
+        self.report = report
+
+    @property
+    def stands(self) -> bool:
+        """Whether the robot has reported a stop, and that it stands."""
+        report = self.report
+        return (
+            self.seen
+            and report is not None
+            and report.motion not in _MOVING
+            and report.commanded_linear == report.commanded_angular == 0.0
+            and abs(report.linear) < STILL_M_S
+            and abs(report.angular) < STILL_RAD_S
+        )
+
+    def problem(self) -> str:
+        """Why it does not stand, in a sentence that says what to do."""
+        report = self.report
+        if report is None:
+            return (
+                "the robot reports nothing, so it may still move; "
+                "`rune-hub modules` shows whether navigation runs"
+            )
+        if report.motion is MotionState.NO_DRIVER:
+            return (
+                "the driver reports nothing, so the robot may still move; "
+                "`rune-hub modules` shows why"
+            )
+        what = "still moves" if self.seen else "has not reported a stop"
+        speeds = f"{report.linear:.2f} m/s, {report.angular:.2f} rad/s"
+        return f"the robot {what} after {LIMIT_S:.0f} s ({speeds}); use its emergency stop"
+
+
+def halt(client: Client, *, as_json: bool) -> int:
+    """Stop the robot until somebody commands neutral.
+
+    Sends stops until the robot has reported one, because a single stop may be lost.
+
+    Returns:
+        The exit code: 1 if the robot does not report within `LIMIT_S` that it stands.
+    """
+    course = Halt()
+    stop = Stop(reason=f"rune-hub halt {login_name()}".rstrip())
+    client.demand_right(STOP)
+    client.define(STOP)
+    begun = time.monotonic()
+
+    def take(report: RobotState, how: Reception) -> None:
+        if how.measured >= begun:
+            course.take(report)
+
+    def send() -> None:
+        if not course.seen:
+            client.publish(STOP, stop)
+
+    send()
+    client.subscribe(ROBOT_STATE, take)
+    timer = client.every(_REPEAT_S, send)
+    while not course.stands and time.monotonic() < begun + LIMIT_S:
+        client.listen(_REPEAT_S)
+    timer.cancel()
+    lasted = time.monotonic() - begun
+    if as_json:
+        report = course.report
+        speeds = (report.linear, report.angular) if report else (None, None)
+        facts = dict(zip(("linear", "angular"), speeds, strict=True))
+        put(json.dumps({"stands": course.stands, "seconds": round(lasted, 3), **facts}))
+    if not course.stands:
+        complain(course.problem())
+        return 1
+    if not as_json:
+        put(f"the robot stands, {lasted:.1f} s after the first stop; it waits for neutral")
+    return 0

@@ -1,0 +1,193 @@
+"""`rune-hub modules`, `capabilities`, `start`, `stop`, `restart`, `want`, `logs`: the daemon."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+import time
+from collections.abc import Sequence
+from typing import Any
+
+from hub.errors import (
+    HandlerFailedError,
+    NoHandlerError,
+    QueryError,
+    QueryTimeoutError,
+    UnknownModuleError,
+)
+from hub.gcm import supervision
+from hub.gcm.common import COMMON_RESULT
+from hub.gcm.supervision import CapabilityPhase, ModuleOrder
+from hub.inspection import value_text
+from hub.inspection.output import outcome, put, span, table
+from hub.ipc.client import Client
+from hub.ipc.message_info import Reception
+from hub.plain_text import plain
+
+_ANSWER_S = 2.0
+_RENEW_S = supervision.LEASE_S / 3
+_FOLLOW_S = 0.3
+_MOST_LINES = 1000
+
+
+def modules(client: Client, *, as_json: bool) -> int:
+    """Show what the daemon knows of each module."""
+    reports = _last(client, supervision.MODULE_REPORTS)
+    if as_json:
+        put(json.dumps(value_text.plain(reports)))
+        return 0
+    rows = [
+        (
+            module.name,
+            module.phase.name.lower(),
+            "always" if module.always else "on demand",
+            module.capabilities + ("" if module.asked else " (says the file)"),
+            str(module.pid or ""),
+            span(module.age_s) if module.age_s else "",
+            str(module.starts),
+            _number(100.0 * module.processor, "%"),
+            _number(module.memory_mb, " MB"),
+        )
+        for module in reports.modules
+    ]
+    heads = ("module", "phase", "runs", "capabilities", "pid", "for", "starts", "cpu", "memory")
+    table(heads, rows, words=4)
+    for module in reports.modules:
+        if module.why:
+            put(f"{module.name} {module.why}")
+    return 0
+
+
+def capabilities(client: Client, *, as_json: bool) -> int:
+    """Show what the robot can do, and who wants it."""
+    reports = _last(client, supervision.CAPABILITY_REPORTS)
+    if as_json:
+        put(json.dumps(value_text.plain(reports)))
+        return 0
+    rows = [
+        (each.name, each.phase.name.lower(), each.module, each.modules, each.wanted_by)
+        for each in reports.capabilities
+    ]
+    heads = ("capability", "phase", "by", "modules that have it", "wanted by")
+    table(heads, rows, words=5)
+    return 0
+
+
+def order(client: Client, module: str, wanted: str) -> int:
+    """Have the daemon start, stop or restart a module."""
+    command = supervision.ModuleCommand(module=module, order=ModuleOrder[wanted.upper()])
+    try:
+        result = client.query_response(
+            supervision.MODULE_COMMAND, command, COMMON_RESULT, timeout=_ANSWER_S
+        )
+    except NoHandlerError as error:
+        raise no_daemon(client) from error
+    if result.done:
+        put(plain(result.text))
+    else:
+        _need_known(client, module, result.text)
+    return outcome(result)
+
+
+def want(client: Client, wanted: Sequence[str], *, seconds: float) -> int:
+    """Want capabilities until Ctrl-C, or for some time (0: for ever); say what comes of it."""
+    wants = supervision.CapabilityWants(holder=client.name, capabilities=" ".join(wanted))
+    said: dict[str, str] = {}
+
+    def tell(reports: supervision.CapabilityReports, reception: Reception) -> None:
+        del reception
+        known = {each.name: each for each in reports.capabilities}
+        for name in wanted:
+            now = _outlook(name, known.get(name))
+            if said.get(name) != now:
+                said[name] = now
+                put(now)
+
+    client.subscribe(supervision.CAPABILITY_REPORTS, tell, last=True)
+    client.every(_RENEW_S, lambda: client.publish(supervision.CAPABILITY_WANTS, wants))
+    client.publish(supervision.CAPABILITY_WANTS, wants)
+    end = time.monotonic() + (seconds or math.inf)
+    while time.monotonic() < end:
+        client.listen(min(0.5, end - time.monotonic()))
+    return 0 if said and all("is running" in text for text in said.values()) else 1
+
+
+def logs(client: Client, module: str, *, lines: int, follow: bool) -> int:
+    """Show what a module has written lately, and with `follow` what it writes from now on."""
+    try:
+        shown = _lines(client, module, 0, lines)
+    except NoHandlerError as error:
+        raise no_daemon(client) from error
+    _show(shown)
+    if not shown.text:
+        sys.stderr.write(f"rune-hub: {module} has written nothing since this hub was started\n")
+    next_line = shown.next
+    while follow:
+        client.listen(_FOLLOW_S)
+        try:
+            shown = _lines(client, module, next_line, _MOST_LINES)
+        except HandlerFailedError:
+            raise
+        except QueryError as error:
+            # Without a daemon, another is on its way, which counts anew; or it is busy.
+            if not client.connected or isinstance(error, NoHandlerError):
+                next_line = 1
+            continue
+        if shown.next < next_line:  # it is another daemon, which began while we did not ask
+            shown = supervision.LogLines(first=1, next=1, text="")
+        _show(shown)
+        next_line = shown.next
+    return 0
+
+
+def _show(shown: supervision.LogLines) -> None:
+    sys.stdout.write(shown.text)
+    sys.stdout.flush()
+
+
+def _lines(client: Client, module: str, first: int, most: int) -> supervision.LogLines:
+    request = supervision.LogRequest(module=module, first=first, most=min(most, _MOST_LINES))
+    try:
+        return client.query_response(
+            supervision.LOG_REQUEST, request, supervision.LOG_LINES, timeout=_ANSWER_S
+        )
+    except HandlerFailedError as error:
+        _need_known(client, module, str(error))
+        raise
+
+
+def _need_known(client: Client, module: str, text: str) -> None:
+    """That something is not done may be because there is no such module: then it is wrong usage."""
+    reports = _last(client, supervision.MODULE_REPORTS)
+    if module not in (each.name for each in reports.modules):
+        raise UnknownModuleError(plain(text))
+
+
+def _last(client: Client, definition: Any) -> Any:  # noqa: ANN401 - a report of any kind
+    try:
+        return client.last_value(definition, timeout=_ANSWER_S)
+    except QueryTimeoutError:
+        raise
+    except QueryError as error:
+        raise no_daemon(client) from error
+
+
+def no_daemon(client: Client) -> QueryError:
+    """Nobody answers what only a daemon answers."""
+    text = f"no daemon answers at {client.endpoint}: is it `rune-hub run` that runs there?"
+    return QueryError(text)
+
+
+def _outlook(name: str, report: supervision.CapabilityReport | None) -> str:
+    if report is None or not report.modules:
+        return f"{name}: no module of this robot has it; `rune-hub capabilities` shows all"
+    if report.phase is CapabilityPhase.UNAVAILABLE:
+        return f"{name}: {report.modules} cannot be started; see `rune-hub modules`"
+    if report.phase is CapabilityPhase.RUNNING:
+        return f"{name} is running: {report.module}"
+    return f"{name}: {report.module} is to start"
+
+
+def _number(value: float, unit: str) -> str:
+    return "" if math.isnan(value) else f"{value:.0f}{unit}"

@@ -1,0 +1,125 @@
+"""Asking modules that do not run what they can do: their command with --describe."""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+from collections import deque
+from collections.abc import Iterable, Sequence
+
+from hub.errors import ModuleStartError
+from hub.robomon.module_lifecycle import Life
+from hub.robomon.process import ModuleProcess
+from hub.robomon.wants import MAX_NAME
+
+_logger = logging.getLogger(__name__)
+
+TIMEOUT_S = 10.0
+MAX_BYTES = 16_384
+MAX_NAMES = 64
+MAX_SHOWN_BYTES = 200
+
+
+class Inquiry:
+    """Asks one module after the other; `look` is to be called again and again, and never waits."""
+
+    def __init__(self, arguments: Sequence[str]) -> None:
+        """Ask nobody yet.
+
+        Args:
+            arguments: What is added to a module's command.
+        """
+        self._arguments = (*arguments, "--describe")
+        self._waiting: deque[Life] = deque()
+        self._asked: set[str] = set()
+        self._process: ModuleProcess | None = None
+        self._life: Life | None = None
+        self._heard = b""
+        self._until = 0.0
+
+    @property
+    def pid(self) -> int:
+        """The process that is asked now; 0 if none is."""
+        return self._process.pid if self._process else 0
+
+    def ask(self, lives: Iterable[Life]) -> None:
+        """Ask these, each once."""
+        for life in lives:
+            if life.spec.name not in self._asked:
+                self._asked.add(life.spec.name)
+                self._waiting.append(life)
+
+    def look(self, now: float) -> None:
+        """Go on with the one that is asked, or with the next [s]."""
+        if self._process is not None:
+            self._listen(self._process, now)
+        elif self._waiting:
+            self._life = self._waiting.popleft()
+            try:
+                self._process = ModuleProcess(self._life.spec, self._arguments)
+            except ModuleStartError as error:
+                _logger.warning("module %s %s", self._life.spec.name, error)
+                return
+            os.set_blocking(self._process.output, False)
+            self._heard, self._until = b"", now + TIMEOUT_S
+
+    def close(self) -> None:
+        """Ask nobody any more."""
+        self._waiting.clear()
+        if self._process is not None:
+            self._process.end()
+            os.close(self._process.output)
+            self._process = None
+
+    def _listen(self, process: ModuleProcess, now: float) -> None:
+        code = process.exit_code()
+        try:
+            while len(self._heard) <= MAX_BYTES and (chunk := os.read(process.output, MAX_BYTES)):
+                self._heard += chunk
+        except BlockingIOError:
+            pass
+        if code is None and now < self._until and len(self._heard) <= MAX_BYTES:
+            return
+        process.end()
+        os.close(process.output)
+        self._process = None
+        if self._life is not None and not self._life.asked:
+            self._conclude(self._life, code)
+
+    def _conclude(self, life: Life, code: int | None) -> None:
+        abilities = parse(self._heard) if code == 0 else None
+        if abilities is None:
+            _logger.warning(
+                "module %s does not say what it can do when it is run with --describe%s; "
+                "what the robot file says is taken for it",
+                life.spec.name,
+                _last_words(self._heard),
+            )
+        else:
+            life.learned(*abilities)
+
+
+def _last_words(said: bytes) -> str:
+    """The part of a warning that shows the last line that a module wrote; empty without one."""
+    line = said.strip().rpartition(b"\n")[2][:MAX_SHOWN_BYTES].decode(errors="replace")
+    return f", but {line!r}" if line else ""
+
+
+def parse(said: bytes) -> tuple[frozenset[str], frozenset[str]] | None:
+    """What a module provides and needs, from the last line it wrote; None if that is no answer."""
+    try:
+        answer = json.loads(said.strip().rpartition(b"\n")[2])
+        provides, needs = answer["provides"], answer["needs"]
+        usable = all(
+            isinstance(names, list)
+            and len(names) <= MAX_NAMES
+            and all(
+                isinstance(name, str) and name.isidentifier() and len(name) <= MAX_NAME
+                for name in names
+            )
+            for names in (provides, needs)
+        )
+    except (ValueError, KeyError, TypeError, RecursionError):
+        return None
+    return (frozenset(provides), frozenset(needs)) if usable else None

@@ -1,0 +1,194 @@
+"""The control lease on the bus: who asks the arbiter for what, and what all are told."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from hub.gcm import control, pad
+from hub.gcm.autonomy import Pilot
+from hub.gcm.common import COMMON_RESULT, CommonResult
+from hub.gcm.control import ControlAction, ControlRequest
+from hub.gcm.navigation import NAVIGATION_STATUS, NavigationStatus, Task
+from hub.gcm.supervision import MODULE_INFO, ModuleInfo
+from hub.ipc.broker.peers import Peer
+from hub.ipc.client import Client
+from hub.ipc.message_info import Reception
+from hub.ipc.node.responders import Reply
+from hub.ipc.roles import Action, Role, may
+from hub.ipc.wire.control import Change, Presence
+from hub.robomon.control_lease import Answer, Arbiter
+from hub.runtime import publish_on_request
+
+_logger = logging.getLogger(__name__)
+
+_LOOK_S = 0.1
+_FRESH_S = 4.0 / NAVIGATION_STATUS.rate_hz
+"""A navigation that has been silent for longer moves nothing [s]."""
+_NOT_ALLOWED = (
+    False,
+    "to take control from others needs a key made with --role supervise, or a console on the robot",
+)
+
+
+class ControlDesk:
+    """Connects the arbiter with the bus; it lives as long as the hub does."""
+
+    def __init__(self, client: Client, peer_of: Callable[[int], Peer | None]) -> None:
+        """Begin; nobody has control.
+
+        Args:
+            client: The daemon's connection.
+            peer_of: Who has a number at central; None if nobody does any more.
+        """
+        self._client = client
+        self._peer_of = peer_of
+        self._clock = time.monotonic
+        self._arbiter = Arbiter(self._clock())
+        self._modules: set[int] = set()
+        self._status: tuple[NavigationStatus, float] | None = None
+        self._said: tuple[object, ...] = ()
+        self._why = self._arbiter.why
+        # Whose key is to operate may use messages, but define none.
+        client.define(control.CONTROL_STATE, *pad.MESSAGES)
+        client.subscribe(control.CONSOLE_HEARTBEAT, self._heard)
+        client.subscribe(MODULE_INFO, self._announced)
+        client.subscribe(NAVIGATION_STATUS, self._navigation)
+        client.respond_later(control.CONTROL_REQUEST, COMMON_RESULT, self._requested)
+        client.directory.watch(self._presence)
+        publish_on_request(client, control.CONTROL_STATE, self._publish)
+        client.every(_LOOK_S, self._look)
+        client.every(1.0 / control.CONTROL_STATE.rate_hz, self._publish)
+
+    @property
+    def owned(self) -> bool:
+        """Whether somebody has control."""
+        return self._arbiter.owner is not None
+
+    def _requested(self, request: ControlRequest, reply: Reply[CommonResult]) -> None:
+        peer = self._peer_of(reply.asker)
+        if peer is None:
+            reply.fail("the hub does not know who asks; connect anew")
+            return
+        done, text = self._answer(request, peer)
+        reply.answer(CommonResult(done=int(done), text=text))
+        self._look()
+
+    def _answer(self, request: ControlRequest, peer: Peer) -> Answer:
+        arbiter, now = self._arbiter, self._clock()
+        number, operator = peer.publisher, request.operator or peer.name
+        match request.action:
+            case ControlAction.TAKE:
+                return arbiter.take(number, operator, now)
+            case ControlAction.RELEASE:
+                return arbiter.release(number, now)
+            case ControlAction.ASK:
+                return arbiter.ask(number, operator, now)
+            case ControlAction.GRANT:
+                return arbiter.grant(number, now)
+            case ControlAction.DENY:
+                return arbiter.deny(number, now)
+        if not may(peer.bearer.role, Action.TAKE_OVER):
+            return _NOT_ALLOWED
+        if request.action is ControlAction.FREE:
+            return arbiter.free(now)
+        return arbiter.take_over(number, operator, now)
+
+    def _heard(self, heartbeat: control.ConsoleHeartbeat, reception: Reception) -> None:
+        holds = bool(heartbeat.holds)
+        self._arbiter.heard(reception.publisher, self._clock(), holds=holds)
+
+    def _announced(self, info: ModuleInfo, reception: Reception) -> None:
+        del info
+        peer = self._peer_of(reception.publisher)
+        if peer is None or peer.bearer.role is not Role.MODULE:
+            return  # an operator is no module, whoever says so
+        if reception.publisher not in self._modules:
+            self._modules.add(reception.publisher)
+            self._look()
+
+    def _navigation(self, status: NavigationStatus, reception: Reception) -> None:
+        self._status = status, reception.measured
+        self._look()
+
+    def _presence(self, presence: Presence) -> None:
+        if presence.change is Change.DISCONNECTED:
+            self._look()
+
+    def _look(self) -> None:
+        """See who has left and what the time has changed, and tell if anything has."""
+        now, arbiter = self._clock(), self._arbiter
+        arbiter.look(now)
+        concerned = [console.number for console in arbiter.requests]
+        concerned += [arbiter.owner.number] if arbiter.owner else []
+        for number in concerned:
+            if self._peer_of(number) is None:
+                arbiter.gone(number, now)
+        state = self._state()
+        said = (
+            state.owner,
+            state.asker,
+            state.waiting,
+            state.why,
+            state.commander,
+            state.commander_name,
+            state.silent_s >= control.WARNED_S,
+            tuple(state.modules),
+        )
+        if said != self._said:
+            self._said = said
+            self._client.publish(control.CONTROL_STATE, state)
+        if arbiter.why != self._why:
+            self._why = arbiter.why
+            _logger.info("control: %s", arbiter.why)
+
+    def _publish(self) -> None:
+        self._modules = {number for number in self._modules if self._peer_of(number)}
+        self._client.publish(control.CONTROL_STATE, self._state())
+
+    def _state(self) -> control.ControlState:
+        now, arbiter = self._clock(), self._arbiter
+        owner, requests = arbiter.owner, arbiter.requests
+        asker = requests[0] if requests else None
+        commander, name = self._commander()
+        return control.ControlState(
+            owner=owner.number if owner else 0,
+            owner_name=self._name(owner.number) if owner else "",
+            operator=owner.operator if owner else "",
+            held_s=now - owner.since if owner else 0.0,
+            silent_s=max(0.0, now - owner.heard) if owner else 0.0,
+            asker=asker.number if asker else 0,
+            asker_name=self._name(asker.number) if asker else "",
+            asker_operator=asker.operator if asker else "",
+            left_s=max(0.0, arbiter.left(now)),
+            waiting=max(0, len(requests) - 1),
+            commander=commander,
+            commander_name=name,
+            why=arbiter.why,
+            count=len(self._modules),
+            modules=np.array(sorted(self._modules), np.uint32),
+        )
+
+    def _commander(self) -> tuple[Pilot, str]:
+        """Who moves the robot now, as navigation says."""
+        if self._status is None or self._clock() - self._status[1] > _FRESH_S:
+            return Pilot.NOBODY, ""
+        status = self._status[0]
+        if status.driver:
+            return Pilot.OPERATOR, self._operator(status.driver)
+        if status.task not in (Task.GOING, Task.TURNING):
+            return Pilot.NOBODY, ""
+        if status.sender in self._modules:
+            return Pilot.AUTONOMY, self._name(status.sender)
+        return Pilot.OPERATOR, self._operator(status.sender)
+
+    def _operator(self, number: int) -> str:
+        owner = self._arbiter.owner
+        return owner.operator if owner and owner.number == number else self._name(number)
+
+    def _name(self, number: int) -> str:
+        peer = self._peer_of(number)
+        return peer.name if peer else "somebody who has left"

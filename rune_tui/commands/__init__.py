@@ -1,0 +1,1 @@
+"""What the commands of rune do, besides the console."""

@@ -1,0 +1,360 @@
+"""`rune joytest`: what is plugged in, what it reports, and how layouts name its controls."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+import textwrap
+import threading
+import time
+from collections.abc import Mapping, Sequence
+from typing import Any
+from xml.sax.saxutils import quoteattr
+
+from rune_tui.controls.devices import local_devices
+from rune_tui.controls.devices.device_reader import (
+    DeviceReader,
+    Gone,
+    News,
+    Opened,
+    Refused,
+    Scanned,
+)
+from rune_tui.controls.devices.inbox import Inbox
+from rune_tui.controls.devices.local_devices import controls_of, joysticks_here
+from rune_tui.controls.devices.matching import DeviceInfo, assigned
+from rune_tui.controls.devices.udev_rules import rule_advice, udev_rules
+from rune_tui.controls.hid.device_controls import PhysicalControl
+from rune_tui.controls.joystick.calibration_store import CalibrationStore
+from rune_tui.controls.joystick.logical import LogicalJoystick
+from rune_tui.controls.joystick.mappings import Mappings
+from rune_tui.controls.joystick.shaping import Shape
+from rune_tui.errors import DescriptorError
+from rune_tui.layout.spec import ControlKind, ControlSpec, JoystickSpec
+from rune_tui.visualizers.words.joystick import bar
+
+NOTHING = "no joystick is plugged in"
+_FRAME_S = 0.05
+_RATE_S = 1.0
+_BAR = 21
+_CURVE = 16
+_HEIGHTS = "·▁▂▃▄▅▆▇█"
+_MEANT = 0.6
+"""How far a control has to be moved to be learned."""
+_NOT_IN_LAYOUT = JoystickSpec(name="", line=0)
+_ENTER, _LEAVE = "\x1b[?1049h\x1b[?25l", "\x1b[?25h\x1b[?1049l"
+_HOME, _REST_OF_LINE, _BELOW = "\x1b[H", "\x1b[K", "\x1b[J"
+
+
+def described(number: int, device: DeviceInfo) -> dict[str, Any]:
+    """What there is to know of a device, for programs; opens it for a moment."""
+    controls: Sequence[PhysicalControl] = ()
+    why = ""
+    try:
+        controls = Mappings().applied(device, controls_of(device))
+    except PermissionError:
+        why = f"no permission to read it; {rule_advice(device)}"
+    except (OSError, DescriptorError) as error:
+        why = f"it cannot be read: {error}"
+    return {
+        "number": number,
+        "name": device.name,
+        "vid": f"{device.vid:04x}",
+        "pid": f"{device.pid:04x}",
+        "serial": device.serial,
+        "port": device.port,
+        "path": device.path,
+        "trouble": why,
+        "controls": [
+            {
+                "type": control.kind.value,
+                "index": control.index,
+                "usage": control.usage,
+                "role": control.role,
+                "min": control.minimum,
+                "max": control.maximum,
+            }
+            for control in controls
+        ],
+    }
+
+
+def listed(*, as_json: bool) -> str:
+    """All joysticks, for people or for programs."""
+    told = [described(number, device) for number, device in enumerate(joysticks_here(), 1)]
+    if as_json:
+        return json.dumps(told, indent=2) + "\n"
+    lines = []
+    for each in told:
+        which = f"{each['vid']}:{each['pid']} {each['serial'] or '-'} {each['name']}"
+        lines.append(f"{each['number']}  {which}")
+        types = [control["type"] for control in each["controls"]]
+        counts = ((types.count(kind.value), kind.value) for kind in ControlKind)
+        has = ", ".join(f"{count} of type {kind}" for count, kind in counts if count)
+        lines.append(f"   {each['path']}: {each['trouble'] or has}")
+    return "\n".join(lines or [NOTHING]) + "\n"
+
+
+def rules() -> str:
+    """A file of rules with which users of this system may read the joysticks."""
+    devices = joysticks_here()
+    return udev_rules(devices) if devices else f"# {NOTHING}\n"
+
+
+def watch(joysticks: Sequence[JoystickSpec] | None = None) -> None:
+    """Show what all joysticks report, until somebody ends it.
+
+    Args:
+        joysticks: Those of a layout, to show what becomes of it there; None: without a layout.
+    """
+    _follow(_Pictures(), joysticks)
+
+
+def learn() -> None:
+    """Write what a layout says of each control that is moved, until somebody ends it."""
+    _follow(_Lines())
+
+
+class Seat:
+    """A device that is read, with all of its controls as a layout could use them."""
+
+    def __init__(self, device: DeviceInfo) -> None:
+        self.device = device
+        self.why = "being opened"
+        self.controls: tuple[PhysicalControl, ...] = ()
+        self.raws: dict[int, int | None] = {}
+        self.rate = 0.0
+        self.joystick = LogicalJoystick(JoystickSpec(name="joytest", line=0))
+        self._counted = (0, 0.0)
+
+    def opened(
+        self,
+        controls: tuple[PhysicalControl, ...],
+        store: CalibrationStore,
+        spec: JoystickSpec | None = None,
+    ) -> None:
+        """It can be read.
+
+        Args:
+            controls: What it has.
+            store: What is known of it.
+            spec: The joystick of the layout that it is; None: all that it has, by its usage.
+        """
+        self.why = ""
+        self.controls = controls
+        specs = tuple(
+            ControlSpec(name=each.usage, kind=each.kind, usage=each.usage) for each in controls
+        )
+        self.joystick = LogicalJoystick(
+            spec or JoystickSpec(name="joytest", controls=specs, line=0)
+        )
+        self.joystick.connect(controls, store.of(self.device.key))
+
+    def take(self, inbox: Inbox, now: float) -> None:
+        """What has come since the last call."""
+        values = inbox.take()
+        self.raws.update(values)
+        self.joystick.feed(values, now)
+        count, since = self._counted
+        if now - since >= _RATE_S:
+            self.rate = (inbox.reports - count) / (now - since) if since else 0.0
+            self._counted = (inbox.reports, now)
+
+    def moved(self, position: int) -> bool:
+        """Whether a control is moved so far that it is meant."""
+        values = self.joystick.values
+        return any(abs(values.get(n, 0.0)) > _MEANT for n in self.joystick.shown_at(position))
+
+
+def lines_of(seat: Seat) -> list[str]:
+    """A device in words and bars."""
+    device = seat.device
+    name = f"{device.vid:04x}:{device.pid:04x} {device.shown} {device.serial}".rstrip()
+    if seat.why:
+        return [name, f"  {seat.why}"]
+    lines = [f"{name}: {seat.rate:.0f} reports a second"]
+    for position, control in enumerate(seat.controls):
+        raw = seat.raws.get(position)
+        told = f"  {control.usage:16} {control.role:14} {'-' if raw is None else raw:>7}"
+        shown = seat.joystick.shown_at(position)
+        if control.kind is ControlKind.HAT:
+            shown = shown[:1]  # of all directions
+        lines += [f"{told}  {made_of(seat, position, each)}" for each in shown]
+        lines += [] if shown else [f"{told}  not in the layout"]
+    return lines
+
+
+def made_of(seat: Seat, position: int, name: str) -> str:
+    """What becomes of a control of the device in one of the layout."""
+    joystick, control = seat.joystick, seat.controls[position]
+    own = name == control.usage
+    if control.kind is ControlKind.HAT:
+        pushed = [each for each in joystick.shown_at(position) if joystick.values.get(each)]
+        called = "" if name.startswith(control.usage) else f"{name.rpartition(' ')[0]} "
+        return called + " ".join(each.rpartition(" ")[2] for each in pushed)
+    value = joystick.values.get(name)
+    called = "" if own else f"{name:14} "
+    if value is None:
+        return f"{called}nothing has come yet"
+    told = f"{called}{bar(value, _BAR)} {value:+.2f}"
+    axis = joystick.axes.get(name)
+    if axis is None:
+        return told
+    about = f"dead zone {axis.shape.dead_zone:.2f}, expo {axis.shape.expo:.2f}"
+    return f"{told} of {axis.share + 0.0:+.2f}  {curve(axis.shape)}  {about}"  # no -0.00
+
+
+def fold(line: str, columns: int) -> list[str]:
+    """A line in rows of so many columns; what does not fit goes on in the next row, indented."""
+    return textwrap.wrap(line, max(20, columns), subsequent_indent=" " * 8) or [""]
+
+
+def curve(shape: Shape) -> str:
+    """How much becomes of an axis, from its rest to its end."""
+    shares = (column / (_CURVE - 1) for column in range(_CURVE))
+    return "".join(_HEIGHTS[round(shape.shaped(share) * (len(_HEIGHTS) - 1))] for share in shares)
+
+
+def control_line(control: PhysicalControl) -> str:
+    """What a layout says to mean this control on any such device."""
+    name = (control.role or control.usage).replace(" ", "-")
+    which = (
+        f"role={quoteattr(control.role)}" if control.role else f"usage={quoteattr(control.usage)}"
+    )
+    return f'  <control name={quoteattr(name)} type="{control.kind.value}" {which}/>'
+
+
+def joystick_line(device: DeviceInfo) -> str:
+    """What a layout says to mean this kind of device."""
+    return f'<joystick name="pad" vid="{device.vid:04x}" pid="{device.pid:04x}">'
+
+
+class Bench:
+    """All joysticks that are plugged in, being read."""
+
+    def __init__(self, reader: DeviceReader, joysticks: Sequence[JoystickSpec] | None) -> None:
+        self._joysticks = joysticks
+        self._assigned: Mapping[str, DeviceInfo] = {}
+        self.seats: dict[str, Seat] = {}
+        self._reader = reader
+        self._store = CalibrationStore()
+        self._mappings = Mappings()
+
+    @property
+    def trouble(self) -> str:
+        """What is wrong with the user's own roles, in one sentence; empty if nothing is."""
+        return self._mappings.trouble
+
+    def turn(self, now: float) -> None:
+        """Take what has come."""
+        for news in self._reader.news():
+            self._learn(news)
+        for path, seat in self.seats.items():
+            inbox = self._reader.inbox(path)
+            if inbox is not None:
+                seat.take(inbox, now)
+
+    def _learn(self, news: News) -> None:
+        match news:
+            case Scanned(devices=devices):
+                here = {device.path: device for device in devices if device.joystick}
+                for path in [each for each in self.seats if each not in here]:
+                    self._reader.stop(path)
+                    del self.seats[path]
+                self._assigned = assigned(self._joysticks or (), devices, self._assigned)
+                for path, device in here.items():
+                    self.seats.setdefault(path, Seat(device))
+                    self._reader.read(device)
+            case Opened(path=path, controls=controls) if path in self.seats:
+                self._opened(self.seats[path], controls)
+            case Refused(path=path) if path in self.seats:
+                self._reader.stop(path)
+                self.seats[path].why = news.why
+                if news.forbidden:
+                    self.seats[path].why += f"; {rule_advice(self.seats[path].device)}"
+            case Gone(path=path) if path in self.seats:
+                self._reader.stop(path)
+                self.seats[path].why = "it is gone"
+
+    def _opened(self, seat: Seat, controls: tuple[PhysicalControl, ...]) -> None:
+        specs = [
+            spec for spec in self._joysticks or () if self._assigned.get(spec.name) == seat.device
+        ]
+        seat.opened(
+            self._mappings.applied(seat.device, controls),
+            self._store,
+            next(iter(specs), None if self._joysticks is None else _NOT_IN_LAYOUT),
+        )
+
+
+class _Pictures:
+    """The whole terminal, again and again."""
+
+    def begin(self) -> None:
+        sys.stdout.write(_ENTER)
+
+    def show(self, bench: Bench) -> None:
+        columns, rows = shutil.get_terminal_size()
+        lines = [line for seat in bench.seats.values() for line in lines_of(seat)]
+        lines += [bench.trouble] if bench.trouble else []
+        lines = lines or [f"{NOTHING}; waiting for one"]
+        folded = [row for line in lines for row in fold(line, columns)]
+        shown = [*folded[: max(0, rows - 2)], "", "ctrl+c ends this"]
+        whole = "\n".join(f"{row[:columns]}{_REST_OF_LINE}" for row in shown)
+        sys.stdout.write(f"{_HOME}{whole}{_BELOW}")
+        sys.stdout.flush()
+
+    def end(self) -> None:
+        sys.stdout.write(_LEAVE)
+        sys.stdout.flush()
+
+
+class _Lines:
+    """A line for each control, when it is moved for the first time."""
+
+    def __init__(self) -> None:
+        self._told: set[tuple[str, int]] = set()
+        self._device = ""
+
+    def begin(self) -> None:
+        sys.stderr.write("move each control as far as it goes; ctrl+c ends this\n")
+
+    def show(self, bench: Bench) -> None:
+        for path, seat in bench.seats.items():
+            for position, control in enumerate(seat.controls):
+                if seat.moved(position) and (path, position) not in self._told:
+                    self._told.add((path, position))
+                    self._tell(seat.device, control)
+
+    def _tell(self, device: DeviceInfo, control: PhysicalControl) -> None:
+        if device.path != self._device:
+            self.end()
+            self._device = device.path
+            sys.stdout.write(f"{joystick_line(device)}\n")
+        sys.stdout.write(f"{control_line(control)}\n")
+        sys.stdout.flush()
+
+    def end(self) -> None:
+        if self._device:
+            sys.stdout.write("</joystick>\n")
+            sys.stdout.flush()
+        self._device = ""
+
+
+def _follow(output: _Pictures | _Lines, joysticks: Sequence[JoystickSpec] | None = None) -> None:
+    moved = threading.Event()
+    reader = local_devices.reader()
+    bench = Bench(reader, joysticks)
+    reader.start(moved.set)
+    output.begin()
+    try:
+        while True:
+            moved.wait(_RATE_S)
+            moved.clear()
+            bench.turn(time.monotonic())
+            output.show(bench)
+            time.sleep(_FRAME_S)
+    finally:
+        output.end()
+        reader.close()

@@ -1,0 +1,313 @@
+"""Looks for devices and reads them, a thread each; which kinds there are is given to it."""
+
+from __future__ import annotations
+
+import logging
+import signal
+import threading
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from rune_tui.controls.devices.inbox import Inbox
+from rune_tui.controls.devices.matching import DeviceInfo
+from rune_tui.controls.hid.device_controls import PhysicalControl
+from rune_tui.controls.hid.reading import Value
+from rune_tui.errors import DescriptorError
+
+_logger = logging.getLogger(__name__)
+
+_LOOK_S = 1.0
+"""Between two looks for devices; no library tells of them by itself [s]."""
+_READ_S = 0.1
+_PAUSE_S = 0.004
+"""How long what comes is gathered, so that a device of 1 kHz wakes nobody a thousand times [s]."""
+_MOST_AT_ONCE = 64
+"""Reports that the kernel keeps for a reader."""
+_CLOSE_S = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class Scanned:
+    """These devices are plugged in, joysticks and others."""
+
+    devices: tuple[DeviceInfo, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Opened:
+    """A device is being read; of what descriptor its controls are."""
+
+    path: str
+    controls: tuple[PhysicalControl, ...]
+    descriptor: bytes = b""
+
+
+@dataclass(frozen=True, slots=True)
+class Refused:
+    """A device cannot be read, and why."""
+
+    path: str
+    why: str
+    forbidden: bool = False
+    unsuitable: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Gone:
+    """A device that was read gives nothing any more."""
+
+    path: str
+
+
+News = Scanned | Opened | Refused | Gone
+
+
+class OpenDevice(Protocol):
+    """A device that is read.
+
+    Attributes:
+        controls: What it has; none: it is no joystick.
+        descriptor: A HID report descriptor with these controls.
+    """
+
+    controls: tuple[PhysicalControl, ...]
+    descriptor: bytes
+
+    def read(self, timeout: float) -> tuple[Value, ...] | None:
+        """The values of the next report; None if none comes within this time [s].
+
+        Raises:
+            Exception: The device is gone, or a fault of its library.
+        """
+
+    def close(self) -> None:
+        """Give it back."""
+
+
+class Kind(Protocol):
+    """A way in which the system offers devices."""
+
+    def require(self) -> None:
+        """Load what it needs.
+
+        Raises:
+            HidMissingError: That is not installed.
+        """
+
+    def plugged_in(self) -> tuple[DeviceInfo, ...]:
+        """All devices of this kind, each once, joysticks and others."""
+
+    def mark(self) -> object:
+        """What changes when a device comes or goes; None where the system has no such thing."""
+
+    def open(self, info: DeviceInfo) -> OpenDevice:
+        """Open a device.
+
+        Raises:
+            PermissionError: This user may not read it.
+            OSError: It cannot be opened.
+            DescriptorError: It describes its reports in a way that makes no sense.
+        """
+
+
+class DeviceReader:
+    """Looks for devices once a second, and reads those that it is told to.
+
+    Everything it finds out waits in `news` and in the inboxes.
+    """
+
+    def __init__(self, kinds: Sequence[Kind]) -> None:
+        """Prepare.
+
+        Args:
+            kinds: Where devices are looked for; what the first of them has, no other one offers.
+        """
+        self._kinds = tuple(kinds)
+        self._kind_of: dict[str, Kind] = {}
+        self._notify: Callable[[], None] = lambda: None
+        self._news: list[News] = []
+        self._lock = threading.Lock()
+        self._ended = threading.Event()
+        self._look_now = threading.Event()
+        self._readings: dict[str, _Reading] = {}
+        self._threads: list[threading.Thread] = []
+
+    def start(self, notify: Callable[[], None]) -> None:
+        """Begin to look.
+
+        Args:
+            notify: Is called, in other threads, when there is something new.
+
+        Raises:
+            HidMissingError: What the first kind needs is not installed.
+        """
+        self._kinds[0].require()
+        self._notify = notify
+        self._run(self._look_out, "rune-joysticks")
+
+    def news(self) -> list[News]:
+        """What has happened since the last call, in its order."""
+        with self._lock:
+            news, self._news = self._news, []
+        return news
+
+    def read(self, device: DeviceInfo) -> None:
+        """Begin to read a device, unless that is going on; `Opened` or `Refused` follows."""
+        if device.path not in self._readings:
+            reading = self._readings[device.path] = _Reading(
+                device, self._kind_of.get(device.path, self._kinds[0]), self._tell, self._notify
+            )
+            self._run(reading.run, f"rune-joystick {device.path}")
+
+    def stop(self, path: str) -> None:
+        """Read a device no more."""
+        reading = self._readings.pop(path, None)
+        if reading is not None:
+            reading.ended.set()
+
+    def inbox(self, path: str) -> Inbox | None:
+        """What has come from a device that is read."""
+        reading = self._readings.get(path)
+        return None if reading is None else reading.inbox
+
+    def look_now(self) -> None:
+        """Look for devices without waiting for the next second."""
+        self._look_now.set()
+
+    def close(self) -> None:
+        """End all threads."""
+        self._ended.set()
+        self._look_now.set()
+        for path in list(self._readings):
+            self.stop(path)
+        for thread in self._threads:
+            thread.join(_CLOSE_S)
+
+    def _run(self, work: Callable[[], None], name: str) -> None:
+        def deaf() -> None:
+            # A signal, such as that of a resized terminal, would end a read as an unplug does.
+            if hasattr(signal, "pthread_sigmask"):
+                signal.pthread_sigmask(signal.SIG_BLOCK, signal.valid_signals())
+            work()
+
+        self._threads = [each for each in self._threads if each.is_alive()]
+        thread = threading.Thread(target=deaf, name=name, daemon=True)
+        self._threads.append(thread)
+        thread.start()
+
+    def _look_out(self) -> None:
+        seen: object = None
+        devices: tuple[DeviceInfo, ...] = ()
+        while not self._ended.is_set():
+            self._look_now.clear()
+            try:
+                # To list devices takes a library tens of milliseconds on some machines.
+                marks = [kind.mark() for kind in self._kinds]
+                if None in marks or marks != seen:
+                    devices, seen = self._plugged_in(), marks
+                self._tell(Scanned(devices))
+            except Exception:  # of the library; devices that are read go on
+                _logger.exception("the devices cannot be listed")
+            if self._look_now.wait(_LOOK_S):
+                seen = None
+
+    def _plugged_in(self) -> tuple[DeviceInfo, ...]:
+        found, self._kind_of = plugged_in(self._kinds)
+        return found
+
+    def _tell(self, news: News) -> None:
+        with self._lock:
+            self._news.append(news)
+        if isinstance(news, Gone):
+            self.look_now()
+        self._notify()
+
+
+class _Reading:
+    """Reads one device, in a thread."""
+
+    def __init__(
+        self,
+        device: DeviceInfo,
+        kind: Kind,
+        tell: Callable[[News], None],
+        notify: Callable[[], None],
+    ) -> None:
+        self.ended = threading.Event()
+        self.inbox: Inbox | None = None
+        self._info = device
+        self._kind = kind
+        self._tell = tell
+        self._notify = notify
+
+    def run(self) -> None:
+        """From opening it to its end."""
+        device: OpenDevice | None = None
+        try:
+            device = self._opened()
+            if device is not None:
+                self._read_on(device)
+        except Exception as error:  # noqa: BLE001 - of the library; what is held has to be let go
+            if not self.ended.is_set():
+                self._tell(Gone(self._info.path))
+                _logger.info("%s is not read any more: %s", self._info.path, error)
+        finally:
+            if device is not None:
+                device.close()
+
+    def _opened(self) -> OpenDevice | None:
+        path = self._info.path
+        try:
+            device = self._kind.open(self._info)
+        except OSError as error:
+            forbidden = isinstance(error, PermissionError)
+            self._tell(Refused(path, str(error), forbidden=forbidden))
+            return None
+        except DescriptorError as error:
+            why = f"its report descriptor cannot be read: {error}"
+            self._tell(Refused(path, why, unsuitable=True))
+            return None
+        if not device.controls:
+            device.close()
+            self._tell(Refused(path, "it is no joystick", unsuitable=True))
+            return None
+        self.inbox = Inbox(device.controls)
+        self._tell(Opened(path, device.controls, device.descriptor))
+        return device
+
+    def _read_on(self, device: OpenDevice) -> None:
+        inbox = self.inbox or Inbox(device.controls)
+        while not self.ended.is_set():
+            values = device.read(_READ_S)
+            if values is None:
+                continue
+            fresh, room = False, _MOST_AT_ONCE
+            while values is not None:
+                fresh |= inbox.put(values)
+                room -= 1
+                values = device.read(0.0) if room else None
+            if fresh:
+                self._notify()
+            time.sleep(_PAUSE_S)
+
+
+def plugged_in(kinds: Sequence[Kind]) -> tuple[tuple[DeviceInfo, ...], dict[str, Kind]]:
+    """All devices of these kinds, and the kind of each by its path.
+
+    A kind that cannot be listed is left out, but for the first.
+    """
+    found: list[DeviceInfo] = []
+    kind_of: dict[str, Kind] = {}
+    for kind in kinds:
+        try:
+            devices = kind.plugged_in()
+        except Exception:
+            if kind is kinds[0]:
+                raise
+            _logger.exception("devices of a second kind cannot be listed")
+            continue
+        found += devices
+        kind_of |= {device.path: kind for device in devices}
+    return tuple(found), kind_of

@@ -1,0 +1,52 @@
+"""The joysticks of this machine, of all kinds that its system has."""
+
+from __future__ import annotations
+
+import sys
+
+from rune_tui.controls.devices.device_reader import DeviceReader, Kind, plugged_in
+from rune_tui.controls.devices.evdev_reader import EvdevKind
+from rune_tui.controls.devices.hid_reader import HidKind
+from rune_tui.controls.devices.matching import DeviceInfo
+from rune_tui.controls.hid.device_controls import PhysicalControl
+
+
+def kinds() -> tuple[Kind, ...]:
+    """HID devices first; on Linux then those that the kernel reads and that are not HID."""
+    return (HidKind(), EvdevKind()) if sys.platform == "linux" else (HidKind(),)
+
+
+def reader() -> DeviceReader:
+    """What reads the devices of this machine."""
+    return DeviceReader(kinds())
+
+
+def joysticks_here() -> tuple[DeviceInfo, ...]:
+    """All that is plugged in and says that it is a joystick, in the order of their numbers.
+
+    Raises:
+        HidMissingError: There is no hidapi.
+    """
+    found, _ = plugged_in(kinds())
+    return tuple(device for device in found if device.joystick)
+
+
+def controls_of(info: DeviceInfo) -> tuple[PhysicalControl, ...]:
+    """What a device has; opens it for a moment.
+
+    Raises:
+        HidMissingError: There is no hidapi.
+        PermissionError: This user may not read it.
+        OSError: It cannot be opened.
+        DescriptorError: It describes its reports in a way that makes no sense.
+    """
+    _, kind_of = plugged_in(kinds())
+    kind = kind_of.get(info.path)
+    if kind is None:
+        text = f"{info.path} is not plugged in any more"
+        raise OSError(text)
+    device = kind.open(info)
+    try:
+        return device.controls
+    finally:
+        device.close()

@@ -1,0 +1,407 @@
+"""All joysticks of a layout: which device each is, what comes of it, what to tell of it."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Protocol
+
+from rune_tui.controls.devices.device_reader import Gone, News, Opened, Refused, Scanned
+from rune_tui.controls.devices.hid_reader import HidMissingError
+from rune_tui.controls.devices.inbox import Inbox
+from rune_tui.controls.devices.matching import DeviceInfo, assigned, is_meant, is_particular
+from rune_tui.controls.devices.udev_rules import rule_advice
+from rune_tui.controls.events import ControlEvent
+from rune_tui.controls.hid.device_controls import PhysicalControl
+from rune_tui.controls.joystick.calibration import Guide
+from rune_tui.controls.joystick.calibration_store import CalibrationStore
+from rune_tui.controls.joystick.logical import LogicalJoystick
+from rune_tui.controls.joystick.mappings import Mappings
+from rune_tui.controls.joystick_sources import Devices
+from rune_tui.layout.spec import ControlKind, JoystickSpec
+from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
+
+MOST_FAULTS = 3
+"""A device that fell silent so often while it was plugged in is given up."""
+
+
+class Reader(Devices, Protocol):
+    """What reads devices; see `Sources`."""
+
+    def measured(self, path: str) -> float | None:
+        """When the newest state of another machine's device was measured [s]; else None."""
+
+    def absence(self, path: str) -> Absence | None:
+        """What became of another machine's device that is gone; None if that is not known."""
+
+
+@dataclass(slots=True)
+class _Seat:
+    """A joystick of the layout, and the device that sits there."""
+
+    joystick: LogicalJoystick
+    device: DeviceInfo | None = None
+    controls: tuple[PhysicalControl, ...] = ()
+    phase: JoystickPhase = JoystickPhase.MISSING
+    why: str = ""
+    heard: float | None = None
+    guide: Guide | None = None
+    absence: Absence = Absence.UNPLUGGED
+
+    @property
+    def name(self) -> str:
+        return self.joystick.spec.name
+
+    @property
+    def connected(self) -> bool:
+        return self.phase is JoystickPhase.CONNECTED
+
+
+class Joysticks:
+    """The joysticks of a layout, whatever of them is plugged in; the clock is passed in.
+
+    Attributes:
+        store: What is known of devices that were calibrated.
+        unsaved: Whether something has been found out that the store should write.
+    """
+
+    def __init__(
+        self, specs: Sequence[JoystickSpec], reader: Reader, store: CalibrationStore
+    ) -> None:
+        """Prepare.
+
+        Args:
+            specs: What the layout says.
+            reader: Reads devices; it is started when a layout has joysticks.
+            store: What is known of devices.
+        """
+        self.store = store
+        self.unsaved = False
+        self._mappings = Mappings()
+        self._reader = reader
+        self._running = False
+        self._hindered = ""
+        self._devices: tuple[DeviceInfo, ...] = ()
+        self._faults: dict[str, int] = {}
+        self._unfit: dict[str, str] = {}
+        self._said: list[str] = []
+        self._waiting: deque[ControlEvent] = deque()
+        self._notify: Callable[[], None] | None = None
+        self._seats = [_Seat(LogicalJoystick(spec)) for spec in specs]
+        self._shown: Mapping[str, JoystickState] | None = None
+        self._measured: tuple[float | None, ...] = ()
+
+    def start(self, notify: Callable[[], None]) -> None:
+        """Look for devices from now on, while the layout has joysticks.
+
+        Args:
+            notify: Is called, in other threads, when there are events.
+        """
+        self._notify = notify
+        self._start()
+
+    def _start(self) -> None:
+        if self._notify is None or not self._seats or self._running:
+            return
+        if self.store.trouble:
+            self._said.append(self.store.trouble)
+        self._running = True
+        try:
+            self._reader.start(self._notify)
+        except HidMissingError as error:  # what is plugged in at other machines is read
+            self._hindered = str(error)
+            self._mark_hindered()
+
+    def close(self) -> None:
+        """Leave all devices alone."""
+        if self._running:
+            self._reader.close()
+            self._running = False
+
+    def follow(self, specs: Sequence[JoystickSpec], now: float) -> None:
+        """Go on with another layout's joysticks; devices that it wants as well stay open."""
+        before = {seat.name: seat for seat in self._seats}
+        self._seats = []
+        self._shown = None
+        for spec in specs:
+            seat = before.get(spec.name, _Seat(LogicalJoystick(spec)))
+            seat.joystick, seat.guide = LogicalJoystick(spec), None
+            self._seats.append(seat)
+        self._start()
+        self._mark_hindered()
+        kept = {seat.name: seat for seat in self._seats if self._still_fits(seat)}
+        for name, seat in before.items():
+            if name not in kept and seat.device is not None:
+                self._reader.stop(seat.device.path)
+                self._vacate(seat)
+                seat.device = None
+        for seat in kept.values():
+            if seat.connected:
+                self._seated(seat, seat.controls, now)
+        self._waiting.clear()
+        self._assign()
+
+    def events(self, now: float) -> Iterator[ControlEvent]:
+        """All that has come from devices; what is let go of meanwhile is left out."""
+        self._gather(now)
+        while self._waiting:
+            yield self._waiting.popleft()
+
+    def release_all(self, now: float) -> tuple[ControlEvent, ...]:
+        """Let go of everything, what has not been given out yet included.
+
+        Returns:
+            That axes are neutral now, and which buttons went up. Buttons that are still held are
+            let go of without a word, as what they do when they go up is not meant.
+        """
+        self._gather(now)
+        self._shown = None
+        released = [event for event in self._waiting if not event.pressed]
+        self._waiting.clear()
+        for seat in self._seats:
+            axes = seat.joystick.axis_inputs
+            released += [each for each in seat.joystick.release_all() if each.name in axes]
+        return tuple(released)
+
+    def _gather(self, now: float) -> None:
+        for news in self._reader.news() if self._running else ():
+            self._waiting += self._learn(news, now)
+        for seat in self._seats:
+            inbox = self._inbox(seat)
+            values = inbox.take() if inbox is not None else ()
+            if values:
+                self._shown = None
+                seat.heard = now
+                self._waiting += self._fed(seat, values, now)
+
+    def tick(self, now: float) -> list[str]:
+        """Time goes by; what there is to tell the operator."""
+        for seat in self._seats:
+            if seat.guide is not None:
+                seat.guide.expire(now)
+                self._conclude(seat, now)
+        said, self._said = self._said, []
+        return said
+
+    def calibrate(self, name: str, control: str, now: float) -> None:
+        """Ask the operator for the ends of axes; if that is being done, end it instead.
+
+        Args:
+            name: Which joystick; empty for the first.
+            control: Which of its axes; empty for those that the layout says, or all.
+            now: The time now [s].
+        """
+        seat = next((each for each in self._seats if name in {"", each.name}), None)
+        if seat is None:
+            self._said.append(f"the layout has no joystick {name}".rstrip())
+        elif seat.guide is not None:
+            seat.guide = self._shown = None
+            self._said.append(f"{seat.name} is not calibrated: you ended it")
+        elif not seat.connected:
+            self._said.append(f"{seat.name} cannot be calibrated: it is not plugged in")
+        elif not (axes := seat.joystick.to_calibrate(control)):
+            self._said.append(f"{seat.name} has no axis {control}".rstrip())
+        else:
+            self._waiting += seat.joystick.release_all()
+            seat.guide = Guide(axes, now)
+            self._shown = None
+            if self._notify is not None:
+                self._notify()  # a stick that is held still reports nothing by itself
+
+    @property
+    def states(self) -> Mapping[str, JoystickState]:
+        """What is known of each, by name."""
+        measured = tuple(
+            self._reader.measured(seat.device.path) if seat.connected and seat.device else None
+            for seat in self._seats
+        )
+        if self._note_absences() or self._shown is None or measured != self._measured:
+            self._measured = measured
+            self._shown = MappingProxyType(
+                {
+                    seat.name: JoystickState(
+                        name=seat.name,
+                        device=seat.device.shown if seat.device else "",
+                        phase=seat.phase,
+                        why=seat.why,
+                        values=dict(seat.joystick.values),
+                        waiting=frozenset() if seat.guide else seat.joystick.waiting,
+                        heard=seat.heard,
+                        prompt=seat.guide.prompt if seat.guide else "",
+                        machine=seat.device.machine if seat.device else "",
+                        measured=when,
+                        absence=seat.absence,
+                    )
+                    for seat, when in zip(self._seats, measured, strict=True)
+                }
+            )
+        return self._shown
+
+    def _note_absences(self) -> bool:
+        """Note what became of devices of other machines; whether any of it is new."""
+        changed = False
+        for seat in self._seats:
+            if seat.connected or not (seat.device and seat.device.machine):
+                continue
+            # Who has not been heard for long is forgotten there; what it said last is not.
+            absence = self._reader.absence(seat.device.path) or seat.absence
+            changed |= absence is not seat.absence
+            seat.absence = absence
+        return changed
+
+    def _inbox(self, seat: _Seat) -> Inbox | None:
+        if not seat.connected or seat.device is None:
+            return None
+        return self._reader.inbox(seat.device.path)
+
+    def _fed(
+        self, seat: _Seat, values: Sequence[tuple[int, int | None]], now: float
+    ) -> tuple[ControlEvent, ...]:
+        events = seat.joystick.feed(values, now)
+        if seat.guide is None:
+            return events
+        seat.joystick.release_all()
+        kinds = [control.kind for control in seat.controls]
+        if any(raw and kinds[position] is ControlKind.BUTTON for position, raw in values):
+            seat.guide.accept(seat.joystick.raws(), now)
+            self._conclude(seat, now)
+        return ()
+
+    def _conclude(self, seat: _Seat, now: float) -> None:
+        """Use what the operator has shown, if that is all."""
+        guide = seat.guide
+        if guide is None or not guide.ended or seat.device is None:
+            return
+        seat.guide = self._shown = None
+        if guide.given_up:
+            self._said.append(f"{seat.name} is not calibrated: nothing was done for too long")
+            return
+        self.store.add(seat.device.key, guide.found)
+        self.unsaved = True
+        self._seated(seat, seat.controls, now)
+        self._said.append(f"{seat.name} is calibrated")
+
+    def _learn(self, news: News, now: float) -> tuple[ControlEvent, ...]:
+        self._shown = None
+        match news:
+            case Scanned(devices=devices):
+                self._devices = devices
+                return self._assign()
+            case Opened(path=path, controls=controls):
+                for seat in self._at(path):
+                    self._seated(seat, self._mapped(seat, controls), now)
+                    self._ask_for_ends(seat, now)
+            case Refused():
+                self._refused(news)
+            case Gone(path=path):
+                self._reader.stop(path)
+                self._faults[path] = self._faults.get(path, 0) + 1
+                return tuple(event for seat in self._at(path) for event in self._vacate(seat))
+        return ()
+
+    def _at(self, path: str) -> list[_Seat]:
+        return [seat for seat in self._seats if seat.device and seat.device.path == path]
+
+    def _mapped(
+        self, seat: _Seat, controls: tuple[PhysicalControl, ...]
+    ) -> tuple[PhysicalControl, ...]:
+        """With the roles that the user's own file gives them."""
+        if seat.device is not None:
+            controls = self._mappings.applied(seat.device, controls)
+        if self._mappings.trouble:
+            self._said.append(self._mappings.trouble)
+        return controls
+
+    def _seated(self, seat: _Seat, controls: tuple[PhysicalControl, ...], now: float) -> None:
+        """A device can be read; what is deflected on it by now has to be neutral first."""
+        known = self.store.of(seat.device.key) if seat.device else {}
+        missing = seat.joystick.connect(controls, known)
+        seat.controls = controls
+        seat.phase = JoystickPhase.CONNECTED
+        seat.why = f"it has no {', '.join(missing)}" if missing else ""
+        inbox = self._inbox(seat)
+        seat.joystick.feed(inbox.everything() if inbox else (), now)
+        seat.joystick.release_all()
+
+    def _ask_for_ends(self, seat: _Seat, now: float) -> None:
+        """Ask for the ends of the axes that the layout wants calibrated, if nobody knows them."""
+        known = self.store.of(seat.device.key) if seat.device else {}
+        marked = {spec.name for spec in seat.joystick.spec.controls if spec.calibrate}
+        axes = [axis for axis in seat.joystick.to_calibrate() if axis.control in marked]
+        unknown = [axis for axis in axes if axis.usage not in known]
+        if unknown:
+            seat.guide = Guide(unknown, now)
+
+    def _refused(self, news: Refused) -> None:
+        self._reader.stop(news.path)
+        if news.unsuitable:
+            self._unfit[news.path] = news.why
+        for seat in self._at(news.path):
+            if news.forbidden and seat.device is not None:
+                seat.phase = JoystickPhase.FORBIDDEN
+                seat.why = f"no permission to read it; {rule_advice(seat.device)}"
+            elif news.unsuitable:
+                seat.phase, seat.why = JoystickPhase.UNSUITABLE, news.why
+
+    def _vacate(self, seat: _Seat) -> tuple[ControlEvent, ...]:
+        """Its device is gone; who it was is remembered."""
+        was_connected = seat.connected
+        seat.phase, seat.why = JoystickPhase.MISSING, ""
+        seat.guide = self._shown = None
+        return seat.joystick.lost() if was_connected else ()
+
+    def _assign(self) -> tuple[ControlEvent, ...]:
+        """Give each joystick its device, as far as there are devices."""
+        events: list[ControlEvent] = []
+        here = {device.path for device in self._devices}
+        self._faults = {path: count for path, count in self._faults.items() if path in here}
+        self._unfit = {path: why for path, why in self._unfit.items() if path in here}
+        last = {seat.name: seat.device for seat in self._seats if seat.device is not None}
+        specs = [seat.joystick.spec for seat in self._seats]
+        usable = [device for device in self._devices if device.joystick]
+        found = assigned(specs, usable, last)
+        for seat in self._seats:
+            device = found.get(seat.name)
+            if seat.device is not None and device != seat.device:
+                self._reader.stop(seat.device.path)
+                events += self._vacate(seat)
+            if device is None:
+                self._explain(seat)
+                continue
+            if device != seat.device:
+                seat.absence = Absence.SILENT if device.machine else Absence.UNPLUGGED
+            seat.device = device
+            if not seat.connected:
+                self._open(seat, device)
+        return tuple(events)
+
+    def _open(self, seat: _Seat, device: DeviceInfo) -> None:
+        if self._faults.get(device.path, 0) > MOST_FAULTS:
+            self._unfit[device.path] = "it falls silent again and again; plug it in anew"
+        if device.path in self._unfit:
+            seat.phase, seat.why = JoystickPhase.UNSUITABLE, self._unfit[device.path]
+        else:
+            self._reader.read(device)
+
+    def _explain(self, seat: _Seat) -> None:
+        """Nothing that fits is plugged in; something may be that was meant all the same."""
+        spec = seat.joystick.spec
+        meant = next((each for each in self._devices if is_meant(spec, each)), None)
+        if meant is not None and not meant.joystick and is_particular(spec):
+            seat.phase = JoystickPhase.UNSUITABLE
+            seat.why = f"{meant.shown} is no joystick"
+        elif self._hindered and not (seat.device and seat.device.machine):
+            seat.phase, seat.why = JoystickPhase.UNSUITABLE, self._hindered
+        else:
+            seat.phase, seat.why = JoystickPhase.MISSING, ""
+
+    def _still_fits(self, seat: _Seat) -> bool:
+        return seat.device is not None and is_meant(seat.joystick.spec, seat.device)
+
+    def _mark_hindered(self) -> None:
+        for seat in self._seats if self._hindered else ():
+            if not seat.connected:
+                seat.phase, seat.why = JoystickPhase.UNSUITABLE, self._hindered
+        self._shown = None

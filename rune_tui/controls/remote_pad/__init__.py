@@ -1,0 +1,1 @@
+"""A joystick at another machine: both ends of the line to it."""

@@ -1,0 +1,314 @@
+"""Gamepads at other machines, as they come over the bus: which are there, and what they report.
+
+Nothing that comes is trusted: it is a state or it is counted and left out. Silence is an unplug.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from hub.gcm.pad import ALIVE_HZ, DEVICE_HZ, OLDEST_S, PadDevice, PadState
+from rune_tui.controls.devices.device_reader import News, Opened, Refused, Scanned
+from rune_tui.controls.devices.inbox import Inbox
+from rune_tui.controls.devices.matching import DeviceInfo, plain_text
+from rune_tui.controls.hid.device_controls import DeviceDecoder, PhysicalControl
+from rune_tui.controls.remote_pad.pad_values import reports
+from rune_tui.errors import DescriptorError
+from rune_tui.model.joystick_state import Absence
+
+IDLE_SILENCE_S = 5.0 / ALIVE_HZ
+"""So long a pad may be silent that said that nobody touches it [s]."""
+WAITING_SILENCE_S = 3.0 / DEVICE_HZ
+"""So long one may be silent that said that its device is unplugged [s]."""
+MOST_PADS = 16
+"""Those that are known at a time; of more that speak, the last are left out."""
+LONGEST_DESCRIPTOR = 4096
+"""As the kernel has it [bytes]."""
+_CLOSE_S = 2.0
+
+Sender = tuple[str, int]
+"""The robot whose hub it came through, and the sender's number there."""
+
+
+@dataclass(slots=True)
+class _Pad:
+    """A gamepad that somebody has told of.
+
+    Attributes:
+        told: What was told of it.
+        heard: When that was told last [s].
+        info: The device.
+        controls: What it has; none if `why` says that it cannot be used.
+        here: Whether its states come.
+        measured: When the newest was measured [s].
+        active: Whether it is being used, and so says its state all the time.
+        absence: What became of it, if it is not here.
+        absent: When that was told [s].
+        row: The newest numbers.
+        inbox: Where they go; None while nobody reads it.
+    """
+
+    told: PadDevice
+    heard: float
+    info: DeviceInfo
+    controls: tuple[PhysicalControl, ...]
+    why: str
+    here: bool = False
+    measured: float = -math.inf
+    active: bool = False
+    absence: Absence = Absence.SILENT
+    absent: float = -math.inf
+    row: list[int] = dataclasses.field(default_factory=list)
+    inbox: Inbox | None = None
+
+    @property
+    def silent_at(self) -> float:
+        """When it counts as unplugged, if nothing else comes [s]."""
+        return self.measured + (OLDEST_S if self.active else IDLE_SILENCE_S)
+
+
+class FarPads:
+    """Those at the hubs of all robots of the console; links put in what comes.
+
+    Attributes:
+        refused: How many messages made no sense.
+        late: How many states were too old.
+        operator: Who sits at this console.
+    """
+
+    def __init__(self, operator: str = "", clock: Callable[[], float] = time.monotonic) -> None:
+        """Prepare.
+
+        Args:
+            operator: Who sits at this console; pads for others are left out.
+            clock: Monotonic time [s].
+        """
+        self.refused = self.late = 0
+        self.operator = operator
+        self._clock = clock
+        self._notify: Callable[[], None] = lambda: None
+        self._lock = threading.Lock()
+        self._pads: dict[Sender, _Pad] = {}
+        self._news: list[News] = []
+        self._sooner, self._ended = threading.Event(), threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def start(self, notify: Callable[[], None]) -> None:
+        """Watch for silence from now on.
+
+        Args:
+            notify: Is called, in other threads, when there is something new.
+        """
+        self._notify = notify
+        self._thread = threading.Thread(target=self._watch, name="rune-far-pads", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """End."""
+        self._ended.set()
+        self._sooner.set()
+        if self._thread is not None:
+            self._thread.join(_CLOSE_S)
+
+    def device_came(self, sender: Sender, told: PadDevice) -> None:
+        """Somebody says what gamepad the states are of that follow."""
+        with self._lock:
+            known = self._pads.get(sender)
+            if told.operator not in {"", self.operator}:
+                self._forget(sender)
+            elif known is not None and _same(known.told, told):
+                known.heard = self._clock()
+            elif len(told.descriptor) > LONGEST_DESCRIPTOR or not self._room(sender):
+                self.refused += 1
+            else:
+                self._forget(sender)
+                self._pads[sender] = described = self._described(sender, told)
+                if known is not None:
+                    described.absence, described.absent = known.absence, known.absent
+            fresh = bool(self._news)
+        if fresh:
+            self._notify()
+
+    def state_came(self, sender: Sender, state: PadState, measured: float) -> None:
+        """Somebody says how the controls of a gamepad stand.
+
+        Args:
+            sender: Who.
+            state: How.
+            measured: When that was, on this machine's clock [s].
+        """
+        with self._lock:
+            fresh = self._follow(sender, state, measured)
+        if fresh:
+            self._notify()
+
+    def news(self) -> list[News]:
+        """What has happened since the last call, in its order."""
+        with self._lock:
+            self._expire()
+            news, self._news = self._news, []
+        return news
+
+    def read(self, device: DeviceInfo) -> None:
+        """Begin to read a device; `Opened` or `Refused` follows."""
+        with self._lock:
+            pad = self._at(device.path)
+            if pad is None or pad.inbox is not None:
+                return
+            if pad.why:
+                self._news.append(Refused(device.path, pad.why, unsuitable=True))
+            else:
+                pad.inbox = Inbox(pad.controls)
+                for values in reports(pad.controls, None, pad.row):
+                    pad.inbox.put(values)
+                self._news.append(Opened(device.path, pad.controls))
+        self._notify()
+
+    def stop(self, path: str) -> None:
+        """Read a device no more."""
+        with self._lock:
+            if (pad := self._at(path)) is not None:
+                pad.inbox = None
+
+    def inbox(self, path: str) -> Inbox | None:
+        """What has come from a device that is read."""
+        with self._lock:
+            pad = self._at(path)
+            return None if pad is None else pad.inbox
+
+    def measured(self, path: str) -> float | None:
+        """When the newest state of a device was measured [s]; None if it is not there."""
+        with self._lock:
+            pad = self._at(path)
+            return None if pad is None else pad.measured
+
+    def senders_read(self, robot: str) -> list[int]:
+        """Numbers at a robot's hub of those whose devices are read."""
+        with self._lock:
+            return [
+                sender[1]
+                for sender, pad in self._pads.items()
+                if sender[0] == robot and pad.inbox is not None
+            ]
+
+    def absence(self, path: str) -> Absence | None:
+        """What became of a device; None if nothing is known of it, or it is here."""
+        with self._lock:
+            pad = next((each for each in self._pads.values() if each.info.path == path), None)
+            if pad is None or pad.here:
+                return None
+            waits = pad.absence is Absence.UNPLUGGED
+            if waits and self._clock() - pad.absent > WAITING_SILENCE_S:
+                return Absence.SILENT
+            return pad.absence
+
+    def _at(self, path: str) -> _Pad | None:
+        return next((p for p in self._pads.values() if p.here and p.info.path == path), None)
+
+    def _described(self, sender: Sender, told: PadDevice) -> _Pad:
+        controls: tuple[PhysicalControl, ...] = ()
+        why = "it is no joystick"
+        try:
+            descriptor = told.descriptor.tobytes()
+            decoder = DeviceDecoder(descriptor, vid=told.vid, pid=told.pid, bus=told.bus or 3)
+        except DescriptorError as error:
+            why = f"its report descriptor cannot be read: {error}"
+        else:
+            controls = decoder.controls
+        info = DeviceInfo(
+            path=f"pad {sender[0]} {sender[1]}",
+            vid=told.vid,
+            pid=told.pid,
+            serial=plain_text(told.serial),
+            name=plain_text(told.name),
+            port=plain_text(told.port),
+            bus=told.bus,
+            machine=plain_text(told.machine) or "another machine",
+        )
+        return _Pad(told, self._clock(), info, controls, "" if controls else why)
+
+    def _room(self, sender: Sender) -> bool:
+        """Whether one more can be known; room is made of the silent one heard longest ago."""
+        if sender in self._pads or len(self._pads) < MOST_PADS:
+            return True
+        silent = [other for other, pad in self._pads.items() if not pad.here]
+        if silent:
+            del self._pads[min(silent, key=lambda other: self._pads[other].heard)]
+        return bool(silent)
+
+    def _forget(self, sender: Sender) -> None:
+        if (pad := self._pads.pop(sender, None)) is not None and pad.here:
+            self._tell_devices()
+
+    def _follow(self, sender: Sender, state: PadState, measured: float) -> bool:
+        """Take a state over; whether it says anything new."""
+        self._expire()  # nobody else may have noticed the silence before this
+        pad, now = self._pads.get(sender), self._clock()
+        if pad is None or state.session != pad.told.session:
+            return False  # it is for another console, or what it is of has not come yet
+        if not state.count:
+            pad.absent = now
+            return self._unplug(pad, Absence.UNPLUGGED if state.active else Absence.ENDED)
+        if now - measured > OLDEST_S:
+            self.late += 1
+            return False
+        if not pad.why and len(state.values) != len(pad.controls):
+            self.refused += 1
+            return False
+        sooner = not pad.here or bool(state.active) != pad.active
+        before, pad.row = pad.row, state.values.tolist()
+        pad.measured, pad.active = min(measured, now), bool(state.active)
+        if sooner:
+            self._sooner.set()
+        if not pad.here:
+            pad.here = True
+            self._tell_devices()
+            return True
+        inbox = pad.inbox
+        if inbox is None:
+            return False
+        return True in [inbox.put(values) for values in reports(pad.controls, before, pad.row)]
+
+    def _unplug(self, pad: _Pad, absence: Absence = Absence.SILENT) -> bool:
+        was_here, pad.here, pad.inbox = pad.here, False, None
+        pad.absence = absence
+        if was_here:
+            self._tell_devices()
+        return was_here
+
+    def _tell_devices(self) -> None:
+        self._news.append(Scanned(tuple(pad.info for pad in self._pads.values() if pad.here)))
+
+    def _expire(self) -> float:
+        """Unplug what is silent; time until the next may be [s]."""
+        now, least = self._clock(), math.inf
+        for pad in self._pads.values():
+            if pad.here and now > pad.silent_at:
+                self._unplug(pad)
+            elif pad.here:
+                least = min(least, pad.silent_at - now)
+        return least
+
+    def _watch(self) -> None:
+        while not self._ended.is_set():
+            with self._lock:
+                left = self._expire()
+                untold = bool(self._news)
+            if untold:
+                self._notify()
+            self._sooner.wait(None if left == math.inf else left + 1e-3)
+            self._sooner.clear()
+
+
+def _same(one: PadDevice, other: PadDevice) -> bool:
+    """Whether these tell the same."""
+    first, second = (
+        {**dataclasses.asdict(each), "descriptor": each.descriptor.tobytes()}
+        for each in (one, other)
+    )
+    return first == second

@@ -1,0 +1,155 @@
+"""When a gamepad's state is sent to consoles elsewhere, and what it says; pure."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from hub.gcm import pad
+from hub.gcm.pad import PadDevice, PadState
+from rune_tui.controls.devices.matching import DeviceInfo
+from rune_tui.controls.hid.device_controls import PhysicalControl
+from rune_tui.controls.hid.reading import Value
+from rune_tui.controls.joystick.logical import LogicalJoystick
+from rune_tui.controls.pause_guard import StallGuard
+from rune_tui.controls.remote_pad.pad_values import Row
+from rune_tui.layout.spec import ControlKind, ControlSpec, JoystickSpec
+
+ACTIVE_FOR_S = 1.0
+"""So long after its last change a pad counts as being used [s]."""
+DEAD_ZONE = 0.02
+"""Smaller than any that layouts are likely to have: what may drive there is being used here."""
+_WAITS = 1
+_EARLY_S = 0.002
+"""A timer may be that much ahead of its time [s]."""
+
+
+class PadSender:
+    """Sends one device at a time: what it is, and its states.
+
+    Attributes:
+        session: Counts how often it began anew.
+        sent: How many states have been sent.
+        active: Whether the device is being used.
+    """
+
+    def __init__(
+        self,
+        send_device: Callable[[PadDevice], None],
+        send_state: Callable[[PadState], None],
+        *,
+        operator: str = "",
+        machine: str = "",
+    ) -> None:
+        """Prepare; nothing is plugged in.
+
+        Args:
+            send_device: Sends what the device is.
+            send_state: Sends how its controls stand.
+            operator: Whose console it is for; empty: any.
+            machine: Where this is, for people.
+        """
+        self.session = self.sent = 0
+        self.active = False
+        self._send_device, self._send_state = send_device, send_state
+        self._operator, self._machine = operator, machine
+        self._guard = StallGuard(stall_s=pad.OLDEST_S)
+        self._described: PadDevice | None = None
+        self._row = Row(())
+        self._joystick = LogicalJoystick(JoystickSpec(name="pad", line=0))
+        self._device_sent = self._state_sent = self._changed = -math.inf
+
+    @property
+    def plugged(self) -> bool:
+        """Whether there is a device to send."""
+        return self._described is not None
+
+    def plug(
+        self, info: DeviceInfo, controls: tuple[PhysicalControl, ...], descriptor: bytes
+    ) -> None:
+        """A device can be read."""
+        self._described = PadDevice(
+            session=0,
+            operator=self._operator,
+            machine=self._machine,
+            name=info.name,
+            vid=info.vid,
+            pid=info.pid,
+            serial=info.serial,
+            port=info.port,
+            bus=info.bus,
+            count=len(descriptor),
+            descriptor=np.frombuffer(descriptor, np.uint8),
+        )
+        self._row = Row(controls)
+        specs = tuple(
+            ControlSpec(name=each.usage, kind=each.kind, usage=each.usage, deadzone=DEAD_ZONE)
+            for each in controls
+            if each.kind is not ControlKind.BALL  # which is never held
+        )
+        self._joystick = LogicalJoystick(JoystickSpec(name="pad", controls=specs, line=0))
+        self._joystick.connect(controls, {})
+        self._begin()
+
+    def unplug(self) -> None:
+        """The device is gone: let go of it there, now."""
+        if self._described is not None:
+            self._send_state(PadState(session=self.session, active=_WAITS))
+        self._described, self.active = None, False
+        self._state_sent = -math.inf
+
+    def end(self) -> None:
+        """Nothing is sent any more: let go of the device there, now, and say so."""
+        self._send_state(PadState(session=self.session))
+        self._described, self.active = None, False
+
+    def turn(self, values: Iterable[Value], now: float) -> None:
+        """Send what is due; to be called at least every 20 ms.
+
+        Args:
+            values: What the device has reported since the last call.
+            now: The time now [s].
+        """
+        values = tuple(values)
+        changed = self._row.take(values)
+        self._joystick.feed(values, now)
+        stalled = self._guard.stalled(now)
+        if self._described is None:
+            self._tell_absence(now)
+            return
+        if stalled:
+            # Nobody knows what was meant while this stood still: it has to be neutral first.
+            self._begin()
+        self._changed = now if changed else self._changed
+        self.active = now - self._changed < ACTIVE_FOR_S or any(self._joystick.values.values())
+        if now - self._device_sent > 1.0 / pad.DEVICE_HZ - _EARLY_S:
+            self._tell_device(now)
+        rate = pad.STATE_HZ if self.active else pad.ALIVE_HZ
+        if now - self._state_sent > 1.0 / rate - _EARLY_S:
+            self._tell_state(now)
+
+    def _begin(self) -> None:
+        self.session += 1
+        self._device_sent = self._state_sent = -math.inf
+
+    def _tell_device(self, now: float) -> None:
+        about = self._described
+        if about is not None:
+            self._send_device(dataclasses.replace(about, session=self.session))
+            self._device_sent = now
+
+    def _tell_absence(self, now: float) -> None:
+        """Say again that the device is gone: who has missed it takes this for a silence."""
+        if self.session and now - self._state_sent > 1.0 / pad.DEVICE_HZ - _EARLY_S:
+            self._send_state(PadState(session=self.session, active=_WAITS))
+            self._state_sent = now
+
+    def _tell_state(self, now: float) -> None:
+        row = np.array(self._row.values, np.int32)
+        state = PadState(session=self.session, active=int(self.active), count=len(row), values=row)
+        self._send_state(state)
+        self.sent += 1
+        self._state_sent = now

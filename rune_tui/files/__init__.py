@@ -1,0 +1,1 @@
+"""Files that the console writes in the user's folders."""

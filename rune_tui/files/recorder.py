@@ -1,0 +1,85 @@
+"""Records what comes from robots and goes to them, and how it reached the operator's eyes."""
+
+from __future__ import annotations
+
+import datetime
+import functools
+import time
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING
+
+from hub.gcm.body import ROBOT_DESCRIPTION
+from rune_tui.files import user_files
+from rune_tui.layout.spec import LayoutSpec
+from rune_tui.link.robot_link import RobotLink
+from rune_tui.link.robot_links import RobotLinks
+from rune_tui.model.display_state import RUNE_DISPLAY, DisplayState
+from rune_tui.model.robot_state import titles
+from rune_tui.model.shown_layout import SHOWN_LAYOUT, ShownLayout
+
+if TYPE_CHECKING:
+    from rune_tui.export.recording import Recording
+
+_DISPLAY_S = 1.0
+"""Between two notes of the way to the terminal [s]."""
+_OWN = "console"
+"""In place of a robot's name, for what the console says of itself."""
+
+
+class Recorder:
+    """Begins and ends recordings; used by the console's own thread."""
+
+    def __init__(self, links: RobotLinks) -> None:
+        self._links = links
+        self._recording: Recording | None = None
+        self._noted = 0.0
+
+    @property
+    def path(self) -> str:
+        """The file that everything is being recorded in; empty if nothing is."""
+        return str(self._recording.path) if self._recording is not None else ""
+
+    def begin(self, layout: LayoutSpec, operator: str) -> user_files.Outcome:
+        """Begin to record; what became of it."""
+        now = datetime.datetime.now().astimezone()
+        self._recording, said = user_files.begin_recording(layout, operator, now)
+        self.follow(layout)
+        for link in self._links.values():
+            described = link.state.newest(ROBOT_DESCRIPTION)
+            if described is not None:  # it came before, and does not come again
+                link.record(ROBOT_DESCRIPTION, described.value, described.measured)
+        return said
+
+    def follow(self, layout: LayoutSpec) -> None:
+        """Go on with this layout and all links that there are now; note when that was."""
+        self._tap()
+        if self._recording is not None:
+            shown = ShownLayout(layout=layout.path, run=layout.run_number)
+            self._recording.add(_OWN, SHOWN_LAYOUT, shown, time.monotonic())
+
+    def end(self) -> Callable[[], user_files.Outcome]:
+        """No longer record; what is left to do for that, which takes a while."""
+        recording, self._recording = self._recording, None
+        self._tap()
+        if recording is None:
+            return lambda: user_files.Outcome(text="nothing was being recorded")
+        return lambda: user_files.end_recording(recording)
+
+    def _tap(self) -> None:
+        """Have all links, also new ones, hand what comes and goes to the recording."""
+        names = _names(self._links.values())
+        for link, name in zip(self._links.values(), names, strict=True):
+            add = self._recording.add if self._recording is not None else None
+            link.tap(functools.partial(add, name) if add is not None else None)
+
+    def note(self, now: float, display: DisplayState) -> None:
+        """Record once a second how pictures reach the operator's eyes."""
+        if self._recording is not None and now - self._noted >= _DISPLAY_S:
+            self._noted = now
+            self._recording.add(_OWN, RUNE_DISPLAY, display, now)
+
+
+def _names(links: Iterable[RobotLink]) -> list[str]:
+    """What a recording calls the robots: as the screen does, but a name in a topic has no `/`."""
+    called = titles(link.state for link in links)
+    return [name if "/" not in name else role for role, name in called.items()]

@@ -1,0 +1,176 @@
+"""What the console does on the operator's own machine: files, and what became of orders."""
+
+from __future__ import annotations
+
+import datetime
+import getpass
+import logging
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import platformdirs
+
+from hub.gcm.mapping import INTEREST_POINTS
+from hub.ipc.definition import Keep
+from rune_tui.compositor import picture
+from rune_tui.compositor.cells import Cells
+from rune_tui.controls.joystick.calibration_store import CalibrationStore
+from rune_tui.export.points import csv_table, geojson
+from rune_tui.export.report import html_page
+from rune_tui.layout.spec import LayoutSpec
+from rune_tui.model.effects import ControlEffect, MissionEffect, SendEffect
+from rune_tui.model.lacks import untaken
+from rune_tui.model.robot_state import LinkPhase, RobotState
+
+if TYPE_CHECKING:
+    from rune_tui.export.recording import Recording
+
+_logger = logging.getLogger(__name__)
+
+_FOLDER = "Rune"
+_MOST_AT_ONCE = 100
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome:
+    """What became of something.
+
+    Attributes:
+        text: One sentence for the operator.
+        alarm: Whether it went wrong.
+        robot: Whom it is about; empty for the console itself.
+        routine: Whether it only says that what the operator wanted is done.
+    """
+
+    text: str
+    alarm: bool = False
+    robot: str = ""
+    routine: bool = False
+
+
+def operator_name() -> str:
+    """Who is logged in here; empty if the system does not say."""
+    try:
+        return getpass.getuser()
+    except (OSError, KeyError, ImportError):
+        return ""
+
+
+def undelivered(
+    effect: SendEffect | ControlEffect | MissionEffect, robot: RobotState
+) -> Outcome | None:
+    """Why an order has no effect now; None if it has, or if a newer one follows it anyway."""
+    if isinstance(effect, ControlEffect):
+        what = "request for control"
+    elif isinstance(effect, MissionEffect):
+        what = "mission"
+    elif effect.definition.keep is Keep.ALL:
+        what = effect.definition.name.removeprefix("GCM_").replace("_", " ").lower()
+    else:
+        return None
+    may_send = robot.link.may_command
+    if isinstance(effect, SendEffect):
+        may_send = robot.link.may_send(effect.definition.name)
+    if not may_send:
+        text = f"{what} not sent: your key may watch and stop {robot.title}, not drive it"
+    elif robot.link.phase is not LinkPhase.CONNECTED:
+        text = f"{what} not sent: there is no link to {robot.title}"
+    elif isinstance(effect, SendEffect) and (why := untaken(robot, effect.definition.name)):
+        text = f"{what} has no effect: {why}"
+    else:
+        return None
+    return Outcome(text=text, alarm=True, robot=robot.name)
+
+
+def write_screenshot(cells: Cells, now: datetime.datetime) -> Outcome:
+    """Write what is shown into the user's pictures folder, as PNG and as text."""
+    base = platformdirs.user_pictures_path() / _FOLDER / f"rune-{now:%Y%m%d-%H%M%S}"
+    try:
+        base.parent.mkdir(parents=True, exist_ok=True)
+        for suffix in (".png", ".txt"):
+            picture.save(cells, base.with_suffix(suffix))
+    except OSError as error:
+        return _not_written("screenshot", error)
+    return Outcome(text=f"the screenshot is {base}.png and .txt", routine=True)
+
+
+def write_marks(robot: RobotState, now: datetime.datetime) -> Outcome:
+    """Write what is marked into the user's documents folder: CSV, GeoJSON and a page."""
+    newest = robot.newest(INTEREST_POINTS)
+    points = newest.value.points if newest is not None else ()
+    if not points:
+        return Outcome(text=f"nothing is marked on the map of {robot.title}", robot=robot.name)
+    grid = robot.map.value if robot.map is not None else None
+    files = {
+        "csv": csv_table(points),
+        "geojson": geojson(points, robot.title),
+        "html": html_page(robot.title, points, grid, f"{now:%Y-%m-%d %H:%M}"),
+    }
+    folder = platformdirs.user_documents_path() / _FOLDER
+    base = folder / f"{_as_file_name(robot.title)}-{now:%Y%m%d-%H%M%S}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for suffix, text in files.items():
+            Path(f"{base}.{suffix}").write_text(text, "utf-8", newline="")
+    except OSError as error:
+        return _not_written("marks", error)
+    text = f"what is marked ({len(points)}) is in {base}.csv, .geojson and .html"
+    return Outcome(text=text, robot=robot.name, routine=True)
+
+
+def write_calibrations(store: CalibrationStore) -> Outcome:
+    """Write what is known of joysticks into the user's configuration folder."""
+    try:
+        store.save()
+    except OSError as error:
+        return _not_written("the calibration", error)
+    return Outcome(text=f"the calibration is in {store.path}", routine=True)
+
+
+def begin_recording(
+    layout: LayoutSpec, operator: str, now: datetime.datetime
+) -> tuple[Recording | None, Outcome]:
+    """Begin a recording in the user's documents folder; None, and why, if that cannot be."""
+    try:
+        from rune_tui.export.recording import Recording
+    except ModuleNotFoundError:
+        text = "recording needs mcap; install it with pip install 'robot-user-nexus[record]'"
+        return None, Outcome(text=text, alarm=True)
+    folder = platformdirs.user_documents_path() / _FOLDER
+    name = f"run{layout.run_number}-{now:%Y%m%d-%H%M%S}"
+    about = {"layout": layout.path, "run": str(layout.run_number), "operator": operator}
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        path = _free(folder, name, ".mcap")
+        recording = Recording(path, about)
+    except OSError as error:
+        return None, _not_written("the recording", error)
+    return recording, Outcome(text=f"recording into {path}", routine=True)
+
+
+def _free(folder: Path, name: str, suffix: str) -> Path:
+    """A file that is not there yet; two are begun in one second now and then."""
+    numbered = (f"{name}-{number}" for number in range(2, _MOST_AT_ONCE))
+    paths = [folder / f"{each}{suffix}" for each in (name, *numbered)]
+    return next((path for path in paths if not path.exists()), paths[0])
+
+
+def end_recording(recording: Recording) -> Outcome:
+    """End a recording, and say what became of it."""
+    recording.close()
+    text = f"{recording.count} messages are recorded in {recording.path}"
+    if recording.fault:
+        return Outcome(text=f"{text}; then it ended: {recording.fault}", alarm=True)
+    if recording.dropped:
+        text += f"; {recording.dropped} were left out, as the disk was too slow"
+    return Outcome(text=text, alarm=recording.dropped > 0, routine=True)
+
+
+def _not_written(what: str, error: OSError) -> Outcome:
+    _logger.warning("%s not written: %s", what, error)
+    return Outcome(text=f"{what} not written: {error.strerror or error}", alarm=True)
+
+
+def _as_file_name(name: str) -> str:
+    return "".join(letter if letter.isalnum() else "-" for letter in name)[:64] or "robot"

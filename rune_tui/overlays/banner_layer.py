@@ -1,0 +1,81 @@
+"""The banner at the upper edge: the gravest alarm, or that a robot moves by itself."""
+
+from __future__ import annotations
+
+import sys
+
+from rune_tui.compositor.blend import Layer
+from rune_tui.model.console_state import Banner, ConsoleState
+from rune_tui.raster.canvas import Canvas
+from rune_tui.raster.urgency import Urgency
+from rune_tui.visualizers.parts.rows import fitting_form
+
+_TALL_ROWS = 30
+"""From this height on, a terminal has room for a banner of three rows [cells]."""
+
+
+class BannerLayer:
+    """Draws the banner, and again only if it would look different."""
+
+    def __init__(self) -> None:
+        self._look: tuple[object, ...] = ()
+        self.layers: tuple[Layer, ...] = ()
+
+    @property
+    def rows(self) -> int:
+        """How many rows it takes [cells]."""
+        return self.layers[0].canvas.rows if self.layers else 0
+
+    def refresh(self, columns: int, top: int, rows: int, state: ConsoleState) -> bool:
+        """Bring `layers` up to date.
+
+        Args:
+            columns: Width of the terminal [cells].
+            top: The banner's first row [cells].
+            rows: Height of the terminal [cells].
+            state: What is known.
+
+        Returns:
+            Whether they changed.
+        """
+        whose = state.title(state.banner.robot) if state.banner else ""
+        seen = (columns, top, rows, state.theme.name, len(state.robots), state.banner, whose)
+        look: tuple[object, ...] = seen if state.banner is not None else ()
+        if look == self._look:
+            return False
+        self._look = look
+        self.layers = ()
+        if state.banner is not None:
+            tall = rows >= _TALL_ROWS and not state.banner.calm
+            canvas = Canvas.blank(columns, 2 * (3 if tall else 1))
+            _draw(canvas, state.banner, state)
+            nearest = sys.maxsize - 1
+            layer = Layer(canvas=canvas, x=0, y=2 * top, zpos=nearest, urgency=Urgency.ALARM)
+            self.layers = (layer,)
+        return True
+
+
+def _draw(canvas: Canvas, banner: Banner, state: ConsoleState) -> None:
+    theme = state.theme
+    plate, ink = (theme.accent, theme.ground) if banner.calm else (theme.alarm, theme.on_alarm)
+    canvas.fill(plate)
+    whose = f"{state.title(banner.robot)}: " if banner.robot and len(state.robots) > 1 else ""
+    more = f"+{banner.more}" if banner.more else ""
+    room = canvas.width - 2 - (len(more) + 2 if more else 0)
+    text = f"{whose}{banner.text}"
+    forms = (f"{text} {banner.advice}", text) if banner.calm else banner_forms(text)
+    words = fitting_form(room, *forms)
+    row = canvas.rows // 2
+    canvas.text(max(1, (canvas.width - len(words)) // 2), row, words, ink)
+    canvas.text(canvas.width - 1 - len(more), row, more, ink)
+
+
+def banner_forms(text: str) -> tuple[str, ...]:
+    """Ways to say it, the fullest first: with signs, without them, and shorter clause by clause."""
+    forms = [f"!!  {text}  !!", f"!! {text}", text]
+    shorter = text
+    for mark in (", ", ": "):
+        while mark in shorter:
+            shorter = shorter.rpartition(mark)[0]
+            forms.append(shorter)
+    return tuple(forms)

@@ -1,0 +1,109 @@
+"""The help in lines: what each input of a layout does, section by section, stop and drive first."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+
+from rune_tui.layout.actions import Action
+from rune_tui.layout.rules import Section
+from rune_tui.layout.spec import CHOSEN
+from rune_tui.model.own_keys import OwnKey
+from rune_tui.visualizers.parts.severity import Mood
+
+_SECTIONS = list(Section)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PageLine:
+    """A line of a page.
+
+    Attributes:
+        left: What stands in the first column; a heading fills both.
+        right: What stands in the second column.
+        mood: How it is meant.
+        heading: Whether it is a heading.
+    """
+
+    left: str
+    right: str = ""
+    mood: Mood = Mood.PLAIN
+    heading: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Entry:
+    section: Section
+    robot: str
+    inputs: str
+    words: str
+    safe: bool = True
+
+
+def help_lines(
+    actions: Sequence[Action],
+    own: Iterable[OwnKey],
+    *,
+    search: str,
+    left: int,
+    right: int,
+) -> Iterator[PageLine]:
+    """The lines of the help.
+
+    Args:
+        actions: What the layout's inputs do.
+        own: The console's keys that the layout leaves alone.
+        search: Entries without this are left out.
+        left: Width of the column of inputs [cells].
+        right: Width of the column of what they do [cells].
+    """
+    wanted = search.casefold()
+    entries = [
+        entry
+        for entry in (*_of_layout(actions), *_of_console(own))
+        if wanted in f"{entry.section.value} {entry.robot} {entry.inputs} {entry.words}".casefold()
+    ]
+    entries.sort(key=lambda entry: (_SECTIONS.index(entry.section), entry.robot, not entry.safe))
+    for heading, group in groupby(entries, key=_heading):
+        yield PageLine(left=heading, heading=True)
+        for entry in group:
+            inputs = textwrap.wrap(entry.inputs, left) or [""]
+            words = textwrap.wrap(entry.words, right) or [""]
+            for number in range(max(len(inputs), len(words))):
+                yield PageLine(
+                    left=inputs[number] if number < len(inputs) else "",
+                    right=words[number] if number < len(words) else "",
+                )
+
+
+def _of_layout(actions: Sequence[Action]) -> Iterator[_Entry]:
+    several = len({action.robot for action in actions if action.robot}) > 1
+    for action in actions:
+        yield _Entry(
+            section=action.section,
+            robot=robot_words(action.robot) if several and action.robot else "",
+            inputs=", ".join(action.inputs),
+            words=action.words,
+            safe=action.safe,
+        )
+
+
+def _of_console(own: Iterable[OwnKey]) -> Iterator[_Entry]:
+    merged: dict[tuple[Section, str], list[str]] = {}
+    for each in own:
+        merged.setdefault((each.section, each.words), []).append(each.key)
+    for (section, words), keys in merged.items():
+        yield _Entry(section=section, robot="", inputs=", ".join(keys), words=words)
+
+
+def _heading(entry: _Entry) -> str:
+    return f"{entry.section.value}: {entry.robot}" if entry.robot else entry.section.value
+
+
+def robot_words(robot: str) -> str:
+    """Whom an action concerns, for people."""
+    if robot == CHOSEN:
+        return "the chosen robot"
+    return robot or "the console"

@@ -1,0 +1,134 @@
+"""A page of text over the view: the help, or all messages. It is scrolled and searched."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Hashable
+
+from rune_tui.compositor.blend import Layer
+from rune_tui.layout.actions import actions_of
+from rune_tui.layout.spec import LayoutSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.own_keys import unbound
+from rune_tui.model.page import Page
+from rune_tui.overlays.help_page import PageLine, help_lines
+from rune_tui.overlays.log_page import CLOCK_COLUMNS, log_lines
+from rune_tui.raster.canvas import Canvas
+from rune_tui.visualizers.parts.rows import cut, fitting_form
+from rune_tui.visualizers.parts.severity import ink_of
+
+_TWO_COLUMNS = 110
+"""From this width on, the help stands in two blocks side by side [cells]."""
+_MOST_INPUTS = 26
+"""Room for the names of inputs [cells]."""
+_HEAD_ROWS = 2
+"""Rows of a page that are no lines of it: what it is, and what its keys do [cells]."""
+_LEAST_WORDS = 8
+_CLOSE = {True: "? or escape: close", False: "escape: close"}
+
+
+class PageLayer:
+    """Draws the page when one is wanted, and again only if it would look different.
+
+    Attributes:
+        layers: The page; none while none is wanted.
+    """
+
+    def __init__(self, layout: LayoutSpec) -> None:
+        """Prepare the help of a layout."""
+        self._actions = actions_of(layout)
+        widgets = [*layout.view.widgets]
+        for viewport in layout.view.viewports:
+            widgets += viewport.widgets
+        self._own = tuple(unbound(event.name for each in widgets for event in each.events))
+        self._look: Hashable = None
+        self.layers: tuple[Layer, ...] = ()
+
+    def refresh(self, columns: int, top: int, rows: int, zpos: int, state: ConsoleState) -> bool:
+        """Bring `layers` up to date.
+
+        Args:
+            columns: Width of the page [cells].
+            top: Its first row [cells].
+            rows: Its height [cells].
+            zpos: How near to the eye it is.
+            state: What is known.
+
+        Returns:
+            Whether it changed.
+        """
+        look = (columns, top, rows, zpos, state.theme.name, state.help, state.page)
+        said: Hashable = (*look, state.notices if state.log else ()) if state.paged else None
+        if said == self._look:
+            return False
+        self._look = said
+        self.layers = ()
+        if state.paged:
+            canvas = Canvas.blank(columns, 2 * rows)
+            self._draw(canvas, state)
+            self.layers = (Layer(canvas=canvas, x=0, y=2 * top, zpos=zpos),)
+        return True
+
+    def within(self, page: Page, columns: int, rows: int, state: ConsoleState) -> Page:
+        """The page, scrolled no farther than its end."""
+        lines, room = self._lines(columns, state), self._room(columns, rows, state)
+        return dataclasses.replace(page, top=min(page.top, max(0, len(lines) - room)))
+
+    def _draw(self, canvas: Canvas, state: ConsoleState) -> None:
+        theme, columns = state.theme, canvas.width
+        canvas.fill(theme.panel)
+        lines = self._lines(columns, state)
+        room = self._room(columns, canvas.rows, state)
+        top = min(state.page.top, max(0, len(lines) - room))
+        shown = lines[top : top + room]
+        canvas.text(1, 0, "HELP" if state.help else "MESSAGES", theme.accent)
+        where = f"{top + 1}-{top + len(shown)} of {len(lines)}" if lines else "nothing"
+        canvas.text(max(10, columns - 1 - len(where)), 0, where, theme.soft)
+        canvas.text(1, 1, _hint(state, columns - 2), theme.soft)
+        height = max(1, canvas.rows - _HEAD_ROWS)
+        left, right, _ = self._widths(columns, state)
+        for number, line in enumerate(shown):
+            column = 1 + number // height * (left + right + 2)
+            row = _HEAD_ROWS + number % height
+            if line.heading:
+                canvas.text(column, row, cut(line.left, left + right + 1), theme.accent)
+                continue
+            canvas.text(column, row, cut(line.left, left), theme.ink)
+            words = cut(line.right, right)
+            canvas.text(column + left + 1, row, words, ink_of(line.mood, theme))
+
+    def _room(self, columns: int, rows: int, state: ConsoleState) -> int:
+        """How many lines are to be seen at once."""
+        return max(1, rows - _HEAD_ROWS) * self._widths(columns, state)[2]
+
+    @staticmethod
+    def _widths(columns: int, state: ConsoleState) -> tuple[int, int, int]:
+        """Widths of the two columns of a block [cells], and how many blocks there are."""
+        blocks = 2 if state.help and columns >= _TWO_COLUMNS else 1
+        left = min(_MOST_INPUTS if state.help else CLOCK_COLUMNS, max(4, columns // 3))
+        return left, max(_LEAST_WORDS, (columns - 2) // blocks - left - 2), blocks
+
+    def _lines(self, columns: int, state: ConsoleState) -> list[PageLine]:
+        left, right, _ = self._widths(columns, state)
+        search = state.page.search
+        if state.help:
+            return [*help_lines(self._actions, self._own, search=search, left=left, right=right)]
+        return [*log_lines(state, search=search, right=right)]
+
+
+def _hint(state: ConsoleState, columns: int) -> str:
+    """What the keys of the page do, in as many words as there is room for."""
+    page = state.page
+    if page.typing:
+        full = f"search: {page.search}_  enter: done · escape: all lines · the stop key stops"
+        return fitting_form(columns, full, f"search: {page.search}_", f"/{page.search}_")
+    close = "escape: all lines" if page.search else _CLOSE[state.help]
+    found = f"with '{page.search}' · " if page.search else ""
+    return fitting_form(
+        columns,
+        f"{found}{close} · / search · arrows, PgUp, PgDn, wheel: scroll · driving keys rest",
+        f"{found}{close} · / search · PgUp, PgDn: scroll",
+        f"{close} · / search",
+        close,
+        "esc",
+    )

@@ -1,0 +1,1 @@
+"""What the console opens first: layouts, and their changes on disk."""

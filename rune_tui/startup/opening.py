@@ -1,0 +1,71 @@
+"""Layouts by name or path, with all visualizers and widgets there are."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+from hub.command_line import nearest_word
+from rune_tui.errors import LayoutError, LayoutProblem
+from rune_tui.layout.extensions import with_installed
+from rune_tui.layout.loader import load_layout
+from rune_tui.layout.rules import Vocabulary
+from rune_tui.layout.spec import LayoutSpec
+from rune_tui.visualizers.registry import VISUALIZERS
+from rune_tui.widgets.registry import WIDGETS
+
+BUILT_IN = Vocabulary(visualizers=VISUALIZERS, widgets=WIDGETS)
+"""What the package itself has."""
+
+_HERE = Path(__file__).parents[1]
+_SHIPPED = (_HERE / "layouts", _HERE.parent / "layouts")
+"""Where shipped layouts are: in the package, or beside it where it is run from its sources."""
+_COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
+_LONGEST_NAME = 64
+"""Letters of a shipped layout's name at most; what is longer is a path."""
+
+
+def open_layout(name_or_path: str | Path, variables: Mapping[str, str] | None = None) -> LayoutSpec:
+    """The layout file of that path, or the shipped layout of that name.
+
+    Args:
+        name_or_path: Which.
+        variables: Values of the layout's variables that are not those of the file.
+
+    Raises:
+        LayoutError: The file cannot be read or has mistakes; all of them are listed.
+    """
+    path = layout_path(str(name_or_path))
+    if path == Path(name_or_path) and _is_bare(path, str(name_or_path)) and not path.exists():
+        hint = nearest_word(str(name_or_path), list(shipped_layouts()))
+        text = f"there is no such file and no such layout{hint or '; `rune layouts` lists them'}"
+        raise LayoutError([LayoutProblem(path=path.name, line=0, column=0, message=text)])
+    return load_layout(path, with_installed(BUILT_IN), variables)
+
+
+def layout_path(name_or_path: str) -> Path:
+    """Where the layout is that goes by this name or path."""
+    path = Path(name_or_path)
+    if _is_bare(path, name_or_path) and not path.exists():
+        for folder in _SHIPPED:
+            if (folder / f"{name_or_path}.xml").is_file():
+                return folder / f"{name_or_path}.xml"
+    return path
+
+
+def shipped_layouts() -> dict[str, str]:
+    """The layouts that come with Rune: the first sentence of each one's comment, by name."""
+    folder = next(folder for folder in _SHIPPED if folder.is_dir())
+    return {path.stem: _meaning(path.read_text("utf-8")) for path in sorted(folder.glob("*.xml"))}
+
+
+def _meaning(text: str) -> str:
+    comment = _COMMENT.search(text)
+    words = " ".join(comment[1].split()) if comment else ""
+    return words.split(". ")[0].rstrip(".")
+
+
+def _is_bare(path: Path, name: str) -> bool:
+    """Whether it could be the name of a shipped layout."""
+    return path.suffix == "" and path.name == name and len(name) <= _LONGEST_NAME

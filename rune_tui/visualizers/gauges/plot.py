@@ -1,0 +1,228 @@
+"""visualizePlot: a number of any message over time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+from hub.gcm.catalog import BY_NAME
+from hub.gcm.navigation import ROBOT_STATE
+from rune_tui.layout.rules import NumberOption, TextOption, VisualizerRule
+from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import RobotState
+from rune_tui.model.theme import Theme
+from rune_tui.raster.canvas import Canvas
+from rune_tui.raster.shapes import drawing
+from rune_tui.visualizers.parts.history import History, Slot, number_at
+from rune_tui.visualizers.parts.notice import write_notice
+from rune_tui.visualizers.parts.rows import fitting_form
+from rune_tui.visualizers.parts.staleness import DIM_AFTER_S, age_look, mark_age, pause_of, weather
+
+_LABELLED_ROWS = 4
+_LATE = 2.5
+"""Periods without a message that make a gap."""
+
+
+class Plot:
+    """A line from the left, long ago, to the right, now; nothing where nothing was measured.
+
+    It begins when the viewport is first drawn, and remembers each robot that it has shown.
+    """
+
+    rule: ClassVar = VisualizerRule(
+        meaning="a number of any message over time; GCM_RobotState if none is named",
+        message=ROBOT_STATE.name,
+        any_message=True,
+        options={
+            "field": TextOption(
+                default="linear",
+                longest=100,
+                names="field",
+                meaning="which number of the message, such as linear, sonar[0] or points[1].x",
+            ),
+            "seconds": NumberOption(
+                default=30.0, least=1.0, most=86_400.0, unit="s", meaning="time from left to right"
+            ),
+            "least": NumberOption(
+                default=0.0, least=-1e9, most=1e9, meaning="value at the lower edge"
+            ),
+            "most": NumberOption(
+                default=0.0,
+                least=-1e9,
+                most=1e9,
+                meaning="value at the upper edge; both are found by themselves where it is least",
+            ),
+        },
+    )
+    whole_cells: ClassVar[bool] = True
+
+    def __init__(self, spec: VisualizerSpec) -> None:
+        """Begin with nothing.
+
+        Args:
+            spec: What the layout says.
+        """
+        self._definition = BY_NAME[spec.message]
+        self._field = spec.options.word("field")
+        self._seconds = spec.options.number("seconds")
+        self._range = (spec.options.number("least"), spec.options.number("most"))
+        self._pause = pause_of(self._definition)
+        rate = self._definition.rate_hz
+        self._gap = max(DIM_AFTER_S, _LATE / rate if rate else 0.0)
+        self._histories: dict[str, History] = {}
+        self._seen: dict[str, int] = {}
+        self._width = 1
+
+    @classmethod
+    def from_spec(cls, spec: VisualizerSpec) -> Self:
+        """The visualizer that a layout asks for."""
+        return cls(spec)
+
+    def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
+        """Changes with each value, and each time that the line moves on by a pixel."""
+        history = self._note(robot)
+        received = robot.newest(self._definition)
+        if received is None:
+            return robot.name, state.theme.name
+        look = age_look(received, state.now, self._pause) if self._definition.rate_hz else None
+        return robot.name, history.count, self._pixel(state.now), look, state.theme.name
+
+    def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
+        """Draw what is remembered and say the newest value."""
+        canvas.fill(state.theme.panel)
+        self._width = max(1, canvas.width)
+        history = self._note(robot)
+        received = robot.newest(self._definition)
+        if received is None:
+            write_notice(canvas, f"no {self._definition.name} from {robot.title}", state.theme)
+            return
+        newest = number_at(received.value, self._field)
+        if newest is None:
+            text = f"{self._definition.name} has no number {self._field}"
+            write_notice(canvas, text, state.theme)
+            return
+        end = (self._pixel(state.now) + 1) * self._seconds / self._width
+        slots = [*history.since(end - self._seconds)]
+        low, high = self._limits(slots)
+        self._draw_line(canvas, slots, (low, high), end, state.theme)
+        self._write(canvas, newest, (low, high), state.theme)
+        if self._definition.rate_hz:
+            age = received.age(state.now)
+            weather(canvas, age, self._pause)
+            mark_age(canvas, age, state.theme, self._pause)
+
+    def _note(self, robot: RobotState) -> History:
+        """Remember the newest message, if it is new."""
+        history = self._histories.setdefault(robot.name, History(self._seconds, self._gap))
+        received = robot.newest(self._definition)
+        if received is not None and self._seen.get(robot.name) != received.number:
+            self._seen[robot.name] = received.number
+            value = number_at(received.value, self._field)
+            history.add(received.measured, math.nan if value is None else value)
+        return history
+
+    def _pixel(self, now: float) -> int:
+        """How many pixels the line has moved on since the clock began."""
+        return int(now * self._width / self._seconds)
+
+    def _limits(self, slots: Sequence[Slot]) -> tuple[float, float]:
+        """Values at the lower and the upper edge."""
+        least, most = self._range
+        if least != most:
+            return min(least, most), max(least, most)
+        low = min((slot.low for slot in slots), default=0.0)
+        high = max((slot.high for slot in slots), default=0.0)
+        margin = 0.0 if high > low else max(abs(low) * 0.1, 0.5)
+        return low - margin, high + margin
+
+    def _draw_line(
+        self,
+        canvas: Canvas,
+        slots: Sequence[Slot],
+        limits: tuple[float, float],
+        end: float,
+        theme: Theme,
+    ) -> None:
+        top, height = 2, canvas.height - 2
+        if height < 1:
+            return
+        low, high = limits
+
+        def place(value: float) -> int:
+            share = min(1.0, max(0.0, (value - low) / (high - low)))
+            return top + round((1.0 - share) * (height - 1))
+
+        with drawing(canvas) as pen:
+            if low < 0.0 < high:
+                pen.rectangle(0, place(0.0), canvas.width, place(0.0) + 1, theme.faint)
+            before = None
+            for stroke in _strokes(slots, end - self._seconds, canvas.width / self._seconds):
+                highest, lowest = stroke.high, stroke.low
+                if before is not None and stroke.joined:
+                    if stroke.column - before.column > 1:
+                        ends = [(before.column, place(before.last))]
+                        pen.line([*ends, (stroke.column, place(stroke.first))], theme.accent)
+                    else:
+                        highest, lowest = max(highest, before.last), min(lowest, before.last)
+                left = stroke.column
+                pen.rectangle(left, place(highest), left + 1, place(lowest) + 1, theme.accent)
+                before = stroke
+            pen.rectangle(0, 0, canvas.width, top, theme.panel)
+
+    def _write(
+        self, canvas: Canvas, newest: float, limits: tuple[float, float], theme: Theme
+    ) -> None:
+        low, high = (f"{limit:.3g}" for limit in limits)
+        value = f"{newest:.4g}"
+        head = fitting_form(
+            canvas.width,
+            f"{self._definition.name} {self._field} {value}, {low} to {high} in "
+            f"{self._seconds:g} s",
+            f"{self._field} {value}, {self._seconds:g} s",
+            f"{self._field} {value}",
+            value,
+        )
+        canvas.text(0, 0, head, theme.ink)
+        if canvas.rows >= _LABELLED_ROWS:
+            canvas.text(0, 1, high, theme.ink)
+            canvas.text(0, canvas.rows - 1, low, theme.ink)
+
+
+@dataclass(slots=True)
+class _Stroke:
+    """What lies in one column of pixels.
+
+    Attributes:
+        column: Which; negative left of the edge.
+        first: The first value.
+        last: The last one.
+        low: The lowest.
+        high: The highest.
+        joined: Whether nothing is missing between the stroke before and this one.
+    """
+
+    column: int
+    first: float
+    last: float
+    low: float
+    high: float
+    joined: bool
+
+
+def _strokes(slots: Iterable[Slot], start: float, scale: float) -> list[_Stroke]:
+    """Slots by the columns they lie in, from a time [s] on, `scale` pixels a second."""
+    strokes: list[_Stroke] = []
+    for slot in slots:
+        column = math.floor((slot.begin - start) * scale)
+        if slot.joined and strokes and strokes[-1].column == column:
+            newest = strokes[-1]
+            newest.low = min(newest.low, slot.low)
+            newest.high = max(newest.high, slot.high)
+            newest.last = slot.last
+        else:
+            stroke = _Stroke(column, slot.first, slot.last, slot.low, slot.high, slot.joined)
+            strokes.append(stroke)
+    return strokes

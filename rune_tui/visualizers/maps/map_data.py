@@ -1,0 +1,346 @@
+"""visualizeMapData: the map, the robot on it, and what was found."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable
+from typing import ClassVar, Final, Self
+
+import numpy as np
+
+from hub.gcm.capability import Capability
+from hub.gcm.mapping import INTEREST_POINTS, InterestPoint
+from hub.gcm.navigation import NAVIGATION_STATUS, Task
+from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
+from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.doing import by_navigation
+from rune_tui.model.map_window import MapWindow
+from rune_tui.model.pose import Pose
+from rune_tui.model.robot_state import OccupancyMap, RobotState
+from rune_tui.model.sightings import Floats
+from rune_tui.model.theme import Theme
+from rune_tui.model.world import WorldPoint
+from rune_tui.raster.canvas import Canvas, Colour
+from rune_tui.raster.grid_picture import UNKNOWN, grid_colours, grid_values
+from rune_tui.raster.shapes import drawing
+from rune_tui.visualizers.maps import map_marks
+from rune_tui.visualizers.parts.doing_words import goal_word
+from rune_tui.visualizers.parts.notice import link_trouble, write_notice
+from rune_tui.visualizers.parts.severity import Mood
+from rune_tui.visualizers.parts.staleness import age_look, age_text, mark_age, weather
+from rune_tui.visualizers.parts.trail import Trail
+
+OLD_MAP_S: Final = 30.0
+"""Maps come every ten seconds; words say when one is older than this [s]."""
+
+_ACROSS_M: Final = 10.0
+_MARGIN: Final = 1.08
+"""How much more than what is known the whole map shows."""
+_FINEST_M: Final = 1e-3
+"""No pixel shows less of the world [m]."""
+_NORTH: Final = math.pi / 2.0
+_CONTRAST: Final = np.clip((np.arange(101) - 30) * 100 // 35, 0, 100)
+"""Cells count as surely free up to 30 and as surely occupied from 65 on, as in ROS's maps."""
+_DOTTED: Final = 0.3
+"""How far the dots of the unknown stand out from it, of the way to faint ink."""
+_GRAIN: Final = 320.0
+"""Steps of the robot that are less than this part of what is shown are not seen."""
+_TURN_GRAIN: Final = {True: math.radians(0.5), False: math.radians(2.0)}
+"""Turns that are not seen when the map turns with the robot, and when it does not [rad]."""
+
+
+class MapData:
+    """Draws a robot's map; remembers where it has been."""
+
+    rule: ClassVar = VisualizerRule(
+        meaning="the map: walls, free floor, the unknown dotted; the robot and its heading, where "
+        "it has been and where it wants to go, what its camera sees, victims (V) and landmarks (L)",
+        message="GCM_Common_Map",
+        others=(
+            "GCM_RobotState",
+            "GCM_CameraState",
+            INTEREST_POINTS.name,
+            NAVIGATION_STATUS.name,
+        ),
+        option=NumberOption(
+            default=0.0,
+            least=0.0,
+            most=1000.0,
+            unit="m",
+            meaning="how much of the world is shown from left to right; 0 means 10 m",
+        ),
+        options={
+            "show": ChoiceOption(
+                default="robot",
+                choices=("robot", "whole"),
+                meaning="what is around the robot, or all that is known",
+            ),
+            "up": ChoiceOption(
+                default="north", choices=("north", "robot"), meaning="what is up in it"
+            ),
+            "trail": NumberOption(
+                default=50.0,
+                least=0.0,
+                most=500.0,
+                unit="m",
+                meaning="how much of the way behind the robot is shown",
+            ),
+        },
+    )
+    whole_cells: ClassVar[bool] = True
+
+    def __init__(
+        self, *, viewport: str, across: float, whole: bool, turns: bool, trail: float
+    ) -> None:
+        """A map of which nothing is known.
+
+        Args:
+            viewport: Where it is drawn.
+            across: What is seen from left to right [m].
+            whole: Whether all that is known is shown, not what is around the robot.
+            turns: Whether the robot's heading is up, not north.
+            trail: How much of the way behind the robot is shown [m].
+        """
+        self._viewport = viewport
+        self._across = across
+        self._whole = whole
+        self._turns = turns
+        self._trail = Trail(trail)
+        self._known: tuple[OccupancyMap | None, Floats] = None, np.empty((0, 2))
+
+    @classmethod
+    def from_spec(cls, spec: VisualizerSpec) -> Self:
+        """The visualizer that a layout asks for."""
+        return cls(
+            viewport=spec.viewport,
+            across=spec.option if spec.option > 0.0 else _ACROSS_M,
+            whole=spec.options.word("show") == "whole",
+            turns=spec.options.word("up") == "robot",
+            trail=spec.options.number("trail"),
+        )
+
+    def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
+        """Draw what is known, or in words why nothing is."""
+        theme = state.theme
+        window = self._window(robot, state, (canvas.width, canvas.height))
+        if window is None:
+            canvas.fill(theme.panel)
+        else:
+            self._draw_world(canvas, window, robot, state)
+            age = 0.0 if robot.navigation is None else robot.navigation.age(state.now)
+            weather(canvas, age)
+            _write_remark(canvas, _remark(robot, state.now), theme)
+            mark_age(canvas, age, theme)
+        explanation = _explanation(robot, state.now)
+        if explanation:
+            write_notice(canvas, explanation, theme)
+
+    def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
+        """Changes with the map, what is seen to move, and words; follows the robot's way.
+
+        The trail grows only where the robot has been seen to move.
+        """
+        pose = self._follow(robot)
+        step = self._across / self._zoom(state) / _GRAIN
+        turn = _TURN_GRAIN[self._turns]
+        camera = robot.camera and robot.camera.value
+        return (
+            robot.name,
+            robot.map and robot.map.number,
+            pose and (round(pose.x / step), round(pose.y / step), round(pose.theta / turn)),
+            camera and (_whole(camera.pan / turn), _whole(camera.horizontal_fov / turn)),
+            tuple((point.number, point.kind, point.x, point.y) for point in _points(robot)),
+            _route(robot).tobytes(),
+            _goal(robot, state.now),
+            state.ghosts.get(robot.name),
+            robot.navigation and age_look(robot.navigation, state.now),
+            (_remark(robot, state.now), _explanation(robot, state.now)),
+            self._zoom(state),
+            state.theme.name,
+        )
+
+    def locate(
+        self,
+        pixel: tuple[float, float],
+        size: tuple[int, int],
+        robot: RobotState,
+        state: ConsoleState,
+    ) -> WorldPoint | None:
+        """The place that a pixel stands for; None as long as nothing is shown."""
+        window = self._window(robot, state, size)
+        if window is None:
+            return None
+        x, y = window.points(pixel).tolist()
+        cell = robot.map.value.resolution if robot.map is not None else 0.0
+        # Nobody sees anything here, so there is no distance; half a diagonal is what it may be off.
+        uncertainty = max(window.metres_per_pixel, cell) / math.sqrt(2.0)
+        return WorldPoint(x=x, y=y, uncertainty=uncertainty)
+
+    def _draw_world(
+        self, canvas: Canvas, window: MapWindow, robot: RobotState, state: ConsoleState
+    ) -> None:
+        theme = state.theme
+        _draw_grid(canvas, window, robot, theme)
+        pose, route = self._follow(robot), _route(robot)
+        if pose is not None and robot.camera is not None:
+            map_marks.draw_cone(canvas, window, pose, robot.camera.value, theme)
+        with drawing(canvas) as pen:
+            map_marks.draw_trail(pen, window, self._trail.points(robot.name), theme)
+            map_marks.draw_route(pen, window, route, theme)
+        if pose is not None:
+            map_marks.draw_robot(canvas, window, pose, robot.body, theme)
+        if (ghost := state.ghosts.get(robot.name)) is not None:
+            map_marks.write_ghost(canvas, window, ghost, theme)
+        map_marks.write_goal(canvas, window, *_goal(robot, state.now), theme)
+        map_marks.write_points(canvas, window, _points(robot), theme)
+        map_marks.write_north(canvas, window, theme)
+        map_marks.write_scale(canvas, window, theme)
+
+    def _follow(self, robot: RobotState) -> Pose | None:
+        """Where the robot is; noted for the trail."""
+        pose = _pose(robot)
+        if pose is not None:
+            self._trail.follow(robot.name, pose)
+        return pose
+
+    def _zoom(self, state: ConsoleState) -> float:
+        return state.zooms.get(self._viewport, 1.0)
+
+    def _window(
+        self, robot: RobotState, state: ConsoleState, size: tuple[int, int]
+    ) -> MapWindow | None:
+        """What is shown; None when nothing is known."""
+        pose = _pose(robot)
+        up = pose.theta if self._turns and pose is not None else _NORTH
+        known = self._corners(robot)
+        scale = max(_FINEST_M, self._across / self._zoom(state) / size[0])
+        if len(known) and self._whole:
+            return _around(known, size, up, self._zoom(state))
+        if pose is None and not len(known):
+            return None
+        x, y = (pose.x, pose.y) if pose is not None else known.mean(axis=0).tolist()
+        if not self._turns:
+            # By whole pixels, so that walls do not flicker while it moves.
+            x, y = round(x / scale) * scale, round(y / scale) * scale
+        return MapWindow(x=x, y=y, metres_per_pixel=scale, width=size[0], height=size[1], up=up)
+
+    def _corners(self, robot: RobotState) -> Floats:
+        """Corners of the rectangle that holds all that is known [m], shape (4, 2) or (0, 2)."""
+        if robot.map is None:
+            return np.empty((0, 2))
+        if self._known[0] is not robot.map.value:
+            self._known = robot.map.value, _known_corners(robot.map.value)
+        return self._known[1]
+
+
+def _pose(robot: RobotState) -> Pose | None:
+    if robot.navigation is None:
+        return None
+    state = robot.navigation.value
+    if not all(map(math.isfinite, (state.x, state.y, state.theta))):
+        return None
+    return Pose(x=state.x, y=state.y, theta=state.theta)
+
+
+def _points(robot: RobotState) -> tuple[InterestPoint, ...]:
+    """What is marked, where that is told."""
+    received = robot.newest(INTEREST_POINTS)
+    points = received.value.points if received is not None else ()
+    return tuple(point for point in points if math.isfinite(point.x) and math.isfinite(point.y))
+
+
+def _route(robot: RobotState) -> Floats:
+    """The way that the robot is going by itself [m], shape (n, 2); n is 0 if it is not."""
+    received = robot.newest(NAVIGATION_STATUS)
+    if received is None or received.value.task is not Task.GOING:
+        return np.empty((0, 2))
+    points = [(point.x, point.y) for point in received.value.path]
+    path: Floats = np.array(points, np.float64).reshape(-1, 2)
+    told: Floats = path[np.isfinite(path).all(axis=1)]
+    return told
+
+
+def _goal(robot: RobotState, now: float) -> tuple[tuple[float, float], str, Mood]:
+    """Where the robot goes by itself, or went a moment ago, with its outcome; empty: nowhere."""
+    doing = by_navigation(robot)
+    if doing is None or not (math.isfinite(doing.x) and math.isfinite(doing.y)):
+        return (0.0, 0.0), "", Mood.PLAIN
+    return (doing.x, doing.y), *goal_word(doing, now)
+
+
+def _whole(number: float) -> int | None:
+    return round(number) if math.isfinite(number) else None
+
+
+def _known_corners(grid: OccupancyMap) -> Floats:
+    known = grid.cells > UNKNOWN
+    columns, rows = np.flatnonzero(known.any(axis=0)), np.flatnonzero(known.any(axis=1))
+    if not len(rows):
+        return np.empty((0, 2))
+    low = np.array((columns[0], rows[0]))
+    high = np.array((columns[-1] + 1, rows[-1] + 1))
+    corners = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])]
+    return np.array((grid.origin_x, grid.origin_y)) + np.array(corners) * grid.resolution
+
+
+def _around(corners: Floats, size: tuple[int, int], up: float, zoom: float) -> MapWindow:
+    """The window that shows all corners, the middle of them in its middle."""
+    x, y = ((corners.min(axis=0) + corners.max(axis=0)) / 2.0).tolist()
+    width, height = size
+    metres = MapWindow(x=x, y=y, metres_per_pixel=1.0, width=width, height=height, up=up)
+    spread = np.ptp(metres.pixels(corners), axis=0) * _MARGIN
+    scale = max(_FINEST_M, float((spread / size).max()) / zoom)
+    return MapWindow(x=x, y=y, metres_per_pixel=scale, width=width, height=height, up=up)
+
+
+def _draw_grid(canvas: Canvas, window: MapWindow, robot: RobotState, theme: Theme) -> None:
+    """Walls, the floor that is known to be free, and the unknown, which is dotted."""
+    unknown = theme.unknown
+    if robot.map is None:
+        canvas.fill(unknown)
+        nothing = np.ones((canvas.height, canvas.width), np.bool_)
+    else:
+        colours = grid_colours(
+            free=theme.floor, occupied=theme.wall, unknown=unknown, outside=unknown
+        )
+        colours[:101] = colours[_CONTRAST]
+        values = grid_values(robot.map.value, window)
+        canvas.pixels[...] = colours[values.view(np.uint8)]
+        nothing = values < 0
+    for first in (0, 2):
+        dots = canvas.pixels[first::4, first::4]
+        dots[nothing[first::4, first::4]] = _between(unknown, theme.faint, _DOTTED)
+
+
+def _between(first: Colour, second: Colour, share: float) -> Colour:
+    red, green, blue = (
+        round(a + (b - a) * share) for a, b in zip(first[:3], second[:3], strict=True)
+    )
+    return red, green, blue, 255
+
+
+def _remark(robot: RobotState, now: float) -> str:
+    """What is to be known of the map beside what is seen."""
+    if robot.map is not None and robot.map.age(now) > OLD_MAP_S:
+        return f"map {age_text(robot.map.age(now))} old"
+    return "" if _pose(robot) is not None else "position unknown"
+
+
+def _write_remark(canvas: Canvas, remark: str, theme: Theme) -> None:
+    if remark:
+        spot = (max(0.0, float(canvas.width - len(remark))), canvas.height - 1.0)
+        map_marks.write_at(canvas, spot, remark, theme.warning, theme)
+
+
+def _explanation(robot: RobotState, now: float) -> str:
+    """Why there is no map; of a lost link the banner tells."""
+    if robot.map is not None:
+        return ""
+    trouble = link_trouble(robot, now)
+    if trouble:
+        return f"{trouble}; {robot.link.detail}" if robot.link.detail else trouble
+    lack = robot.link.lacking.get(Capability.PRO_MAP)
+    if lack is None:
+        return f"waiting for the first map from {robot.title}"
+    return f"no map from {robot.title}: {Capability.PRO_MAP}: {lack.why}"

@@ -1,0 +1,1 @@
+"""What several visualizers are made of: rows of words, bars, notices, the look of stale values."""

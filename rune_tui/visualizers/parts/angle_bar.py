@@ -1,0 +1,120 @@
+"""What pan and tilt share: a bar centred on the angle, as long as the field of view."""
+
+from __future__ import annotations
+
+import enum
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Hashable
+from typing import ClassVar, Self
+
+from hub.gcm.vision import CameraState
+from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import RobotState
+from rune_tui.model.theme import Theme
+from rune_tui.raster.canvas import Canvas
+from rune_tui.raster.shapes import drawing
+from rune_tui.raster.urgency import Urgency
+from rune_tui.visualizers.parts.staleness import age_look, mark_age, weather
+
+
+class Direction(enum.Enum):
+    """Which way the bar runs: positive angles are left or up."""
+
+    ACROSS = "across"
+    UPWARD = "upward"
+
+
+class AngleBar(ABC):
+    """Draws one angle of the camera; empty until there is one."""
+
+    whole_cells: ClassVar[bool] = False
+    urgency: ClassVar[Urgency] = Urgency.DRIVE
+    direction: ClassVar[Direction]
+
+    @classmethod
+    def from_spec(cls, spec: VisualizerSpec) -> Self:  # noqa: ARG003 it has no options
+        """The visualizer that a layout asks for."""
+        return cls()
+
+    @staticmethod
+    @abstractmethod
+    def reading(camera: CameraState) -> tuple[float, float, float]:
+        """Angle, field of view in its direction, and largest angle [rad]."""
+
+    def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
+        """Draw the newest angle."""
+        if robot.camera is None:
+            canvas.fill(state.theme.panel)
+            return
+        angle, field_of_view, limit = self.reading(robot.camera.value)
+        draw_angle_bar(
+            canvas,
+            self.direction,
+            angle=angle,
+            field_of_view=field_of_view,
+            limit=limit,
+            age=robot.camera.age(state.now),
+            theme=state.theme,
+        )
+
+    def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
+        """Changes with the angle, the field of view and the look of their age."""
+        if robot.camera is None:
+            return state.theme.name
+        look = age_look(robot.camera, state.now)
+        return self.reading(robot.camera.value), look, state.theme.name
+
+
+def draw_angle_bar(
+    canvas: Canvas,
+    direction: Direction,
+    *,
+    angle: float,
+    field_of_view: float,
+    limit: float,
+    age: float,
+    theme: Theme,
+) -> None:
+    """Draw where the camera looks within all that it can see.
+
+    Args:
+        canvas: Its whole length stands for -(limit + field_of_view / 2) to the positive same.
+        direction: Which way the bar runs.
+        angle: Pan or tilt [rad], positive left or up.
+        field_of_view: Seen at once in that direction, after zoom [rad].
+        limit: Largest pan or tilt [rad].
+        age: How old the angle is [s].
+        theme: The colours.
+    """
+    canvas.fill(theme.track)
+    across = direction is Direction.ACROSS
+    length = canvas.width if across else canvas.height
+    whole = 2.0 * limit + field_of_view
+    if not (math.isfinite(angle) and math.isfinite(whole) and whole > 0.0):
+        return
+    low, high = bar_span(length, angle / whole, field_of_view / whole)
+    middle = (length - 1) // 2, length // 2 + 1
+    with drawing(canvas) as pen:
+        for (start, end), colour in (((low, high), theme.accent), (middle, theme.ink)):
+            if across:
+                pen.rectangle(start, 0, end, canvas.height, colour)
+            else:
+                pen.rectangle(0, start, canvas.width, end, colour)
+    weather(canvas, age)
+    mark_age(canvas, age, theme)
+
+
+def bar_span(length: int, offset: float, share: float) -> tuple[int, int]:
+    """First and one past last pixel of the bar, counted from the left or the top.
+
+    Args:
+        length: Whole length [pixels].
+        offset: Angle as a share of the whole, positive left or up, -0.5 to 0.5.
+        share: Field of view as a share of the whole.
+    """
+    size = max(1, round(min(1.0, share) * length))
+    start = round((0.5 - max(-0.5, min(0.5, offset))) * length - size / 2.0)
+    start = max(0, min(length - size, start))
+    return start, start + size

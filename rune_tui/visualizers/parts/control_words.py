@@ -1,0 +1,89 @@
+"""What is said of control: who has it, who asks for it, and which key answers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from hub.gcm.autonomy import Pilot
+from hub.gcm.control import WARNED_S, ControlState
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.control import (
+    Standing,
+    answer_keys,
+    asks,
+    control_of,
+    owner_words,
+    seconds_left,
+    standing,
+    to_take,
+)
+from rune_tui.model.robot_state import RobotState
+from rune_tui.visualizers.parts.severity import Mood, Part
+
+
+def control_parts(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
+    """The short form: for the status line, and where alarms are."""
+    control = control_of(robot)
+    if control is None:
+        return
+    stands = standing(robot)
+    if stands is Standing.OTHERS:
+        yield Part(f"{control.operator} has control", 7)
+    elif stands is Standing.MINE:
+        yield Part("you have control", 4.5, Mood.GOOD, short="yours")
+    else:
+        yield Part("nobody has control", 4.5, short="nobody")
+    yield from request_parts(robot, state)
+    yield from _silence(control)
+
+
+def control_rows(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
+    """All of it, a row each."""
+    control = control_of(robot)
+    if control is None:
+        yield Part("control: not known", 0, Mood.FAINT)
+        return
+    stands = standing(robot)
+    moods = {Standing.OTHERS: Mood.WARNING, Standing.MINE: Mood.GOOD}
+    yield Part(owner_words(robot), 0, moods.get(stands, Mood.PLAIN))
+    yield from request_parts(robot, state)
+    yield from _silence(control)
+    moved = "moves the robot"
+    if control.commander is Pilot.NOBODY:
+        yield Part(f"nobody {moved}", 0, Mood.FAINT)
+    else:
+        yield Part(f"{control.commander_name} {moved}", 0)
+    if hint := _hint(robot, state):
+        yield Part(hint, 0, Mood.FAINT)
+    yield Part(control.why, 0, Mood.FAINT)
+
+
+def request_parts(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
+    """Who asks for control, how long there is left to answer, and what key answers."""
+    control = control_of(robot)
+    if control is None or not control.asker:
+        return
+    left = f"{seconds_left(robot, state.now)} s"
+    more = f", {control.waiting} more wait" if control.waiting else ""
+    if asks(robot):
+        yield Part(f"you ask {control.operator}: {left}", 8, Mood.WARNING)
+    elif standing(robot) is Standing.MINE:
+        keys = ", ".join(answer_keys(robot, state))
+        answers = f": {keys}" if keys else ""
+        text = f"{control.asker_operator} ASKS FOR CONTROL, {left}{answers}{more}"
+        yield Part(text, 9, Mood.ALARM)
+    else:
+        text = f"{control.asker_operator} asks {control.operator}: {left}{more}"
+        yield Part(text, 3)
+
+
+def _silence(control: ControlState) -> Iterator[Part]:
+    if control.owner and control.silent_s >= WARNED_S:
+        yield Part(f"{control.operator}'s console is silent", 6, Mood.WARNING)
+
+
+def _hint(robot: RobotState, state: ConsoleState) -> str:
+    if standing(robot) is not Standing.MINE:
+        return "" if asks(robot) else to_take(robot, state)
+    key = state.input_of("widgetReleaseControl", robot.name)
+    return f"press {key} to give it up" if key else ""

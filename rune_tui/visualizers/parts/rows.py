@@ -1,0 +1,146 @@
+"""Words in rows: shortened, put side by side in columns, or wrapped, as there is room."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from rune_tui.model.theme import Theme
+from rune_tui.raster.canvas import Canvas, printable_text
+from rune_tui.visualizers.parts.severity import Mood, ink_of
+
+GAP = 2
+"""Blanks between columns of a table, and between words that share a row."""
+NARROW = 60
+"""Columns of a canvas below which what is free text in a table gets rows of its own."""
+
+_TROUBLE = frozenset({Mood.WARNING, Mood.ALARM})
+_ELLIPSIS = "…"
+_LEAST_TEXT = 12
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One row of words.
+
+    Attributes:
+        text: What it says.
+        mood: How it is meant.
+        continues: Whether it belongs to the row above it.
+    """
+
+    text: str
+    mood: Mood = Mood.PLAIN
+    continues: bool = False
+
+
+def cut(text: str, columns: int) -> str:
+    """The text as it is shown, with an ellipsis in place of the words there is no room for.
+
+    No word is cut, but for one that is alone and wider than the room.
+    """
+    shown = printable_text(text)
+    if len(shown) <= columns:
+        return shown
+    words = shown[: max(0, columns - 1)]
+    if not shown[len(words) :].startswith(" ") and " " in words.strip():
+        words = words.rpartition(" ")[0]
+    return f"{words.rstrip()}{_ELLIPSIS}"[: max(0, columns)]
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One entry of a table.
+
+    Attributes:
+        cells: What it says.
+        why: Why it is so; in the last column, or below the entry where it is in trouble and room
+            is short.
+        mood: How it is meant.
+    """
+
+    cells: tuple[str, ...]
+    why: str = ""
+    mood: Mood = Mood.PLAIN
+
+
+def fitting_form(columns: int, *forms: str) -> str:
+    """The first of several ways to say something for which there is room, else the last, cut."""
+    return next((form for form in forms if len(printable_text(form)) <= columns), "") or cut(
+        forms[-1], columns
+    )
+
+
+def wrapped(row: Row, columns: int, indent: str = "  ") -> Iterator[Row]:
+    """A row as several, those after the first indented."""
+    indent = indent if columns >= 4 * len(indent) else ""
+    text = printable_text(row.text)
+    lines = textwrap.wrap(text, max(1, columns), subsequent_indent=indent)
+    for index, line in enumerate(lines):
+        yield Row(line, row.mood, row.continues or index > 0)
+
+
+def flowing(words: Iterable[Row], columns: int) -> Iterator[tuple[Row, ...]]:
+    """Short words, as many on each row as fit side by side."""
+    line: list[Row] = []
+    used = 0
+    for word in words:
+        length = len(printable_text(word.text))
+        if line and used + GAP + length > columns:
+            yield tuple(line)
+            line, used = [], 0
+        used += length + (GAP if line else 0)
+        line.append(word)
+    if line:
+        yield tuple(line)
+
+
+def tabled(cells: Sequence[Sequence[str]], weights: Sequence[int], columns: int) -> tuple[str, ...]:
+    """Rows of cells in columns of one width each.
+
+    Where room is short the columns of least weight are left out, and the last is cut.
+
+    Args:
+        cells: Each row's cells.
+        weights: How much each column matters.
+        columns: The room there is.
+    """
+    widths = [max(len(printable_text(cell)) for cell in column) for column in zip(*cells)]  # noqa: B905
+    last = len(widths) - 1
+
+    def room(index: int) -> int:
+        return min(widths[index], _LEAST_TEXT) if index == last else widths[index]
+
+    kept = [index for index, width in enumerate(widths) if width]
+    while len(kept) > 1 and sum(map(room, kept)) + GAP * (len(kept) - 1) > columns:
+        kept.remove(min(kept, key=lambda index: weights[index]))
+    return tuple(
+        cut(
+            (" " * GAP).join(printable_text(row[i]).ljust(widths[i]) for i in kept).rstrip(),
+            columns,
+        )
+        for row in cells
+    )
+
+
+def entry_rows(entries: Sequence[Entry], weights: Sequence[int], columns: int) -> Iterator[Row]:
+    """A table of entries; `weights` as for `tabled`, that of the reason last."""
+    if columns >= NARROW:
+        lines = tabled([(*entry.cells, entry.why) for entry in entries], weights, columns)
+    else:
+        lines = tabled([entry.cells for entry in entries], weights[:-1], columns)
+    for entry, line in zip(entries, lines, strict=True):
+        yield Row(line, entry.mood)
+        if columns < NARROW and entry.why and entry.mood in _TROUBLE:
+            yield from wrapped(Row(f"  {entry.why}", entry.mood, continues=True), columns)
+
+
+def write_rows(canvas: Canvas, rows: Sequence[Row], theme: Theme) -> None:
+    """Write rows from the top; in place of those that do not fit, how many things they tell of."""
+    if len(rows) > canvas.rows > 1:
+        left_out = sum(not row.continues for row in rows[canvas.rows - 1 :])
+        more = f"{left_out} more" if left_out else _ELLIPSIS
+        rows = [*rows[: canvas.rows - 1], Row(more, Mood.FAINT)]
+    for index, row in enumerate(rows):
+        canvas.text(0, index, cut(row.text, canvas.width), ink_of(row.mood, theme))

@@ -1,0 +1,262 @@
+"""visualizeCameraImage: the newest camera picture, or in words why there is none."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import ClassVar, Final, Self
+
+import numpy as np
+
+from hub.gcm.vision import CameraState
+from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
+from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.geometry import PictureGeometry
+from rune_tui.model.line_of_sight import Surroundings, place_of_pixel
+from rune_tui.model.pose import Pose
+from rune_tui.model.robot_state import Picture, RobotState
+from rune_tui.model.theme import Theme
+from rune_tui.model.world import WorldPoint
+from rune_tui.raster.canvas import Canvas
+from rune_tui.raster.resize import covering_size, fitted_size, resized
+from rune_tui.raster.shapes import drawing
+from rune_tui.raster.urgency import Urgency
+from rune_tui.visualizers.parts.notice import link_trouble, write_notice
+from rune_tui.visualizers.parts.staleness import age_look, mark_age, weather
+from rune_tui.visualizers.video.picture_frame import FIT, FIT_OPTION, PictureFrame
+from rune_tui.visualizers.video.picture_marks import draw_marks, marks_source
+
+_ASIDE_DEG: Final = 5.0
+_BRIGHT: Final = 255
+_SAME_MOMENT_S: Final = 0.5
+_SAME_PLACE_M: Final = 0.05
+_SAME_HEADING: Final = math.radians(2.0)
+"""Ranges tell of the picture if they are of the same moment, place and heading."""
+_CROSS: Final = (2, 4, 6)
+"""From the middle of the crosshair to where its colours begin and end [pixels]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CameraImage:
+    """Shows the picture; its pixels stand for places on the ground.
+
+    Attributes:
+        fit: How it is fitted into the viewport, one of the choices of `FIT_OPTION`.
+        crosshair: Whether its middle is marked, and words say when the camera looks aside.
+        aside_deg: From which angle on they do.
+    """
+
+    fit: str = FIT
+    crosshair: bool = False
+    aside_deg: float = _ASIDE_DEG
+
+    rule: ClassVar = VisualizerRule(
+        meaning="the camera's picture",
+        message="GCM_Common_Image",
+        option=NumberOption(
+            default=0.0,
+            least=0.0,
+            most=180.0,
+            unit="deg",
+            meaning="how far aside the camera looks before the crosshair's words say so; 0 means 5",
+        ),
+        options={
+            "fit": FIT_OPTION,
+            "crosshair": ChoiceOption(
+                default="off",
+                choices=("off", "on"),
+                meaning="marks the picture's middle, and says in words when the camera looks aside",
+            ),
+        },
+    )
+    whole_cells: ClassVar[bool] = True
+    urgency: ClassVar[Urgency] = Urgency.VIDEO
+
+    @classmethod
+    def from_spec(cls, spec: VisualizerSpec) -> Self:
+        """The visualizer that a layout asks for."""
+        return cls(
+            fit=spec.options.word("fit"),
+            crosshair=spec.options.word("crosshair") == "on",
+            aside_deg=spec.option if spec.option > 0.0 else _ASIDE_DEG,
+        )
+
+    def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
+        """Draw the picture, its age and the link's trouble."""
+        trouble = _explanation(robot, state.now)
+        if robot.picture is None or not robot.picture.value.pixels.size:
+            canvas.fill(state.theme.panel)
+        else:
+            canvas.fill(state.theme.ground)
+            picture = robot.picture.value
+            age = robot.picture.age(state.now)
+            frame = self._frame(picture, (canvas.width, canvas.height), state)
+            _paste(canvas, picture, frame)
+            _darken(canvas, state.theme.picture)
+            weather(canvas, age)
+            self._draw_marks(canvas, robot, picture, state)
+            if self.crosshair:
+                _mark_middle(canvas, frame, state.theme)
+                self._write_direction(canvas, picture.camera, state.theme)
+            mark_age(canvas, age, state.theme)
+        if trouble:
+            write_notice(canvas, trouble, state.theme)
+
+    def draw_over(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
+        """Draw the marks and the ghost again: who confirms a mark has to see it."""
+        if robot.picture is not None and robot.picture.value.pixels.size:
+            self._draw_marks(canvas, robot, robot.picture.value, state)
+
+    def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
+        """Changes with the picture, the look of its age, and the words."""
+        words = _explanation(robot, state.now)
+        if robot.picture is None:
+            return words, state.theme.name
+        look = age_look(robot.picture, state.now)
+        return robot.picture.number, look, words, marks_source(robot, state), state.theme.name
+
+    def picture_size(self, width: int, height: int) -> tuple[int, int]:
+        """Width and height of the 4:3 picture that a viewport of this size can show [pixels]."""
+        return (fitted_size if self.fit == FIT else covering_size)(4, 3, width, height)
+
+    def in_picture(
+        self,
+        pixel: tuple[float, float],
+        size: tuple[int, int],
+        robot: RobotState,
+        state: ConsoleState,
+    ) -> tuple[float, float] | None:
+        """Where in the camera's picture a pixel of the viewport is; None beside the picture."""
+        if robot.picture is None or not robot.picture.value.pixels.size:
+            return None
+        return self._frame(robot.picture.value, size, state).shares(pixel)
+
+    def locate(
+        self,
+        pixel: tuple[float, float],
+        size: tuple[int, int],
+        robot: RobotState,
+        state: ConsoleState,
+    ) -> WorldPoint | None:
+        """The place that a pixel shows, as `line_of_sight` finds it; None where nothing says so.
+
+        Also None beside the picture, and when where the robot was is not known.
+        """
+        if robot.picture is None or self.in_picture(pixel, size, robot, state) is None:
+            return None
+        picture = robot.picture.value
+        rows, columns = picture.pixels.shape[:2]
+        pose, whole = Pose.of(picture.camera), PictureGeometry.of(picture.camera, columns, rows)
+        if pose is None or whole is None:
+            return None
+        frame = self._frame(picture, size, state)
+        # An enlarged picture tells no more than its own pixels do.
+        coarse = max(1.0, frame.width / columns, frame.height / rows)
+        return place_of_pixel(frame.shown(whole), pixel, coarse, _surroundings(robot, pose))
+
+    def _draw_marks(
+        self, canvas: Canvas, robot: RobotState, picture: Picture, state: ConsoleState
+    ) -> None:
+        rows, columns = picture.pixels.shape[:2]
+        pose, whole = Pose.of(picture.camera), PictureGeometry.of(picture.camera, columns, rows)
+        if pose is not None and whole is not None:
+            frame = self._frame(picture, (canvas.width, canvas.height), state)
+            draw_marks(canvas, frame.shown(whole), pose, robot, state)
+
+    def _frame(self, picture: Picture, size: tuple[int, int], state: ConsoleState) -> PictureFrame:
+        height, width = picture.pixels.shape[:2]
+        return PictureFrame.of(self.fit, width, height, size, tall=state.pixel_height)
+
+    def _write_direction(self, canvas: Canvas, camera: CameraState, theme: Theme) -> None:
+        words = aside_words(camera.pan, self.aside_deg)
+        if not words:
+            return
+        shown = words if len(words) <= canvas.width else words.removeprefix("camera is ")
+        # On the second row, as the first one may say how old the picture is.
+        row = min(1, canvas.rows - 1)
+        column = max(0, (canvas.width - len(shown)) // 2)
+        with drawing(canvas) as pen:
+            pen.rectangle(column, 2 * row, column + len(shown), 2 * row + 2, theme.panel)
+        canvas.text(column, row, shown, theme.warning)
+
+
+def _surroundings(robot: RobotState, pose: Pose) -> Surroundings:
+    """What is known of the place where the newest picture was taken."""
+    navigation, near = robot.navigation, False
+    if navigation is not None and robot.picture is not None:
+        value = navigation.value
+        turned = math.remainder(value.theta - pose.theta, math.tau)
+        near = (
+            abs(navigation.measured - robot.picture.measured) < _SAME_MOMENT_S
+            and math.hypot(value.x - pose.x, value.y - pose.y) < _SAME_PLACE_M
+            and abs(turned) < _SAME_HEADING
+        )
+    off = (navigation.value.position_off, navigation.value.heading_off) if navigation else (0, 0)
+    return Surroundings(
+        pose=pose,
+        grid=robot.map.value if robot.map is not None else None,
+        navigation=navigation.value if navigation is not None and near else None,
+        position_off=off[0] if math.isfinite(off[0]) else 0.0,
+        heading_off=off[1] if math.isfinite(off[1]) else 0.0,
+    )
+
+
+def aside_words(pan: float, least_deg: float) -> str:
+    """Where a camera looks that is turned [rad] by at least so much; empty if by less."""
+    if not math.isfinite(pan) or abs(math.degrees(pan)) < least_deg:
+        return ""
+    return f"camera is {abs(math.degrees(pan)):.0f}° {'left' if pan > 0.0 else 'right'}"
+
+
+def _paste(canvas: Canvas, picture: Picture, frame: PictureFrame) -> None:
+    """Draw what of the picture is in the viewport."""
+    left, top = max(0, frame.left), max(0, frame.top)
+    right = min(canvas.width, frame.left + frame.width)
+    bottom = min(canvas.height, frame.top + frame.height)
+    part = None
+    if (right - left, bottom - top) != (frame.width, frame.height):
+        rows, columns = picture.pixels.shape[:2]
+        part = (
+            (left - frame.left) * columns / frame.width,
+            (top - frame.top) * rows / frame.height,
+            (right - frame.left) * columns / frame.width,
+            (bottom - frame.top) * rows / frame.height,
+        )
+    if canvas.fine is None:
+        canvas.paste(resized(picture.pixels, right - left, bottom - top, part), left, top)
+    else:
+        fine = resized(picture.pixels, 2 * (right - left), bottom - top, part)
+        canvas.paste_fine(fine, left, top)
+
+
+def _darken(canvas: Canvas, brightness: int) -> None:
+    """Leave so much of the picture's brightness, of 255."""
+    if brightness == _BRIGHT:
+        return
+    for pixels in (canvas.pixels, canvas.fine):
+        if pixels is not None:
+            pixels[..., :3] = pixels[..., :3] * np.uint16(brightness) // np.uint16(_BRIGHT)
+
+
+def _mark_middle(canvas: Canvas, frame: PictureFrame, theme: Theme) -> None:
+    x, y = frame.left + frame.width // 2, frame.top + frame.height // 2
+    inks = (theme.ink, theme.ground)
+    with drawing(canvas) as pen:
+        # In two colours, so that it is seen on dark and on bright.
+        for (near, far), colour in zip(itertools.pairwise(_CROSS), inks, strict=True):
+            for first, end in ((near, far), (1 - far, 1 - near)):
+                pen.rectangle(x + first, y, x + end, y + 1, colour)
+                pen.rectangle(x, y + first, x + 1, y + end, colour)
+
+
+def _explanation(robot: RobotState, now: float) -> str:
+    """Why there is no picture; of a lost link the banner tells."""
+    if robot.picture is not None:
+        return ""
+    trouble = link_trouble(robot, now)
+    if not trouble:
+        trouble = f"waiting for the first picture from {robot.title}"
+    return f"{trouble}; {robot.link.detail}" if trouble and robot.link.detail else trouble

@@ -1,0 +1,1 @@
+"""Visualizers that write rows of words."""

@@ -1,0 +1,104 @@
+"""visualizeAlarms: what is wrong now, the worst first; a quiet line while nothing is."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+from hub.gcm.navigation import ROBOT_STATE
+from rune_tui.layout.rules import VisualizerRule
+from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import RobotState
+from rune_tui.model.theme import Theme
+from rune_tui.raster.canvas import Canvas
+from rune_tui.raster.shapes import drawing
+from rune_tui.raster.urgency import Urgency
+from rune_tui.visualizers.parts.rows import Row, cut, wrapped
+from rune_tui.visualizers.parts.severity import Mood, Part, ink_of
+from rune_tui.visualizers.words.troubles import is_in_banner, troubles
+
+_SIGNS = {Mood.ALARM: "!! ", Mood.WARNING: "! "}
+
+
+@dataclass(frozen=True, slots=True)
+class Alarms:
+    """Alarms on the alarm's colour behind "!!", then warnings behind "!", in words."""
+
+    rule: ClassVar = VisualizerRule(
+        meaning="what is wrong now, except what the banner says, the worst first; all well if "
+        "nothing is",
+        message=ROBOT_STATE.name,
+        others=(
+            "GCM_CameraState",
+            "GCM_Control_State",
+            "GCM_AutonomyState",
+            "GCM_NavigationStatus",
+        ),
+        vital=True,
+    )
+    whole_cells: ClassVar[bool] = True
+    urgency: ClassVar[Urgency] = Urgency.ALARM
+
+    @classmethod
+    def from_spec(cls, spec: VisualizerSpec) -> Self:  # noqa: ARG003 it has no options
+        """The visualizer that a layout asks for."""
+        return cls()
+
+    def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
+        """Write what fits; behind it stands how many more there are."""
+        theme = state.theme
+        canvas.fill(theme.panel)
+        parts = _unsaid(robot, state)
+        if not parts:
+            whose = "" if len(state.robots) == 1 else f"{state.title(robot.name)}: "
+            words = "nothing else" if _alarmed(state) else f"{whose}all well"
+            canvas.text(0, 0, cut(words, canvas.width), theme.faint)
+            return
+        blocks = [_block(part, canvas.width) for part in parts]
+        shown = _fitting(blocks, canvas.rows)
+        lines = [line for block in blocks[:shown] for line in block][: canvas.rows]
+        more = f" +{len(blocks) - shown}" if shown < len(blocks) else ""
+        for row, line in enumerate(lines):
+            behind = more if row == len(lines) - 1 else ""
+            _write(canvas, row, line, behind, state.theme)
+
+    def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
+        """Changes with any word of it."""
+        return state.title(robot.name), _unsaid(robot, state), _alarmed(state), state.theme.name
+
+
+def _alarmed(state: ConsoleState) -> bool:
+    """Whether the banner says an alarm."""
+    return state.banner is not None and not state.banner.calm
+
+
+def _unsaid(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
+    return tuple(part for part in troubles(robot, state) if not is_in_banner(part, robot, state))
+
+
+def _block(part: Part, columns: int) -> list[Row]:
+    sign = _SIGNS[part.mood]
+    return [*wrapped(Row(sign + part.text, part.mood), columns, " " * len(sign))]
+
+
+def _fitting(blocks: list[list[Row]], rows: int) -> int:
+    """How many blocks fit, but one at least."""
+    used = 0
+    for index, block in enumerate(blocks):
+        used += len(block)
+        if used > rows:
+            return max(1, index)
+    return len(blocks)
+
+
+def _write(canvas: Canvas, row: int, line: Row, behind: str, theme: Theme) -> None:
+    ink = ink_of(line.mood, theme)
+    if line.mood is Mood.ALARM:
+        ink = theme.on_alarm
+        with drawing(canvas) as pen:
+            pen.rectangle(0, 2 * row, canvas.width, 2 * row + 2, theme.alarm)
+    room = canvas.width - len(behind)
+    canvas.text(0, row, cut(line.text, room), ink)
+    canvas.text(room, row, behind, ink)

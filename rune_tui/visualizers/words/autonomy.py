@@ -1,0 +1,74 @@
+"""visualizeAutonomy: what the robot does by itself, how far it is, and how it ended."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+from hub.gcm.autonomy import AUTONOMY_STATE
+from hub.gcm.navigation import NAVIGATION_STATUS
+from rune_tui.layout.rules import VisualizerRule
+from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.doing import doing_of
+from rune_tui.model.robot_state import Received, RobotState
+from rune_tui.raster.canvas import Canvas
+from rune_tui.raster.urgency import Urgency
+from rune_tui.visualizers.parts.doing_words import doing_rows
+from rune_tui.visualizers.parts.rows import Row, wrapped, write_rows
+from rune_tui.visualizers.parts.severity import Part
+from rune_tui.visualizers.parts.staleness import age_look, mark_age, pause_of, weather
+from rune_tui.visualizers.words.troubles import is_in_banner
+
+
+@dataclass(frozen=True, slots=True)
+class Autonomy:
+    """A row each: what it does, why, where to and how far, for how long; else the last outcome."""
+
+    rule: ClassVar = VisualizerRule(
+        meaning="what the robot does by itself, where it goes, how far it is and why; "
+        "afterwards how that ended and why",
+        message=AUTONOMY_STATE.name,
+        others=(NAVIGATION_STATUS.name,),
+    )
+    whole_cells: ClassVar[bool] = True
+    urgency: ClassVar[Urgency] = Urgency.DRIVE
+
+    @classmethod
+    def from_spec(cls, spec: VisualizerSpec) -> Self:  # noqa: ARG003 it has no options
+        """The visualizer that a layout asks for."""
+        return cls()
+
+    def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
+        """Write what fits, and how old it is."""
+        canvas.fill(state.theme.panel)
+        rows = [
+            row
+            for part in _parts(robot, state)
+            for row in wrapped(Row(part.text, part.mood), canvas.width)
+        ]
+        write_rows(canvas, rows, state.theme)
+        told = _told(robot)
+        if told is not None:
+            age, pause = told.age(state.now), pause_of(AUTONOMY_STATE)
+            weather(canvas, age, pause)
+            mark_age(canvas, age, state.theme, pause)
+
+    def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
+        """Changes with any word of it, and with the look of its age."""
+        told = _told(robot)
+        look = told and age_look(told, state.now, pause_of(AUTONOMY_STATE))
+        return _parts(robot, state), look, state.theme.name
+
+
+def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
+    """All rows but what the banner says."""
+    rows = doing_rows(robot, state.now)
+    return tuple(part for part in rows if not is_in_banner(part, robot, state))
+
+
+def _told(robot: RobotState) -> Received[None] | None:
+    """When what is written was said."""
+    doing = doing_of(robot)
+    return None if doing is None else Received(value=None, measured=doing.measured, number=0)

@@ -1,0 +1,90 @@
+"""visualizeCapabilities: what the robot can do now, what not, and why."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from hub.gcm.capability import Capability
+from hub.gcm.supervision import (
+    CAPABILITY_REPORTS,
+    CapabilityPhase,
+    CapabilityReport,
+    CapabilityReports,
+)
+from rune_tui.layout.rules import VisualizerRule
+from rune_tui.model.robot_state import Lack, LackKind, RobotState
+from rune_tui.model.theme import Theme
+from rune_tui.raster.canvas import Canvas
+from rune_tui.visualizers.parts.message_gauge import Reading
+from rune_tui.visualizers.parts.rows import Entry, Row, entry_rows, write_rows
+from rune_tui.visualizers.parts.severity import Mood
+
+_ORDER = (
+    CapabilityPhase.UNAVAILABLE,
+    CapabilityPhase.AVAILABLE,
+    CapabilityPhase.STARTING,
+    CapabilityPhase.RUNNING,
+)
+_WEIGHTS = (9, 8, 4, 5)
+_PHASES = {
+    CapabilityPhase.AVAILABLE: "idle",
+    CapabilityPhase.STARTING: "starting",
+    CapabilityPhase.RUNNING: "runs",
+    CapabilityPhase.UNAVAILABLE: "MISSING",
+}
+
+
+class Capabilities(Reading[CapabilityReports, tuple[Entry, ...]]):
+    """A row a capability: first those that somebody wants, of these first those that are missing.
+
+    What the layout wants and no module has is among them, though the robot does not list it;
+    what consoles provide is not.
+    """
+
+    rule: ClassVar = VisualizerRule(
+        meaning="what the robot can do now, what is missing and why; wanted ones first",
+        message=CAPABILITY_REPORTS.name,
+    )
+    definition = CAPABILITY_REPORTS
+    subject = "capability list"
+
+    def reading(self, value: CapabilityReports, robot: RobotState) -> tuple[Entry, ...]:
+        """All that the robot lists, and what of the layout's wishes it does not."""
+        reports = [each for each in value.capabilities if each.name != Capability.CON_REAL]
+        known = {report.name for report in reports}
+        unknown = [
+            _lacking(name, lack)
+            for name, lack in sorted(robot.link.lacking.items())
+            if name not in known
+        ]
+        return *unknown, *map(_entry, sorted(reports, key=_order))
+
+    def show(self, canvas: Canvas, reading: tuple[Entry, ...], theme: Theme) -> None:
+        """The list."""
+        rows = [*entry_rows(reading, _WEIGHTS, canvas.width)]
+        write_rows(canvas, rows or [Row("the robot can do nothing")], theme)
+
+
+def _lacking(name: str, lack: Lack) -> Entry:
+    absent = lack.kind is LackKind.ABSENT
+    phase = "none" if absent else _PHASES[CapabilityPhase.UNAVAILABLE]
+    return Entry((name, phase, "for this console"), lack.why, Mood.FAINT if absent else Mood.ALARM)
+
+
+def _order(report: CapabilityReport) -> tuple[bool, int, str]:
+    return not report.wanted_by, _ORDER.index(report.phase), report.name
+
+
+def _entry(report: CapabilityReport) -> Entry:
+    wanted, runs = bool(report.wanted_by), report.phase is CapabilityPhase.RUNNING
+    missing = report.phase is CapabilityPhase.UNAVAILABLE
+    why = report.module
+    if missing:
+        why = f"cannot start {report.modules}" if report.modules else "no module has it"
+    mood = Mood.PLAIN if wanted or runs else Mood.FAINT
+    if missing:
+        mood = Mood.ALARM if wanted else Mood.WARNING
+    elif wanted and not runs:
+        mood = Mood.WARNING
+    by = f"for {report.wanted_by}" if wanted else ""
+    return Entry((report.name, _PHASES[report.phase], by), why, mood)

@@ -1,0 +1,70 @@
+"""visualizeControl: who has control of the robot, who asks for it, and which key answers."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+from hub.gcm.control import CONTROL_STATE
+from rune_tui.layout.rules import VisualizerRule
+from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import RobotState
+from rune_tui.raster.canvas import Canvas
+from rune_tui.raster.shapes import drawing
+from rune_tui.raster.urgency import Urgency
+from rune_tui.visualizers.parts.control_words import control_rows
+from rune_tui.visualizers.parts.rows import Row, cut, wrapped
+from rune_tui.visualizers.parts.severity import Mood, Part, ink_of
+from rune_tui.visualizers.parts.staleness import age_look, mark_age, pause_of, weather
+
+
+@dataclass(frozen=True, slots=True)
+class Control:
+    """A row each; a request that is to be answered here stands on the alarm's colour."""
+
+    rule: ClassVar = VisualizerRule(
+        meaning="who has control of the robot, who asks for it and for how long, who moves it, "
+        "and which keys take and hand over control",
+        message=CONTROL_STATE.name,
+        vital=True,
+    )
+    whole_cells: ClassVar[bool] = True
+    urgency: ClassVar[Urgency] = Urgency.ALARM
+
+    @classmethod
+    def from_spec(cls, spec: VisualizerSpec) -> Self:  # noqa: ARG003 it has no options
+        """The visualizer that a layout asks for."""
+        return cls()
+
+    def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
+        """Write what fits; where room is short a request comes first."""
+        theme = state.theme
+        canvas.fill(theme.panel)
+        parts = _parts(robot, state)
+        rows = [row for part in parts for row in wrapped(Row(part.text, part.mood), canvas.width)]
+        if len(rows) > canvas.rows:
+            rows.sort(key=lambda row: row.mood is not Mood.ALARM)  # equals keep their order
+        for index, row in enumerate(rows[: canvas.rows]):
+            ink = ink_of(row.mood, theme)
+            if row.mood is Mood.ALARM:
+                ink = theme.on_alarm
+                with drawing(canvas) as pen:
+                    pen.rectangle(0, 2 * index, canvas.width, 2 * index + 2, theme.alarm)
+            canvas.text(0, index, cut(row.text, canvas.width), ink)
+        told = robot.newest(CONTROL_STATE)
+        if told is not None:
+            age, pause = told.age(state.now), pause_of(CONTROL_STATE)
+            weather(canvas, age, pause)
+            mark_age(canvas, age, theme, pause)
+
+    def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
+        """Changes with any word of it, and with the look of its age."""
+        told = robot.newest(CONTROL_STATE)
+        look = told and age_look(told, state.now, pause_of(CONTROL_STATE))
+        return _parts(robot, state), look, state.theme.name
+
+
+def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
+    return tuple(control_rows(robot, state))

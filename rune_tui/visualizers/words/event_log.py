@@ -1,0 +1,107 @@
+"""visualizeEventLog: what happened, as the console told the operator."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Hashable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+from rune_tui.layout.rules import ChoiceOption, VisualizerRule
+from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.model.console_state import ConsoleState, Notice
+from rune_tui.model.notices import KEPT_S, by_weight, merged, shortened
+from rune_tui.model.robot_state import RobotState
+from rune_tui.raster.canvas import Canvas
+from rune_tui.visualizers.parts.rows import Row, cut, wrapped
+from rune_tui.visualizers.parts.severity import Mood, ink_of
+
+_NARROW = 40
+_INDENT = " " * 4
+_MOST_ROWS = 2
+"""Rows that one notice may take."""
+
+
+@dataclass(frozen=True, slots=True)
+class EventLog:
+    """The newest notices that there is room for, each with its time; alarms begin with "!".
+
+    Attributes:
+        newest_at_top: Whether the newest is the first row, not the last.
+        of_all: Whether notices of other robots are shown as well.
+    """
+
+    newest_at_top: bool
+    of_all: bool
+
+    rule: ClassVar = VisualizerRule(
+        meaning="what happened: notices with their time, alarms marked by an exclamation mark",
+        options={
+            "newest": ChoiceOption(
+                default="bottom", choices=("bottom", "top"), meaning="where the newest is"
+            ),
+            "robots": ChoiceOption(
+                default="all",
+                choices=("all", "its own"),
+                meaning="whose notices; the console's own are always shown",
+            ),
+        },
+    )
+    whole_cells: ClassVar[bool] = True
+
+    @classmethod
+    def from_spec(cls, spec: VisualizerSpec) -> Self:
+        """The visualizer that a layout asks for."""
+        return cls(spec.options.word("newest") == "top", spec.options.word("robots") == "all")
+
+    def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
+        """Write what there is room for, what needs the operator's eyes before all else."""
+        canvas.fill(state.theme.panel)
+        rows = self._chosen(merged(self._notices(robot, state)), canvas.width, canvas.rows, state)
+        for index, row in enumerate(rows or [Row("nothing has happened yet", Mood.FAINT)]):
+            canvas.text(0, index, cut(row.text, canvas.width), ink_of(row.mood, state.theme))
+
+    def _chosen(
+        self, notices: Sequence[Notice], columns: int, room: int, state: ConsoleState
+    ) -> list[Row]:
+        """The rows of those notices that weigh most, in the order in which they happened."""
+        chosen: dict[int, list[Row]] = {}
+        places = {id(notice): number for number, notice in enumerate(notices)}
+        for notice in by_weight(notices, state.now):
+            rows = [*_rows(notice, _whose(notice, state), columns)][:room]
+            room -= len(rows)
+            chosen[places[id(notice)]] = rows
+            if room <= 0:
+                break
+        order = sorted(chosen, reverse=self.newest_at_top)
+        return [row for number in order for row in chosen[number]]
+
+    def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
+        """Changes with the notices."""
+        notices = self._notices(robot, state)
+        titles = tuple(_whose(each, state) for each in notices)
+        fresh = sum(state.now - each.when < KEPT_S for each in notices)
+        return notices, titles, fresh, state.theme.name
+
+    def _notices(self, robot: RobotState, state: ConsoleState) -> tuple[Notice, ...]:
+        if self.of_all:
+            return state.notices
+        return tuple(each for each in state.notices if each.robot in {"", robot.name})
+
+
+def _whose(notice: Notice, state: ConsoleState) -> str:
+    """The robot's name, where there are several."""
+    return "" if len(state.robots) == 1 else state.title(notice.robot)
+
+
+def _rows(notice: Notice, robot: str, columns: int) -> Iterator[Row]:
+    """A notice in at most two rows; all of it is on the page of messages."""
+    clock = notice.clock if columns >= _NARROW else notice.clock[: len("14:03")]
+    whom = f"{robot}:" if robot else ""
+    words = (clock, "!" if notice.alarm else "", whom, shortened(notice.text))
+    row = Row(" ".join(filter(None, words)), Mood.ALARM if notice.alarm else Mood.PLAIN)
+    lines = [*wrapped(row, columns, _INDENT)]
+    yield from lines[: _MOST_ROWS - 1]
+    for last in lines[_MOST_ROWS - 1 : _MOST_ROWS]:
+        more = " …" if len(lines) > _MOST_ROWS else ""
+        yield dataclasses.replace(last, text=cut(last.text, columns - len(more)) + more)

@@ -1,0 +1,135 @@
+"""visualizeLink: how the connection to the robot stands, and what it carries."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Iterator
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+from hub.gcm.navigation import ROBOT_STATE
+from hub.gcm.vision import ImageCoding
+from rune_tui.layout.rules import VisualizerRule
+from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.display_state import DisplayState
+from rune_tui.model.robot_state import LinkPhase, LinkState, PictureFlow, RobotState
+from rune_tui.raster.canvas import Canvas
+from rune_tui.visualizers.parts.rows import GAP, Row, cut, flowing, wrapped
+from rune_tui.visualizers.parts.severity import Mood, ink_of
+from rune_tui.visualizers.parts.staleness import ALARM_AFTER_S, Staleness, age_text, staleness
+
+_KILO = 1000.0
+_LONG_S = 120.0
+_TENS = 10
+"""Words change with so many milliseconds."""
+_COARSE = 5
+"""From this coarseness on it is seen."""
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """Words, as many on a row as fit: phase, ages of state and picture, losses, pictures, rates."""
+
+    rule: ClassVar = VisualizerRule(
+        meaning="the connection in words: phase, ages, losses, pictures, round trip, rates",
+        others=(ROBOT_STATE.name,),
+    )
+    whole_cells: ClassVar[bool] = True
+
+    @classmethod
+    def from_spec(cls, spec: VisualizerSpec) -> Self:  # noqa: ARG003 it has no options
+        """The visualizer that a layout asks for."""
+        return cls()
+
+    def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
+        """Write the words; what there is no room for is left out from the end."""
+        canvas.fill(state.theme.panel)
+        lines = [*flowing(_unsaid(robot, state), canvas.width)]
+        if robot.link.detail:
+            lines += [(row,) for row in wrapped(Row(robot.link.detail), canvas.width)]
+        for index, line in enumerate(lines[: canvas.rows]):
+            column = 0
+            for word in line:
+                text = cut(word.text, canvas.width)
+                canvas.text(column, index, text, ink_of(word.mood, state.theme))
+                column += len(text) + GAP
+
+    def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
+        """Changes with any word of it."""
+        return tuple(_unsaid(robot, state)), robot.link.detail, state.theme.name
+
+
+def _words(robot: RobotState, state: ConsoleState) -> Iterator[Row]:
+    link, now = robot.link, state.now
+    yield _phase(link, now)
+    if not link.may_command:
+        yield Row("may watch and stop", Mood.WARNING)
+    if link.missed:
+        yield Row(f"{link.missed} message{'s' if link.missed > 1 else ''} lost", Mood.WARNING)
+    if robot.navigation is not None:
+        age = robot.navigation.age(now)
+        fresh = staleness(age) is Staleness.FRESH
+        yield Row(f"state {age_text(age)} old", Mood.PLAIN if fresh else Mood.ALARM)
+    if robot.picture is not None:
+        age = robot.picture.age(now) + state.latency
+        late = age > ALARM_AFTER_S
+        text = f"PICTURE {age_text(age)} OLD" if late else f"picture {age_text(age)} old"
+        yield Row(text, Mood.ALARM if late else Mood.PLAIN)
+    if state.display is not None:
+        yield from _display(state.display)
+    # What is counted is counted for as long as central answers.
+    connected = link.phase is LinkPhase.CONNECTED
+    if connected and link.pictures is not None:
+        yield from _pictures(link.pictures)
+    if connected and math.isfinite(link.round_trip):
+        yield Row(f"round trip {_KILO * link.round_trip:.0f} ms")
+    if connected and math.isfinite(link.messages_per_s):
+        yield Row(f"{link.messages_per_s:.0f} messages/s")
+    if connected and math.isfinite(link.bytes_per_s):
+        yield Row(_amount(link.bytes_per_s))
+
+
+def _display(display: DisplayState) -> Iterator[Row]:
+    """How the way from the console to the eyes stands."""
+    latency = display.latency
+    if math.isfinite(latency):
+        late = latency > ALARM_AFTER_S
+        shown = f"{_TENS * round(_KILO * latency / _TENS):.0f} ms"
+        text = f"TERMINAL {shown} BEHIND" if late else f"terminal {shown} behind"
+        yield Row(text, Mood.ALARM if late else Mood.PLAIN)
+    if display.coarseness >= _COARSE:
+        yield Row("drawn coarser for the terminal", Mood.WARNING)
+
+
+def _pictures(flow: PictureFlow) -> Iterator[Row]:
+    if flow.shrunk:
+        yield Row("pictures made smaller for the link", Mood.WARNING)
+    yield Row(f"{flow.per_s:.0f} pictures/s")
+    kind = f"{flow.width_px}x{flow.height_px} {flow.coding.name}"
+    yield Row(kind if flow.coding is ImageCoding.RAW else f"{kind} {flow.quality}")
+
+
+def _unsaid(robot: RobotState, state: ConsoleState) -> Iterator[Row]:
+    """All that the banner does not say."""
+    banner = state.banner
+    said = banner.text if banner is not None and banner.robot == robot.name else ""
+    return (row for row in _words(robot, state) if not said.startswith(row.text))
+
+
+def _phase(link: LinkState, now: float) -> Row:
+    seconds = max(0.0, now - link.since)
+    since = f"{int(seconds)} s" if seconds < _LONG_S else age_text(seconds)
+    if link.phase is LinkPhase.CONNECTED:
+        return Row("linked", Mood.GOOD)
+    if link.phase is LinkPhase.CONNECTING:
+        return Row(f"connecting {since}", Mood.WARNING)
+    return Row(f"LINK LOST {since}", Mood.ALARM)
+
+
+def _amount(bytes_per_s: float) -> str:
+    if bytes_per_s < _KILO:
+        return f"{bytes_per_s:.0f} B/s"
+    if bytes_per_s < _KILO**2:
+        return f"{bytes_per_s / _KILO:.0f} kB/s"
+    return f"{bytes_per_s / _KILO**2:.1f} MB/s"

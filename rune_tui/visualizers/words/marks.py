@@ -1,0 +1,106 @@
+"""visualizeMarks: the victims and landmarks that were found, as a list."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import Counter
+from typing import ClassVar
+
+from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints
+from rune_tui.layout.rules import VisualizerRule
+from rune_tui.model.robot_state import RobotState
+from rune_tui.model.theme import Theme
+from rune_tui.model.world import metres_text
+from rune_tui.raster.canvas import Canvas
+from rune_tui.visualizers.parts.message_gauge import Reading
+from rune_tui.visualizers.parts.rows import NARROW, Row, fitting_form, tabled, write_rows
+from rune_tui.visualizers.parts.severity import Mood
+
+_Cells = tuple[str, ...]
+_WEIGHTS = (9, 8, 8, 7, 5, 2, 4, 3, 6)
+_UNKEPT = "NOT KEPT"
+
+
+class Marks(Reading[InterestPoints, tuple[str, tuple[_Cells, ...]]]):
+    """How many there are of each kind, then all that is known of each.
+
+    That is: number, kind, whether it is not on the robot's disk, place, how far off it may be, from
+    how far away it was seen, when, who, note. The newest is at the top, so that it is seen where
+    there is no room for all. Where room is short a kind is a letter, and what is not kept a sign.
+    """
+
+    rule: ClassVar = VisualizerRule(
+        meaning="the victims and landmarks marked so far, as a list",
+        message=INTEREST_POINTS.name,
+    )
+    definition = INTEREST_POINTS
+    subject = "marks"
+
+    def reading(
+        self,
+        value: InterestPoints,
+        robot: RobotState,  # noqa: ARG002
+    ) -> tuple[str, tuple[_Cells, ...]]:
+        """The head line, and the cells of each mark."""
+        newest_first = sorted(value.points, key=lambda point: point.number, reverse=True)
+        return _head(value), tuple(map(_cells, newest_first))
+
+    def show(self, canvas: Canvas, reading: tuple[str, tuple[_Cells, ...]], theme: Theme) -> None:
+        """The head line where there are two rows, and the list."""
+        head, marks = reading
+        if canvas.width < NARROW:
+            marks = tuple(
+                (number, kind[0].upper(), "!" if unkept else "", *rest)
+                for number, kind, unkept, *rest in marks
+            )
+        lines = tabled(marks, _WEIGHTS, canvas.width)
+        moods = (Mood.WARNING if unkept else Mood.PLAIN for _, _, unkept, *_ in marks)
+        rows = [Row(line, mood) for line, mood in zip(lines, moods, strict=True)]
+        if canvas.rows > 1 or not rows:
+            mood = Mood.WARNING if _UNKEPT in head else Mood.FAINT
+            rows.insert(0, Row(fitting_form(canvas.width, head, _short(head)), mood))
+        write_rows(canvas, rows, theme)
+
+
+def _head(value: InterestPoints) -> str:
+    if not value.points:
+        return "nothing marked yet"
+    counts = Counter(point.kind for point in value.points)
+    words = [
+        f"{count} {kind.name.lower()}{'s' if count > 1 else ''}"
+        for kind, count in sorted(counts.items())
+    ]
+    unkept = sum(not point.kept for point in value.points)
+    # First, as it stays where room is short.
+    return ", ".join([f"{unkept} {_UNKEPT}", *words] if unkept else words)
+
+
+def _short(head: str) -> str:
+    """Such as "1 NOT KEPT, 2 v, 1 l"."""
+    parts = head.split(", ")
+    return ", ".join(
+        part if part.endswith(_UNKEPT) else part[: part.find(" ") + 2] for part in parts
+    )
+
+
+def _cells(point: InterestPoint) -> _Cells:
+    off, away = metres_text(point.uncertainty, 2), metres_text(point.distance, 1)
+    return (
+        f"{point.number:>2}",
+        point.kind.name.lower(),
+        "" if point.kept else _UNKEPT,
+        f"{point.x:.2f}, {point.y:.2f}",
+        f"±{off} m" if off else "",
+        f"from {away} m" if away else "",
+        _clock(point.stamp),
+        point.by,
+        point.note,
+    )
+
+
+def _clock(stamp: float) -> str:
+    """A time [s since the epoch] as the time of day here; empty where none is told."""
+    if not (math.isfinite(stamp) and stamp > 0.0):
+        return ""
+    return time.strftime("%H:%M:%S", time.localtime(stamp))

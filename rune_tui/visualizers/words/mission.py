@@ -1,0 +1,111 @@
+"""visualizeMission: the mission, what the robot keeps of it, and what it does not keep."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Iterator
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+from hub.gcm.mission import MISSION_STATE, MissionState
+from rune_tui.layout.rules import VisualizerRule
+from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.mission import OLD_S, mission_of
+from rune_tui.model.robot_state import RobotState
+from rune_tui.raster.canvas import Canvas
+from rune_tui.raster.urgency import Urgency
+from rune_tui.visualizers.parts.rows import Row, wrapped, write_rows
+from rune_tui.visualizers.parts.severity import Mood, Part
+from rune_tui.visualizers.parts.staleness import age_look, mark_age, pause_of, weather
+
+
+@dataclass(frozen=True, slots=True)
+class Mission:
+    """A row each: the name and how long it runs, marks kept, the saved map, what is not kept."""
+
+    rule: ClassVar = VisualizerRule(
+        meaning="the mission: its name, for how long it runs, how many marks are kept, how old the "
+        "saved map is, and what is not kept",
+        message=MISSION_STATE.name,
+    )
+    whole_cells: ClassVar[bool] = True
+    urgency: ClassVar[Urgency] = Urgency.ALARM
+
+    @classmethod
+    def from_spec(cls, spec: VisualizerSpec) -> Self:  # noqa: ARG003 it has no options
+        """The visualizer that a layout asks for."""
+        return cls()
+
+    def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
+        """Write what fits; what is not kept comes first where room is short."""
+        canvas.fill(state.theme.panel)
+        parts = _parts(robot, state)
+        rows = [row for part in parts for row in wrapped(Row(part.text, part.mood), canvas.width)]
+        if len(rows) > canvas.rows and all(part.mood is not Mood.ALARM for part in parts):
+            joined = Row("; ".join(part.text for part in parts[1:]), parts[-1].mood)
+            rows = [Row(parts[0].text, parts[0].mood), *wrapped(joined, canvas.width)]
+        if len(rows) > canvas.rows:
+            rows.sort(key=lambda row: row.mood is not Mood.ALARM)  # equals keep their order
+        write_rows(canvas, rows, state.theme)
+        told = robot.newest(MISSION_STATE)
+        if told is not None:
+            age, pause = told.age(state.now), pause_of(MISSION_STATE)
+            weather(canvas, age, pause)
+            mark_age(canvas, age, state.theme, pause)
+
+    def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
+        """Changes with any word of it, and with the look of its age."""
+        told = robot.newest(MISSION_STATE)
+        look = told and age_look(told, state.now, pause_of(MISSION_STATE))
+        return _parts(robot, state), look, state.theme.name
+
+
+def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
+    key = state.input_of("widgetMission", robot.name)
+    return tuple(_rows(mission_of(robot), state.overdue_marks(robot.name), key))
+
+
+def _rows(mission: MissionState | None, unconfirmed: int, key: str = "") -> Iterator[Part]:
+    if mission is None:
+        yield Part("the robot tells of no mission", 0, Mood.FAINT)
+    elif not mission.running:
+        ended = f"mission {mission.name} is ended" if mission.begun else "no mission runs"
+        yield Part(ended, 0)
+        first = f"{key}, " if key else ""
+        yield Part(f"{first}a mark, or who takes control, begins one", 0, Mood.FAINT)
+    else:
+        yield Part(f"{mission.name}, {_time(mission.running_s)}", 0)
+        yield Part(_kept(mission), 0, Mood.WARNING if mission.unkept else Mood.GOOD)
+        yield _saved(mission)
+    if unconfirmed:
+        yield Part(f"NOT CONFIRMED BY THE ROBOT: {unconfirmed}", 9, Mood.ALARM)
+    if mission is not None and mission.fault:
+        yield Part(f"NOT KEPT: {mission.fault}", 9, Mood.ALARM)
+
+
+def _kept(mission: MissionState) -> str:
+    count = mission.marks + mission.earlier
+    words = f"{count} mark{'' if count == 1 else 's'}"
+    words += f", {mission.unkept} changes in memory only" if mission.unkept else " kept"
+    if mission.sheet > 1:
+        words += f"; sheet {mission.sheet}, {mission.earlier} of them on those before"
+    return words
+
+
+def _saved(mission: MissionState) -> Part:
+    if math.isnan(mission.map_age_s):
+        return Part("map not saved yet", 0, Mood.FAINT)
+    old = mission.map_age_s > OLD_S
+    # A robot that stands maps nothing new, and so has nothing to save.
+    return Part(f"map saved {_time(mission.map_age_s)} ago", 0, Mood.FAINT if old else Mood.GOOD)
+
+
+def _time(seconds: float) -> str:
+    """A time that is easy to read: "8 s", "12 min", "3:05 h"."""
+    whole = int(seconds)
+    if whole < 90:
+        return f"{whole} s"
+    if whole < 5400:
+        return f"{whole // 60} min"
+    return f"{whole // 3600}:{whole // 60 % 60:02} h"

@@ -1,0 +1,56 @@
+"""visualizeModules: the robot's modules and how they fare."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar
+
+from hub.gcm.supervision import MODULE_REPORTS, ModulePhase, ModuleReport, ModuleReports
+from rune_tui.layout.rules import VisualizerRule
+from rune_tui.model.robot_state import RobotState
+from rune_tui.model.theme import Theme
+from rune_tui.raster.canvas import Canvas
+from rune_tui.visualizers.parts.message_gauge import Reading
+from rune_tui.visualizers.parts.rows import Entry, entry_rows, write_rows
+from rune_tui.visualizers.parts.severity import Mood
+
+_HEAD = Entry(("module", "phase", "starts", "cpu", "memory"), "why", Mood.FAINT)
+_WEIGHTS = (9, 8, 3, 4, 2, 6)
+_MOODS = {
+    ModulePhase.WAITING: Mood.WARNING,
+    ModulePhase.FAILED: Mood.ALARM,
+    ModulePhase.STOPPED: Mood.FAINT,
+}
+
+
+class Modules(Reading[ModuleReports, tuple[Entry, ...]]):
+    """A row a module; where room is short, why it does not run stands below it."""
+
+    rule: ClassVar = VisualizerRule(
+        meaning="the robot's modules: phase, why, starts, processor and memory",
+        message=MODULE_REPORTS.name,
+    )
+    definition = MODULE_REPORTS
+    subject = "module list"
+
+    def reading(self, value: ModuleReports, robot: RobotState) -> tuple[Entry, ...]:  # noqa: ARG002
+        """Whole percents and megabytes."""
+        return tuple(map(_line, value.modules))
+
+    def show(self, canvas: Canvas, reading: tuple[Entry, ...], theme: Theme) -> None:
+        """A head line, where there are two rows, and the modules."""
+        head = [_HEAD] if canvas.rows > 1 else []
+        write_rows(canvas, [*entry_rows([*head, *reading], _WEIGHTS, canvas.width)], theme)
+
+
+def _line(report: ModuleReport) -> Entry:
+    mood = _MOODS.get(report.phase, Mood.PLAIN)
+    word = report.phase.name
+    cells = (
+        report.name,
+        word if mood in {Mood.WARNING, Mood.ALARM} else word.lower(),
+        str(report.starts),
+        f"{100 * report.processor:.0f}%" if math.isfinite(report.processor) else "",
+        f"{report.memory_mb:.0f} MB" if math.isfinite(report.memory_mb) else "",
+    )
+    return Entry(cells, report.why, mood)

@@ -1,0 +1,118 @@
+"""visualizeStatus: one line of words on a dark bar."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Hashable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+from hub.gcm.autonomy import AUTONOMY_STATE
+from hub.gcm.navigation import NAVIGATION_STATUS
+from rune_tui.layout.rules import ChoiceOption, VisualizerRule
+from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import RobotState
+from rune_tui.raster.canvas import Canvas, printable_text
+from rune_tui.raster.urgency import Urgency
+from rune_tui.visualizers.parts.rows import cut
+from rune_tui.visualizers.parts.severity import Mood, Part, ink_of
+from rune_tui.visualizers.words.status_words import status_parts
+from rune_tui.visualizers.words.troubles import is_in_banner
+
+_GAP = 2
+_NOTHING, _ALARMS, _GAUGES = "nothing", "alarms", "gauges"
+_TROUBLE = frozenset({Mood.WARNING, Mood.ALARM})
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """Name, link, control, motion, what it does by itself, speed, battery, obstacle and so on.
+
+    Attributes:
+        alarms: Whether another pane says what is wrong.
+        gauges: Whether other panes say speed and battery.
+    """
+
+    alarms: bool = False
+    gauges: bool = False
+
+    rule: ClassVar = VisualizerRule(
+        meaning="one line: link, who has control, motion, what it does by itself, speed, battery",
+        message="GCM_RobotState",
+        others=(
+            "GCM_CameraState",
+            "GCM_Control_State",
+            AUTONOMY_STATE.name,
+            NAVIGATION_STATUS.name,
+        ),
+        options={
+            "beside": ChoiceOption(
+                default=_NOTHING,
+                choices=(_NOTHING, _ALARMS, _GAUGES, f"{_ALARMS} and {_GAUGES}"),
+                meaning="what other panes say, and this line then does not: alarms what is wrong, "
+                "gauges speed, battery and that it is linked",
+            )
+        },
+        vital=True,
+    )
+    whole_cells: ClassVar[bool] = True
+    urgency: ClassVar[Urgency] = Urgency.ALARM
+
+    @classmethod
+    def from_spec(cls, spec: VisualizerSpec) -> Self:
+        """The visualizer that a layout asks for."""
+        beside = spec.options.word("beside")
+        return cls(alarms=_ALARMS in beside, gauges=_GAUGES in beside)
+
+    def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
+        """Write what there is room for in the first row."""
+        canvas.fill(state.theme.bar)
+        parts = fitting(self._unsaid(robot, state), canvas.width)
+        column = 0 if _width(parts) + 2 > canvas.width else 1
+        for part in parts:
+            canvas.text(
+                column, 0, cut(part.text, canvas.width - column), ink_of(part.mood, state.theme)
+            )
+            column += len(printable_text(part.text)) + _GAP
+
+    def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
+        """Changes with any word of it."""
+        return self._unsaid(robot, state), state.theme.name
+
+    def _unsaid(self, robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
+        """All that neither the banner nor another pane says.
+
+        Beside full screen and pages no gauges are to be seen.
+        """
+        gauges = self.gauges and not (state.full or state.paged)
+        return tuple(
+            part
+            for part in status_parts(robot, state)
+            if not (
+                (self.alarms and part.mood in _TROUBLE)
+                or (gauges and part.gauge)
+                or is_in_banner(part, robot, state)
+            )
+        )
+
+
+def fitting(parts: Sequence[Part], columns: int) -> tuple[Part, ...]:
+    """The parts that fit side by side; at least one stays.
+
+    Those of least weight are shortened, and then left out, before those of more weight are.
+    """
+    kept: dict[int, Part] = dict(enumerate(parts))
+    for weight in sorted({part.weight for part in parts}):
+        places = [place for place in reversed(kept) if kept[place].weight == weight]
+        for place in places:
+            if kept[place].short and _width(kept.values()) > columns:
+                kept[place] = dataclasses.replace(kept[place], text=kept[place].short)
+        for place in places:
+            if len(kept) > 1 and _width(kept.values()) > columns:
+                del kept[place]
+    return tuple(kept.values())
+
+
+def _width(parts: Iterable[Part]) -> int:
+    return sum(len(printable_text(part.text)) + _GAP for part in parts) - _GAP

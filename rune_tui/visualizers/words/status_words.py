@@ -1,0 +1,319 @@
+"""What the status line says of a robot, part by part, the most important first to stay."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from hub.gcm.body import RobotBody
+from hub.gcm.navigation import SENSOR_COUNT, MotionState
+from hub.gcm.navigation import RobotState as NavigationState
+from rune_tui.model.body import rim
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.doing import doing_of
+from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
+from rune_tui.model.robot_state import LinkPhase, RobotState
+from rune_tui.visualizers.maps.range_data import Nearness, as_it_moves, nearness_of
+from rune_tui.visualizers.parts.control_words import control_parts
+from rune_tui.visualizers.parts.doing_words import doing_parts
+from rune_tui.visualizers.parts.severity import Mood, Part
+from rune_tui.visualizers.parts.staleness import (
+    ALARM_AFTER_S,
+    HATCH_AFTER_S,
+    MENTION_AFTER_S,
+    Staleness,
+    age_text,
+    staleness,
+)
+
+LOW_BATTERY = 0.2
+CRITICAL_BATTERY = 0.1
+OFF_CENTRE_DEG = 5.0
+ROLLING = 0.02
+"""From this speed on a robot does not stand: forward [m/s], and turning twice that [rad/s]."""
+_LEAST_ZOOM = 0.01
+_HELD_BACK = 0.05
+
+_SIDES = ("ahead", "left", "behind", "right")
+_MOTION = {
+    MotionState.STANDING: "STANDING",
+    MotionState.MOVING: "MOVING",
+    MotionState.SILENCE: "STOPPED: commands fell silent",
+    MotionState.STOPPED: "STOPPED: a stop was sent",
+    MotionState.NO_DRIVER: "NO DRIVER: cannot move",
+    MotionState.WAITING: "WAITING for a neutral command",
+    MotionState.GOING: "GOING by itself",
+}
+_ROLLING_ON = {
+    MotionState.STANDING: "STOPPING",
+    MotionState.SILENCE: "STOPPING: commands fell silent",
+    MotionState.STOPPED: "STOPPING: a stop was sent",
+    MotionState.NO_DRIVER: "NO DRIVER, and it moves",
+    MotionState.WAITING: "STOPPING, then waits for a neutral command",
+}
+"""The same while the robot still moves, where it is not told to."""
+_FAULTS = frozenset({MotionState.SILENCE, MotionState.NO_DRIVER})
+"""Nobody wanted these; a stop, somebody did."""
+_SHORT_MOTION = {
+    "WAITING for a neutral command": "WAITING",
+    "STOPPING, then waits for a neutral command": "STOPPING",
+    "STOPPED: commands fell silent": "STOPPED: silence",
+    "STOPPED: a stop was sent": "STOPPED",
+    "STOPPING: commands fell silent": "STOPPING",
+    "STOPPING: a stop was sent": "STOPPING",
+}
+
+
+def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
+    """All that there is to say now, in the order in which it is shown."""
+    return (
+        *_stop_key(robot, state),
+        Part(state.title(robot.name), 2 if len(state.robots) == 1 else 8),
+        _link(robot, state.now),
+        *_permission(robot),
+        *control_parts(robot, state),
+        *_motion(robot, state.now),
+        *_limit(robot, state),
+        *_camera(robot, state.now),
+        *_picture_age(robot, state),
+        *_joysticks(state),
+        *_recording(state),
+        *_held(state),
+        _release(state),
+    )
+
+
+def _stop_key(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
+    """The key that stops the robot, while no line of keys is in sight."""
+    key = state.input_of("widgetStop", robot.name)
+    if key and (state.full or state.paged):
+        yield Part(f"{key[:1].upper()}{key[1:]} STOP", 10)
+
+
+def _link(robot: RobotState, now: float) -> Part:
+    seconds = f"{int(max(0.0, now - robot.link.since))} s"
+    if robot.link.phase is LinkPhase.CONNECTED:
+        return Part("linked", 2, Mood.GOOD, gauge=True)
+    if robot.link.phase is LinkPhase.CONNECTING:
+        return Part(f"connecting {seconds}", 9, Mood.WARNING)
+    lost = f"LINK LOST {seconds}"
+    why = f": {robot.link.detail}" if robot.link.detail else ""
+    return Part(lost + why, 9, Mood.ALARM, short=lost)
+
+
+def _permission(robot: RobotState) -> Iterator[Part]:
+    if not robot.link.may_command:
+        yield Part("OBSERVER: this key may watch and stop, not drive", 8, Mood.WARNING)
+
+
+def _motion(robot: RobotState, now: float) -> Iterator[Part]:
+    if robot.navigation is None:
+        yield Part("no robot state yet", 7, Mood.WARNING)
+        return
+    age = robot.navigation.age(now)
+    navigation = robot.navigation.value
+    linked = robot.link.phase is LinkPhase.CONNECTED
+    if linked and staleness(age) is not Staleness.FRESH:
+        yield Part(f"STATE {age_text(age)} OLD", 9, Mood.ALARM)
+    known = (
+        *_doing(robot, navigation, now),
+        *_battery(navigation),
+        *_nearest(navigation, robot.body),
+    )
+    if staleness(age) is Staleness.STALE:
+        yield from map(_past, known)
+    else:
+        yield from known
+
+
+def _past(part: Part) -> Part:
+    """What was said last, which nobody knows to be so now."""
+    short = f"was {part.short}" if part.short else ""
+    return Part(f"was {part.text}", min(part.weight, 4), Mood.FAINT, short, part.gauge)
+
+
+def _doing(robot: RobotState, navigation: NavigationState, now: float) -> Iterator[Part]:
+    """What the robot does and how fast."""
+    motion = navigation.motion
+    if motion is MotionState.WAITING and not robot.link.may_command:
+        motion = MotionState.STANDING  # whoever only watches sends no neutral command
+    text = _MOTION[motion]
+    if _rolls(navigation):
+        text = _ROLLING_ON.get(motion, text)
+    by_itself = tuple(doing_parts(robot, now))
+    if motion is not MotionState.GOING or not by_itself:
+        mood = Mood.ALARM if motion in _FAULTS else Mood.PLAIN
+        yield Part(text, 7, mood, short=_SHORT_MOTION.get(text, ""))
+    yield from by_itself
+    turning = turn_words(-math.degrees(navigation.angular))
+    speed = f"{signed(navigation.linear, 2)} m/s"
+    yield Part(f"{speed} {turning}°/s", 6, short=speed, gauge=True)
+    if motion is MotionState.MOVING and navigation.held_back >= _HELD_BACK:
+        yield Part(f"HELD BACK {navigation.held_back:.0%}", 6, Mood.WARNING)
+
+
+def _rolls(navigation: NavigationState) -> bool:
+    speeds = abs(navigation.linear), abs(navigation.angular) / 2.0
+    return any(math.isfinite(speed) and speed >= ROLLING for speed in speeds)
+
+
+def turn_words(degrees: float) -> str:
+    """A turn [deg/s, positive to the right] without its unit, such as "left 13"."""
+    if not math.isfinite(degrees):
+        return "?"
+    shown = round(abs(degrees))
+    side = "right " if degrees > 0.0 else "left "
+    return f"{side if shown else ''}{shown}"
+
+
+def _battery(navigation: NavigationState) -> Iterator[Part]:
+    words = []
+    if math.isfinite(navigation.battery_fraction):
+        words.append(f"{100.0 * navigation.battery_fraction:.0f}%")
+    if math.isfinite(navigation.battery_voltage):
+        words.append(f"{navigation.battery_voltage:.1f} V")
+    if not words:
+        return
+    low = navigation.battery_fraction < LOW_BATTERY
+    grave = "CRITICAL" if navigation.battery_fraction < CRITICAL_BATTERY else "LOW"
+    text = " ".join([f"BATTERY {grave}" if low else "battery", *words])
+    mood = (Mood.ALARM if grave == "CRITICAL" else Mood.WARNING) if low else Mood.PLAIN
+    short = " ".join(text.split()[: 3 if low else 2])
+    yield Part(text, 6 if low else 4.5, mood, short, gauge=not low)
+
+
+def _nearest(navigation: NavigationState, body: RobotBody | None) -> Iterator[Part]:
+    """The nearest thing seen and its distance from the robot's rim, or its centre."""
+    ranges = np.fmin(navigation.sonar, navigation.infrared)
+    rooms = np.where(np.isnan(ranges), np.inf, ranges) - rim(body, len(ranges))
+    sensor = int(rooms.argmin())
+    room = max(0.0, float(rooms[sensor]))
+    if not math.isfinite(room):
+        return
+    word, weight, mood = _NEAREST[as_it_moves(nearness_of(room), navigation)]
+    origin = "" if body is not None else " of its centre"
+    yield Part(f"{word} {room:.2f} m {side_of(sensor)}{origin}", weight, mood)
+
+
+_NEAREST = {
+    Nearness.FAR: ("nearest", 5, Mood.PLAIN),
+    Nearness.NEAR: ("NEAR", 5, Mood.WARNING),
+    Nearness.CLOSE: ("CLOSE", 7, Mood.ALARM),
+}
+"""What the nearest thing is called, how much that matters, and how it is meant."""
+
+
+def _limit(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
+    """With how much of its speed hands drive the robot; none of what it does by itself."""
+    doing = doing_of(robot)
+    if _goes(robot) or (doing is not None and doing.under_way):
+        return
+    limit = state.speed_limit(robot.name)
+    text = f"limit {100.0 * limit:.0f}%"
+    yield Part(text, 6) if limit < 1.0 else Part(text, 0, Mood.FAINT)
+
+
+def _goes(robot: RobotState) -> bool:
+    """Whether the robot moves by itself."""
+    return robot.navigation is not None and robot.navigation.value.motion is MotionState.GOING
+
+
+def _camera(robot: RobotState, now: float) -> Iterator[Part]:
+    """Where the camera looks, where that is not straight ahead, wide."""
+    if robot.camera is None:
+        return
+    if robot.camera.age(now) > HATCH_AFTER_S:
+        return
+    pan, zoom = math.degrees(robot.camera.value.pan), robot.camera.value.zoom
+    if math.isfinite(pan) and abs(pan) > OFF_CENTRE_DEG:
+        yield Part(f"camera {abs(pan):.0f}° {'left' if pan > 0 else 'right'}", 4, Mood.WARNING)
+    if math.isfinite(zoom) and zoom >= _LEAST_ZOOM:
+        yield Part(f"zoom {zoom:.0%}", 3)
+
+
+def _picture_age(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
+    """How old the picture is when the operator sees it, if that matters."""
+    if robot.picture is None or robot.link.phase is not LinkPhase.CONNECTED:
+        return
+    age = robot.picture.age(state.now) + state.latency
+    if age > ALARM_AFTER_S:
+        yield Part(f"PICTURE {age_text(age)} OLD", 8, Mood.ALARM)
+    elif age > MENTION_AFTER_S:
+        yield Part(f"picture {age_text(age)} old", 5)
+
+
+def _joysticks(state: ConsoleState) -> Iterator[Part]:
+    """Those that do not work, of several that are alike how many."""
+    alike: dict[tuple[str, Mood, bool], list[str]] = {}
+    for joystick in state.joysticks.values():
+        lacks = joystick.phase is JoystickPhase.CONNECTED and bool(joystick.why)
+        alike.setdefault((*joystick_words(joystick), lacks), []).append(joystick.name)
+    for (text, mood, lacks), names in alike.items():
+        whose = names[0] if len(names) == 1 else f"{len(names)} joysticks"
+        if lacks:
+            yield Part(f"{whose} {text}", 2, mood, short=f"{whose} LACKS CONTROLS")
+        elif mood is Mood.PLAIN:
+            short = f"no {names[0] if len(names) == 1 else 'joysticks'}"
+            yield Part(f"{whose} {text}", 0, mood, short=short)
+        elif mood is not Mood.GOOD:
+            yield Part(f"{whose} {text}", 8, mood)
+
+
+def joystick_words(joystick: JoystickState) -> tuple[str, Mood]:
+    """How a joystick stands to its device, in few words."""
+    match joystick.phase:
+        case JoystickPhase.CONNECTED if joystick.why:
+            return joystick.why, Mood.WARNING
+        case JoystickPhase.CONNECTED if joystick.waiting:
+            return f"LET GO OF {', '.join(sorted(joystick.waiting))} FIRST", Mood.WARNING
+        case JoystickPhase.CONNECTED:
+            return "plugged in", Mood.GOOD
+        case JoystickPhase.FORBIDDEN:
+            return "NO PERMISSION", Mood.WARNING
+        case JoystickPhase.UNSUITABLE:
+            return "UNUSABLE", Mood.WARNING
+        case JoystickPhase.MISSING if joystick.lost:
+            return _absence(joystick), Mood.ALARM
+        case JoystickPhase.MISSING:
+            return "not plugged in", Mood.PLAIN
+
+
+def _absence(joystick: JoystickState) -> str:
+    there = " there" if joystick.machine and joystick.absence is not Absence.SILENT else ""
+    return f"{joystick.absence.name}{there}"
+
+
+def _recording(state: ConsoleState) -> Iterator[Part]:
+    if state.recording:
+        yield Part("REC", 8)
+
+
+def _held(state: ConsoleState) -> Iterator[Part]:
+    if state.must_release:
+        keys = " ".join(state.must_release)
+        text = f"LET GO OF {keys}, TAP, THEN HOLD" if state.tap_first else f"LET GO OF {keys} FIRST"
+        yield Part(text, 8, Mood.WARNING)
+    if state.held:
+        yield Part(f"keys {' '.join(state.held)}", 1)
+
+
+def _release(state: ConsoleState) -> Part:
+    """How long a key counts as held."""
+    if state.releases_told:
+        return Part("release: exact", 0, Mood.FAINT)
+    return Part(f"release: timed {state.hold_s:.2f} s", 0, Mood.FAINT, short="release: timed")
+
+
+def side_of(sensor: int) -> str:
+    """Where a sensor looks; each side takes a quarter of the circle around its middle."""
+    return _SIDES[round(4 * sensor / SENSOR_COUNT) % 4]
+
+
+def signed(value: float, digits: int) -> str:
+    """With its sign, but for what rounds to zero."""
+    if not math.isfinite(value):
+        return "?"
+    rounded = round(value, digits)
+    return f"{rounded:+.{digits}f}" if rounded else f"{0.0:.{digits}f}"

@@ -1,0 +1,90 @@
+"""What is wrong with a robot now, and what of it the banner over everything says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from hub.gcm.navigation import Assistance
+from rune_tui.model.console_state import Banner, ConsoleState
+from rune_tui.model.doing import doing_of
+from rune_tui.model.mission import mission_of
+from rune_tui.model.robot_state import LackKind, RobotState
+from rune_tui.visualizers.maps.range_data import pressed_bumpers
+from rune_tui.visualizers.parts.doing_words import SILENT_S, doing_parts
+from rune_tui.visualizers.parts.severity import Mood, Part
+from rune_tui.visualizers.parts.staleness import Staleness, staleness
+from rune_tui.visualizers.words.status_words import side_of, status_parts
+
+START_S: Final = 10.0
+"""Modules that are not ready yet are no alarm for this time after a link began [s]."""
+TOLD_S: Final = 5.0
+"""How long something that just happened stands over everything [s]."""
+
+_SIGNED: Final = frozenset({Mood.ALARM, Mood.WARNING})
+_TOLD_WEIGHT: Final = 8.5
+"""A refusal passes, so it is shown before all but a lost link, an old state and a request."""
+
+
+def troubles(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
+    """Alarms, then cautions, the gravest first."""
+    parts = [part for part in status_parts(robot, state) if part.mood in _SIGNED]
+    parts += _more(robot, state)
+    # Python's sort keeps the order of equals.
+    return tuple(sorted(parts, key=lambda part: (part.mood is not Mood.ALARM, -part.weight)))
+
+
+def banner_of(state: ConsoleState) -> Banner | None:
+    """The gravest alarm of all robots, else what one does by itself, else None."""
+    found: list[tuple[float, str, str]] = []
+    for robot in state.robots.values():
+        alarms = [part for part in troubles(robot, state) if part.mood is Mood.ALARM]
+        found += [(part.weight, robot.name, part.text) for part in alarms]
+    newest = state.notices[-1] if state.notices else None
+    gravest = max(found, key=lambda each: each[0], default=None)
+    # What happened is not said beside what it brought about, such as a lost link.
+    passing = gravest is None or gravest[0] < _TOLD_WEIGHT
+    if passing and newest is not None and newest.alarm and state.now - newest.when <= TOLD_S:
+        return Banner(robot=newest.robot, text=newest.text, more=len(found))
+    if gravest is None:
+        return next(_by_themselves(state), None)
+    return Banner(robot=gravest[1], text=gravest[2], more=len(found) - 1)
+
+
+def _by_themselves(state: ConsoleState) -> Iterator[Banner]:
+    """What robots do by themselves, which whoever drives has to know."""
+    for robot in state.robots.values():
+        doing = doing_of(robot)
+        if doing is None or not doing.under_way or state.now - doing.measured > SILENT_S:
+            continue
+        for part in doing_parts(robot, state.now):
+            advice = "by itself; a key that drives ends it"
+            yield Banner(robot=robot.name, text=part.text, advice=advice, calm=True)
+
+
+def is_in_banner(part: Part, robot: RobotState, state: ConsoleState) -> bool:
+    """Whether the banner says this already."""
+    banner = state.banner
+    return banner is not None and (banner.robot, banner.text) == (robot.name, part.text)
+
+
+def _more(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
+    """What the status line has no room for."""
+    known = robot.navigation
+    if known is not None and staleness(known.age(state.now)) is not Staleness.STALE:
+        navigation = known.value
+        sides = dict.fromkeys(map(side_of, pressed_bumpers(navigation)))
+        if sides:
+            yield Part(f"BUMPER PRESSED {' and '.join(sides)}", 8, Mood.ALARM)
+        if navigation.assistance is Assistance.OFF:
+            yield Part("ASSISTANCE OFF: it drives into walls", 5, Mood.WARNING)
+    mission = mission_of(robot)
+    if mission is not None and mission.fault:
+        yield Part(f"NOT KEPT: {mission.fault}", 8, Mood.ALARM)
+    if waiting := state.overdue_marks(robot.name):
+        marks = "1 mark" if waiting == 1 else f"{waiting} marks"
+        yield Part(f"NOT CONFIRMED BY THE ROBOT: {marks}", 8, Mood.ALARM)
+    starts = state.now - robot.link.since < START_S
+    for name, lack in sorted(robot.link.lacking.items()):
+        if lack.kind is LackKind.BROKEN or (lack.kind is LackKind.COMING and not starts):
+            yield Part(f"{name} MISSING: {lack.why}", 4, Mood.WARNING)

@@ -1,0 +1,135 @@
+"""`rune-hub halt`: it stops the robot, and says whether it stands."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from hub.gcm.navigation import ROBOT_STATE, STOP, MotionState
+from hub.inspection import halt_command
+from hub.inspection.halt_command import Halt
+from hub.ipc.broker.central import Central
+from hub.ipc.client import Client
+from tests.hub.ipc.conftest import Peer
+from tests.support.command_line import rune_hub
+from tests.support.messages import robot_state
+
+DRIVEN = {"motion": MotionState.MOVING, "commanded_linear": 0.5, "linear": 0.5}
+BRAKES = {"motion": MotionState.STOPPED, "linear": 0.3}
+STOPPED = {"motion": MotionState.STOPPED}
+
+
+@pytest.mark.parametrize(
+    ("reports", "stands"),
+    [
+        ([], False),
+        ([DRIVEN], False),
+        ([DRIVEN, BRAKES], False),
+        ([DRIVEN, BRAKES, STOPPED], True),
+        ([STOPPED], True),
+        # It stands, but a stop may still be on its way, and before it a command to drive.
+        ([{"motion": MotionState.STANDING}], False),
+        # A console that sends neutral ends the state STOPPED before it is reported.
+        ([{**DRIVEN, "stops": 7}, {"motion": MotionState.STANDING, "stops": 8}], True),
+        ([{**DRIVEN, "stops": 7}, {**DRIVEN, "stops": 8}], False),
+        ([{**STOPPED, "angular": 0.5}], False),
+        ([{**STOPPED, "commanded_angular": 0.5}], False),
+        ([STOPPED, {"motion": MotionState.NO_DRIVER}], False),
+        ([STOPPED, {"motion": MotionState.GOING}], False),
+    ],
+)
+def test_robot_stands_once_it_reports_a_stop_and_rest(
+    reports: list[dict[str, Any]], *, stands: bool
+) -> None:
+    course = Halt()
+    for report in reports:
+        course.take(robot_state(**report))
+    assert course.stands == stands
+
+
+class Robot(Peer):
+    """Drives until enough stops came; then it brakes, if it can."""
+
+    def __init__(self, endpoint: str, *, obeys_after: int = 1, brakes: bool = True) -> None:
+        super().__init__("navigation", endpoint)
+        self.stops = 0
+        self.obeys_after, self.brakes = obeys_after, brakes
+        self.connect()
+        self.call(self._begin)
+
+    def _begin(self) -> None:
+        self.client.define(ROBOT_STATE)
+        self.client.subscribe(STOP, self._stopped)
+        self.client.every(0.02, self._report)
+
+    def _stopped(self, *_: object) -> None:
+        self.stops += 1
+
+    def _report(self) -> None:
+        stopped = self.stops >= self.obeys_after
+        state = (STOPPED if self.brakes else BRAKES) if stopped else DRIVEN
+        self.client.publish(ROBOT_STATE, robot_state(**state))
+
+
+@pytest.fixture
+def central(tmp_path: Path) -> Iterator[Central]:
+    with closing(Central([f"ipc://{tmp_path}/central"])) as central:
+        yield central
+
+
+@pytest.fixture
+def client(central: Central) -> Iterator[Client]:
+    with closing(Client("rune-hub-halt", central.endpoints[0])) as client:
+        client.wait_connected(10.0)
+        yield client
+
+
+def test_it_sends_stops_until_the_robot_reports_one(
+    central: Central, client: Client, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with closing(Robot(central.endpoints[0], obeys_after=3)) as robot:
+        assert halt_command.halt(client, as_json=False) == 0
+        assert robot.stops >= 3
+    said = capsys.readouterr()
+    assert said.out.startswith("the robot stands, ")
+    assert said.err == ""
+
+
+def test_robot_that_rolls_on_is_a_fault(
+    central: Central,
+    client: Client,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(halt_command, "LIMIT_S", 0.5)
+    with closing(Robot(central.endpoints[0], brakes=False)):
+        assert halt_command.halt(client, as_json=True) == 1
+    said = capsys.readouterr()
+    assert json.loads(said.out) | {"seconds": 0.5} == {
+        "stands": False, "seconds": 0.5, "linear": 0.3, "angular": 0.0,
+    }  # fmt: skip
+    assert "still moves" in said.err
+    assert "0.30 m/s" in said.err
+
+
+def test_robot_that_reports_nothing_is_not_taken_for_one_that_stands(
+    client: Client, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(halt_command, "LIMIT_S", 0.2)
+    assert halt_command.halt(client, as_json=False) == 1
+    assert "may still move" in capsys.readouterr().err
+
+
+def test_without_a_hub_the_code_is_3() -> None:
+    assert rune_hub("halt", "--hub", "tcp://127.0.0.1:1").returncode == 3
+
+
+def test_who_wants_to_stop_the_robot_by_stop_learns_of_halt() -> None:
+    done = rune_hub("stop")
+    assert done.returncode == 2
+    assert "`rune-hub halt` stops the robot" in done.stderr

@@ -1,0 +1,82 @@
+"""One loop for several centrals, timers and files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from hub.ipc.broker.central import Central
+from hub.ipc.client import Client
+from hub.ipc.transport.loop import Loop
+from tests.hub.ipc import vocabulary as v
+from tests.hub.ipc.vocabulary import Number
+from tests.support.waiting import until
+
+
+@pytest.fixture
+def two(tmp_path: Path) -> Iterator[tuple[str, str]]:
+    """Endpoints of two centrals."""
+    centrals = [Central([f"ipc://{tmp_path}/{name}"]) for name in "ab"]
+    yield centrals[0].endpoints[0], centrals[1].endpoints[0]
+    for central in centrals:
+        central.close()
+
+
+def test_one_loop_serves_clients_of_several_centrals(two: tuple[str, str]) -> None:
+    loop = Loop()
+    first, second = (Client("me", endpoint, loop=loop) for endpoint in two)
+    came: list[tuple[str, int]] = []
+    try:
+        for client, name in ((first, "first"), (second, "second")):
+            client.wait_connected(5.0)
+            client.subscribe(v.LOG, lambda n, _, name=name: came.append((name, n.value)))
+            client.wait_subscribed(5.0)
+        first.publish(v.LOG, Number(value=1))
+        second.publish(v.LOG, Number(value=2))
+        until(lambda: len(came) == 2, 5.0, meanwhile=lambda: loop.listen(0.01))
+        assert sorted(came) == [("first", 1), ("second", 2)]
+        # A handler of one may use the other: that is how a bridge is made.
+        first.subscribe(v.STREAM, lambda n, _: second.publish(v.STREAM, n))
+        second.subscribe(v.STREAM, lambda n, _: came.append(("bridged", n.value)))
+        first.wait_subscribed(5.0)
+        second.wait_subscribed(5.0)
+        first.publish(v.STREAM, Number(value=3))
+        until(lambda: ("bridged", 3) in came, 5.0, meanwhile=lambda: loop.listen(0.01))
+    finally:
+        first.close()
+        second.close()
+        loop.close()
+
+
+def test_dispatch_serves_until_it_is_ended() -> None:
+    loop = Loop()
+    calls: list[str] = []
+    loop.every(0.001, lambda: calls.append("every"), count=3)
+    loop.after(0.002, lambda: calls.append("after"))
+    cancelled = loop.every(0.001, lambda: calls.append("cancelled"))
+    cancelled.cancel()
+    loop.after(0.05, loop.end)
+    loop.dispatch()
+    assert sorted(calls) == ["after", "every", "every", "every"]
+    loop.close()
+
+
+def test_loop_of_many_files_serves_each() -> None:
+    loop = Loop()
+    pipes = [os.pipe() for _ in range(20)]
+    read: list[int] = []
+    try:
+        for number, (reading, _) in enumerate(pipes):
+            loop.watch(reading, lambda n=number, f=reading: read.append(n) or os.read(f, 1))
+        for _, writing in pipes:
+            os.write(writing, b"x")
+        until(lambda: len(read) == 20, 5.0, meanwhile=lambda: loop.listen(0.01))
+        assert sorted(read) == list(range(20))
+    finally:
+        loop.close()
+        for pipe in pipes:
+            for file in pipe:
+                os.close(file)
