@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from hub.grids.grid import Grid
 from hub.grids.planner import plan
-from hub.modules.navigation.dynamic_window import Body, DynamicWindow
+from hub.modules.navigation.dynamic_window import BodyLimits, DynamicWindow
 from hub.modules.navigation.route import Route
 from hub.pose import Pose
 from hub.sim.kinematics import ANGULAR, LINEAR, approach, moved
@@ -29,7 +29,7 @@ Chooser = Callable[[Pose, Velocity, Floats], Velocity]
 """From the pose, the velocity, and the cylinders in sight (n, 2) [m], to the next velocity."""
 
 DATA = Path(__file__).parent / "data" / "barn25.json"
-BODY = Body(
+BODY = BodyLimits(
     radius=0.25,
     margin=0.03,
     linear_limit=0.5,

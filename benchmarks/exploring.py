@@ -11,11 +11,11 @@ from collections.abc import Callable
 from hub.gcm.autonomy import AutonomyCommand, Behaviour
 from hub.gcm.navigation import GoalCommand, MotionState
 from hub.grids.grid import Grid
-from hub.modules.autonomy.pilot import Pilot as Autonomy
+from hub.modules.autonomy.pilot import PathFollower as Autonomy
 from hub.modules.mapping.grid import GridPicture, OccupancyGrid
 from hub.modules.mapping.scans import ScanSelector
 from hub.modules.navigation.dynamic_window import body_of
-from hub.modules.navigation.pilot import Pilot as Navigator
+from hub.modules.navigation.pilot import PathFollower as Navigator
 from hub.modules.navigation.reports import robot_state, status
 from hub.modules.navigation.speed_governor import SpeedGovernor
 from hub.robots.description import find_robot_file, read_description

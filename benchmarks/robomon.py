@@ -20,7 +20,7 @@ from benchmarks.figures import report, say
 from hub.errors import HubError
 from hub.gcm import autonomy, mapping, navigation, supervision, vision
 from hub.ipc.client import Client
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from tests.support.waiting import until
 from tests.system.harness import HubProcess
 
@@ -56,20 +56,20 @@ class Console:
         self.client.every(1.0 / navigation.VELOCITY_COMMAND.rate_hz, self._drive)
         self.client.define(navigation.VELOCITY_COMMAND)
 
-    def _note(self, name: str) -> Callable[[Any, Reception], None]:
-        def note(value: Any, how: Reception) -> None:
+    def _note(self, name: str) -> Callable[[Any, MessageInfo], None]:
+        def note(value: Any, how: MessageInfo) -> None:
             del value
             self.fresh[name] = (how.publisher, time.monotonic())
 
         return note
 
-    def _note_truth(self, truth: navigation.GroundTruth, how: Reception) -> None:
+    def _note_truth(self, truth: navigation.GroundTruth, how: MessageInfo) -> None:
         self.truths.append((how.measured, truth))
 
-    def _note_state(self, state: navigation.RobotState, _: Reception) -> None:
+    def _note_state(self, state: navigation.RobotState, _: MessageInfo) -> None:
         self.state = state
 
-    def _note_modules(self, reports: supervision.ModuleReports, _: Reception) -> None:
+    def _note_modules(self, reports: supervision.ModuleReports, _: MessageInfo) -> None:
         self.pids = {each.name: each.pid for each in reports.modules}
 
     def _drive(self) -> None:
@@ -96,7 +96,7 @@ class Console:
         def failed(error: HubError) -> None:
             del error
 
-        def answered(_: object, how: Reception) -> None:
+        def answered(_: object, how: MessageInfo) -> None:
             del how
             self.answered.setdefault(name, time.monotonic())
 

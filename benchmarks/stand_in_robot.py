@@ -21,7 +21,7 @@ from hub.gcm import rle, vision
 from hub.gcm.navigation import ROBOT_STATE, VELOCITY_COMMAND, Measured, MotionState, RobotState
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from hub.robots.magellan import SimulatedMagellan
 from hub.sim.arena import load_arena
 
@@ -74,7 +74,7 @@ class StandInRobot:
         while not self._ended:
             self._client.listen(0.05)
 
-    def _commanded(self, _: object, reception: Reception) -> None:
+    def _commanded(self, _: object, reception: MessageInfo) -> None:
         self.commands.append(reception.measured)
 
     def _picture(self, _: vision.ImageRequest) -> vision.Image:

@@ -10,7 +10,7 @@ from typing import Any
 from hub.gcm.control import CONTROL_REFUSAL, CONTROL_STATE, ControlRefusal, ControlState
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from hub.ipc.security.publish_rights import ROBOMON
 
 _logger = logging.getLogger(__name__)
@@ -40,7 +40,7 @@ def follow_control(client: Client, learn: Callable[[ControlState], None]) -> Non
         daemon = number
         look()
 
-    def came(state: ControlState, reception: Reception) -> None:
+    def came(state: ControlState, reception: MessageInfo) -> None:
         nonlocal waiting
         waiting = reception.publisher, state
         look()
@@ -82,7 +82,7 @@ class ControlGate:
         """Whether commands of this sender, by its number at central, are to be followed."""
         return self._state.owner in (0, sender) or sender in self._modules
 
-    def admits(self, definition: MessageDefinition[Any], reception: Reception) -> bool:
+    def admits(self, definition: MessageDefinition[Any], reception: MessageInfo) -> bool:
         """Whether a command is to be followed; if it is not, its sender is told why."""
         sender = reception.publisher
         if self.counts(sender):

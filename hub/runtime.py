@@ -29,7 +29,7 @@ from hub.gcm.supervision import MODULE_INFO, ModuleInfo, announce_every_s
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.endpoints import DEFAULT_ENDPOINT
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from hub.nonblocking_logging import LEVELS, start_logging
 from hub.robots.description import RobotDescription, read_description, settings
 
@@ -98,7 +98,7 @@ def publish_on_request(
 ) -> None:
     """Call `publish` whenever somebody asks for this message to be published now."""
 
-    def requested(request: RequestData, reception: Reception) -> None:
+    def requested(request: RequestData, reception: MessageInfo) -> None:
         del reception
         if request.message == definition.name:
             publish()

@@ -56,7 +56,7 @@ from rune_tui.model.effects import (
     TurnPage,
     changed,
 )
-from rune_tui.model.happenings import Watch
+from rune_tui.model.happenings import ChangeNotifier
 from rune_tui.model.leaving import ordered, reasons_to_stay
 from rune_tui.startup.following import LayoutFollower
 from rune_tui.terminal.input_stream import KeyMove
@@ -126,7 +126,7 @@ class Console(CoveredApp, inherit_bindings=False):
         start = ConsoleState.at_start(layout, time.monotonic(), operator)
         self._console = dataclasses.replace(start, pixel_height=traits.aspect / 2.0)
         self._actions = actions_of(layout)
-        self._watch = Watch()
+        self._watch = ChangeNotifier()
         self._keyboard = KeyboardHold(self._dispatch.waits_for_hold)
         self._joysticks = Joysticks(
             layout.joysticks, Sources(local_devices.reader(), links.pads), CalibrationStore()

@@ -28,7 +28,7 @@ from benchmarks.peers.page import now
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.definition import Keep, MessageDefinition, Plane
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 
 _CONNECT_S = 10.0
 _AT_ONCE = 100
@@ -124,11 +124,11 @@ def receive(job: Job) -> None:
     client, messages = connected(f"receiver{job.index}", job), definitions(job)
     take = counter(job)
 
-    def sample_came(value: Sample, how: Reception) -> None:
+    def sample_came(value: Sample, how: MessageInfo) -> None:
         del how
         take(value.number, value.stamp)
 
-    def block_came(value: Block, how: Reception) -> None:
+    def block_came(value: Block, how: MessageInfo) -> None:
         del how
         take(*HEAD.unpack_from(value.data))
 
@@ -144,10 +144,10 @@ def receive(job: Job) -> None:
 
 def _one_of_many(
     take: Callable[[int, int], None], which: int, missing: set[int]
-) -> Callable[[Sample, Reception], None]:
+) -> Callable[[Sample, MessageInfo], None]:
     """A handler that is ready only when every message has come once."""
 
-    def came(value: Sample, how: Reception) -> None:
+    def came(value: Sample, how: MessageInfo) -> None:
         del how
         if value.number == 0:
             missing.discard(which)
@@ -182,7 +182,7 @@ def _questions() -> tuple[MessageDefinition[Sample], MessageDefinition[Sample]]:
     return question, reply
 
 
-def _ignore(value: Sample, how: Reception) -> None:
+def _ignore(value: Sample, how: MessageInfo) -> None:
     del value, how
 
 

@@ -65,7 +65,7 @@ AUTONOMY_COMMAND = MessageDefinition(
 )
 
 
-class Pilot(enum.IntEnum):
+class DrivingMode(enum.IntEnum):
     """Who drives."""
 
     NOBODY = 0
@@ -122,7 +122,7 @@ class AutonomyState:
     """
 
     behaviour: Behaviour
-    pilot: Pilot
+    pilot: DrivingMode
     x: MetresIfKnown
     y: MetresIfKnown
     frontier_m: LengthIfKnown

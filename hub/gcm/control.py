@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from hub.gcm import autonomy, navigation, vision
-from hub.gcm.autonomy import Pilot
+from hub.gcm.autonomy import DrivingMode
 from hub.gcm.fields import Count, Flag, Name, Number, Numbers, Seconds, Sentence
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 
@@ -139,7 +139,7 @@ class ControlState:
     asker_operator: Name = ""
     left_s: Seconds = 0.0
     waiting: Count = 0
-    commander: Pilot = Pilot.NOBODY
+    commander: DrivingMode = DrivingMode.NOBODY
     commander_name: Name = ""
     why: Sentence = ""
     count: int = 0

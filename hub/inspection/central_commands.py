@@ -13,7 +13,7 @@ from hub.inspection.message_commands import find
 from hub.inspection.output import put, span, table
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from hub.ipc.roles import ON_THE_ROBOT
 from hub.ipc.wire import control
 
@@ -59,8 +59,8 @@ def log(client: Client, names: Sequence[str], *, with_data: bool, count: int) ->
     publishers: dict[int, str] = {}
     written = 0
 
-    def note(definition: MessageDefinition[Any]) -> Callable[[object, Reception], None]:
-        def write(value: object, how: Reception) -> None:
+    def note(definition: MessageDefinition[Any]) -> Callable[[object, MessageInfo], None]:
+        def write(value: object, how: MessageInfo) -> None:
             nonlocal written
             written += 1
             clock = time.strftime("%H:%M:%S", time.localtime())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 from hub.errors import HubError, NoHandlerError, QueryError, QueryTimeoutError
-from hub.gcm.autonomy import Pilot
+from hub.gcm.autonomy import DrivingMode
 from hub.gcm.common import COMMON_RESULT
 from hub.gcm.control import (
     CONTROL_REQUEST,
@@ -70,6 +70,6 @@ def _lines(state: ControlState) -> list[str]:
         more = f"; {state.waiting} more wait" if state.waiting else ""
         asker = f"{state.asker_operator} ({state.asker_name})"
         lines.append(f"{asker} asks for it, {state.left_s:.0f} s left to answer{more}")
-    moved = state.commander is not Pilot.NOBODY
+    moved = state.commander is not DrivingMode.NOBODY
     lines.append(f"{state.commander_name} moves the robot" if moved else "nobody moves the robot")
     return [*lines, f"last: {state.why}"]

@@ -9,7 +9,7 @@ from hub.gcm.navigation import ROBOT_STATE, STOP, MotionState, RobotState, Stop
 from hub.inspection.login import login_name
 from hub.inspection.output import complain, put
 from hub.ipc.client import Client
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 
 LIMIT_S = 2.0
 """A robot that does not stand after this time still moves [s]."""
@@ -88,7 +88,7 @@ def halt(client: Client, *, as_json: bool) -> int:
     client.define(STOP)
     begun = time.monotonic()
 
-    def take(report: RobotState, how: Reception) -> None:
+    def take(report: RobotState, how: MessageInfo) -> None:
         if how.measured >= begun:
             course.take(report)
 

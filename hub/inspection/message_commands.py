@@ -24,7 +24,7 @@ from hub.inspection import value_text
 from hub.inspection.output import complain, outcome, put
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.message_info import Reception, decode
+from hub.ipc.message_info import MessageInfo, decode
 from hub.ipc.security.client_keys import read_client_keys
 from hub.ipc.wire import control
 from hub.ipc.wire.definition_listing import from_listing
@@ -86,7 +86,7 @@ def echo(client: Client, name: str, *, count: int, as_json: bool) -> int:
     definition = find(client, name)
     shown = 0
 
-    def show(value: Any, reception: Reception) -> None:  # noqa: ANN401 - any message
+    def show(value: Any, reception: MessageInfo) -> None:  # noqa: ANN401 - any message
         nonlocal shown
         shown += 1
         _show(definition, value, as_json=as_json, reception=reception)
@@ -104,7 +104,7 @@ def rate(client: Client, name: str, *, seconds: float, as_json: bool) -> int:
     ages: list[float] = []
     missed = 0
 
-    def note(value: object, reception: Reception) -> None:
+    def note(value: object, reception: MessageInfo) -> None:
         nonlocal missed
         del value
         arrivals.append(time.monotonic())
@@ -206,7 +206,7 @@ def _serve_for(client: Client, seconds: float) -> None:
 
 
 def _show(
-    definition: MessageDefinition[T], value: T, *, as_json: bool, reception: Reception | None
+    definition: MessageDefinition[T], value: T, *, as_json: bool, reception: MessageInfo | None
 ) -> None:
     if as_json:
         put(json.dumps(value_text.plain(value, definition.tree)))

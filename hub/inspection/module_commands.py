@@ -22,7 +22,7 @@ from hub.gcm.supervision import CapabilityPhase, ModuleOrder
 from hub.inspection import value_text
 from hub.inspection.output import outcome, put, span, table
 from hub.ipc.client import Client
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from hub.plain_text import plain
 
 _ANSWER_S = 2.0
@@ -95,7 +95,7 @@ def want(client: Client, wanted: Sequence[str], *, seconds: float) -> int:
     wants = supervision.CapabilityWants(holder=client.name, capabilities=" ".join(wanted))
     said: dict[str, str] = {}
 
-    def tell(reports: supervision.CapabilityReports, reception: Reception) -> None:
+    def tell(reports: supervision.CapabilityReports, reception: MessageInfo) -> None:
         del reception
         known = {each.name: each for each in reports.capabilities}
         for name in wanted:

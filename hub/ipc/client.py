@@ -24,16 +24,16 @@ from hub.errors import (
 from hub.ipc import endpoints
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats.codegen import Buffer
-from hub.ipc.message_info import Reception, decode
+from hub.ipc.message_info import MessageInfo, decode
 from hub.ipc.node.connection import LOST_S
 from hub.ipc.node.directory import Directory
-from hub.ipc.node.pending_queries import Question
-from hub.ipc.node.publisher import Outlet
+from hub.ipc.node.pending_queries import PendingQuery
+from hub.ipc.node.publisher import Publisher
 from hub.ipc.node.responders import Reply
 from hub.ipc.node.session import Session
 from hub.ipc.security.client_keys import ClientKeys
 from hub.ipc.transport import heap, sockets
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.loop import Loop
 from hub.ipc.transport.timers import Timer
 from hub.ipc.wire import frames
@@ -93,10 +93,10 @@ class Client:
         self._own_loop = loop is None
         self._keys = keys
         self._clock = clock = self.loop.clock
-        self.complaints = Complaints(_logger, clock)
+        self.complaints = FaultCounter(_logger, clock)
         self._context: sockets.Context = zmq.Context(2)
         self._context.max_sockets = _MAX_SOCKETS
-        self._ready_outlets: dict[MessageDefinition[Any], Outlet] = {}
+        self._ready_outlets: dict[MessageDefinition[Any], Publisher] = {}
         self._session = Session(
             name,
             self.endpoint,
@@ -249,7 +249,7 @@ class Client:
     def subscribe(
         self,
         definition: MessageDefinition[T],
-        handler: Callable[[T, Reception], None],
+        handler: Callable[[T, MessageInfo], None],
         *,
         queue: int | None = None,
         priority: int | None = None,
@@ -271,7 +271,7 @@ class Client:
             self._session.ask_last(definition.name)
 
     def subscribe_payload(
-        self, definition: MessageDefinition[Any], handler: Callable[[memoryview, Reception], None]
+        self, definition: MessageDefinition[Any], handler: Callable[[memoryview, MessageInfo], None]
     ) -> None:
         """As `subscribe`, but `handler` gets the payload as it came: to record or forward it."""
         self._prepare(definition)
@@ -290,7 +290,7 @@ class Client:
     def unsubscribe(
         self,
         definition: MessageDefinition[T],
-        handler: Callable[[T, Reception], None] | None = None,
+        handler: Callable[[T, MessageInfo], None] | None = None,
     ) -> None:
         """Call `handler` no longer, or none of the handlers; no error if it was not called."""
         self._inlets.unsubscribe(definition.name, handler)
@@ -315,7 +315,7 @@ class Client:
         definition: MessageDefinition[T],
         *,
         timeout: float,
-        answered: Callable[[T, Reception], None],
+        answered: Callable[[T, MessageInfo], None],
         failed: Callable[[QueryError], None],
     ) -> None:
         """As `last_value`; exactly one of `answered` and `failed` is called later, by the loop."""
@@ -353,7 +353,7 @@ class Client:
         response: MessageDefinition[R],
         *,
         timeout: float,
-        answered: Callable[[R, Reception], None],
+        answered: Callable[[R, MessageInfo], None],
         failed: Callable[[QueryError], None],
     ) -> None:
         """Ask; exactly one of `answered` and `failed` is called later, by the loop."""
@@ -418,10 +418,10 @@ class Client:
         name: str,
         response: MessageDefinition[T],
         timeout: float,
-        answered: Callable[[T, Reception], None],
+        answered: Callable[[T, MessageInfo], None],
         failed: Callable[[QueryError], None],
-    ) -> Question:
-        return Question(
+    ) -> PendingQuery:
+        return PendingQuery(
             name=name,
             read=lambda frame: decode(response, frame),
             timeout=timeout,
@@ -435,7 +435,7 @@ class Client:
         self.define(definition)
         self._session.enter_planes()
 
-    def _outlet(self, definition: MessageDefinition[Any]) -> Outlet:
+    def _outlet(self, definition: MessageDefinition[Any]) -> Publisher:
         self._prepare(definition)
         outlet = self._ready_outlets[definition] = self._outlets.of(definition)
         return outlet

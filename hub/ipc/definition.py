@@ -17,7 +17,7 @@ from hub.errors import CodecError, MessageFormatError
 from hub.ipc.formats import codec
 from hub.ipc.formats import grammar as formats
 from hub.ipc.formats.codegen import Buffer
-from hub.ipc.formats.dataclass_codec import FAULTS, Record
+from hub.ipc.formats.dataclass_codec import FAULTS, DataclassCodec
 from hub.ipc.formats.ranges import Note, unnoted
 
 T = TypeVar("T")
@@ -70,7 +70,7 @@ class MessageDefinition(Generic[T]):
     unreadable: T | None = None
     tree: formats.Format = field(init=False, repr=False)
     _codec: codec.Codec = field(init=False, repr=False)
-    _record: Record = field(init=False, repr=False)
+    _record: DataclassCodec = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         check_name(self.name)
@@ -81,7 +81,7 @@ class MessageDefinition(Generic[T]):
         object.__setattr__(self, "tree", tree)
         object.__setattr__(self, "_codec", compiled)
         strict = self.plane is Plane.COMMAND
-        record = Record.of(self.type, tree, self.name, strict=strict)
+        record = DataclassCodec.of(self.type, tree, self.name, strict=strict)
         object.__setattr__(self, "_record", record)
 
     @property
@@ -95,7 +95,7 @@ class MessageDefinition(Generic[T]):
         return self._codec.fixed_length
 
     @property
-    def record(self) -> Record:
+    def record(self) -> DataclassCodec:
         """How the dataclass and the members of the format belong together."""
         return self._record
 

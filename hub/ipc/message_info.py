@@ -9,7 +9,7 @@ from hub.ipc.definition import MessageDefinition
 from hub.ipc.wire import frames
 
 
-class Reception(NamedTuple):
+class MessageInfo(NamedTuple):
     """How a message came.
 
     Attributes:

@@ -66,7 +66,7 @@ _ACTIONS = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Bearer:
+class Principal:
     """Who is at the other end of a connection: the holder of a key.
 
     Two keys are two bearers, also if one was made after the other under the same name.
@@ -82,9 +82,9 @@ class Bearer:
     key: str = ""
 
     @staticmethod
-    def of(name: str, role: Role, public: str) -> Bearer:
+    def of(name: str, role: Role, public: str) -> Principal:
         """The bearer of a public key (Z85)."""
-        return Bearer(name=name, role=role, key=_fingerprint(public))
+        return Principal(name=name, role=role, key=_fingerprint(public))
 
     @property
     def user_id(self) -> str:
@@ -96,12 +96,12 @@ class Bearer:
         return f"{self.role.value}:{self.name}"
 
 
-LOCAL = Bearer(name="this machine", role=Role.MODULE)
+LOCAL = Principal(name="this machine", role=Role.MODULE)
 """Whoever connects without a key; that works on this machine only, whose users are trusted."""
 
 
 @functools.lru_cache(maxsize=_KNOWN_BEARERS)
-def parse_bearer(user_id: str) -> Bearer:
+def parse_principal(user_id: str) -> Principal:
     """The bearer that a frame's User-Id names.
 
     Raises:
@@ -113,7 +113,7 @@ def parse_bearer(user_id: str) -> Bearer:
     if not name or not known or _KEY_PRINT.fullmatch(key) is None:
         text = f"a connection says it belongs to {user_id[:80]!r}, which is no role, name and key"
         raise NotAllowedError(text)
-    return Bearer(name=name, role=Role(role), key=key)
+    return Principal(name=name, role=Role(role), key=key)
 
 
 def _fingerprint(public: str) -> str:
@@ -125,7 +125,7 @@ def may(role: Role, action: Action) -> bool:
     return action in _ACTIONS[role]
 
 
-def demand(bearer: Bearer, action: Action) -> None:
+def demand(bearer: Principal, action: Action) -> None:
     """Refuse what the bearer's role does not allow.
 
     Raises:
@@ -140,7 +140,7 @@ def demand(bearer: Bearer, action: Action) -> None:
         raise NotAllowedError(text)
 
 
-def may_enter(role: Role, place: str) -> bool:
+def may_connect(role: Role, place: str) -> bool:
     """Whether holders of this role may connect to a place: CONTROL, "PLANE in" or "PLANE out".
 
     Every role enters "command in": what passes there is looked at frame by frame.

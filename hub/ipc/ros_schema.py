@@ -26,7 +26,7 @@ from typing import Any, NoReturn, cast
 from hub.errors import MessageFormatError
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats import grammar as formats
-from hub.ipc.formats.dataclass_codec import Record
+from hub.ipc.formats.dataclass_codec import DataclassCodec
 
 PACKAGE = "rune_msgs"
 """ROS package of every message that names no ROS 2 type of its own."""
@@ -178,21 +178,25 @@ class _Schema:
         numbered = (f"{name}{number}" for number in itertools.count(2))
         return next(each for each in itertools.chain([name], numbered) if each not in taken)
 
-    def _fields(self, tree: formats.Struct, record: Record, owner: str) -> tuple[_Field, ...]:
+    def _fields(
+        self, tree: formats.Struct, record: DataclassCodec, owner: str
+    ) -> tuple[_Field, ...]:
         return tuple(
             self._field(member.name, node, member.record, owner)
             for member, node in zip(record.members, tree.members, strict=True)
             if not isinstance(node, formats.SelfPointer)
         )
 
-    def _field(self, name: str, node: formats.Format, record: Record | None, owner: str) -> _Field:
+    def _field(
+        self, name: str, node: formats.Format, record: DataclassCodec | None, owner: str
+    ) -> _Field:
         if not _FIELD_NAME.fullmatch(name):
             self._refuse(f"{name!r} is no name for a field there")
         kind, count, bounded = self._shape(node, record, owner + _type_name(name))
         return _Field(name, kind, count, bounded)
 
     def _shape(
-        self, node: formats.Format, record: Record | None, owner: str
+        self, node: formats.Format, record: DataclassCodec | None, owner: str
     ) -> tuple[str | _Kind, int | None, bool]:
         """Type, count and whether it is bounded, as `_Field` has them."""
         if isinstance(node, formats.Primitive):
@@ -217,15 +221,17 @@ class _Schema:
             return self._element(target, record, owner), 1, True
         raise AssertionError(node)
 
-    def _element(self, node: formats.Format, record: Record | None, owner: str) -> str | _Kind:
+    def _element(
+        self, node: formats.Format, record: DataclassCodec | None, owner: str
+    ) -> str | _Kind:
         """The type of one element, with a type around an array, for ROS 2 has no arrays of them."""
         kind, count, bounded = self._shape(node, record, owner)
         if count is None:
             return kind
         return self._add(self._free(owner), (_Field("items", kind, count, bounded),))
 
-    def _struct(self, node: formats.Struct, known: Record | None) -> _Kind:
-        record = cast("Record", known)
+    def _struct(self, node: formats.Struct, known: DataclassCodec | None) -> _Kind:
+        record = cast("DataclassCodec", known)
         key = (record.kind, node)
         if key not in self._known:
             name = _type_name(record.kind.__name__)

@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Iterable, Sequence
 
 from hub.errors import ModuleStartError
-from hub.robomon.module_lifecycle import Life
+from hub.robomon.module_lifecycle import ModuleLifecycle
 from hub.robomon.process import ModuleProcess
 from hub.robomon.wants import MAX_NAME
 
@@ -21,7 +21,7 @@ MAX_NAMES = 64
 MAX_SHOWN_BYTES = 200
 
 
-class Inquiry:
+class CapabilityProbe:
     """Asks one module after the other; `look` is to be called again and again, and never waits."""
 
     def __init__(self, arguments: Sequence[str]) -> None:
@@ -31,10 +31,10 @@ class Inquiry:
             arguments: What is added to a module's command.
         """
         self._arguments = (*arguments, "--describe")
-        self._waiting: deque[Life] = deque()
+        self._waiting: deque[ModuleLifecycle] = deque()
         self._asked: set[str] = set()
         self._process: ModuleProcess | None = None
-        self._life: Life | None = None
+        self._life: ModuleLifecycle | None = None
         self._heard = b""
         self._until = 0.0
 
@@ -43,7 +43,7 @@ class Inquiry:
         """The process that is asked now; 0 if none is."""
         return self._process.pid if self._process else 0
 
-    def ask(self, lives: Iterable[Life]) -> None:
+    def ask(self, lives: Iterable[ModuleLifecycle]) -> None:
         """Ask these, each once."""
         for life in lives:
             if life.spec.name not in self._asked:
@@ -87,7 +87,7 @@ class Inquiry:
         if self._life is not None and not self._life.asked:
             self._conclude(self._life, code)
 
-    def _conclude(self, life: Life, code: int | None) -> None:
+    def _conclude(self, life: ModuleLifecycle, code: int | None) -> None:
         abilities = parse(self._heard) if code == 0 else None
         if abilities is None:
             _logger.warning(

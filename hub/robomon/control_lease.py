@@ -39,7 +39,7 @@ class Console:
     heard: float
 
 
-class Arbiter:
+class ControlLease:
     """Decides; every method gets the present monotonic time [s].
 
     Attributes:

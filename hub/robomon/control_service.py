@@ -9,18 +9,18 @@ from collections.abc import Callable
 import numpy as np
 
 from hub.gcm import control, pad
-from hub.gcm.autonomy import Pilot
+from hub.gcm.autonomy import DrivingMode
 from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.gcm.control import ControlAction, ControlRequest
 from hub.gcm.navigation import NAVIGATION_STATUS, NavigationStatus, Task
 from hub.gcm.supervision import MODULE_INFO, ModuleInfo
 from hub.ipc.broker.peers import Peer
 from hub.ipc.client import Client
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from hub.ipc.node.responders import Reply
 from hub.ipc.roles import Action, Role, may
 from hub.ipc.wire.control import Change, Presence
-from hub.robomon.control_lease import Answer, Arbiter
+from hub.robomon.control_lease import Answer, ControlLease
 from hub.runtime import publish_on_request
 
 _logger = logging.getLogger(__name__)
@@ -34,7 +34,7 @@ _NOT_ALLOWED = (
 )
 
 
-class ControlDesk:
+class ControlService:
     """Connects the arbiter with the bus; it lives as long as the hub does."""
 
     def __init__(self, client: Client, peer_of: Callable[[int], Peer | None]) -> None:
@@ -47,7 +47,7 @@ class ControlDesk:
         self._client = client
         self._peer_of = peer_of
         self._clock = time.monotonic
-        self._arbiter = Arbiter(self._clock())
+        self._arbiter = ControlLease(self._clock())
         self._modules: set[int] = set()
         self._status: tuple[NavigationStatus, float] | None = None
         self._said: tuple[object, ...] = ()
@@ -97,11 +97,11 @@ class ControlDesk:
             return arbiter.free(now)
         return arbiter.take_over(number, operator, now)
 
-    def _heard(self, heartbeat: control.ConsoleHeartbeat, reception: Reception) -> None:
+    def _heard(self, heartbeat: control.ConsoleHeartbeat, reception: MessageInfo) -> None:
         holds = bool(heartbeat.holds)
         self._arbiter.heard(reception.publisher, self._clock(), holds=holds)
 
-    def _announced(self, info: ModuleInfo, reception: Reception) -> None:
+    def _announced(self, info: ModuleInfo, reception: MessageInfo) -> None:
         del info
         peer = self._peer_of(reception.publisher)
         if peer is None or peer.bearer.role is not Role.MODULE:
@@ -110,7 +110,7 @@ class ControlDesk:
             self._modules.add(reception.publisher)
             self._look()
 
-    def _navigation(self, status: NavigationStatus, reception: Reception) -> None:
+    def _navigation(self, status: NavigationStatus, reception: MessageInfo) -> None:
         self._status = status, reception.measured
         self._look()
 
@@ -172,18 +172,18 @@ class ControlDesk:
             modules=np.array(sorted(self._modules), np.uint32),
         )
 
-    def _commander(self) -> tuple[Pilot, str]:
+    def _commander(self) -> tuple[DrivingMode, str]:
         """Who moves the robot now, as navigation says."""
         if self._status is None or self._clock() - self._status[1] > _FRESH_S:
-            return Pilot.NOBODY, ""
+            return DrivingMode.NOBODY, ""
         status = self._status[0]
         if status.driver:
-            return Pilot.OPERATOR, self._operator(status.driver)
+            return DrivingMode.OPERATOR, self._operator(status.driver)
         if status.task not in (Task.GOING, Task.TURNING):
-            return Pilot.NOBODY, ""
+            return DrivingMode.NOBODY, ""
         if status.sender in self._modules:
-            return Pilot.AUTONOMY, self._name(status.sender)
-        return Pilot.OPERATOR, self._operator(status.sender)
+            return DrivingMode.AUTONOMY, self._name(status.sender)
+        return DrivingMode.OPERATOR, self._operator(status.sender)
 
     def _operator(self, number: int) -> str:
         owner = self._arbiter.owner

@@ -21,13 +21,13 @@ from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.security.keyring import Keyring, default_folder
 from hub.ipc.security.publish_rights import ROBOMON
-from hub.robomon.control_service import ControlDesk
+from hub.robomon.control_service import ControlService
 from hub.robomon.mission_want import MissionWant
-from hub.robomon.module_logs import LogFolder, Outputs
+from hub.robomon.module_logs import LogFolder, ModuleLogs
 from hub.robomon.module_table import RobotTable, hub_arguments, robot_arguments
-from hub.robomon.policy import Supervisor
+from hub.robomon.policy import ModulePolicy
 from hub.robomon.process import adopt_orphans
-from hub.robomon.process_supervisor import Keeper
+from hub.robomon.process_supervisor import ProcessSupervisor
 from hub.robomon.reporting import Reporting
 from hub.robomon.sd_notify import Notifier
 
@@ -50,7 +50,7 @@ class Daemon:
         self._gateway = ""
         self._wake: Callable[[], None] = lambda: None
         self._notifier = Notifier.from_environment(os.environ, os.getpid())
-        self._supervisor = Supervisor(table.modules)
+        self._supervisor = ModulePolicy(table.modules)
 
     def run(self, *, stop_with_stdin: bool) -> int:
         """Serve until SIGINT, SIGTERM, or the end of standard input if that is wanted.
@@ -80,23 +80,23 @@ class Daemon:
             stack.callback(central.close)
             self._gateway = central.endpoints[-1] if robot.gateway else ""
             logs = stack.enter_context(contextlib.closing(LogFolder(robot.logs, robot.name)))
-            outputs = stack.enter_context(contextlib.closing(Outputs(logs.path)))
+            outputs = stack.enter_context(contextlib.closing(ModuleLogs(logs.path)))
             self._say("listening", central.endpoints[0], {})
             client = stack.enter_context(contextlib.closing(Client(ROBOMON, local)))
-            desk = ControlDesk(client, central.peer_of)
+            desk = ControlService(client, central.peer_of)
             MissionWant(client, self._supervisor.wants, robot, controlled=lambda: desk.owned)
             self._serve(client, outputs, local, central.endpoints[0])
         lives = self._supervisor.lives.values()
         return 1 if any(life.phase is ModulePhase.FAILED for life in lives) else 0
 
-    def _serve(self, client: Client, outputs: Outputs, local: str, endpoint: str) -> None:
+    def _serve(self, client: Client, outputs: ModuleLogs, local: str, endpoint: str) -> None:
         self._wake = lambda: client.post(lambda: None)
         client.wait_connected(_CONNECT_S)
         if self._notifier.period is not None:
             client.every(self._notifier.period, self._notifier.alive)
         self._notifier.ready(f"{self._table.robot.name}: starting modules")
         robot = self._table.robot
-        keeper = Keeper(
+        keeper = ProcessSupervisor(
             self._supervisor,
             client,
             outputs,

@@ -20,7 +20,7 @@ from hub.gcm.capability import Capability
 from hub.gcm.mission import MISSION_STATE, MissionState
 from hub.gcm.supervision import LEASE_S
 from hub.ipc.client import Client
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from hub.missions.folder import MissionFolder
 from hub.paths import for_missions
 from hub.robomon.wants import Wants
@@ -69,7 +69,7 @@ class MissionWant:
         capabilities = _CAPABILITIES if wanted else ()
         self._wants.renew(_NUMBER, HOLDER, capabilities, self._clock())
 
-    def _told(self, state: MissionState, reception: Reception) -> None:
+    def _told(self, state: MissionState, reception: MessageInfo) -> None:
         del reception
         if state.running or not state.fault:
             self._running = bool(state.running)

@@ -15,7 +15,7 @@ _TERM_S = 0.5
 """Time that SIGTERM leaves to a module that hangs [s]; it would not hear the command."""
 
 
-class Action(enum.Enum):
+class ProcessAction(enum.Enum):
     """What is to be done with a module's process."""
 
     START = "start"
@@ -25,10 +25,10 @@ class Action(enum.Enum):
 
 
 _UNWANTED = "is wanted by nobody"
-_ESCALATION = (Action.COMMAND, Action.TERMINATE, Action.KILL)
+_ESCALATION = (ProcessAction.COMMAND, ProcessAction.TERMINATE, ProcessAction.KILL)
 
 
-class Life:
+class ModuleLifecycle:
     """One module from its first start to its last end; every method gets the time [s].
 
     Attributes:
@@ -191,7 +191,7 @@ class Life:
         else:
             self._fail(self.why, now)
 
-    def step(self, now: float, *, wanted: bool, ready: bool) -> Action | None:
+    def step(self, now: float, *, wanted: bool, ready: bool) -> ProcessAction | None:
         """What is to be done now.
 
         Args:
@@ -207,10 +207,10 @@ class Life:
             return self._unwanted(now)
         idle = self.phase in (ModulePhase.STOPPED, ModulePhase.WAITING)
         if idle and wanted and not self.held and ready and now >= self._start_at:
-            return Action.START
+            return ProcessAction.START
         return None
 
-    def _unwanted(self, now: float) -> Action | None:
+    def _unwanted(self, now: float) -> ProcessAction | None:
         if self.up:
             self._stop(_UNWANTED, now, deliberate=True)
             return self._escalate(now)
@@ -240,7 +240,7 @@ class Life:
         self._stopping_since, self._done = now, 0
         self._enter(ModulePhase.STOPPING, why)
 
-    def _escalate(self, now: float) -> Action | None:
+    def _escalate(self, now: float) -> ProcessAction | None:
         """The next step of ending it, when its time has come; each is taken once."""
         if self._done >= len(_ESCALATION):
             return None

@@ -59,7 +59,7 @@ class _Source:
         return f"({what} left out here, as the disk was too slow)\n" if count else ""
 
 
-class Outputs:
+class ModuleLogs:
     """The outputs of all modules."""
 
     def __init__(self, folder: Path | None) -> None:

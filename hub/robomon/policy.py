@@ -13,7 +13,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from hub.gcm.supervision import CapabilityPhase, ModuleOrder, ModulePhase
-from hub.robomon.module_lifecycle import Action, Life
+from hub.robomon.module_lifecycle import ModuleLifecycle, ProcessAction
 from hub.robomon.module_table import ModuleSpec
 from hub.robomon.wants import MAX_CAPABILITIES, MAX_NAME, Wants
 from hub.toml_reader import nearest
@@ -32,7 +32,7 @@ _OVER_LIMIT_LOOKS = 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Stranger:
+class ExternalModule:
     """A module that somebody else started.
 
     Attributes:
@@ -65,7 +65,7 @@ class CapabilityView:
     wanted_by: tuple[str, ...]
 
 
-class Supervisor:
+class ModulePolicy:
     """All modules of a robot; every method that needs it gets the time [s].
 
     Attributes:
@@ -75,8 +75,8 @@ class Supervisor:
     """
 
     def __init__(self, specs: Sequence[ModuleSpec]) -> None:
-        self.lives = {spec.name: Life(spec) for spec in specs}
-        self.strangers: dict[str, Stranger] = {}
+        self.lives = {spec.name: ModuleLifecycle(spec) for spec in specs}
+        self.strangers: dict[str, ExternalModule] = {}
         self.wants = Wants()
         self._chosen: dict[str, str] = {}
         self._over: dict[str, int] = {}
@@ -84,7 +84,7 @@ class Supervisor:
         self._outside: frozenset[str] = frozenset()
         self._offered: frozenset[str] = frozenset()
         self._known: frozenset[str] = frozenset()
-        self._providers: dict[str, list[Life]] = {}
+        self._providers: dict[str, list[ModuleLifecycle]] = {}
 
     def announced(
         self, name: str, pid: int, provides: Iterable[str], needs: Iterable[str], now: float
@@ -97,7 +97,7 @@ class Supervisor:
             if life.announced(pid, now):
                 life.learned(can, lacks)
         elif life is None and (shown in self.strangers or len(self.strangers) < MAX_STRANGERS):
-            self.strangers[shown] = Stranger(pid=pid, provides=can, needs=lacks, heard=now)
+            self.strangers[shown] = ExternalModule(pid=pid, provides=can, needs=lacks, heard=now)
 
     def used(self, name: str, memory_mb: float, now: float) -> None:
         """A look at what a module takes."""
@@ -137,7 +137,7 @@ class Supervisor:
         near = nearest(name, self.lives)
         return f"there is no module {name[:40]!r}; this robot has {known}{near}"
 
-    def step(self, now: float) -> list[tuple[Life, Action]]:
+    def step(self, now: float) -> list[tuple[ModuleLifecycle, ProcessAction]]:
         """What is to be done now, in order."""
         if self._stepped is not None and now - self._stepped > AWAY_S:
             for life in self.lives.values():
@@ -161,7 +161,7 @@ class Supervisor:
                 life.why = f"waits for {' and '.join(lacking)}"
         return actions
 
-    def unasked(self) -> list[Life]:
+    def unasked(self) -> list[ModuleLifecycle]:
         """Modules that have not yet said what they can do, as they were not started."""
         return [
             life
@@ -218,7 +218,7 @@ class Supervisor:
                 self._include(self._provider(capability), plan)
         return plan
 
-    def _include(self, life: Life | None, plan: set[str]) -> None:
+    def _include(self, life: ModuleLifecycle | None, plan: set[str]) -> None:
         """Add a module with all that it needs."""
         if life is None or life.spec.name in plan:
             return
@@ -229,7 +229,7 @@ class Supervisor:
             if need not in self._outside:
                 self._include(self._provider(need), plan)
 
-    def _stands_back(self, name: str, life: Life) -> bool:
+    def _stands_back(self, name: str, life: ModuleLifecycle) -> bool:
         """Whether another does the work of a module that is to run always, as it cannot."""
         if life.replaced_by and self._could_do_it(self.lives[life.replaced_by], life):
             return True
@@ -242,12 +242,12 @@ class Supervisor:
                 return True
         return False
 
-    def _could_do_it(self, spare: Life, life: Life) -> bool:
+    def _could_do_it(self, spare: ModuleLifecycle, life: ModuleLifecycle) -> bool:
         """Whether a module can do all that another should do, and now."""
         able = bool(life.provides) and spare.provides >= life.provides
         return able and spare.sound and self._possible(spare)
 
-    def _provider(self, capability: str) -> Life | None:
+    def _provider(self, capability: str) -> ModuleLifecycle | None:
         """The module that shall provide a capability: the one that did, if it still can."""
         able = [
             life
@@ -264,7 +264,7 @@ class Supervisor:
             self._chosen[capability] = chosen.spec.name
         return chosen
 
-    def _possible(self, life: Life) -> bool:
+    def _possible(self, life: ModuleLifecycle) -> bool:
         """Whether there are modules for all that a module needs, and for what those need."""
         return life.needs <= self._offered
 
@@ -284,7 +284,7 @@ class Supervisor:
                 return
             able = left
 
-    def _lacking(self, life: Life, plan: set[str]) -> tuple[str, ...]:
+    def _lacking(self, life: ModuleLifecycle, plan: set[str]) -> tuple[str, ...]:
         """What a module needs and nobody provides yet; who needs it in turn is not waited for."""
         return tuple(
             need
@@ -295,10 +295,10 @@ class Supervisor:
         )
 
     @staticmethod
-    def _provided(life: Life | None, plan: set[str]) -> bool:
+    def _provided(life: ModuleLifecycle | None, plan: set[str]) -> bool:
         return life is not None and life.phase is ModulePhase.RUNNING and life.spec.name in plan
 
-    def _depends(self, life: Life | None, on: Life) -> bool:
+    def _depends(self, life: ModuleLifecycle | None, on: ModuleLifecycle) -> bool:
         """Whether a module needs another, itself or through others."""
         seen: set[str] = set()
         ahead = [life] if life else []
@@ -311,7 +311,7 @@ class Supervisor:
                 ahead += self._needed(each)
         return False
 
-    def _needed(self, life: Life) -> list[Life]:
+    def _needed(self, life: ModuleLifecycle) -> list[ModuleLifecycle]:
         """Who provides what a module needs, in the step that is under way."""
         name = life.spec.name
         if name not in self._providers:

@@ -29,7 +29,7 @@ _PATIENCE_S = 2.0
 """How long a process that was killed may take to end, and the guardian to do its work [s]."""
 
 
-class Guardian:
+class OrphanReaper:
     """The process that ends the modules if this one dies without doing so.
 
     Nothing here raises or waits for it: modules run without a guardian as well, until there is

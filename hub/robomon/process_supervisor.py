@@ -13,11 +13,11 @@ from hub.errors import ModuleStartError
 from hub.gcm.common import COMMON_COMMAND, CommonCommand, CommonCommandKind
 from hub.gcm.supervision import ModulePhase
 from hub.ipc.client import Client
-from hub.robomon.capability_probe import Inquiry
-from hub.robomon.module_lifecycle import Action, Life
-from hub.robomon.module_logs import Outputs
-from hub.robomon.policy import Supervisor
-from hub.robomon.process import Guardian, ModuleProcess, Usage, end_strays
+from hub.robomon.capability_probe import CapabilityProbe
+from hub.robomon.module_lifecycle import ModuleLifecycle, ProcessAction
+from hub.robomon.module_logs import ModuleLogs
+from hub.robomon.policy import ModulePolicy
+from hub.robomon.process import ModuleProcess, OrphanReaper, Usage, end_strays
 
 _logger = logging.getLogger(__name__)
 
@@ -42,7 +42,7 @@ class _Running:
     processor: float = math.nan
 
 
-class Keeper:
+class ProcessSupervisor:
     """The modules' processes.
 
     Attributes:
@@ -51,9 +51,9 @@ class Keeper:
 
     def __init__(
         self,
-        supervisor: Supervisor,
+        supervisor: ModulePolicy,
         client: Client,
-        outputs: Outputs,
+        outputs: ModuleLogs,
         *,
         arguments: Sequence[str],
         description_arguments: Sequence[str],
@@ -75,8 +75,8 @@ class Keeper:
         self._arguments = arguments
         self._changed = changed
         self._clock = time.monotonic
-        self._guardian = Guardian()
-        self._inquiry = Inquiry(description_arguments)
+        self._guardian = OrphanReaper()
+        self._inquiry = CapabilityProbe(description_arguments)
         self._running: dict[str, _Running] = {}
         self._said: dict[str, tuple[ModulePhase, str, int]] = {}
         self._began = self._clock()
@@ -128,25 +128,25 @@ class Keeper:
         end_strays({self._guardian.pid})
         self._guardian.close()
 
-    def _do(self, life: Life, action: Action) -> None:
+    def _do(self, life: ModuleLifecycle, action: ProcessAction) -> None:
         name = life.spec.name
-        if action is Action.START:
+        if action is ProcessAction.START:
             self._start(life)
             return
         running = self._running.get(name)
         if running is None:
             return
-        if action is Action.COMMAND:
+        if action is ProcessAction.COMMAND:
             self._client.publish(
                 COMMON_COMMAND,
                 CommonCommand(module=name, command=CommonCommandKind.STOP, argument=BY_ROBOMON),
             )
-        elif action is Action.TERMINATE:
+        elif action is ProcessAction.TERMINATE:
             running.process.ask_to_stop()
         else:
             running.process.kill()
 
-    def _start(self, life: Life) -> None:
+    def _start(self, life: ModuleLifecycle) -> None:
         name, now = life.spec.name, self._clock()
         try:
             process = ModuleProcess(life.spec, self._arguments)
@@ -218,7 +218,7 @@ class Keeper:
         self._changed()
 
 
-def _log_end(life: Life) -> None:
+def _log_end(life: ModuleLifecycle) -> None:
     if life.phase is ModulePhase.FAILED:
         _logger.error("%s %s", life.spec.name, life.why)
     elif life.phase is ModulePhase.WAITING:

@@ -16,11 +16,11 @@ from hub.gcm.common import (
 )
 from hub.gcm.supervision import ModulePhase
 from hub.ipc.client import Client
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from hub.ipc.wire.control import Change, Presence
-from hub.robomon.module_lifecycle import Life
-from hub.robomon.module_logs import REMEMBERED_LINES, Outputs
-from hub.robomon.process_supervisor import BY_ROBOMON, Keeper
+from hub.robomon.module_lifecycle import ModuleLifecycle
+from hub.robomon.module_logs import REMEMBERED_LINES, ModuleLogs
+from hub.robomon.process_supervisor import BY_ROBOMON, ProcessSupervisor
 from hub.runtime import publish_on_request
 
 _MOST_TEXT = 262_144
@@ -30,7 +30,9 @@ _MOST_TEXT = 262_144
 class Reporting:
     """Connects the policy with the bus."""
 
-    def __init__(self, client: Client, keeper: Keeper, outputs: Outputs, body: RobotBody) -> None:
+    def __init__(
+        self, client: Client, keeper: ProcessSupervisor, outputs: ModuleLogs, body: RobotBody
+    ) -> None:
         self._client = client
         self._keeper = keeper
         self._supervisor = keeper.supervisor
@@ -54,14 +56,14 @@ class Reporting:
         self._publish_modules()
         self._publish_capabilities()
 
-    def _announced(self, info: supervision.ModuleInfo, reception: Reception) -> None:
+    def _announced(self, info: supervision.ModuleInfo, reception: MessageInfo) -> None:
         del reception
         self._supervisor.announced(
             info.name, info.pid, info.capabilities.split(), info.needs.split(), self._clock()
         )
         self._keeper.look()
 
-    def _wanted(self, wants: supervision.CapabilityWants, reception: Reception) -> None:
+    def _wanted(self, wants: supervision.CapabilityWants, reception: MessageInfo) -> None:
         capabilities = wants.capabilities.split()
         now = self._clock()
         self._supervisor.wants.renew(
@@ -69,7 +71,7 @@ class Reporting:
         )
         self._keeper.look()
 
-    def _commanded(self, command: CommonCommand, reception: Reception) -> None:
+    def _commanded(self, command: CommonCommand, reception: MessageInfo) -> None:
         """Somebody tells modules directly; their ends and starts are then meant."""
         del reception
         if command.argument == BY_ROBOMON:
@@ -134,7 +136,7 @@ class Reporting:
             ),
         )
 
-    def _report(self, name: str, life: Life, now: float) -> supervision.ModuleReport:
+    def _report(self, name: str, life: ModuleLifecycle, now: float) -> supervision.ModuleReport:
         return supervision.ModuleReport(
             name=name,
             phase=life.phase,

@@ -14,7 +14,7 @@ from hub.robots.cropping import cropped_fov, size_within, vertical_fov
 from hub.robots.interfaces import Picture
 from hub.sim.arena import Arena
 from hub.sim.battery import Battery
-from hub.sim.contact import Body
+from hub.sim.contact import ContactBody
 from hub.sim.image_noise import SensorNoise
 from hub.sim.kinematics import ANGULAR, LINEAR, approach, limited, moved
 from hub.sim.lighting import Lighting
@@ -69,7 +69,7 @@ class SimulatedMagellan:
         odometry_seed, sensor_seed = np.random.SeedSequence(seed).spawn(2)
         self._linear_limit = linear_limit
         self._angular_limit = angular_limit
-        self._body = Body(arena.footprints)
+        self._body = ContactBody(arena.footprints)
         self._odometry = Odometry(odometry_seed)
         self._sensors = RangeSensors(arena.footprints, sensor_seed)
         self._battery = Battery()

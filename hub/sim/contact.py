@@ -18,7 +18,7 @@ _GAP = 1e-6
 _PUSHES = 6
 
 
-class Body:
+class ContactBody:
     """The robot's body among obstacles: where it can go and what it touches.
 
     Attributes:

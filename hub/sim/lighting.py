@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from hub.sim.view import Frame
+from hub.sim.view import CameraFrame
 
 _LAMP = 0.9
 """Light of the full headlight on what is very near, as a share of full daylight."""
@@ -36,7 +36,7 @@ class Lighting:
         """Whether everything is lit fully and alike."""
         return self.ambient == 1.0 and self.headlight == 0.0
 
-    def share(self, frame: Frame, depth: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    def share(self, frame: CameraFrame, depth: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
         """Share of full light that each pixel's thing gets, shape (height, width).
 
         Args:

@@ -17,7 +17,7 @@ from hub.sim.arena import Arena
 from hub.sim.faces import CEILING, FLOOR, PLANES, make_faces
 from hub.sim.lighting import FULL, Lighting
 from hub.sim.shading import Shader
-from hub.sim.view import FARTHEST_SEEN, Frame, View
+from hub.sim.view import FARTHEST_SEEN, CameraFrame, View
 
 _NEAREST = 1e-6
 _STEEP = 1e-12
@@ -53,7 +53,7 @@ class RayCaster:
         self._faces = make_faces(arena)
         self._ceiling = arena.ceiling
         self._shader = Shader(self._faces)
-        self._frames: dict[tuple[int, int], Frame] = {}
+        self._frames: dict[tuple[int, int], CameraFrame] = {}
 
     def picture(
         self, view: View, width_px: int, height_px: int, lighting: Lighting = FULL
@@ -67,12 +67,12 @@ class RayCaster:
         frame = self._cast(view, width_px, height_px)
         return 1.0 / frame.inverse_depth
 
-    def _cast(self, view: View, width_px: int, height_px: int) -> Frame:
+    def _cast(self, view: View, width_px: int, height_px: int) -> CameraFrame:
         """Find for every pixel what it shows and how far that is."""
         size = (width_px, height_px)
         frame = self._frames.get(size)
         if frame is None:
-            frame = self._frames[size] = Frame(width_px, height_px)
+            frame = self._frames[size] = CameraFrame(width_px, height_px)
         frame.aim(view)
         self._draw_planes(view, frame)
         if len(self._faces.axis):
@@ -82,7 +82,7 @@ class RayCaster:
             _draw_cylinder(view, frame, cylinder, thing)
         return frame
 
-    def _draw_planes(self, view: View, frame: Frame) -> None:
+    def _draw_planes(self, view: View, frame: CameraFrame) -> None:
         """Floor and ceiling: the camera does not roll, so each row shows one of them."""
         down = -frame.ray_z
         to_floor = down / view.z
@@ -91,7 +91,7 @@ class RayCaster:
         frame.inverse_depth[:] = inverse[:, None]
         frame.thing[:] = np.where(down > 0.0, FLOOR, CEILING)[:, None]
 
-    def _candidates(self, view: View, frame: Frame) -> _Candidates:
+    def _candidates(self, view: View, frame: CameraFrame) -> _Candidates:
         """The sides that look at the camera and reach into the picture."""
         faces = self._faces
         distance = (view.eye[faces.axis] - faces.coordinate) * faces.sign
@@ -134,7 +134,7 @@ class RayCaster:
             nearest=nearest.tolist(),
         )
 
-    def _draw_faces(self, frame: Frame, candidates: _Candidates) -> None:
+    def _draw_faces(self, frame: CameraFrame, candidates: _Candidates) -> None:
         for number, face in enumerate(candidates.face):
             top, bottom, left, right = candidates.bounds[number]
             known = frame.inverse_depth[top:bottom, left:right]
@@ -151,7 +151,7 @@ class RayCaster:
             np.copyto(frame.thing[top:bottom, left:right], PLANES + face, where=drawn)
 
 
-def _in_sight(corners: npt.NDArray[np.float64], frame: Frame) -> npt.NDArray[np.bool_]:
+def _in_sight(corners: npt.NDArray[np.float64], frame: CameraFrame) -> npt.NDArray[np.bool_]:
     """False for sides whose corners all lie beyond one edge of the picture, shape (n,)."""
     x, y, z = corners[..., 0], corners[..., 1], corners[..., 2]
     wide, high = frame.half_width * z, frame.half_height * z
@@ -160,7 +160,7 @@ def _in_sight(corners: npt.NDArray[np.float64], frame: Frame) -> npt.NDArray[np.
 
 
 def _row_spans(
-    corners: npt.NDArray[np.float64], frame: Frame
+    corners: npt.NDArray[np.float64], frame: CameraFrame
 ) -> tuple[npt.NDArray[np.int16], npt.NDArray[np.int16]]:
     """First column and end column of each side in every row, each of shape (n, height).
 
@@ -180,7 +180,7 @@ def _row_spans(
     return first.astype(np.int16), end.astype(np.int16)
 
 
-def _draw_cylinder(view: View, frame: Frame, cylinder: list[float], thing: int) -> None:
+def _draw_cylinder(view: View, frame: CameraFrame, cylinder: list[float], thing: int) -> None:
     """Mantle and top of an upright cylinder, within the columns it can cover."""
     x, y, radius, low, high = cylinder
     to_axis = np.array((x - view.x, y - view.y))
@@ -214,7 +214,7 @@ def _draw_cylinder(view: View, frame: Frame, cylinder: list[float], thing: int) 
 
 
 def _cylinder_columns(
-    frame: Frame, to_axis: npt.NDArray[np.float64], radius: float
+    frame: CameraFrame, to_axis: npt.NDArray[np.float64], radius: float
 ) -> slice[int, int, None]:
     """Columns that may show a cylinder; all of them when it reaches beside the camera."""
     right, _, forward = frame.basis

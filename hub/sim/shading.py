@@ -9,7 +9,7 @@ from hub.sim.faces import PLANES, Faces
 from hub.sim.lighting import Lighting
 from hub.sim.textures import LEVELS
 from hub.sim.textures import SIDE as TEXELS
-from hub.sim.view import Frame, View
+from hub.sim.view import CameraFrame, View
 
 _HAZE = 74.0
 """Grey that far things fade into, 0 to 255."""
@@ -38,7 +38,7 @@ class Shader:
             np.float32
         )
 
-    def shade(self, view: View, frame: Frame, lighting: Lighting) -> npt.NDArray[np.uint8]:
+    def shade(self, view: View, frame: CameraFrame, lighting: Lighting) -> npt.NDArray[np.uint8]:
         """The picture of a frame, shape (height, width, 3)."""
         faces = self._faces
         thing = frame.thing
@@ -73,7 +73,7 @@ class Shader:
         return picture
 
     def _points(
-        self, view: View, frame: Frame, depth: npt.NDArray[np.float32]
+        self, view: View, frame: CameraFrame, depth: npt.NDArray[np.float32]
     ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32], npt.NDArray[np.float32]]:
         """What each pixel shows, in the arena's frame [m], each of shape (height, width)."""
         x = frame.ray_x * depth
@@ -86,7 +86,7 @@ class Shader:
 
     def _wrap_cylinders(
         self,
-        frame: Frame,
+        frame: CameraFrame,
         x: npt.NDArray[np.float32],
         y: npt.NDArray[np.float32],
         across: npt.NDArray[np.float32],
@@ -107,7 +107,7 @@ class Shader:
 
     def _texels(
         self,
-        frame: Frame,
+        frame: CameraFrame,
         depth: npt.NDArray[np.float32],
         across: npt.NDArray[np.float32],
         down: npt.NDArray[np.float32],

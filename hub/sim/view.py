@@ -50,7 +50,7 @@ class View:
         )
 
 
-class Frame:
+class CameraFrame:
     """Rays and buffers of one picture size, filled anew for every picture.
 
     Attributes:

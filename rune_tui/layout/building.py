@@ -10,7 +10,7 @@ from rune_tui.layout import names
 from rune_tui.layout.checks import viewport_robot
 from rune_tui.layout.grammar import Mistake, Node, Rules
 from rune_tui.layout.inputs import inputs_of
-from rune_tui.layout.joysticks import Input, Joysticks
+from rune_tui.layout.joysticks import Input, JoystickNodes
 from rune_tui.layout.rules import LOCAL_MESSAGES, HandlerRule, Option, Options, Vocabulary
 from rune_tui.layout.spec import (
     CHOSEN,
@@ -48,14 +48,14 @@ class SpecBuilder:
         self._path = path
         self._vocabulary = vocabulary
         self._robots: tuple[str, ...] = ()
-        self._joysticks = Joysticks((), rules)
+        self._joysticks = JoystickNodes((), rules)
         self.mistakes: list[Mistake] = []
         self.notes: list[str] = []
 
     def layout(self, root: Node, files: tuple[Path, ...]) -> LayoutSpec:
         """The whole layout, which these files make up."""
         self._robots = tuple(self._text(robot, "name") for robot in root.of("robot"))
-        self._joysticks = Joysticks(root.of("joystick"), self._rules)
+        self._joysticks = JoystickNodes(root.of("joystick"), self._rules)
         (node,) = root.of("view")
         view = self._view(node)
         widgets = [

@@ -14,7 +14,7 @@ from rune_tui.layout.arrangement_checks import arrangement_mistakes
 from rune_tui.layout.grammar import Mistake, Node, Rules, hint, quoted, tag
 from rune_tui.layout.inputs import TakenInputs, input_mistakes
 from rune_tui.layout.joystick_checks import handler_mistakes, joystick_mistakes
-from rune_tui.layout.joysticks import Joysticks
+from rune_tui.layout.joysticks import JoystickNodes
 from rune_tui.layout.places import Place
 from rune_tui.layout.references import reference_mistakes
 from rune_tui.layout.rules import HandlerRule, NumberOption, Option, Vocabulary
@@ -39,7 +39,7 @@ def find_mistakes(root: Node, rules: Rules, vocabulary: Vocabulary) -> Iterator[
         yield from _robot_mistakes(robot, rules)
     known = tuple(filter(None, (rules.value(robot, "name") for robot in robots)))
     viewports = [viewport for view in root.of("view") for viewport in view.of("viewport")]
-    joysticks = Joysticks(root.of("joystick"), rules)
+    joysticks = JoystickNodes(root.of("joystick"), rules)
     yield from _joystick_mistakes(root, rules)
     inputs, wants = TakenInputs(rules, joysticks), Wants(robots, rules)
     for view in root.of("view"):
@@ -204,7 +204,7 @@ def _widget_mistakes(
     widget: Node,
     rules: Rules,
     vocabulary: Vocabulary,
-    joysticks: Joysticks,
+    joysticks: JoystickNodes,
     viewport: Node | None = None,
 ) -> Iterator[Mistake]:
     yield from _lacking(widget, "event")

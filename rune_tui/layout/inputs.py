@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 from rune_tui.layout import names
 from rune_tui.layout.grammar import Mistake, Node, Rules, hint, quoted
 from rune_tui.layout.joystick_checks import event_mistakes
-from rune_tui.layout.joysticks import KINDS_FOR, Input, Joysticks
+from rune_tui.layout.joysticks import KINDS_FOR, Input, JoystickNodes
 from rune_tui.layout.places import Place
 
 
-def inputs_of(event: Node, rules: Rules, joysticks: Joysticks) -> tuple[Input, ...]:
+def inputs_of(event: Node, rules: Rules, joysticks: JoystickNodes) -> tuple[Input, ...]:
     """The inputs that an event waits for; none if it is of no one kind, or what it says is wrong.
 
     They are several where an event means a whole hat switch.
@@ -28,7 +28,7 @@ def inputs_of(event: Node, rules: Rules, joysticks: Joysticks) -> tuple[Input, .
 
 
 def input_mistakes(
-    event: Node, rules: Rules, viewport: Node | None, joysticks: Joysticks
+    event: Node, rules: Rules, viewport: Node | None, joysticks: JoystickNodes
 ) -> Iterator[Mistake]:
     """What is wrong with the input that an event names."""
     key = rules.value(event, "key")
@@ -101,7 +101,7 @@ class TakenInputs:
     """Which inputs are taken, and where; each is reported once for each event."""
 
     rules: Rules
-    joysticks: Joysticks
+    joysticks: JoystickNodes
     anywhere: dict[str, Place] = field(default_factory=dict)
     globally: dict[str, Place] = field(default_factory=dict)
     by_handler: dict[tuple[str, str, str], Place] = field(default_factory=dict)

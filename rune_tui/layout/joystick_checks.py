@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 
 from rune_tui.layout import names
 from rune_tui.layout.grammar import Mistake, Node, Rules, hint, quoted, tag
-from rune_tui.layout.joysticks import KINDS_FOR, Joysticks
+from rune_tui.layout.joysticks import KINDS_FOR, JoystickNodes
 from rune_tui.layout.places import Place
 from rune_tui.layout.rules import HandlerRule
 from rune_tui.layout.spec import ControlKind
@@ -112,7 +112,7 @@ def _binding_mistakes(bindings: Node, rules: Rules) -> Iterator[Mistake]:
                 yield Mistake(bindings.at(direction), f"{message}; a hat tells them apart")
 
 
-def event_mistakes(event: Node, rules: Rules, joysticks: Joysticks) -> Iterator[Mistake]:
+def event_mistakes(event: Node, rules: Rules, joysticks: JoystickNodes) -> Iterator[Mistake]:
     """What is wrong with what an event says of a joystick, if it says anything of one."""
     parts = [part for part in KINDS_FOR if part in event.attributes]
     if "direction" in event.attributes and "hat" not in event.attributes:
@@ -141,7 +141,7 @@ def event_mistakes(event: Node, rules: Rules, joysticks: Joysticks) -> Iterator[
 
 
 def _named_control_mistakes(
-    event: Node, part: str, joystick: str, rules: Rules, joysticks: Joysticks
+    event: Node, part: str, joystick: str, rules: Rules, joysticks: JoystickNodes
 ) -> Iterator[Mistake]:
     control, known = rules.value(event, part), joysticks.kinds(joystick)
     if control is None or known.get(control, ControlKind.AXIS) is None:
@@ -159,7 +159,7 @@ def _named_control_mistakes(
 
 
 def handler_mistakes(
-    event: Node, handler: str, rule: HandlerRule, rules: Rules, joysticks: Joysticks
+    event: Node, handler: str, rule: HandlerRule, rules: Rules, joysticks: JoystickNodes
 ) -> Iterator[Mistake]:
     """That a handler can do nothing with the input of an event."""
     if "joystick" not in event.attributes:

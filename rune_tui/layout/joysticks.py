@@ -33,7 +33,7 @@ class Input:
     pushed: str = ""
 
 
-class Joysticks:
+class JoystickNodes:
     """The joysticks of a layout by name; of two of one name, the first."""
 
     def __init__(self, nodes: Iterable[Node], rules: Rules) -> None:

@@ -18,7 +18,7 @@ from hub.gcm.control import (
     ControlRequest,
 )
 from hub.ipc.client import Client
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from rune_tui.model.control import Standing, standing
 from rune_tui.model.robot_state import RobotState
 
@@ -64,7 +64,7 @@ class ControlLine:
         self._client.post(lambda: self._ask(action, by_driving=by_driving))
 
     def _ask(self, action: ControlAction, *, by_driving: bool) -> None:
-        def answered(result: CommonResult, reception: Reception) -> None:
+        def answered(result: CommonResult, reception: MessageInfo) -> None:
             del reception
             if not result.done:
                 self._say(result.text)
@@ -91,7 +91,7 @@ class ControlLine:
             holds = standing(self._state()) is Standing.MINE
             self._client.publish(CONSOLE_HEARTBEAT, ConsoleHeartbeat(holds=int(holds)))
 
-    def _refused(self, refusal: ControlRefusal, reception: Reception) -> None:
+    def _refused(self, refusal: ControlRefusal, reception: MessageInfo) -> None:
         del reception
         if refusal.sender == self._client.number:
             what = refusal.message.removeprefix("GCM_").replace("_", " ").lower()

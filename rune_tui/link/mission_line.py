@@ -9,7 +9,7 @@ from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.gcm.mapping import POINT_REFUSAL, PointRefusal
 from hub.gcm.mission import MISSION_COMMAND, MissionAction, MissionCommand
 from hub.ipc.client import Client
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 
 _ANSWER_S = 5.0
 """The robot may wait for its disk [s]."""
@@ -35,7 +35,7 @@ class MissionLine:
         self._client.post(lambda: self._ask(action, name))
 
     def _ask(self, action: MissionAction, name: str) -> None:
-        def answered(result: CommonResult, reception: Reception) -> None:
+        def answered(result: CommonResult, reception: MessageInfo) -> None:
             del reception
             if not result.done:
                 self._say(f"mission: {result.text}")
@@ -55,7 +55,7 @@ class MissionLine:
             failed=failed,
         )
 
-    def _refused(self, refusal: PointRefusal, reception: Reception) -> None:
+    def _refused(self, refusal: PointRefusal, reception: MessageInfo) -> None:
         del reception
         if refusal.sender == self._client.number:
             self._say(f"mark refused: {refusal.text}")

@@ -14,7 +14,7 @@ from hub.gcm.pad import (
     PadState,
 )
 from hub.ipc.client import Client
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from rune_tui.controls.remote_pad.far_pads import FarPads
 
 
@@ -51,10 +51,10 @@ class PadLine:
             console = PadConsole(operator=self._pads.operator, count=len(taken), taken=taken)
             self._client.publish(PAD_CONSOLE, console)
 
-    def _device(self, told: PadDevice, reception: Reception) -> None:
+    def _device(self, told: PadDevice, reception: MessageInfo) -> None:
         if self._pads is not None:
             self._pads.device_came((self._robot, reception.publisher), told)
 
-    def _state(self, state: PadState, reception: Reception) -> None:
+    def _state(self, state: PadState, reception: MessageInfo) -> None:
         if self._pads is not None:
             self._pads.state_came((self._robot, reception.publisher), state, reception.measured)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from hub.errors import CodecError, HandlerFailedError, HubError, QueryTimeoutError
 from hub.gcm import vision
 from hub.ipc.client import Client
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from rune_tui.link.picture_choice import PictureChoice
 from rune_tui.link.requests import Requester
 from rune_tui.model.console_state import PictureWish
@@ -21,7 +21,7 @@ class PictureStream:
         self,
         client: Client,
         *,
-        take: Callable[[vision.Image, Reception], int],
+        take: Callable[[vision.Image, MessageInfo], int],
         fail: Callable[[str], None],
         clock: Callable[[], float],
     ) -> None:
@@ -104,7 +104,7 @@ class PictureStream:
             return None
         return self._choice.request(size, self._wish, near=self._client.near)
 
-    def _taken(self, image: vision.Image, reception: Reception) -> int:
+    def _taken(self, image: vision.Image, reception: MessageInfo) -> int:
         number = self._take(image, reception)
         self._newest = image
         self._count += 1

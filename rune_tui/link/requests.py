@@ -12,7 +12,7 @@ from typing import Generic, TypeVar
 from hub.errors import CodecError, HubError, NoHandlerError, QueryTimeoutError
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from rune_tui.link.pace import Pace
 
 RETRY_S = 0.25
@@ -40,7 +40,7 @@ class Requester(Generic[Q, A]):
         response: MessageDefinition[A],
         *,
         ask: Callable[[], Q | None],
-        take: Callable[[A, Reception], int],
+        take: Callable[[A, MessageInfo], int],
         fail: Callable[[str], None],
         clock: Callable[[], float],
         busy: Callable[[Q, float], None] = lambda _, __: None,
@@ -109,7 +109,7 @@ class Requester(Generic[Q, A]):
             failed=lambda error: self._failed(number, wanted, error),
         )
 
-    def _answered(self, number: int, asked: Q, when: float, value: A, how: Reception) -> None:
+    def _answered(self, number: int, asked: Q, when: float, value: A, how: MessageInfo) -> None:
         now = self._clock()
         self.round_trip = now - when
         service, waited = self.pace.answered(when, now, self._client.round_trip)

@@ -34,7 +34,7 @@ from hub.gcm.supervision import (
 )
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from hub.ipc.security.client_keys import read_client_keys
 from hub.ipc.security.publish_rights import may_publish
 from rune_tui.controls.remote_pad.far_pads import FarPads
@@ -289,7 +289,7 @@ class RobotLink:
             self._want_due += min(interval, _KEEP_ALIVE_LOOK_S) if self._unheard else interval
             self._unheard = max(0, self._unheard - 1)
 
-    def _store(self, name: str, value: object, reception: Reception) -> None:
+    def _store(self, name: str, value: object, reception: MessageInfo) -> None:
         self._messages += 1
         if self._too_soon(name, reception.measured):
             return
@@ -307,7 +307,7 @@ class RobotLink:
         newest = self._state.messages.get(name)
         return newest is not None and 0.0 <= measured - newest.measured < self._least_s.get(name, 0)
 
-    def _received(self, value: T, reception: Reception) -> Received[T]:
+    def _received(self, value: T, reception: MessageInfo) -> Received[T]:
         self._numbers += 1
         return Received(value=value, measured=reception.measured, number=self._numbers)
 
@@ -417,7 +417,7 @@ class RobotLink:
             )
         self._counted = (now, self._messages, self._bytes)
 
-    def _take_picture(self, image: vision.Image, reception: Reception) -> int:
+    def _take_picture(self, image: vision.Image, reception: MessageInfo) -> int:
         self._messages += 1
         self._bytes += image.length
         self.record(vision.IMAGE, image, reception.measured)
@@ -433,7 +433,7 @@ class RobotLink:
         wanted = mapping.MAP.name in self._spec.messages
         return mapping.MapRequest(x=math.nan) if wanted else None
 
-    def _take_map(self, coded: mapping.Map, reception: Reception) -> int:
+    def _take_map(self, coded: mapping.Map, reception: MessageInfo) -> int:
         self._messages += 1
         self._bytes += coded.length
         self.record(mapping.MAP, coded, reception.measured)

@@ -15,7 +15,7 @@ from typing import Any, Final
 from hub.gcm.catalog import BY_NAME
 from hub.ipc.client import Client
 from hub.ipc.definition import Keep, MessageDefinition, Plane
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 
 LATE_S: Final = 0.3
 """What is older when it comes, and not for the round trip, has waited in the link [s]."""
@@ -41,7 +41,7 @@ class _Stream:
     """
 
     definition: MessageDefinition[Any]
-    handler: Callable[[Any, Reception], None]
+    handler: Callable[[Any, MessageInfo], None]
     waits: bool = False
     due: float = -math.inf
 
@@ -62,7 +62,7 @@ class Streams:
     def __init__(
         self,
         client: Client,
-        store: Callable[[str, Any, Reception], None],
+        store: Callable[[str, Any, MessageInfo], None],
         clock: Callable[[], float],
     ) -> None:
         """Subscribe to nothing yet.
@@ -120,7 +120,7 @@ class Streams:
     def _asked_for(self) -> list[_Stream]:
         return [stream for stream in self._streams.values() if stream.can_be_asked_for]
 
-    def _came(self, name: str, value: Any, reception: Reception) -> None:  # noqa: ANN401 any message
+    def _came(self, name: str, value: Any, reception: MessageInfo) -> None:  # noqa: ANN401 any message
         """A broadcast."""
         stream = self._streams.get(name)
         if stream is None:
@@ -145,7 +145,7 @@ class Streams:
         for stream in self._asked_for():
             self._client.unsubscribe(stream.definition, stream.handler)
 
-    def _answered(self, stream: _Stream, asked: float, value: Any, reception: Reception) -> None:  # noqa: ANN401 any message
+    def _answered(self, stream: _Stream, asked: float, value: Any, reception: MessageInfo) -> None:  # noqa: ANN401 any message
         stream.waits = False
         now = self._clock()
         busy = max(0.0, now - asked - self._client.round_trip)

@@ -36,7 +36,7 @@ GRACE_S = 4.0
 """What is missing for no longer than this is not told of: hubs begin so [s]."""
 
 
-class Watch:
+class ChangeNotifier:
     """Compares what is known of each robot and joystick with what was known before.
 
     Links that are lost and found, control that changes hands, what stops a robot, what it refuses,

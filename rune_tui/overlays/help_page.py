@@ -11,7 +11,7 @@ from rune_tui.layout.actions import Action
 from rune_tui.layout.rules import Section
 from rune_tui.layout.spec import CHOSEN
 from rune_tui.model.own_keys import OwnKey
-from rune_tui.visualizers.parts.severity import Mood
+from rune_tui.visualizers.parts.severity import Severity
 
 _SECTIONS = list(Section)
 
@@ -29,7 +29,7 @@ class PageLine:
 
     left: str
     right: str = ""
-    mood: Mood = Mood.PLAIN
+    mood: Severity = Severity.PLAIN
     heading: bool = False
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.notices import merged
 from rune_tui.overlays.help_page import PageLine
-from rune_tui.visualizers.parts.severity import Mood
+from rune_tui.visualizers.parts.severity import Severity
 
 CLOCK_COLUMNS = 8
 """Width of the time of day."""
@@ -28,6 +28,6 @@ def log_lines(state: ConsoleState, *, search: str, right: int) -> Iterator[PageL
         words = " ".join(filter(None, ("!" if notice.alarm else "", whom, notice.text)))
         if wanted not in f"{notice.clock} {words}".casefold():
             continue
-        mood = Mood.ALARM if notice.alarm else Mood.PLAIN
+        mood = Severity.ALARM if notice.alarm else Severity.PLAIN
         for number, line in enumerate(textwrap.wrap(words, right) or [""]):
             yield PageLine(left="" if number else notice.clock, right=line, mood=mood)

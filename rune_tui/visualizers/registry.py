@@ -20,7 +20,7 @@ from rune_tui.visualizers.video.pan_data import PanData
 from rune_tui.visualizers.video.tilt_data import TiltData
 from rune_tui.visualizers.visualizer import Visualizer
 from rune_tui.visualizers.words.alarms import Alarms
-from rune_tui.visualizers.words.autonomy import Autonomy
+from rune_tui.visualizers.words.autonomy import VisualizeAutonomy
 from rune_tui.visualizers.words.button import Button
 from rune_tui.visualizers.words.capabilities import Capabilities
 from rune_tui.visualizers.words.control import Control
@@ -29,7 +29,7 @@ from rune_tui.visualizers.words.joystick import Joystick
 from rune_tui.visualizers.words.label import Label
 from rune_tui.visualizers.words.link_words import Link
 from rune_tui.visualizers.words.marks import Marks
-from rune_tui.visualizers.words.mission import Mission
+from rune_tui.visualizers.words.mission import VisualizeMission
 from rune_tui.visualizers.words.modules import Modules
 from rune_tui.visualizers.words.status import Status
 
@@ -50,14 +50,14 @@ VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
     "visualizeHeading": Heading,
     "visualizeSpeed": Speed,
     "visualizeAlarms": Alarms,
-    "visualizeAutonomy": Autonomy,
+    "visualizeAutonomy": VisualizeAutonomy,
     "visualizeCapabilities": Capabilities,
     "visualizeControl": Control,
     "visualizeEventLog": EventLog,
     "visualizeJoystick": Joystick,
     "visualizeLink": Link,
     "visualizeMarks": Marks,
-    "visualizeMission": Mission,
+    "visualizeMission": VisualizeMission,
     "visualizeModules": Modules,
     "visualizeButton": Button,
     "visualizePlot": Plot,

@@ -24,7 +24,7 @@ WAIT_S: Final = 20.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Waiting:
+class _PendingMission:
     """A name that was typed before the robot reported its mission.
 
     Attributes:
@@ -66,7 +66,7 @@ class Mission(OrderWidget):
 
     def __init__(self, spec: WidgetSpec, robot: str) -> None:
         super().__init__(spec, robot)
-        self._waiting: _Waiting | None = None
+        self._waiting: _PendingMission | None = None
 
     def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
         """The question; of a robot that keeps no missions, why it does not."""
@@ -111,7 +111,7 @@ class Mission(OrderWidget):
             robot = state.robots.get(asked.name, asked)
             if _reachable(robot):
                 return _given(robot, said)
-            self._waiting = _Waiting(robot=robot.name, name=said, since=state.now)
+            self._waiting = _PendingMission(robot=robot.name, name=said, since=state.now)
             text = "the mission begins when the robot tells that it can keep one"
             return (Tell.now(state, text, robot=robot.name),)
 

@@ -17,7 +17,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from hub.gcm.autonomy import AUTONOMY_STATE, AutonomyState, Behaviour, Phase, Pilot
+from hub.gcm.autonomy import AUTONOMY_STATE, AutonomyState, Behaviour, DrivingMode, Phase
 from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints, PointKind
@@ -128,7 +128,7 @@ MARKS: Final = InterestPoints(
 )
 HOLDS: Final = AutonomyState(
     behaviour=Behaviour.HOLD,
-    pilot=Pilot.OPERATOR,
+    pilot=DrivingMode.OPERATOR,
     x=math.nan,
     y=math.nan,
     frontier_m=math.nan,
@@ -268,7 +268,7 @@ SITUATIONS: Final[dict[str, Situation]] = {
             name,
             autonomy=AutonomyState(
                 behaviour=Behaviour.EXPLORE,
-                pilot=Pilot.AUTONOMY,
+                pilot=DrivingMode.AUTONOMY,
                 x=3.2,
                 y=4.6,
                 frontier_m=6.4,
@@ -304,7 +304,7 @@ SITUATIONS: Final[dict[str, Situation]] = {
             name,
             autonomy=AutonomyState(
                 behaviour=Behaviour.HOLD,
-                pilot=Pilot.NOBODY,
+                pilot=DrivingMode.NOBODY,
                 x=math.nan,
                 y=math.nan,
                 frontier_m=math.nan,

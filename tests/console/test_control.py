@@ -21,7 +21,7 @@ from rune_tui.layout.actions import inputs_of
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.control import owner_words
 from rune_tui.model.effects import ControlEffect, Effect, SendEffect, Tell, ToggleNight
-from rune_tui.model.happenings import Watch
+from rune_tui.model.happenings import ChangeNotifier
 from rune_tui.model.robot_state import LinkPhase, LinkState, RobotState
 from rune_tui.startup.opening import open_layout
 from tests.console.states import robot_of
@@ -255,7 +255,7 @@ def test_whatever_happens_nothing_but_the_stop_goes_to_a_robot_of_another(
 
 def notices(hands: Hands, *states: ControlState | None) -> list[tuple[str, bool]]:
     """What a console is told, and whether as an alarm, as control changes so."""
-    watch = Watch()
+    watch = ChangeNotifier()
     said = []
     for control in states:
         hands.control = control

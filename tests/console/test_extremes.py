@@ -29,7 +29,7 @@ from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.pictures import map_of, picture_of
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import SendEffect, StateEffect, changed
-from rune_tui.model.happenings import Watch
+from rune_tui.model.happenings import ChangeNotifier
 from rune_tui.model.robot_state import LinkPhase, LinkState, Received, RobotState
 from rune_tui.startup.opening import open_layout
 from rune_tui.view import View
@@ -108,7 +108,7 @@ def inputs(dispatch: Dispatch, random: Random) -> Iterator[ControlEvent]:
 def test_layout_takes_whatever_robots_say(name: str, caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level(logging.WARNING)
     layout, random = open_layout(ROOT / "layouts" / f"{name}.xml"), Random(3)
-    view, dispatch, watch = View(layout, lambda: 0.0), Dispatch(layout), Watch()
+    view, dispatch, watch = View(layout, lambda: 0.0), Dispatch(layout), ChangeNotifier()
     view.resize(*SIZE)
     robots = Robots(layout, random)
     state = ConsoleState.at_start(layout, 1000.0, "ada")

@@ -31,13 +31,13 @@ from hub.gcm.supervision import MODULE_INFO, ModuleInfo
 from hub.inspection import control_commands, message_commands
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from hub.ipc.roles import Role
 from hub.ipc.security.client_keys import read_client_keys
 from hub.ipc.security.keyring import Keyring
 from hub.ipc.security.publish_rights import ROBOMON
 from hub.ipc.transport.loop import Loop
-from hub.robomon.control_service import ControlDesk
+from hub.robomon.control_service import ControlService
 from tests.support.waiting import until
 
 HOLDS = ConsoleHeartbeat(holds=1)
@@ -56,7 +56,7 @@ class Robot:
         stack.callback(self.loop.close)
         self.followed: list[tuple[int, int]] = []
         self.changes: list[tuple[int, int]] = []
-        self.desk = ControlDesk(self.client("robomon"), self.central.peer_of)
+        self.desk = ControlService(self.client("robomon"), self.central.peer_of)
         module = self.client("navigation")
         self.gate = ControlGate(
             module, lambda now, before: self.changes.append((now.owner, before))
@@ -119,16 +119,16 @@ def test_state_of_control_counts_once_its_sender_is_the_daemon() -> None:
     follow_control(client, lambda state: learned.append(state.owner))
     connected, came = given[ROBOMON], given[CONTROL_STATE.name]
     for publisher in (0, 7, 5):
-        came(ControlState(owner=publisher), Reception(publisher, 1, 0, 0.0, 0.0))
+        came(ControlState(owner=publisher), MessageInfo(publisher, 1, 0, 0.0, 0.0))
     assert learned == []
     connected(5)
-    came(ControlState(owner=8), Reception(7, 2, 0, 0.0, 0.0))
+    came(ControlState(owner=8), MessageInfo(7, 2, 0, 0.0, 0.0))
     assert learned == [5]
     connected(0)
-    came(ControlState(owner=9), Reception(5, 2, 0, 0.0, 0.0))
-    came(ControlState(owner=9), Reception(0, 2, 0, 0.0, 0.0))
+    came(ControlState(owner=9), MessageInfo(5, 2, 0, 0.0, 0.0))
+    came(ControlState(owner=9), MessageInfo(0, 2, 0, 0.0, 0.0))
     connected(6)
-    came(ControlState(owner=6), Reception(6, 1, 0, 0.0, 0.0))
+    came(ControlState(owner=6), MessageInfo(6, 1, 0, 0.0, 0.0))
     assert learned == [5, 6]
 
 
@@ -194,7 +194,7 @@ def test_an_operator_is_no_module_whoever_says_so(robot: Robot) -> None:
     robot.until_owned_by(alice)
     info = ModuleInfo(name="eve", pid=1, state="running", capabilities="AUT_PILOT")
     for number, counts in ((eve.number, False), (12345, False), (alice.number, True)):
-        reception = Reception(publisher=number, sequence=1, missed=0, age=0.0, measured=0.0)
+        reception = MessageInfo(publisher=number, sequence=1, missed=0, age=0.0, measured=0.0)
         robot.desk._announced(info, reception)
         modules = robot.desk._state().modules.tolist()
         assert (number in modules) == counts  # alice is on the robot, and may be one

@@ -16,7 +16,7 @@ import numpy as np
 
 from hub.gcm import mapping
 from hub.ipc.client import Client
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 
 MOST = 60
 """Points; when there are so many, their notes are changed."""
@@ -38,7 +38,7 @@ class MarkingConsole:
         while True:
             self._client.listen(1.0)
 
-    def _heard(self, message: mapping.InterestPoints, reception: Reception) -> None:
+    def _heard(self, message: mapping.InterestPoints, reception: MessageInfo) -> None:
         del reception
         self._points = {point.number: point for point in message.points}
         for point in message.points:

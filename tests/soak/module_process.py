@@ -21,7 +21,7 @@ from typing import Any
 
 from hub.errors import QueryError
 from hub.ipc.client import Client
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from tests.soak import vocabulary as v
 from tests.soak.vocabulary import Sample
 
@@ -149,7 +149,7 @@ class Module:
         index = list(v.BROADCASTS).index(name)
         received, missed = self._counts["received"], self._counts["missed"]
 
-        def receive(value: Sample, how: Reception) -> None:
+        def receive(value: Sample, how: MessageInfo) -> None:
             received[name] += 1
             missed[name] += how.missed
             self._counts["first"].setdefault(name, how.sequence)
@@ -176,7 +176,7 @@ class Module:
         number, sent_ns = self._asked, time.monotonic_ns()
         self._asked += 1
 
-        def answered(_value: Sample, _how: Reception) -> None:
+        def answered(_value: Sample, _how: MessageInfo) -> None:
             self._row(Row.ANSWERED, 0, 0, 0, 0, number, sent_ns)
 
         def failed(error: QueryError) -> None:

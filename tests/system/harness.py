@@ -28,7 +28,7 @@ import pytest
 from hub.gcm import navigation
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from tests.support.waiting import until
 
 ROBOT_FILE = """
@@ -148,7 +148,7 @@ class Observer:
             self.seen[definition.name] = history
 
             def remember(
-                value: Any, reception: Reception, history: deque[tuple[float, Any]] = history
+                value: Any, reception: MessageInfo, history: deque[tuple[float, Any]] = history
             ) -> None:
                 history.append((reception.measured, value))
 

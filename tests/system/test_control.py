@@ -210,11 +210,11 @@ def test_autonomy_drives_for_the_owner_and_holds_when_control_is_handed_over(
     wait_owner(observer, "alice")
     explore = autonomy.AutonomyCommand(behaviour=autonomy.Behaviour.EXPLORE)
     alice.send(autonomy.AUTONOMY_COMMAND, explore)
-    observer.wait(lambda: control(observer).commander is autonomy.Pilot.AUTONOMY, 20.0)
+    observer.wait(lambda: control(observer).commander is autonomy.DrivingMode.AUTONOMY, 20.0)
     bob.want(ControlAction.ASK)
     alice.want(ControlAction.GRANT)
     observer.wait(lambda: states[-1].behaviour is autonomy.Behaviour.HOLD, 10.0)
     assert states[-1].why == "bob has control now"
     assert states[-1].phase is autonomy.Phase.TAKEN_OVER
     observer.wait(lambda: abs(observer.truth.linear) < STILL, 5.0)
-    observer.wait(lambda: control(observer).commander is autonomy.Pilot.NOBODY, 5.0)
+    observer.wait(lambda: control(observer).commander is autonomy.DrivingMode.NOBODY, 5.0)

@@ -15,7 +15,7 @@ _LONGEST_NAME = 80
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Owner:
+class SocketOwner:
     """A process: its id, and its name and first arguments."""
 
     pid: int
@@ -41,7 +41,7 @@ def listening_inodes(table: str, port: int) -> set[int]:
     return inodes
 
 
-def owner(port: int) -> Owner | None:
+def owner(port: int) -> SocketOwner | None:
     """Who listens at a TCP port; None where nobody does, or it is not shown to us."""
     wanted: set[int] = set()
     for table in _TABLES:
@@ -51,7 +51,7 @@ def owner(port: int) -> Owner | None:
         return None
     for pid in _processes():
         if wanted & set(_sockets(pid)):
-            return Owner(pid=pid, name=_name(pid))
+            return SocketOwner(pid=pid, name=_name(pid))
     return None
 
 

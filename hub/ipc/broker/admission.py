@@ -9,10 +9,10 @@ from typing import Any
 import zmq
 
 from hub.errors import CodecError, FrameError, NotAllowedError
-from hub.ipc.broker.quotas import Account, Accounts, Verdict
-from hub.ipc.roles import Bearer, parse_bearer
+from hub.ipc.broker.quotas import Account, Accounts, QuotaVerdict
+from hub.ipc.roles import Principal, parse_principal
 from hub.ipc.security import permissions
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import control_codec
 
 
@@ -24,10 +24,10 @@ class Admission:
         accounts: Accounts,
         *,
         clock: Callable[[], float],
-        complaints: Complaints,
+        complaints: FaultCounter,
         answer: Callable[[bytes, Any], None],
         hang_up: Callable[[zmq.Frame], None],
-        holds: Callable[[Bearer], bool],
+        holds: Callable[[Principal], bool],
     ) -> None:
         """Begin.
 
@@ -46,19 +46,19 @@ class Admission:
         self._hang_up = hang_up
         self._holds = holds
 
-    def bearer(self, frame: zmq.Frame) -> Bearer:
+    def bearer(self, frame: zmq.Frame) -> Principal:
         """Whose key the connection has that a frame came in on.
 
         Raises:
             NotAllowedError: It has none, or one that was removed.
         """
-        known = parse_bearer(str(frame.get("User-Id")))
+        known = parse_principal(str(frame.get("User-Id")))
         if not self._holds(known):
             text = f"the key of {known} was removed"
             raise NotAllowedError(text)
         return known
 
-    def admits(self, bearer: Bearer, identity: bytes, body: Sequence[zmq.Frame]) -> bool:
+    def admits(self, bearer: Principal, identity: bytes, body: Sequence[zmq.Frame]) -> bool:
         """Whether a message is served; who asks too much is refused, and then disconnected.
 
         Args:
@@ -69,10 +69,10 @@ class Admission:
         account, now = self._accounts.of(bearer), self._clock()
         kind = control_codec.peek(body[0].buffer)
         verdict = account.ask(identity, kind, sum(map(len, body)), now)
-        if verdict is Verdict.SERVED:
+        if verdict is QuotaVerdict.SERVED:
             return True
         self._complaints.count("over quota", account.text)
-        if verdict is Verdict.ENDED:
+        if verdict is QuotaVerdict.ENDED:
             self._complaints.count("disconnected for asking too much", account.text)
             self._hang_up(body[0])
         elif account.may_answer(now):

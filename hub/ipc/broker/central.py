@@ -24,7 +24,7 @@ from hub.errors import CodecError, EndpointError, FrameError, HubError, NotAllow
 from hub.ipc import roles
 from hub.ipc.broker import binding
 from hub.ipc.broker.admission import Admission
-from hub.ipc.broker.command_filter import CommandDoor
+from hub.ipc.broker.command_filter import CommandFilter
 from hub.ipc.broker.gateway import Gateway
 from hub.ipc.broker.peers import Caller, Outgoing, Peer
 from hub.ipc.broker.quotas import Accounts
@@ -32,11 +32,11 @@ from hub.ipc.broker.registry import Registry
 from hub.ipc.broker.subscription_floods import FloodWatch
 from hub.ipc.definition import Plane
 from hub.ipc.endpoints import IpcEndpoint, TcpEndpoint, parse_endpoint
-from hub.ipc.roles import LOCAL, Bearer
+from hub.ipc.roles import LOCAL, Principal
 from hub.ipc.security.keyring import Keyring
 from hub.ipc.security.removed_keys import RemovedKeys
 from hub.ipc.transport import file_descriptors, heap, sockets
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.loop import Loop
 from hub.ipc.wire import control, control_codec, frames
 
@@ -65,7 +65,7 @@ _WATCHED = zmq.EVENT_ACCEPTED | zmq.EVENT_DISCONNECTED | sum(_HANDSHAKE_FAILURES
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Door:
+class ControlEntrance:
     """A way in for control messages.
 
     Attributes:
@@ -116,7 +116,7 @@ class Central:
         """
         heap.keep_heap()
         file_descriptors.allow_many()
-        self.complaints = Complaints(_logger, clock)
+        self.complaints = FaultCounter(_logger, clock)
         self._clock = clock
         self._reserve = file_descriptors.Reserve(self.complaints)
         # The second thread is for the gateway: strangers take no time from local modules.
@@ -217,7 +217,9 @@ class Central:
                 paths = rest
                 self._files += [Path(endpoint.path), *map(Path, rest)]
         send = sockets.sender(router)
-        self._doors = [Door(router=router, send=send, ports=tuple(ports), paths=tuple(paths))]
+        self._doors = [
+            ControlEntrance(router=router, send=send, ports=tuple(ports), paths=tuple(paths))
+        ]
 
     def _control_socket(self, kind: int) -> sockets.Socket:
         made = sockets.make(self._context, kind, _CONTROL_QUEUE)
@@ -267,7 +269,7 @@ class Central:
 
         inner = {plane.value: _inner(plane) for plane in sockets.PLANES}
         self._keys = RemovedKeys(keyring, self._admitted, self._end_key)
-        door = CommandDoor(
+        door = CommandFilter(
             self._registry.peer_of,
             self._keys.holds,
             self.complaints,
@@ -288,7 +290,7 @@ class Central:
         self._gateway.control.router_mandatory = True
         self.endpoints.append(str(self._gateway.endpoint))
         self._doors.append(
-            Door(
+            ControlEntrance(
                 router=self._gateway.control,
                 send=sockets.sender(self._gateway.control),
                 ports=self._gateway.ports,
@@ -435,10 +437,10 @@ class Central:
         if self._gateway is not None:
             self._gateway.hang_up(sockets.descriptor_of(frame))
 
-    def _admitted(self) -> frozenset[Bearer]:
+    def _admitted(self) -> frozenset[Principal]:
         return self._gateway.admitted() if self._gateway is not None else frozenset()
 
-    def _end_key(self, bearer: Bearer) -> None:
+    def _end_key(self, bearer: Principal) -> None:
         if self._gateway is not None:
             self._gateway.end_broadcasts()
         for descriptor in self._registry.descriptors_of(bearer):

@@ -18,9 +18,9 @@ from hub.errors import FrameError, NotAllowedError
 from hub.ipc.broker.peers import Peer
 from hub.ipc.broker.quotas import QUOTAS, STOPS_PER_S, Accounts
 from hub.ipc.definition import Plane
-from hub.ipc.roles import Bearer, parse_bearer
+from hub.ipc.roles import Principal, parse_principal
 from hub.ipc.security.publish_rights import demand_right, right
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.sockets import Socket
 from hub.ipc.wire import frames
 
@@ -40,14 +40,14 @@ Judge = Callable[[bytes, str], bytes | None]
 """(frame, User-Id) -> the frame to hand on; None to drop it."""
 
 
-class CommandDoor:
+class CommandFilter:
     """Decides which frames come in; used by the thread that carries them."""
 
     def __init__(
         self,
         peer_of: Callable[[int], Peer | None],
-        holds: Callable[[Bearer], bool],
-        complaints: Complaints,
+        holds: Callable[[Principal], bool],
+        complaints: FaultCounter,
         clock: Callable[[], float] = time.monotonic,
         *,
         accounts: Accounts,
@@ -76,7 +76,7 @@ class CommandDoor:
             user_id: What ZeroMQ says of its sender, such as "operate:alice:FINGERPRINT".
         """
         try:
-            bearer = parse_bearer(user_id)
+            bearer = parse_principal(user_id)
             if not self._holds(bearer):
                 text = f"the key of {bearer} was removed"
                 raise NotAllowedError(text)
@@ -94,7 +94,7 @@ class CommandDoor:
                 _logger.exception("the first internal fault")
         return None
 
-    def _command(self, raw: bytes, bearer: Bearer) -> bytes | None:
+    def _command(self, raw: bytes, bearer: Principal) -> bytes | None:
         frame = frames.unpack(raw)
         if frame.kind != frames.INLINE:
             text = f"a command {frame.name} is of kind {frame.kind}, which no command is"
@@ -109,12 +109,12 @@ class CommandDoor:
             return None
         return raw
 
-    def _too_many(self, bearer: Bearer) -> None:
+    def _too_many(self, bearer: Principal) -> None:
         most = QUOTAS[bearer.role].commands_per_s
         text = f"the key {bearer.name!r} may send {most:.0f} a second, and {STOPS_PER_S:.0f} stops"
         self._complaints.count("too many commands", text)
 
-    def _stop(self, raw: bytes, bearer: Bearer) -> bytes | None:
+    def _stop(self, raw: bytes, bearer: Principal) -> bytes | None:
         """A stop passes whatever else stands in it, but under nobody else's number."""
         now = self._clock()
         if not self._accounts.of(bearer).may_stop(now):
@@ -140,7 +140,7 @@ class CommandDoor:
             payload=[frame.payload],
         )
 
-    def _sender(self, publisher: int, bearer: Bearer) -> Peer | None:
+    def _sender(self, publisher: int, bearer: Principal) -> Peer | None:
         """Whose number this is, if it was given to a client with this key."""
         peer = self._peer_of(publisher)
         return peer if peer is not None and peer.bearer == bearer else None

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from hub.bucket import Bucket
 from hub.ipc.roles import CONTROL
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.fault_counter import FaultCounter
 
 AT_ONCE, PER_S = 300, 40.0
 """New connections of one address: in one burst after a rest, and each second."""
@@ -29,10 +29,10 @@ class _Connection:
     known: bool = False
 
 
-class Sources:
+class ConnectionRates:
     """The gateway's connections, by the address they come from."""
 
-    def __init__(self, complaints: Complaints, hang_up: Callable[[int], None]) -> None:
+    def __init__(self, complaints: FaultCounter, hang_up: Callable[[int], None]) -> None:
         """Start with none.
 
         Args:

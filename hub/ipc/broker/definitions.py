@@ -11,7 +11,7 @@ from hub.ipc.broker.peers import Peer
 from hub.ipc.broker.quotas import quota_of
 from hub.ipc.broker.traffic import Traffic
 from hub.ipc.formats.codec import compiled
-from hub.ipc.roles import Bearer
+from hub.ipc.roles import Principal
 from hub.ipc.wire import control
 from hub.ipc.wire.definition_listing import from_listing
 
@@ -41,7 +41,7 @@ class Definitions:
     def __init__(self) -> None:
         self._known: dict[str, Definition] = {}
         self._listed = 0
-        self._defined_by: Counter[Bearer] = Counter()
+        self._defined_by: Counter[Principal] = Counter()
 
     def __contains__(self, name: str) -> bool:
         return name in self._known
@@ -77,7 +77,7 @@ class Definitions:
         self._known[message.name] = Definition(entry=entry, fingerprint=fingerprint)
         return None
 
-    def _too_many(self, bearer: Bearer) -> str:
+    def _too_many(self, bearer: Principal) -> str:
         """Why nothing new is defined with this key; empty if there is room."""
         if len(self._known) >= MAX_DEFINITIONS or self._listed > MAX_LISTED:
             return f"{len(self._known)} messages are defined, no more are taken"

@@ -9,7 +9,7 @@ from hub.ipc.endpoints import is_direct_address
 from hub.ipc.wire import control
 
 
-class Shortcuts:
+class DirectRoutes:
     """The doors of those who answer, and who was told of them.
 
     Only one who answers alone is asked directly, because central shares queries among several.
@@ -27,14 +27,14 @@ class Shortcuts:
         if not address or known or asker is handler or not asker.near:
             return []
         handler.routed.add((asker, name))
-        route = control.Route(name=name, address=address)
+        route = control.DirectRoute(name=name, address=address)
         return [Outgoing(identity=asker.identity, message=route)]
 
     def close(self, handler: Peer, name: str) -> list[Outgoing]:
         """Queries of this name go to `handler` through central again."""
         ended = [(asker, each) for asker, each in handler.routed if each == name]
         handler.routed.difference_update(ended)
-        route = control.Route(name=name, address="")
+        route = control.DirectRoute(name=name, address="")
         return [Outgoing(identity=asker.identity, message=route) for asker, _ in ended]
 
     def close_all(self, handlers: Iterable[Peer], name: str) -> list[Outgoing]:

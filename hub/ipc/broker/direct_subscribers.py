@@ -9,7 +9,7 @@ from hub.ipc.endpoints import is_direct_address
 from hub.ipc.wire import control
 
 
-class Neighbours:
+class DirectSubscribers:
     """The inboxes of those who subscribe, and what their publishers are told of them.
 
     Only central brings the two together: a publisher learns of an inbox before it learns that it is

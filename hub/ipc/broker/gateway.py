@@ -16,16 +16,16 @@ import zmq
 
 from hub.errors import EndpointError
 from hub.ipc.broker import command_filter
-from hub.ipc.broker.connection_rates import Sources
+from hub.ipc.broker.connection_rates import ConnectionRates
 from hub.ipc.broker.quotas import Accounts
 from hub.ipc.broker.subscription_floods import Bounds, FloodWatch
-from hub.ipc.broker.zap import Gatekeeper
+from hub.ipc.broker.zap import ZapHandler
 from hub.ipc.endpoints import TcpEndpoint
-from hub.ipc.roles import CONTROL, Bearer
+from hub.ipc.roles import CONTROL, Principal
 from hub.ipc.security.client_keys import KeyPair
 from hub.ipc.security.keyring import Keyring
 from hub.ipc.transport import sockets
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.file_descriptors import BEYOND, Reserve, ends_of, hang_up
 
 _FAILED = zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL | zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL
@@ -58,7 +58,7 @@ class Gateway:
         endpoint: TcpEndpoint,
         keyring: Keyring,
         planes: Mapping[str, tuple[str, str]],
-        complaints: Complaints,
+        complaints: FaultCounter,
         *,
         make: Callable[[int, str], _Socket],
         accounts: Accounts,
@@ -85,7 +85,7 @@ class Gateway:
         """
         self._complaints = complaints
         self._clock = clock
-        self._sources = Sources(complaints, self.hang_up)
+        self._sources = ConnectionRates(complaints, self.hang_up)
         self._judge = judge
         self._reserve = Reserve(complaints, part=BEYOND)  # strangers leave some to local modules
         self._made: list[_Socket] = []
@@ -96,7 +96,7 @@ class Gateway:
         keys = keyring.hub_keys()
         keyring.holders()  # a list that cannot be read is said now, not at the first handshake
         # First of all: there is no moment in which a secure socket has nobody to ask.
-        self._gatekeeper = Gatekeeper(context, keyring, complaints, accounts=accounts, clock=clock)
+        self._gatekeeper = ZapHandler(context, keyring, complaints, accounts=accounts, clock=clock)
         self._affinity = 2 if context.get(zmq.IO_THREADS) > 1 else 0
         try:
             self._open(context, endpoint, keys, planes, make)
@@ -164,7 +164,7 @@ class Gateway:
         for descriptor in self._sources.at(_BROADCASTS):
             self.hang_up(descriptor)
 
-    def admitted(self) -> frozenset[Bearer]:
+    def admitted(self) -> frozenset[Principal]:
         """The keys that were let in since the start."""
         return self._gatekeeper.admitted()
 

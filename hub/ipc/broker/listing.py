@@ -29,9 +29,9 @@ def definition(entry: control.Define, traffic: Traffic, now: float) -> control.D
     )
 
 
-def peer(known: Peer, now: float) -> control.Peer:
+def peer(known: Peer, now: float) -> control.ListedPeer:
     """A connected module or console."""
-    return control.Peer(
+    return control.ListedPeer(
         name=known.name,
         pid=known.pid,
         publisher=known.publisher,

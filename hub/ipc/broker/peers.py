@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from hub.ipc.formats.codegen import Buffer
-from hub.ipc.roles import Bearer
+from hub.ipc.roles import Principal
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,7 +39,7 @@ class Caller(NamedTuple):
 
     identity: bytes
     descriptor: int
-    bearer: Bearer
+    bearer: Principal
     ports: tuple[int, ...]
     paths: tuple[str, ...]
 
@@ -71,7 +71,7 @@ class Peer:
     descriptor: int
     name: str
     pid: int
-    bearer: Bearer
+    bearer: Principal
     client: int
     publisher: int
     heard: float
@@ -85,7 +85,7 @@ class Peer:
     routed: set[tuple[Peer, str]] = field(default_factory=set)
 
 
-class Crowd:
+class PeersByMessage:
     """Peers by what they do with a message, in the order in which they began."""
 
     def __init__(self) -> None:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from hub.ipc.broker.peers import Outgoing, Peer
 from hub.ipc.broker.query_shares import QueryShares
 from hub.ipc.formats.codegen import Buffer
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import control
 
 _logger = logging.getLogger(__name__)
@@ -45,11 +45,11 @@ class _Route:
     deadline: float
 
 
-class Routes:
+class QueryRouting:
     """All queries under way."""
 
     def __init__(
-        self, candidates: Callable[[Asked], Iterable[Peer]], complaints: Complaints
+        self, candidates: Callable[[Asked], Iterable[Peer]], complaints: FaultCounter
     ) -> None:
         """Start with none.
 

@@ -7,14 +7,14 @@ from collections import Counter
 from hub.bucket import Bucket
 from hub.ipc.broker.peers import Peer
 from hub.ipc.broker.quotas import QUOTAS, counts_with, quota_of
-from hub.ipc.roles import Bearer, Role
+from hub.ipc.roles import Principal, Role
 
 
 class QueryShares:
     """Counts queries under way that came with keys; those of this machine have no share."""
 
     def __init__(self) -> None:
-        self._of_key: Counter[Bearer] = Counter()
+        self._of_key: Counter[Principal] = Counter()
         self._at_handler: Counter[tuple[Peer, Role]] = Counter()
         self._rates: dict[tuple[Peer, Role], Bucket] = {}
 

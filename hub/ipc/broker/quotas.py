@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from hub.bucket import Bucket
-from hub.ipc.roles import LOCAL, Bearer, Role
+from hub.ipc.roles import LOCAL, Principal, Role
 from hub.ipc.wire import control
 
 
@@ -131,17 +131,17 @@ _BARRED_S = 10.0
 _ROLES = {role: rank for rank, role in enumerate(Role)}
 
 
-def quota_of(bearer: Bearer) -> Quota | None:
+def quota_of(bearer: Principal) -> Quota | None:
     """The quota of who has this key; None for clients of this machine."""
     return None if bearer is LOCAL else QUOTAS[bearer.role]
 
 
-def counts_with(bearer: Bearer, role: Role) -> bool:
+def counts_with(bearer: Principal, role: Role) -> bool:
     """Whether what `bearer` uses counts for `role` where a limit is "together"."""
     return bearer is not LOCAL and _ROLES[bearer.role] <= _ROLES[role]
 
 
-class Verdict(enum.Enum):
+class QuotaVerdict(enum.Enum):
     """What becomes of a control message."""
 
     SERVED = "served"
@@ -153,7 +153,7 @@ class Verdict(enum.Enum):
 class Account:
     """What the clients of one key have used."""
 
-    def __init__(self, bearer: Bearer, quota: Quota) -> None:
+    def __init__(self, bearer: Principal, quota: Quota) -> None:
         self._bearer = bearer
         self._quota = quota
         self._requests = Bucket(quota.requests_per_s, quota.requests_at_once)
@@ -176,7 +176,7 @@ class Account:
             f"and send {quota.bytes_per_s / 1024:.0f} KiB a second"
         )
 
-    def ask(self, identity: bytes, kind: type | None, size: int, now: float) -> Verdict:
+    def ask(self, identity: bytes, kind: type | None, size: int, now: float) -> QuotaVerdict:
         """A control message came.
 
         Args:
@@ -187,7 +187,7 @@ class Account:
         """
         price = PRICES.get(kind, 1.0) if kind is not None else 5.0
         if self._bytes.take(size, now) and self._requests.take(price, now):
-            return Verdict.SERVED
+            return QuotaVerdict.SERVED
         excess = self._excess.get(identity)
         if excess is None:
             if len(self._excess) >= _MAX_EXCESSIVE:
@@ -195,10 +195,10 @@ class Account:
             excess = self._excess[identity] = Bucket(self._quota.requests_per_s, _EXCESS)
         # A frame that is long is refused at its length: few of them fill the line.
         if excess.take(max(price, size / 4096), now):
-            return Verdict.REFUSED
+            return QuotaVerdict.REFUSED
         del self._excess[identity]
         self._barred_until = now + _BARRED_S
-        return Verdict.ENDED
+        return QuotaVerdict.ENDED
 
     def may_command(self, now: float) -> bool:
         """Whether one more command is handed on now."""
@@ -212,7 +212,7 @@ class Account:
         """Whether a refusal is answered; one a second is."""
         return self._answers.take(1.0, now)
 
-    def may_enter(self, place: str, now: float) -> bool:
+    def may_connect(self, place: str, now: float) -> bool:
         """Whether one more connection to a place is taken now."""
         handshakes = self._handshakes.get(place)
         if handshakes is None:
@@ -226,9 +226,9 @@ class Accounts:
     """The accounts of all keys."""
 
     def __init__(self) -> None:
-        self._accounts: dict[Bearer, Account] = {}
+        self._accounts: dict[Principal, Account] = {}
 
-    def of(self, bearer: Bearer) -> Account:
+    def of(self, bearer: Principal) -> Account:
         """The account of this key; it begins with the first use."""
         account = self._accounts.get(bearer)
         if account is None:  # another thread may ask at the same time

@@ -15,19 +15,19 @@ from typing import Any
 from hub.errors import FrameError, NotAllowedError
 from hub.ipc.broker import listing
 from hub.ipc.broker.definitions import Definitions
-from hub.ipc.broker.direct_routes import Shortcuts
-from hub.ipc.broker.direct_subscribers import Neighbours
-from hub.ipc.broker.peers import Caller, Crowd, Numbers, Outgoing, Peer
-from hub.ipc.broker.query_routing import Routes
+from hub.ipc.broker.direct_routes import DirectRoutes
+from hub.ipc.broker.direct_subscribers import DirectSubscribers
+from hub.ipc.broker.peers import Caller, Numbers, Outgoing, Peer, PeersByMessage
+from hub.ipc.broker.query_routing import QueryRouting
 from hub.ipc.broker.quotas import counts_with, quota_of
-from hub.ipc.broker.subscription_acks import Confirmations
+from hub.ipc.broker.subscription_acks import SubscriptionAcks
 from hub.ipc.definition import MAX_NAME_LENGTH
 from hub.ipc.formats.codegen import Buffer
-from hub.ipc.roles import LOCAL, Bearer, Role
+from hub.ipc.roles import LOCAL, Principal, Role
 from hub.ipc.security import permissions
 from hub.ipc.security.publish_rights import ROBOT_NAMES, reserved_text
 from hub.ipc.transport.clock_sync import this_machine, this_neighbourhood
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import control, frames
 from hub.ipc.wire.control import Change
 
@@ -62,7 +62,7 @@ class Registry:
         self,
         *,
         clock: Callable[[], float],
-        complaints: Complaints,
+        complaints: FaultCounter,
         reserved: frozenset[str] = frozenset(),
     ) -> None:
         """Start with nobody.
@@ -83,11 +83,15 @@ class Registry:
         self._definitions = Definitions()
         self._listing: control.Listing | None = None
         self._listing_made = -math.inf
-        self._publishing, self._subscribing, self._handling = Crowd(), Crowd(), Crowd()
-        self._confirmations = Confirmations()
-        self._routes = Routes(self._candidates, complaints)
-        self._shortcuts = Shortcuts()
-        self._neighbours = Neighbours()
+        self._publishing, self._subscribing, self._handling = (
+            PeersByMessage(),
+            PeersByMessage(),
+            PeersByMessage(),
+        )
+        self._confirmations = SubscriptionAcks()
+        self._routes = QueryRouting(self._candidates, complaints)
+        self._shortcuts = DirectRoutes()
+        self._neighbours = DirectSubscribers()
         self._actions: dict[type, _Action] = {
             control.Define: self._define,
             control.Advertise: self._advertise,
@@ -122,7 +126,7 @@ class Registry:
             return self._hello(caller, message)
         peer = self._peers.get(caller.identity)
         if peer is None:
-            return [Outgoing(identity=caller.identity, message=control.Stranger())]
+            return [Outgoing(identity=caller.identity, message=control.UnknownPeer())]
         peer.heard = self._clock()
         action = self._actions.get(type(message))
         if action is None:
@@ -155,7 +159,7 @@ class Registry:
             return True
         return False
 
-    def descriptors_of(self, bearer: Bearer) -> list[int]:
+    def descriptors_of(self, bearer: Principal) -> list[int]:
         """The control connections of who has this key."""
         return [peer.descriptor for peer in self._peers.values() if peer.bearer == bearer]
 
@@ -220,7 +224,7 @@ class Registry:
         )
         return [Outgoing(identity=identity, message=welcome), *outgoing]
 
-    def _refusal(self, name: str, bearer: Bearer) -> control.Refused | None:
+    def _refusal(self, name: str, bearer: Principal) -> control.Refused | None:
         error = "CentralUnreachableError"
         if not 0 < len(name) <= 64 or not name.isprintable():
             text = "a module's name is 1 to 64 printable characters"
@@ -236,7 +240,7 @@ class Registry:
             text = self._too_many(bearer)
         return control.Refused(subject=name, error=error, text=text) if text else None
 
-    def _too_many(self, bearer: Bearer) -> str:
+    def _too_many(self, bearer: Principal) -> str:
         """Why nobody else connects with this key now; empty if there is a place."""
         quota = quota_of(bearer)
         if quota is None:
@@ -336,17 +340,19 @@ class Registry:
         self._complaints.count("refused name", text)
         return text
 
-    def _join(self, crowd: Crowd, change: Change, peer: Peer, name: str) -> list[Outgoing]:
+    def _join(self, crowd: PeersByMessage, change: Change, peer: Peer, name: str) -> list[Outgoing]:
         self._own(crowd, peer).add(name)
         return self._tell(change, peer, name, crowd.count(name)) if crowd.add(name, peer) else []
 
-    def _leave(self, crowd: Crowd, change: Change, peer: Peer, name: str) -> list[Outgoing]:
+    def _leave(
+        self, crowd: PeersByMessage, change: Change, peer: Peer, name: str
+    ) -> list[Outgoing]:
         self._own(crowd, peer).discard(name)
         return (
             self._tell(change, peer, name, crowd.count(name)) if crowd.discard(name, peer) else []
         )
 
-    def _own(self, crowd: Crowd, peer: Peer) -> set[str]:
+    def _own(self, crowd: PeersByMessage, peer: Peer) -> set[str]:
         """The names that `peer` itself keeps of what it does."""
         if crowd is self._publishing:
             return peer.publishes

@@ -22,7 +22,7 @@ class _Confirmation:
     awaited: set[Peer]
 
 
-class Confirmations:
+class SubscriptionAcks:
     """All subscriptions under way, by token.
 
     A subscription travels to the publishers through ZeroMQ, beside the control messages. Behind it

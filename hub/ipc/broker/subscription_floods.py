@@ -20,7 +20,7 @@ import zmq
 
 from hub.bucket import Bucket
 from hub.ipc.transport import sockets
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.file_descriptors import hang_up, received
 
 _SUSPICIOUS = 200
@@ -63,7 +63,7 @@ class FloodWatch:
         self,
         outward: sockets.Socket,
         where: str,
-        complaints: Complaints,
+        complaints: FaultCounter,
         bounds: Bounds | None = None,
     ) -> None:
         """Watch from now on.

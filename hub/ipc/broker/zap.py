@@ -14,9 +14,9 @@ from zmq.utils import z85
 
 from hub.errors import EndpointError, KeyFileError
 from hub.ipc.broker.quotas import Accounts
-from hub.ipc.roles import Bearer, may_enter
+from hub.ipc.roles import Principal, may_connect
 from hub.ipc.security.keyring import Keyring
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.fault_counter import FaultCounter
 
 _ADDRESS = "inproc://zeromq.zap.01"
 _VERSION = b"1.0"
@@ -26,7 +26,7 @@ _PARTS = 9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Verdict:
+class ZapVerdict:
     """The answer to a handshake.
 
     Attributes:
@@ -44,7 +44,7 @@ class Verdict:
     user_id: str = ""
 
 
-class Gatekeeper:
+class ZapHandler:
     """Answers ZeroMQ's questions; owned by the thread that polls its socket.
 
     Attributes:
@@ -55,7 +55,7 @@ class Gatekeeper:
         self,
         context: zmq.Context[zmq.Socket[bytes]],
         keyring: Keyring,
-        complaints: Complaints,
+        complaints: FaultCounter,
         *,
         accounts: Accounts,
         clock: Callable[[], float],
@@ -76,7 +76,7 @@ class Gatekeeper:
         self._complaints = complaints
         self._accounts = accounts
         self._clock = clock
-        self._admitted: set[Bearer] = set()
+        self._admitted: set[Principal] = set()
         self.socket = context.socket(zmq.ROUTER)
         self.socket.linger = 0
         try:
@@ -99,25 +99,25 @@ class Gatekeeper:
         """Stop being asked: from now on ZeroMQ refuses every handshake by itself."""
         self.socket.close()
 
-    def judge(self, domain: str, mechanism: str, key: bytes) -> Verdict:
+    def judge(self, domain: str, mechanism: str, key: bytes) -> ZapVerdict:
         """Whether the owner of `key` (32 bytes) may connect to the place named `domain`."""
         if mechanism != "CURVE" or len(key) != 32:
-            return Verdict(status="400", reason=f"mechanism {mechanism[:20]!r}")
+            return ZapVerdict(status="400", reason=f"mechanism {mechanism[:20]!r}")
         try:
             holder = self._keyring.holder(z85.encode(key).decode())
         except KeyFileError as error:
-            return Verdict(status="500", reason="unreadable list of keys", detail=f"{error}; ")
+            return ZapVerdict(status="500", reason="unreadable list of keys", detail=f"{error}; ")
         if holder is None:
-            return Verdict(status="400", reason="unknown key")
-        if not may_enter(holder.role, domain):
-            return Verdict(status="400", reason=f"role {holder.role.value}")
-        if not self._accounts.of(holder.bearer).may_enter(domain, self._clock()):
+            return ZapVerdict(status="400", reason="unknown key")
+        if not may_connect(holder.role, domain):
+            return ZapVerdict(status="400", reason=f"role {holder.role.value}")
+        if not self._accounts.of(holder.bearer).may_connect(domain, self._clock()):
             detail = f"{holder.name} connects too often, or asked too much; "
-            return Verdict(status="300", reason="over quota", detail=detail)
+            return ZapVerdict(status="300", reason="over quota", detail=detail)
         self._admitted.add(holder.bearer)
-        return Verdict(status="200", reason="", user_id=holder.bearer.user_id)
+        return ZapVerdict(status="200", reason="", user_id=holder.bearer.user_id)
 
-    def admitted(self) -> frozenset[Bearer]:
+    def admitted(self) -> frozenset[Principal]:
         """The keys that were let in since the start; as many as the list had in that time."""
         return frozenset(self._admitted)
 

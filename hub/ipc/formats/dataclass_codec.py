@@ -45,7 +45,7 @@ class Member:
     """
 
     name: str
-    record: Record | None = None
+    record: DataclassCodec | None = None
     inline: bool = False
     outward: _Converter | None = None
     inward: _Reader | None = None
@@ -54,7 +54,7 @@ class Member:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Record:
+class DataclassCodec:
     """How one dataclass and the values of one struct turn into each other.
 
     Attributes:
@@ -70,7 +70,9 @@ class Record:
     next_place: int | None
 
     @classmethod
-    def of(cls, kind: Any, tree: formats.Struct, where: str, *, strict: bool = False) -> Record:
+    def of(
+        cls, kind: Any, tree: formats.Struct, where: str, *, strict: bool = False
+    ) -> DataclassCodec:
         """The record of a dataclass and a struct.
 
         Args:
@@ -102,7 +104,7 @@ class Record:
 
         From the first node of a linked list to its members, nested like its dataclasses.
         """
-        values = _TakerApart(flat=False).function(self.kind, self.members, self.adapt)
+        values = _FieldReader(flat=False).function(self.kind, self.members, self.adapt)
         return values if self.next_place is None else _list_taker_apart(values, self.next_place)
 
     @functools.cached_property
@@ -131,7 +133,7 @@ class Record:
 
     def flat_values(self) -> Callable[[Any], tuple[Any, ...]]:
         """The function from a dataclass to the numbers in it and in its inner ones, in order."""
-        return _TakerApart(flat=True).function(self.kind, self.members, self.adapt)
+        return _FieldReader(flat=True).function(self.kind, self.members, self.adapt)
 
     def flat_receiver(self) -> Callable[..., Any]:
         """The function from those numbers to the dataclass, as `receive` does it."""
@@ -199,7 +201,7 @@ class _Generator:
         return function
 
 
-class _TakerApart(_Generator):
+class _FieldReader(_Generator):
     """Generates the function that turns a dataclass into the members of a struct."""
 
     def function(
@@ -381,7 +383,7 @@ def _member(name: str, hint: Any, node: formats.Format, where: str, *, strict: b
     except TypeError as error:
         raise MessageFormatError(str(node), 0, str(error)) from error
     if isinstance(node, formats.Struct):
-        record = Record.of(hint, node, where, strict=strict)
+        record = DataclassCodec.of(hint, node, where, strict=strict)
         return Member(
             name=name,
             record=record,
@@ -405,12 +407,12 @@ def _member(name: str, hint: Any, node: formats.Format, where: str, *, strict: b
     return Member(name=name, checks=checks)
 
 
-def _late(record: Record) -> _Converter:
+def _late(record: DataclassCodec) -> _Converter:
     """A record's way out, which is generated when it is first called."""
     return lambda value: record.values(value)  # noqa: PLW0108 - generated when it is looked up
 
 
-def _late_reader(record: Record) -> _Reader:
+def _late_reader(record: DataclassCodec) -> _Reader:
     """A record's way in, which is generated when it is first called."""
     return lambda value, note: record.build(value) if note is None else record.receive(value, note)
 

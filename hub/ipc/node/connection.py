@@ -14,13 +14,13 @@ import zmq
 import hub.errors
 from hub.errors import HubError, NotAllowedError
 from hub.ipc.definition import MessageDefinition, Plane
-from hub.ipc.roles import LOCAL, may_enter
+from hub.ipc.roles import LOCAL, may_connect
 from hub.ipc.security.client_keys import ClientKeys
 from hub.ipc.security.publish_rights import demand_right
 from hub.ipc.transport import sockets
-from hub.ipc.transport.clock_sync import HubTime, this_neighbourhood
-from hub.ipc.transport.control_channel import Dialogue
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.clock_sync import ClockSync, this_neighbourhood
+from hub.ipc.transport.control_channel import ControlChannel
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.loop import Loop
 from hub.ipc.wire import control
 
@@ -45,7 +45,7 @@ round trip that was seen before allows; where it was never seen, and now and the
 _LONG_EACH = 6
 
 
-class Owner(Protocol):
+class ConnectionOwner(Protocol):
     """Whoever wants to know what happens to a connection."""
 
     def welcomed(self, message: control.Welcome, *, anew: bool, same_run: bool) -> None:
@@ -82,10 +82,10 @@ class Connection:
         name: str,
         endpoint: str,
         *,
-        owner: Owner,
+        owner: ConnectionOwner,
         context: sockets.Context,
         loop: Loop,
-        complaints: Complaints,
+        complaints: FaultCounter,
         keys: ClientKeys | None,
         near: bool,
     ) -> None:
@@ -93,7 +93,7 @@ class Connection:
         self.near = False
         self._neighbourhood = this_neighbourhood() if near and keys is None else 0
         self.keys = keys
-        self.hub_time = HubTime(loop.clock)
+        self.hub_time = ClockSync(loop.clock)
         self.refusal: HubError | None = None
         self._refused = math.inf
         self.closed = ""
@@ -111,9 +111,9 @@ class Connection:
         self._attempt = 0
         self._open()
 
-    def may_enter(self, plane: Plane) -> bool:
+    def may_connect(self, plane: Plane) -> bool:
         """Whether we may connect to where the messages of a plane go in."""
-        return self.keys is None or may_enter(self.keys.role, f"{plane.value} in")
+        return self.keys is None or may_connect(self.keys.role, f"{plane.value} in")
 
     def demand_right(self, definition: MessageDefinition[Any]) -> None:
         """Refuse a message that our key, or our name, does not let us publish.
@@ -175,7 +175,7 @@ class Connection:
         made = sockets.make(self._context, zmq.DEALER, _QUEUE, self.keys)
         made.connect_timeout = int(patience * 1e3)
         made.reconnect_ivl_max = 100
-        self._dialogue = Dialogue(
+        self._dialogue = ControlChannel(
             made,
             told=self._told,
             events=_WATCHED,
@@ -239,7 +239,7 @@ class Connection:
             self._welcome(message)
         elif isinstance(message, control.Pong):
             self.hub_time.note(message.sent, message.hub_time, self._heard)
-        elif isinstance(message, control.Stranger):
+        elif isinstance(message, control.UnknownPeer):
             self._lose("it was started again")
             self._hello()
         elif isinstance(message, control.Close) and message.name == self._name:

@@ -10,7 +10,7 @@ import zmq
 from hub.ipc import endpoints
 from hub.ipc.definition import Plane
 from hub.ipc.transport import sockets
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import control
 
 _MAX_UNREACHED = 1 << 16
@@ -19,7 +19,7 @@ Take = Callable[[bytes, int], Any]
 """Sends a frame to one neighbour; the number is of flags."""
 
 
-class Takers(NamedTuple):
+class DirectReceivers(NamedTuple):
     """Who takes one message.
 
     Attributes:
@@ -31,12 +31,12 @@ class Takers(NamedTuple):
     in_ring: tuple[Take, ...] = ()
 
 
-class _Want(NamedTuple):
+class _DirectRequest(NamedTuple):
     inbox: str
     in_ring: bool
 
 
-class _Way:
+class _DirectSocket:
     """The socket to one inbox.
 
     Attributes:
@@ -55,14 +55,14 @@ class _Way:
         self._socket.close(linger_ms)
 
 
-class Deliveries:
+class DirectDeliveries:
     """The ways to all inboxes; not to be used by two threads at once."""
 
-    def __init__(self, context: sockets.Context, complaints: Complaints) -> None:
+    def __init__(self, context: sockets.Context, complaints: FaultCounter) -> None:
         self._context = context
         self._complaints = complaints
-        self._ways: dict[str, _Way] = {}
-        self._wants: dict[str, dict[int, _Want]] = {}
+        self._ways: dict[str, _DirectSocket] = {}
+        self._wants: dict[str, dict[int, _DirectRequest]] = {}
         self._tuples: dict[tuple[Take, ...], tuple[Take, ...]] = {}
         self._unreached: dict[tuple[str, int], control.Subscriber] = {}
 
@@ -84,7 +84,7 @@ class Deliveries:
                 self._unreached[message.name, message.subscriber] = message
             return False
         way.names.add(message.name)
-        want = _Want(message.inbox, message.in_ring)
+        want = _DirectRequest(message.inbox, message.in_ring)
         self._wants.setdefault(message.name, {})[message.subscriber] = want
         return True
 
@@ -110,13 +110,13 @@ class Deliveries:
                 self._close(inbox)
             way.idle = not way.names
 
-    def takers(self, name: str) -> Takers:
+    def takers(self, name: str) -> DirectReceivers:
         """Who takes a message."""
         wants = self._wants.get(name, {}).values()
         whole = tuple(self._ways[want.inbox].take for want in wants if not want.in_ring)
         in_ring = tuple(self._ways[want.inbox].take for want in wants if want.in_ring)
         # Messages with the same takers have the same tuple, so that trains are loaded faster.
-        return Takers(self._tuples.setdefault(whole, whole), in_ring)
+        return DirectReceivers(self._tuples.setdefault(whole, whole), in_ring)
 
     def close(self, linger_ms: int) -> None:
         """Close all ways; what was just sent gets `linger_ms` to leave."""
@@ -139,7 +139,7 @@ class Deliveries:
         self._ways.pop(inbox).close(0)
         self._tuples.clear()
 
-    def _way(self, inbox: str, plane: Plane) -> _Way | None:
+    def _way(self, inbox: str, plane: Plane) -> _DirectSocket | None:
         if inbox in self._ways:
             return self._ways[inbox]
         try:
@@ -148,5 +148,5 @@ class Deliveries:
         except zmq.ZMQError as error:
             self._complaints.count("no way to a subscriber", str(error))
             return None
-        way = self._ways[inbox] = _Way(socket)
+        way = self._ways[inbox] = _DirectSocket(socket)
         return way

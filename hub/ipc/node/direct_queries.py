@@ -15,8 +15,8 @@ import zmq
 from hub.errors import CodecError, FrameError
 from hub.ipc import endpoints
 from hub.ipc.transport import sockets
-from hub.ipc.transport.control_channel import Dialogue
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.control_channel import ControlChannel
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.loop import Loop
 from hub.ipc.wire import control, control_codec
 
@@ -27,7 +27,7 @@ Asked = Callable[[control.Query, bytes, bytes], None]
 """Gets a query, its message, and whom to answer."""
 
 
-class DirectDoor:
+class DirectResponder:
     """Where queries come in at who answers them.
 
     Attributes:
@@ -41,7 +41,7 @@ class DirectDoor:
         *,
         context: sockets.Context,
         loop: Loop,
-        complaints: Complaints,
+        complaints: FaultCounter,
     ) -> None:
         """Open.
 
@@ -96,7 +96,7 @@ class DirectDoor:
         return True
 
 
-class DirectWay:
+class DirectRequester:
     """The way to one module that answers.
 
     Attributes:
@@ -109,10 +109,10 @@ class DirectWay:
         address: str,
         *,
         answered: Callable[[Any, bytes | None], None],
-        lost: Callable[[DirectWay], None],
+        lost: Callable[[DirectRequester], None],
         context: sockets.Context,
         loop: Loop,
-        complaints: Complaints,
+        complaints: FaultCounter,
     ) -> None:
         """Connect.
 
@@ -129,7 +129,7 @@ class DirectWay:
         self._answered = answered
         made = sockets.make(context, zmq.DEALER, _QUEUE)
         made.reconnect_ivl = -1
-        self._dialogue = Dialogue(
+        self._dialogue = ControlChannel(
             made,
             told=self._told,
             events=zmq.EVENT_DISCONNECTED,

@@ -17,14 +17,14 @@ from hub.errors import (
     QueryError,
     QueryTimeoutError,
 )
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from hub.ipc.node.connection import Connection
-from hub.ipc.node.direct_queries import DirectWay
+from hub.ipc.node.direct_queries import DirectRequester
 from hub.ipc.wire import control, frames
 
 
 @dataclass(slots=True, kw_only=True)
-class Question:
+class PendingQuery:
     """A query under way.
 
     Attributes:
@@ -44,27 +44,27 @@ class Question:
     read: Callable[[frames.Frame], Any]
     timeout: float
     deadline: float
-    answered: Callable[[Any, Reception], None]
+    answered: Callable[[Any, MessageInfo], None]
     failed: Callable[[QueryError], None]
     unsent: bool = False
     frame: bytes | None = None
-    way: DirectWay | None = None
+    way: DirectRequester | None = None
     orphaned: bool = False
 
 
-class Questions:
+class PendingQueries:
     """All queries under way of one client, by number."""
 
     def __init__(self, connection: Connection, clock: Callable[[], float]) -> None:
         self._connection = connection
         self._clock = clock
-        self._waiting: dict[int, Question] = {}
+        self._waiting: dict[int, PendingQuery] = {}
         self._last = 0
-        self._ways: dict[str, DirectWay] = {}
+        self._ways: dict[str, DirectRequester] = {}
         # Nothing ends by time before this [s]: so most turns need not look at every question.
         self._earliest = math.inf
 
-    def ask(self, question: Question, frame: bytes | None) -> None:
+    def ask(self, question: PendingQuery, frame: bytes | None) -> None:
         """Ask with a message's frame, or without one for the last value of the message.
 
         It is not kept for a central that is away: who asks is told so at the next `expire`.
@@ -114,7 +114,7 @@ class Questions:
         failed: Callable[[QueryError], None],
     ) -> None:
         """Ask, and hand on the answer's frame as it is."""
-        question = Question(
+        question = PendingQuery(
             name=name,
             read=lambda answer: answer,
             timeout=timeout,
@@ -125,13 +125,13 @@ class Questions:
         self.ask(question, frame)
 
     def _ask_central(
-        self, question: Question, message: control.Query | control.Last, frame: bytes | None
+        self, question: PendingQuery, message: control.Query | control.Last, frame: bytes | None
     ) -> None:
         if not self._connection.publisher or not self._connection.tell(message, frame):
             question.unsent, question.deadline = True, -math.inf
             self._earliest = -math.inf
 
-    def follow(self, name: str, way: DirectWay | None) -> DirectWay | None:
+    def follow(self, name: str, way: DirectRequester | None) -> DirectRequester | None:
         """Ask for this name on this way from now on, or through central; the way it went before."""
         if way is not None and self._ways.get(name) is way:
             return None
@@ -144,11 +144,11 @@ class Questions:
             way.names.add(name)
         return before
 
-    def ways(self) -> set[DirectWay]:
+    def ways(self) -> set[DirectRequester]:
         """All direct ways in use."""
         return set(self._ways.values())
 
-    def _ask_again(self, way: DirectWay, name: str) -> None:
+    def _ask_again(self, way: DirectRequester, name: str) -> None:
         """What went a way that has ended is asked through central."""
         now = self._clock()
         for number, question in self._waiting.items():
@@ -192,7 +192,7 @@ class Questions:
         self,
         message: control.Response | control.Failure,
         attached: bytes | None,
-        received: Callable[[frames.Frame], Reception],
+        received: Callable[[frames.Frame], MessageInfo],
     ) -> bool:
         """What central says of a query; False if nobody waits for it any more."""
         question = self._waiting.pop(message.number, None)

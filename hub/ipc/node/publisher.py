@@ -12,9 +12,9 @@ from typing import Any, Protocol
 from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.formats.codegen import Buffer
 from hub.ipc.node.connection import Connection
-from hub.ipc.node.direct_deliveries import Take, Takers
+from hub.ipc.node.direct_deliveries import DirectReceivers, Take
 from hub.ipc.transport import shared_ring, sockets
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import control, frames
 
 _HOLD_S = 2.0
@@ -48,23 +48,23 @@ class Batch:
 
     def __init__(self) -> None:
         self.lock = threading.Lock()
-        self.runs: list[tuple[Outlet, int, list[bytes]]] = []
-        self.latest: Outlet | None = None
+        self.runs: list[tuple[Publisher, int, list[bytes]]] = []
+        self.latest: Publisher | None = None
         self.count = 0
         self.since = self.previous = 0.0
         self.called = False
 
 
-class Ways(Protocol):
+class PublisherHost(Protocol):
     """What an outlet needs of the client's sockets."""
 
     connection: Connection
     clock: Callable[[], float]
-    complaints: Complaints
+    complaints: FaultCounter
     near: bool
     batch: Batch
 
-    def send(self, outlet: Outlet, frame: bytes, *, place: bool = False) -> None:
+    def send(self, outlet: Publisher, frame: bytes, *, place: bool = False) -> None:
         """Send behind what waits to all who want an outlet's message itself, or its place."""
 
     def send_batch(self) -> None:
@@ -77,7 +77,7 @@ class Ways(Protocol):
         """Whether somebody at central subscribes to the topic."""
 
 
-class Outlet:
+class Publisher:
     """Where one message leaves this client.
 
     Attributes:
@@ -86,7 +86,7 @@ class Outlet:
         topic: What others subscribe to at central.
     """
 
-    def __init__(self, definition: MessageDefinition[Any], ways: Ways) -> None:
+    def __init__(self, definition: MessageDefinition[Any], ways: PublisherHost) -> None:
         self.definition = definition
         self._ways = ways
         self._connection = ways.connection
@@ -94,7 +94,7 @@ class Outlet:
         self._batch = ways.batch
         self._clock = ways.clock
         self._plane = definition.plane
-        self.takers = Takers()
+        self.takers = DirectReceivers()
         self._ring_prefix = frames.prefix(definition.name, frames.RING)
         self._sequence = 0
         self._emitted = 0.0
@@ -219,7 +219,7 @@ class Outlet:
             self._not_sent("the hub was gone before it said who has subscribed")
         self._held = None
         self._open = False
-        self.takers = Takers()
+        self.takers = DirectReceivers()
 
     def report(self, now: float) -> control.Published | None:
         """What was published since the last time; None if nothing."""

@@ -20,10 +20,10 @@ import zmq
 
 from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.node.connection import Connection
-from hub.ipc.node.direct_deliveries import Deliveries, Take
-from hub.ipc.node.publisher import BATCH_S, Batch, Outlet
+from hub.ipc.node.direct_deliveries import DirectDeliveries, Take
+from hub.ipc.node.publisher import BATCH_S, Batch, Publisher
 from hub.ipc.transport import sockets
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.handshakes import Handshakes
 from hub.ipc.transport.loop import Loop
 from hub.ipc.wire import control, frames
@@ -38,7 +38,7 @@ def mark(topic: bytes, token: str) -> bytes:
     return _MARK + topic + token.encode("ascii")
 
 
-class Outlets:
+class Publishers:
     """All outlets of one client.
 
     Attributes:
@@ -54,7 +54,7 @@ class Outlets:
         context: sockets.Context,
         loop: Loop,
         connection: Connection,
-        complaints: Complaints,
+        complaints: FaultCounter,
         handshakes: Handshakes,
     ) -> None:
         self._handshakes = handshakes
@@ -62,7 +62,7 @@ class Outlets:
         self.clock = loop.clock
         self.complaints = complaints
         self.near = False
-        self._deliveries = Deliveries(context, complaints)
+        self._deliveries = DirectDeliveries(context, complaints)
         self._context = context
         self._loop = loop
         self.batch = Batch()
@@ -71,8 +71,8 @@ class Outlets:
         self._sends: dict[Plane, Callable[[bytes, int], Any]] = {}
         self._filters: set[bytes] = set()
         self._marks: dict[bytes, set[str]] = {}
-        self._outlets: dict[str, Outlet] = {}
-        self._courier = _Courier(self.batch, self.flush)
+        self._outlets: dict[str, Publisher] = {}
+        self._courier = _FlushThread(self.batch, self.flush)
 
     @property
     def used(self) -> bool:
@@ -89,7 +89,7 @@ class Outlets:
         """Whether an outlet holds messages until its way is open."""
         return any(outlet.holding for outlet in self._outlets.values())
 
-    def of(self, definition: MessageDefinition[Any]) -> Outlet:
+    def of(self, definition: MessageDefinition[Any]) -> Publisher:
         """The outlet of a message that is defined; central is told when it is new.
 
         Raises:
@@ -98,7 +98,7 @@ class Outlets:
         outlet = self._outlets.get(definition.name)
         if outlet is None:
             self.connection.demand_right(definition)
-            outlet = self._outlets[definition.name] = Outlet(definition, self)
+            outlet = self._outlets[definition.name] = Publisher(definition, self)
             if self.connection.publisher:
                 outlet.begin()
                 self._advertise(outlet)
@@ -108,7 +108,7 @@ class Outlets:
         """Connect where each plane goes in, at a central that does not know us."""
         self.near = near
         for plane, address in zip(sockets.PLANES, addresses, strict=True):
-            if not self.connection.may_enter(plane):
+            if not self.connection.may_connect(plane):
                 continue
             socket = sockets.make_plane(self._context, zmq.XPUB, plane, self.connection.keys)
             self._handshakes.begin(socket)
@@ -189,7 +189,7 @@ class Outlets:
         outlet = self._outlets.get(name)
         return None if outlet is None else outlet.last()
 
-    def send(self, outlet: Outlet, frame: bytes, *, place: bool = False) -> None:
+    def send(self, outlet: Publisher, frame: bytes, *, place: bool = False) -> None:
         """Send behind what waits to all who want an outlet's message itself, or its place."""
         with self.batch.lock:
             if self.batch.runs:
@@ -248,7 +248,7 @@ class Outlets:
         except zmq.Again:
             self.complaints.count("queue full", "a subscriber on this machine is behind")
 
-    def _send(self, outlet: Outlet, frame: bytes) -> None:
+    def _send(self, outlet: Publisher, frame: bytes) -> None:
         plane = outlet.definition.plane
         send = self._sends.get(plane)
         if send is None:
@@ -265,7 +265,7 @@ class Outlets:
         for outlet in self._outlets.values():
             outlet.look(now)
 
-    def _advertise(self, outlet: Outlet) -> None:
+    def _advertise(self, outlet: Publisher) -> None:
         name = outlet.definition.name
         self.connection.tell(control.Advertise(name=name))
         for token in self._marks.get(outlet.topic[:-1], ()):
@@ -316,7 +316,7 @@ class Outlets:
             self.connection.tell(control.Ready(token=token))
 
 
-class _Courier:
+class _FlushThread:
     """A thread that sends what waits, a moment after it was called."""
 
     def __init__(self, batch: Batch, flush: Callable[[], None]) -> None:

@@ -9,11 +9,11 @@ from typing import Any
 import zmq
 
 from hub.errors import CodecError, FrameError, RangeError
-from hub.ipc.message_info import Reception
-from hub.ipc.node.subscription import Arrival, Inlet, Read, Source
+from hub.ipc.message_info import MessageInfo
+from hub.ipc.node.subscription import Read, ReceivedFrame, Source, Subscription
 from hub.ipc.transport import shared_ring, sockets
-from hub.ipc.transport.clock_sync import HubTime
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.clock_sync import ClockSync
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import frames
 
 _BATCH = 256
@@ -42,24 +42,26 @@ class _Opened:
 
     __slots__ = ("accepted", "inlet", "kind", "messages", "publisher", "sequence", "source")
 
-    def __init__(self, inlet: Inlet, arrival: Arrival, *, accepted: bool = False) -> None:
-        self.inlet: Inlet | None = inlet
+    def __init__(
+        self, inlet: Subscription, arrival: ReceivedFrame, *, accepted: bool = False
+    ) -> None:
+        self.inlet: Subscription | None = inlet
         self.publisher, self.sequence, self.kind, messages = arrival
         self.source = inlet.source(self.publisher)
         self.messages = iter(messages)
         self.accepted = accepted
 
 
-class Arrivals:
+class ReceiveQueue:
     """Everything that came to one client and was not handed on yet."""
 
     def __init__(
         self,
         *,
         clock: Callable[[], float],
-        hub_time: HubTime,
-        complaints: Complaints,
-        no_ring: Callable[[Inlet, str], None],
+        hub_time: ClockSync,
+        complaints: FaultCounter,
+        no_ring: Callable[[Subscription, str], None],
     ) -> None:
         """Nothing is taken before an inlet is added.
 
@@ -73,7 +75,7 @@ class Arrivals:
         self._hub_time = hub_time
         self._complaints = complaints
         self._no_ring = no_ring
-        self._topics: dict[bytes, Inlet] = {}
+        self._topics: dict[bytes, Subscription] = {}
         self._waits = 0
         self._opened: list[_Opened] = []
         self._carriages: deque[bytes] = deque()
@@ -85,7 +87,7 @@ class Arrivals:
         """Whether messages were taken from the sockets and not handed on yet."""
         return self._waits > 0 or bool(self._opened) or bool(self._carriages)
 
-    def add(self, inlet: Inlet) -> None:
+    def add(self, inlet: Subscription) -> None:
         """Take the frames of this message, or do so by another priority than before."""
         for topic in _topics(inlet.definition.name):
             self._topics[topic] = inlet
@@ -93,7 +95,7 @@ class Arrivals:
             self._queues[inlet.priority] = deque()
             self._queues = dict(sorted(self._queues.items(), reverse=True))
 
-    def remove(self, inlet: Inlet) -> None:
+    def remove(self, inlet: Subscription) -> None:
         """Take them no longer; what waits goes to no handler if the inlet has none."""
         for topic in _topics(inlet.definition.name):
             del self._topics[topic]
@@ -108,7 +110,7 @@ class Arrivals:
         if self._waits:
             self._hand_on()
 
-    def accept(self, inlet: Inlet, frame: frames.Frame) -> None:
+    def accept(self, inlet: Subscription, frame: frames.Frame) -> None:
         """Hand on a message that came another way, unless it or a later one has come already."""
         source = inlet.source(frame.publisher)
         if frame.sequence <= source.arrived:
@@ -198,7 +200,7 @@ class Arrivals:
         else:
             self._put(inlet, arrival)
 
-    def _read(self, inlet: Inlet, raw: bytes) -> Arrival | None:
+    def _read(self, inlet: Subscription, raw: bytes) -> ReceivedFrame | None:
         """What a frame brings; None, and counted, if it is malformed and stands for nothing."""
         try:
             return inlet.read(raw)
@@ -208,7 +210,7 @@ class Arrivals:
             self._complaints.count("wrong format", str(error))
         return inlet.unreadable()
 
-    def _put(self, inlet: Inlet, arrival: Arrival) -> None:
+    def _put(self, inlet: Subscription, arrival: ReceivedFrame) -> None:
         """Let messages wait; a limit lets the oldest of their publisher go."""
         publisher, sequence, kind, messages = arrival
         source = inlet.source(publisher)
@@ -218,7 +220,7 @@ class Arrivals:
                 read = self._decoded(inlet, kind, message)
             if read is None or not self._arrived(inlet, source, number):
                 continue
-            one = Arrival(publisher, number, kind, [(stamp_ns, read)])
+            one = ReceivedFrame(publisher, number, kind, [(stamp_ns, read)])
             waiting = _Opened(inlet, one, accepted=True)
             if inlet.limit is not None:
                 if len(source.waiting) >= inlet.limit:
@@ -227,7 +229,7 @@ class Arrivals:
             self._queues[inlet.priority].append(waiting)
             self._waits += 1
 
-    def _arrived(self, inlet: Inlet, source: Source, sequence: int) -> bool:
+    def _arrived(self, inlet: Subscription, source: Source, sequence: int) -> bool:
         """Whether a message of this number may be handed on; a gap before it is counted.
 
         Only for a message that was decoded, or that lies in a ring of this machine: a number that
@@ -285,7 +287,9 @@ class Arrivals:
         if opened in self._opened:  # not if a handler listened, and so had the rest handed out
             self._opened.remove(opened)
 
-    def _accepted(self, opened: _Opened, inlet: Inlet, sequence: int, message: Any) -> Read | None:
+    def _accepted(
+        self, opened: _Opened, inlet: Subscription, sequence: int, message: Any
+    ) -> Read | None:
         """A message that is to be handed on; None if it cannot be read, or came before."""
         if opened.kind != frames.INLINE:
             if opened.accepted or self._arrived(inlet, opened.source, sequence):
@@ -301,7 +305,7 @@ class Arrivals:
 
     def _deliver(
         self,
-        inlet: Inlet,
+        inlet: Subscription,
         source: Source,
         publisher: int,
         sequence: int,
@@ -326,14 +330,14 @@ class Arrivals:
             missed = sequence - source.handed_on - 1 if source.handed_on else 0
             source.handed_on = sequence
         inlet.received += 1
-        how = _new(Reception, (publisher, sequence, missed, age, measured))
+        how = _new(MessageInfo, (publisher, sequence, missed, age, measured))
         handlers = inlet.handlers
         for each in handlers:
             if handlers is inlet.handlers or each in inlet.handlers:  # one may unsubscribe another
                 handler, raw = each
                 handler(payload if raw else value, how)
 
-    def _decoded(self, inlet: Inlet, kind: int, message: Any) -> Read | None:
+    def _decoded(self, inlet: Subscription, kind: int, message: Any) -> Read | None:
         """The payload and its value; None if it is not there, or cannot be read."""
 
         def note(text: str) -> None:
@@ -354,7 +358,7 @@ class Arrivals:
             self._complaints.count("wrong format", str(error))
             return None
 
-    def _payload(self, inlet: Inlet, kind: int, payload: memoryview) -> memoryview | None:
+    def _payload(self, inlet: Subscription, kind: int, payload: memoryview) -> memoryview | None:
         """The payload itself; None if it is not there any more."""
         if kind == frames.INLINE:
             return payload

@@ -10,7 +10,7 @@ from hub.errors import HandlerFailedError, HubError, NoValueError
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.message_info import decode
 from hub.ipc.node.connection import Connection
-from hub.ipc.node.direct_queries import DirectDoor
+from hub.ipc.node.direct_queries import DirectResponder
 from hub.ipc.wire import control, frames
 
 R = TypeVar("R")
@@ -57,7 +57,7 @@ Tell = Callable[[Any, bytes | None], object]
 _Responder = Callable[[frames.Frame, int, float, Tell], None]
 
 
-class Answers:
+class Responders:
     """What one client answers."""
 
     def __init__(
@@ -83,7 +83,7 @@ class Answers:
         self._last = last
         self._clock = clock
         self._responders: dict[str, _Responder] = {}
-        self._door: DirectDoor | None = None
+        self._door: DirectResponder | None = None
 
     def add(
         self,
@@ -114,7 +114,7 @@ class Answers:
         for name in self._responders:
             self._announce(name, on=True)
 
-    def open_door(self, door: DirectDoor | None) -> None:
+    def open_door(self, door: DirectResponder | None) -> None:
         """Let others on this machine ask us there, or nowhere but through central."""
         self._door = door
 

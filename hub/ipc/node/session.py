@@ -8,17 +8,17 @@ from typing import Any
 from hub.errors import CodecError, HubError, NotAllowedError, RedefinedMessageError
 from hub.ipc import endpoints
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from hub.ipc.node.connection import LOST_S, Connection
-from hub.ipc.node.direct_queries import DirectDoor, DirectWay
+from hub.ipc.node.direct_queries import DirectRequester, DirectResponder
 from hub.ipc.node.directory import Directory
-from hub.ipc.node.pending_queries import Questions
-from hub.ipc.node.publishers import Outlets
-from hub.ipc.node.responders import Answers
-from hub.ipc.node.subscriptions import Inlets
+from hub.ipc.node.pending_queries import PendingQueries
+from hub.ipc.node.publishers import Publishers
+from hub.ipc.node.responders import Responders
+from hub.ipc.node.subscriptions import Subscriptions
 from hub.ipc.security.client_keys import ClientKeys
 from hub.ipc.transport import file_descriptors, sockets
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.handshakes import Handshakes
 from hub.ipc.transport.loop import Loop
 from hub.ipc.wire import control, definition_listing, frames
@@ -50,7 +50,7 @@ class Session:
         *,
         context: sockets.Context,
         loop: Loop,
-        complaints: Complaints,
+        complaints: FaultCounter,
         keys: ClientKeys | None,
         near: bool,
     ) -> None:
@@ -75,13 +75,13 @@ class Session:
             near=near,
         )
         self._handshakes = Handshakes()
-        self.outlets = Outlets(context, loop, self.connection, complaints, self._handshakes)
-        self.inlets = Inlets(context, loop, self.connection, complaints, self._handshakes)
-        self.questions = Questions(self.connection, self._clock)
-        self.answers = Answers(name, self.connection, self.pack, self.outlets.last, self._clock)
+        self.outlets = Publishers(context, loop, self.connection, complaints, self._handshakes)
+        self.inlets = Subscriptions(context, loop, self.connection, complaints, self._handshakes)
+        self.questions = PendingQueries(self.connection, self._clock)
+        self.answers = Responders(name, self.connection, self.pack, self.outlets.last, self._clock)
         self._context = context
         self._loop = loop
-        self._door: DirectDoor | None = None
+        self._door: DirectResponder | None = None
         self._way_in: tuple[list[str], bool, bool] | None = None
         self._lasts: set[str] = set()
 
@@ -214,7 +214,7 @@ class Session:
     def _told_rarely(self, message: Any) -> None:
         if isinstance(message, control.Last):
             self.answers.tell_last(message)
-        elif isinstance(message, control.Route):
+        elif isinstance(message, control.DirectRoute):
             self._route(message)
         elif isinstance(message, control.Defined):
             self._confirmed.add(message.name)
@@ -234,7 +234,7 @@ class Session:
     def _open_door(self, *, near: bool) -> None:
         """Be asked directly as a neighbour, and only then."""
         if near and self._door is None:
-            self._door = DirectDoor(
+            self._door = DirectResponder(
                 self.connection.client,
                 self.answers.answer_directly,
                 context=self._context,
@@ -246,11 +246,11 @@ class Session:
             self._door = None
         self.answers.open_door(self._door)
 
-    def _route(self, message: control.Route) -> None:
+    def _route(self, message: control.DirectRoute) -> None:
         """Central says where queries of a name may go, or that they may no longer."""
         way = next((w for w in self.questions.ways() if w.address == message.address), None)
         if way is None and endpoints.is_direct_address(message.address):
-            way = DirectWay(
+            way = DirectRequester(
                 message.address,
                 answered=self.told,
                 lost=self._way_lost,
@@ -262,7 +262,7 @@ class Session:
         if before is not None and not before.names:
             before.close()
 
-    def _way_lost(self, way: DirectWay) -> None:
+    def _way_lost(self, way: DirectRequester) -> None:
         for name in tuple(way.names):
             self.questions.follow(name, None)
         way.close()
@@ -311,7 +311,7 @@ class Session:
             raise CodecError(text)
         return frame
 
-    def _reception(self, frame: frames.Frame) -> Reception:
+    def _reception(self, frame: frames.Frame) -> MessageInfo:
         now = self._clock()
         measured = min(now, frame.stamp_ns * 1e-9 - self.connection.hub_time.offset)
-        return Reception(frame.publisher, frame.sequence, 0, now - measured, measured)
+        return MessageInfo(frame.publisher, frame.sequence, 0, now - measured, measured)

@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 
 from hub.errors import CodecError
 from hub.ipc.definition import Keep, MessageDefinition
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from hub.ipc.wire import control, frames
 
-Handler = Callable[[Any, Reception], None]
+Handler = Callable[[Any, MessageInfo], None]
 
 _MAX_PUBLISHERS = 256
 _MAX_JUMP = 1 << 24
@@ -54,7 +54,7 @@ class Source:
         return True
 
 
-class Arrival(NamedTuple):
+class ReceivedFrame(NamedTuple):
     """What one frame brought.
 
     Attributes:
@@ -76,7 +76,7 @@ Read = tuple[Any, Any]
 _JUST_NOW = 1 << 62
 
 
-class Inlet:
+class Subscription:
     """One message on its way to its handlers.
 
     Attributes:
@@ -143,7 +143,7 @@ class Inlet:
             known = self._sources[publisher] = Source()
         return known
 
-    def read(self, raw: bytes) -> Arrival:
+    def read(self, raw: bytes) -> ReceivedFrame:
         """What a frame of this message brings.
 
         Raises:
@@ -173,22 +173,22 @@ class Inlet:
             raise CodecError(text)
         if kind == frames.INLINE:
             message = (self.flat and self.flat.values(payload)) or payload
-            return Arrival(publisher, sequence, kind, [(stamp, message)])
+            return ReceivedFrame(publisher, sequence, kind, [(stamp, message)])
         if kind == frames.BATCH:
             messages: Any = self.flat.items(payload) if self.flat else None
             if messages is None:
                 messages = frames.items(payload)
-            return Arrival(publisher, sequence, frames.INLINE, messages)
+            return ReceivedFrame(publisher, sequence, frames.INLINE, messages)
         if kind == frames.RING_BATCH:
             descriptors: Any = frames.items(payload)
-            return Arrival(publisher, sequence, frames.IN_RING, descriptors)
-        return Arrival(publisher, sequence, kind, [(stamp, payload)])
+            return ReceivedFrame(publisher, sequence, frames.IN_RING, descriptors)
+        return ReceivedFrame(publisher, sequence, kind, [(stamp, payload)])
 
-    def unreadable(self) -> Arrival | None:
+    def unreadable(self) -> ReceivedFrame | None:
         """What stands for a frame that cannot be read; None if nothing does."""
         if not self.unordered:
             return None
-        return Arrival(0, 0, frames.INLINE, [(_JUST_NOW, memoryview(b""))])
+        return ReceivedFrame(0, 0, frames.INLINE, [(_JUST_NOW, memoryview(b""))])
 
     def report(self) -> control.Received | None:
         """What came since the last time; None if nothing."""

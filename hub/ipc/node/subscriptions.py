@@ -11,17 +11,17 @@ import zmq
 from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.node import publishers
 from hub.ipc.node.connection import Connection
-from hub.ipc.node.receive_queue import Arrivals
-from hub.ipc.node.subscription import Handler, Inlet
+from hub.ipc.node.receive_queue import ReceiveQueue
+from hub.ipc.node.subscription import Handler, Subscription
 from hub.ipc.transport import shared_ring, sockets
-from hub.ipc.transport.direct_inbox import Inbox
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.direct_inbox import DirectInbox
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.handshakes import Handshakes
 from hub.ipc.transport.loop import Loop
 from hub.ipc.wire import control, frames
 
 
-class Inlets:
+class Subscriptions:
     """All inlets of one client, and the sockets they share.
 
     Attributes:
@@ -33,7 +33,7 @@ class Inlets:
         context: sockets.Context,
         loop: Loop,
         connection: Connection,
-        complaints: Complaints,
+        complaints: FaultCounter,
         handshakes: Handshakes,
     ) -> None:
         self._handshakes = handshakes
@@ -41,7 +41,7 @@ class Inlets:
         self._loop = loop
         self._connection = connection
         self._complaints = complaints
-        self.arrivals = Arrivals(
+        self.arrivals = ReceiveQueue(
             clock=loop.clock,
             hub_time=connection.hub_time,
             complaints=complaints,
@@ -49,9 +49,9 @@ class Inlets:
         )
         self._sockets: dict[Plane, sockets.Socket] = {}
         self._files: dict[Plane, int] = {}
-        self._inboxes: dict[Plane, Inbox] = {}
-        self._inlets: dict[str, Inlet] = {}
-        self._under_way: dict[str, Inlet] = {}
+        self._inboxes: dict[Plane, DirectInbox] = {}
+        self._inlets: dict[str, Subscription] = {}
+        self._under_way: dict[str, Subscription] = {}
         self._tokens = 0
         self._near = False
         self._where: dict[Plane, str] = {}
@@ -114,7 +114,7 @@ class Inlets:
             socket, functools.partial(self.arrivals.take, socket)
         )
         if self._near:
-            self._inboxes[plane] = Inbox(self._context, self._loop, plane, self.arrivals.take)
+            self._inboxes[plane] = DirectInbox(self._context, self._loop, plane, self.arrivals.take)
 
     def subscribe_all(self) -> None:
         """Subscribe anew, at a central that knows the definitions now."""
@@ -148,7 +148,7 @@ class Inlets:
     ) -> None:
         """Hand every message of `definition` to `handler` too."""
         known = self._inlets.get(definition.name)
-        inlet = known or Inlet(definition)
+        inlet = known or Subscription(definition)
         inlet.add(handler, raw=raw)
         if queue is not None:
             inlet.limit = queue
@@ -194,7 +194,7 @@ class Inlets:
         if inbox is None or self._emptied(inbox, frame):
             self.arrivals.accept(inlet, frame)
 
-    def _emptied(self, inbox: Inbox, frame: frames.Frame) -> bool:
+    def _emptied(self, inbox: DirectInbox, frame: frames.Frame) -> bool:
         """Whether an inbox is empty after a turn; else the frame is accepted in a later turn.
 
         What was sent before the frame has come by now, and would be taken for repeated behind it.
@@ -207,7 +207,7 @@ class Inlets:
                 self._loop.after(0.0, functools.partial(self.accept, frame))
         return not more
 
-    def _ask_for(self, inlet: Inlet) -> None:
+    def _ask_for(self, inlet: Subscription) -> None:
         """Subscribe, and have central say when nothing can be missed any more."""
         definition = inlet.definition
         self._under_way.pop(inlet.token, None)
@@ -224,11 +224,11 @@ class Inlets:
                 in_ring=inlet.in_ring,
             )
         )
-        if not self._connection.may_enter(definition.plane):
+        if not self._connection.may_connect(definition.plane):
             # Who only listens cannot see its own mark come back.
             self._connection.tell(control.Ready(token=inlet.token))
 
-    def _inbox(self, inlet: Inlet) -> Inbox | None:
+    def _inbox(self, inlet: Subscription) -> DirectInbox | None:
         return self._inboxes.get(Plane.STATE if inlet.in_ring else inlet.definition.plane)
 
     def _stands(self, token: str) -> None:
@@ -244,7 +244,7 @@ class Inlets:
     def _may_ring(self, definition: MessageDefinition[Any]) -> bool:
         return self._near and shared_ring.available and definition.plane is Plane.PICTURE
 
-    def _filter(self, inlet: Inlet, *, on: bool) -> None:
+    def _filter(self, inlet: Subscription, *, on: bool) -> None:
         plane = inlet.definition.plane
         socket = self._sockets[plane]
         self._loop.touch(self._files[plane])
@@ -254,12 +254,12 @@ class Inlets:
             if on:
                 socket.subscribe(publishers.mark(topic, inlet.token))
 
-    def _filters(self, inlet: Inlet) -> list[bytes]:
+    def _filters(self, inlet: Subscription) -> list[bytes]:
         """What comes from central: what neighbours send only if we are none."""
         kinds = (frames.FAR,) if self._near else (frames.FAR, b"")
         return [frames.topic(inlet.definition.name, kind) for kind in kinds]
 
-    def _go_plain(self, inlet: Inlet, why: str) -> None:
+    def _go_plain(self, inlet: Subscription, why: str) -> None:
         """Ask for the payloads themselves from now on."""
         if inlet.in_ring and self._sockets:
             self._complaints.count("no shared memory", f"{inlet.definition.name}: {why}")

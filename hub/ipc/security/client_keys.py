@@ -8,7 +8,7 @@ from pathlib import Path
 import zmq
 
 from hub.errors import KeyFileError
-from hub.ipc.roles import Bearer, Role
+from hub.ipc.roles import Principal, Role
 from hub.ipc.security import key_files
 from hub.toml_reader import Key
 
@@ -56,7 +56,7 @@ class ClientKeys:
         path: The file that they are from, if they are from one.
     """
 
-    bearer: Bearer
+    bearer: Principal
     pair: KeyPair
     hub: str
     path: Path | None = field(default=None, compare=False)
@@ -83,7 +83,7 @@ def read_client_keys(path: Path) -> ClientKeys:
     fields = key_files.read_keys(_KEYS, values, "the file", path, advice=_ADVICE)
     pair = KeyPair(public=fields["public"], secret=fields["secret"])
     pair.demand_whole(path, _ADVICE)
-    bearer = Bearer.of(fields["name"], fields["role"], pair.public)
+    bearer = Principal.of(fields["name"], fields["role"], pair.public)
     return ClientKeys(bearer=bearer, pair=pair, hub=fields["hub"], path=path)
 
 

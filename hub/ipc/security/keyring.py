@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hub.errors import KeyFileError, KeyNameError
-from hub.ipc.roles import Bearer, Role
+from hub.ipc.roles import Principal, Role
 from hub.ipc.security import key_files
 from hub.ipc.security.client_keys import ClientKeys, KeyPair, write_client_keys
 from hub.toml_reader import Key, nearest
@@ -36,9 +36,9 @@ class Holder:
     public: str
 
     @property
-    def bearer(self) -> Bearer:
+    def bearer(self) -> Principal:
         """Who this is to the rest of the bus."""
-        return Bearer.of(self.name, self.role, self.public)
+        return Principal.of(self.name, self.role, self.public)
 
 
 def default_folder() -> Path:

@@ -7,7 +7,7 @@ from typing import Any
 
 from hub.errors import NotAllowedError
 from hub.ipc.definition import Plane
-from hub.ipc.roles import Action, Bearer, demand, may
+from hub.ipc.roles import Action, Principal, demand, may
 from hub.ipc.security.publish_rights import demand_right
 from hub.ipc.wire import control
 
@@ -23,7 +23,7 @@ _ASKED = {
 _NAMED = (control.Define, control.Advertise, control.Subscribe, control.Close)
 
 
-def check(bearer: Bearer, client: str, message: Any, plane: Callable[[str], str | None]) -> None:
+def check(bearer: Principal, client: str, message: Any, plane: Callable[[str], str | None]) -> None:
     """Refuse a control message that its sender may not send.
 
     Args:
@@ -46,7 +46,7 @@ def check(bearer: Bearer, client: str, message: Any, plane: Callable[[str], str 
     demand(bearer, _ASKED.get(type(message), Action.LIST))
 
 
-def _check_definition(bearer: Bearer, name: str, plane: Callable[[str], str | None]) -> None:
+def _check_definition(bearer: Principal, name: str, plane: Callable[[str], str | None]) -> None:
     if plane(name) is None and not may(bearer.role, Action.DEFINE):
         # No advice to take a stronger key: a module of the robot will define it.
         text = (

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from hub.errors import NotAllowedError
 from hub.ipc.definition import Plane
-from hub.ipc.roles import Bearer, Role
+from hub.ipc.roles import Principal, Role
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,7 +89,7 @@ def may_publish(role: Role, message: str, plane: str = Plane.COMMAND.value) -> b
     return role.includes(right(message, plane).role)
 
 
-def demand_right(bearer: Bearer, client: str, message: str, plane: str) -> None:
+def demand_right(bearer: Principal, client: str, message: str, plane: str) -> None:
     """Refuse a message that the holder of a key, or its client, may not publish.
 
     Args:
@@ -115,7 +115,7 @@ def demand_right(bearer: Bearer, client: str, message: str, plane: str) -> None:
     raise NotAllowedError(text)
 
 
-def reserved_text(name: str, bearer: Bearer) -> str:
+def reserved_text(name: str, bearer: Principal) -> str:
     """Why the holder of a key cannot connect under a name of the robot's modules."""
     return (
         f"{name!r} is the name of a module of the robot, and {bearer.name} has a key to "

@@ -6,7 +6,7 @@ import logging
 from collections.abc import Callable, Set
 
 from hub.errors import KeyFileError
-from hub.ipc.roles import Bearer
+from hub.ipc.roles import Principal
 from hub.ipc.security.keyring import Keyring
 
 _logger = logging.getLogger(__name__)
@@ -28,8 +28,8 @@ class RemovedKeys:
     def __init__(
         self,
         keyring: Keyring,
-        admitted: Callable[[], Set[Bearer]],
-        end: Callable[[Bearer], None],
+        admitted: Callable[[], Set[Principal]],
+        end: Callable[[Principal], None],
     ) -> None:
         """Begin to watch the list.
 
@@ -41,10 +41,10 @@ class RemovedKeys:
         self._keyring = keyring
         self._admitted = admitted
         self._end = end
-        self._removed: frozenset[Bearer] = frozenset()
+        self._removed: frozenset[Principal] = frozenset()
         self._next = 0.0
 
-    def holds(self, bearer: Bearer) -> bool:
+    def holds(self, bearer: Principal) -> bool:
         """Whether this key was not removed."""
         return bearer not in self._removed
 

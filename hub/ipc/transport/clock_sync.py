@@ -61,7 +61,7 @@ def this_neighbourhood() -> int:
     return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=8).digest(), "little")
 
 
-class HubTime:
+class ClockSync:
     """The offset between this process's monotonic clock and the hub's.
 
     Attributes:

@@ -9,7 +9,7 @@ import zmq
 
 from hub.errors import CodecError, FrameError
 from hub.ipc.transport import sockets
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.loop import Loop
 from hub.ipc.wire import control_codec
 
@@ -18,7 +18,7 @@ _TURN_S = 0.02
 """What comes is served for so long before timers have their turn: each may take its time [s]."""
 
 
-class Dialogue:
+class ControlChannel:
     """A connected socket (DEALER), served by a loop until it is closed."""
 
     def __init__(
@@ -29,7 +29,7 @@ class Dialogue:
         events: int,
         happened: Callable[[int], None],
         loop: Loop,
-        complaints: Complaints,
+        complaints: FaultCounter,
         address: str,
     ) -> None:
         """Connect.

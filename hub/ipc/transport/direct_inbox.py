@@ -14,7 +14,7 @@ from hub.ipc.transport import sockets
 from hub.ipc.transport.loop import Loop
 
 
-class Inbox:
+class DirectInbox:
     """The inbox of one plane.
 
     Attributes:

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable
 
 
-class Complaints:
+class FaultCounter:
     """Counts by reason; logs the first of each reason and then at most one a minute.
 
     Attributes:

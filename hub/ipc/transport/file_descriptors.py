@@ -11,7 +11,7 @@ import contextlib
 import socket
 import struct
 
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.fault_counter import FaultCounter
 
 with contextlib.suppress(ImportError):  # Windows has no such limits, and no neighbours
     import resource
@@ -82,7 +82,7 @@ def received(descriptor: int) -> int:
 class Reserve:
     """Keeps some of this process's descriptors free."""
 
-    def __init__(self, complaints: Complaints, *, part: float = LOCAL) -> None:
+    def __init__(self, complaints: FaultCounter, *, part: float = LOCAL) -> None:
         """Watch the connections that are told to `admit`.
 
         Args:

@@ -21,7 +21,7 @@ from typing import Any, Protocol
 
 import zmq
 
-from hub.ipc.transport.timers import Posted, Timer, Timers
+from hub.ipc.transport.timers import CallQueue, Timer, Timers
 
 Serve = Callable[[], bool]
 """Reads a socket; whether there may be more in it."""
@@ -87,7 +87,7 @@ class Loop:
         self._ready: set[int] = set()
         self._participants: list[Participant] = []
         self._timers = Timers()
-        self._posted = Posted()
+        self._posted = CallQueue()
         self._ended = False
         self._looked = math.inf
         self.watch(self._posted.file, self._posted.drain)

@@ -68,7 +68,7 @@ class Timers:
             self._timers = [timer for timer in self._timers if timer.left > 0]
 
 
-class Posted:
+class CallQueue:
     """Work from other threads, with a pipe that wakes the thread that does it.
 
     Attributes:

@@ -259,7 +259,7 @@ class Pong:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Stranger:
+class UnknownPeer:
     """Central: I do not know you; say hello."""
 
 
@@ -269,7 +269,7 @@ class List:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Peer:
+class ListedPeer:
     """A connected module or console.
 
     Attributes:
@@ -310,7 +310,7 @@ class Listing:
     definition_count: int
     definitions: tuple[Define, ...]
     peer_count: int
-    peers: tuple[Peer, ...]
+    peers: tuple[ListedPeer, ...]
     dropped_count: int
     dropped: tuple[Count, ...]
 
@@ -430,7 +430,7 @@ class LogLevel:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Route:
+class DirectRoute:
     """Central: queries of this name may go to this address directly; empty: no longer."""
 
     name: str

@@ -45,7 +45,7 @@ KINDS: tuple[MessageDefinition[Any], ...] = (
     _kind("FAILURE", "{uint,string,string}", control.Failure),
     _kind("PING", "{ulong,double}", control.Ping),
     _kind("PONG", "{ulong,double,double}", control.Pong),
-    _kind("STRANGER", "{}", control.Stranger),
+    _kind("STRANGER", "{}", control.UnknownPeer),
     _kind("LIST", "{}", control.List),
     _kind(
         "LISTING",
@@ -70,7 +70,7 @@ KINDS: tuple[MessageDefinition[Any], ...] = (
     ),
     _kind("CLOSE", "{string,string}", control.Close),
     _kind("LOG_LEVEL", "{string}", control.LogLevel),
-    _kind("ROUTE", "{string,string}", control.Route),
+    _kind("ROUTE", "{string,string}", control.DirectRoute),
     _kind("SUBSCRIBER", "{string,uint,string,boolean,string}", control.Subscriber),
 )
 """The kinds; a kind's number on the wire is its place here, counted from 1."""

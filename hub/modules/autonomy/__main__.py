@@ -14,7 +14,7 @@ from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
 from hub.grids.grid import grid_of
 from hub.ipc.client import Client
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from hub.modules.autonomy.novelty import Limits
 from hub.modules.autonomy.pilot import Pilot
 from hub.robots.description import RobotDescription
@@ -58,14 +58,14 @@ class Autonomy:
         self._pilot.command(autonomy.AutonomyCommand(), self._clock())
         self._act()
 
-    def _command(self, command: autonomy.AutonomyCommand, reception: Reception) -> None:
+    def _command(self, command: autonomy.AutonomyCommand, reception: MessageInfo) -> None:
         if not self._gate.admits(autonomy.AUTONOMY_COMMAND, reception):
             return
         self._pilot.command(command, self._clock())
         _logger.info("asked for %s", command.behaviour.name)
         self._act()
 
-    def _stop(self, message: navigation.Stop, reception: Reception) -> None:
+    def _stop(self, message: navigation.Stop, reception: MessageInfo) -> None:
         del reception
         self._pilot.see_stop(message.reason, self._clock())
         self._act()
@@ -76,16 +76,16 @@ class Autonomy:
             self._pilot.see_other(f"{state.operator} has control now", self._clock())
             self._act()
 
-    def _stick(self, twist: navigation.Twist, reception: Reception) -> None:
+    def _stick(self, twist: navigation.Twist, reception: MessageInfo) -> None:
         sender = reception.publisher
         if not twist.neutral and sender != self._client.number and self._gate.counts(sender):
             self._pilot.see_stick(self._clock())
             self._act()
 
-    def _robot(self, state: navigation.RobotState, reception: Reception) -> None:
+    def _robot(self, state: navigation.RobotState, reception: MessageInfo) -> None:
         self._pilot.see_robot(state, reception.measured)
 
-    def _navigation(self, status: navigation.NavigationStatus, reception: Reception) -> None:
+    def _navigation(self, status: navigation.NavigationStatus, reception: MessageInfo) -> None:
         del reception
         mine = status.sender == self._client.number
         self._pilot.see_navigation(status, self._clock(), mine=mine)
@@ -102,7 +102,7 @@ class Autonomy:
             self._publish()
 
     def _ask_for_map(self) -> None:
-        def answered(message: mapping.Map, reception: Reception) -> None:
+        def answered(message: mapping.Map, reception: MessageInfo) -> None:
             del reception
             try:
                 grid = grid_of(message)

@@ -202,10 +202,10 @@ class Pilot:
         errand, target = self._errand, self._watch.target
         goal = target.points[-1] if target is not None and errand is not None else None
         if self._senses.driven(now):
-            pilot = autonomy.Pilot.OPERATOR
+            pilot = autonomy.DrivingMode.OPERATOR
         else:
             ours = self._under_way_for_us
-            pilot = autonomy.Pilot.AUTONOMY if ours else autonomy.Pilot.NOBODY
+            pilot = autonomy.DrivingMode.AUTONOMY if ours else autonomy.DrivingMode.NOBODY
         over = errand is None
         waits = not over and bool(self._watch.why) and self._watch.cause is not Cause.NONE
         until = self._ended if over else now

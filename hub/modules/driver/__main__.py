@@ -12,7 +12,7 @@ from hub.control_gate import follow_control
 from hub.gcm import navigation
 from hub.gcm.capability import Abilities, Capability
 from hub.ipc.client import Client
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from hub.modules.driver.navigator import Navigator
 from hub.modules.driver.operator_loss import OperatorLoss
 from hub.modules.driver.watchdog import CommandWatchdog
@@ -47,7 +47,7 @@ def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
         if truth is not None:
             client.publish(navigation.GROUND_TRUTH, truth, measured=now)
 
-    def command(twist: navigation.Twist, reception: Reception) -> None:
+    def command(twist: navigation.Twist, reception: MessageInfo) -> None:
         now = clock()
         obeyed = navigator.obeyed(reception.publisher, now)
         if obeyed and watchdog.allows(now - reception.age, now, neutral=twist.neutral):

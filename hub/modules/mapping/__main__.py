@@ -14,7 +14,7 @@ from hub.gcm import map_coding, mapping, navigation
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.ipc.client import Client
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from hub.missions import storage
 from hub.missions.folder import MissionFolder
 from hub.missions.grid_picture import GridPicture
@@ -116,7 +116,7 @@ class Mapping:
         self._changed = True
         self._saved = min(self._saved, time.monotonic() - SAVE_S + MARKED_S)
 
-    def _state(self, state: navigation.RobotState, reception: Reception) -> None:
+    def _state(self, state: navigation.RobotState, reception: MessageInfo) -> None:
         if self._keeper.in_frame(state.frame, self._grid.kept):
             _logger.warning(
                 "the robot has lost its place: sheet %d begins", self._keeper.book.sheet

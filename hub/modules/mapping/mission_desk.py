@@ -14,7 +14,7 @@ from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.gcm.control import ControlState
 from hub.gcm.mission import MissionAction
 from hub.ipc.client import Client
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from hub.ipc.node.responders import Reply
 from hub.missions.keeper import MissionKeeper
 from hub.robots.description import MissionBegin, RobotDescription
@@ -79,7 +79,7 @@ class MissionDesk:
         self.publish_state()
         self.publish_points()
 
-    def _point(self, command: mapping.PointCommand, reception: Reception) -> None:
+    def _point(self, command: mapping.PointCommand, reception: MessageInfo) -> None:
         point, by = command.point, f"client {reception.publisher}"
         ended = self._keeper.book.ended
         try:

@@ -16,10 +16,10 @@ from hub.gcm.control import ControlState
 from hub.gcm.navigation import Assistance, Cause, DriveState, MotionState, Task
 from hub.grids.grid import grid_of
 from hub.ipc.client import Client
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from hub.modules.navigation.dynamic_window import body_of
 from hub.modules.navigation.frame import FrameMemory
-from hub.modules.navigation.pilot import Pilot
+from hub.modules.navigation.pilot import PathFollower
 from hub.modules.navigation.reports import robot_state, status
 from hub.modules.navigation.speed_governor import SpeedGovernor
 from hub.paths import for_pose
@@ -61,7 +61,7 @@ class Navigation:
         self._governor = SpeedGovernor(
             robot.linear_limit, robot.angular_limit, self._clock(), stops=random.getrandbits(32)
         )
-        self._pilot = Pilot(body_of(robot))
+        self._pilot = PathFollower(body_of(robot))
         self._frames = FrameMemory(for_pose(robot.name))
         self._wanted = (0.0, 0.0)
         self._newest: tuple[navigation.DriveState, float] | None = None
@@ -93,7 +93,7 @@ class Navigation:
         self._governor.stop()
         self._drive()
 
-    def _command(self, twist: navigation.Twist, reception: Reception) -> None:
+    def _command(self, twist: navigation.Twist, reception: MessageInfo) -> None:
         sender = reception.publisher
         if not self._gate.counts(sender):
             if not twist.neutral:  # idle consoles send neutral all the time
@@ -103,7 +103,7 @@ class Navigation:
         self._governor.command(sender, twist.linear.x, twist.angular.z, now - reception.age, now)
         self._look()
 
-    def _stop(self, message: navigation.Stop, reception: Reception) -> None:
+    def _stop(self, message: navigation.Stop, reception: MessageInfo) -> None:
         del reception
         why = f"stopped: {message.reason or 'no reason given'}"
         self._pilot.errand.end(Task.CANCELLED, why, Cause.STOP, self._clock())
@@ -121,7 +121,7 @@ class Navigation:
         self._drive()
         self._look()
 
-    def _report(self, state: navigation.DriveState, reception: Reception) -> None:
+    def _report(self, state: navigation.DriveState, reception: MessageInfo) -> None:
         now = self._clock()
         if self._driver not in (None, reception.publisher):
             _logger.warning("the driver began anew: the robot waits for a neutral command")
@@ -145,7 +145,7 @@ class Navigation:
         self._pilot.errand.end(Task.CANCELLED, why, Cause.DRIVER, now)
         self._governor.end_task()
 
-    def _go(self, goal: navigation.GoalCommand, reception: Reception) -> None:
+    def _go(self, goal: navigation.GoalCommand, reception: MessageInfo) -> None:
         if not self._gate.admits(navigation.GOAL_COMMAND, reception):
             return
         now = self._clock()
@@ -162,7 +162,7 @@ class Navigation:
         self._begun("a goal", why)
         self._ask_for_map()
 
-    def _turn(self, command: navigation.TurnCommand, reception: Reception) -> None:
+    def _turn(self, command: navigation.TurnCommand, reception: MessageInfo) -> None:
         if not self._gate.admits(navigation.TURN_COMMAND, reception):
             return
         now = self._clock()
@@ -175,12 +175,12 @@ class Navigation:
         self._drive()
         self._look()
 
-    def _assist(self, command: navigation.AssistanceCommand, reception: Reception) -> None:
+    def _assist(self, command: navigation.AssistanceCommand, reception: MessageInfo) -> None:
         if self._gate.admits(navigation.ASSISTANCE_COMMAND, reception):
             self._pilot.assist(command.assistance, self._clock())
             self._look()
 
-    def _correct(self, landmark: navigation.LandmarkCorrection, reception: Reception) -> None:
+    def _correct(self, landmark: navigation.LandmarkCorrection, reception: MessageInfo) -> None:
         if self._gate.admits(navigation.LANDMARK_CORRECTION, reception):
             _logger.info("landmark: %s", self._pilot.correct(landmark, self._clock()))
 
@@ -250,7 +250,7 @@ class Navigation:
             failed=self._no_map,
         )
 
-    def _mapped(self, message: mapping.Map, reception: Reception) -> None:
+    def _mapped(self, message: mapping.Map, reception: MessageInfo) -> None:
         del reception
         self._asking = False
         try:

@@ -44,7 +44,7 @@ class Spread:
     way: float
 
 
-class Doubt:
+class PoseUncertainty:
     """Follows how far the pose may be off."""
 
     def __init__(self) -> None:

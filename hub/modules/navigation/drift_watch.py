@@ -8,7 +8,7 @@ from collections import deque
 from hub.gcm.navigation import DriveState
 from hub.grids.grid import Grid
 from hub.modules.navigation.correction import PoseCorrection
-from hub.modules.navigation.doubt import Doubt, Spread
+from hub.modules.navigation.doubt import PoseUncertainty, Spread
 from hub.modules.navigation.matching import FARTHEST, Sightings, drift
 from hub.pose import Pose
 
@@ -34,14 +34,14 @@ class DriftWatch:
         """
         self._correction = correction
         self._blind = radius + BLIND
-        self._doubt = Doubt()
+        self._doubt = PoseUncertainty()
         self._sightings = Sightings()
         self._maps: deque[tuple[float, Grid]] = deque()
         self._matched = -math.inf
 
     def restart(self) -> None:
         """Forget what was seen and mapped: the robot has lost its place."""
-        self._doubt = Doubt()
+        self._doubt = PoseUncertainty()
         self._sightings = Sightings()
         self._maps.clear()
         self._matched = -math.inf

@@ -41,7 +41,7 @@ _LEAST_TURN = 0.15
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Body:
+class BodyLimits:
     """What the window has to know of a robot.
 
     Attributes:
@@ -67,9 +67,9 @@ class Body:
     reaction: float = 0.12
 
 
-def body_of(robot: RobotDescription) -> Body:
+def body_of(robot: RobotDescription) -> BodyLimits:
     """What the pilot has to know of a robot."""
-    return Body(
+    return BodyLimits(
         radius=robot.radius,
         margin=robot.margin,
         linear_limit=robot.linear_limit,
@@ -97,7 +97,7 @@ class Weights:
 class DynamicWindow:
     """Chooses velocities [m/s, rad/s] for one robot."""
 
-    def __init__(self, body: Body, weights: Weights | None = None) -> None:
+    def __init__(self, body: BodyLimits, weights: Weights | None = None) -> None:
         self.body = body
         self._weights = weights or Weights()
         self._steps = np.linspace(0.0, 1.0, LINEAR_SAMPLES)

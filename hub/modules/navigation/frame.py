@@ -32,7 +32,7 @@ _MOST = 2**32 - 1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Frame:
+class MapFrame:
     """How a dead reckoning lies in `map`.
 
     Attributes:
@@ -46,16 +46,16 @@ class Frame:
     odom: Pose = field(default_factory=Pose)
 
 
-def chosen(drive: DriveState, remembered: Frame) -> Frame:
+def chosen(drive: DriveState, remembered: MapFrame) -> MapFrame:
     """The frame in which a dead reckoning begins that was not heard of before; pure."""
     if drive.odometry == 0:
-        return Frame()
+        return MapFrame()
     if drive.odometry == remembered.odometry:
         return remembered
     apart = (drive.x, drive.y, drive.theta)
     if max(map(abs, apart)) <= AT_BEGINNING:
-        return Frame(odometry=drive.odometry, number=drive.origin or drive.odometry)
-    return Frame(odometry=drive.odometry, number=secrets.randbelow(_MOST) + 1)
+        return MapFrame(odometry=drive.odometry, number=drive.origin or drive.odometry)
+    return MapFrame(odometry=drive.odometry, number=secrets.randbelow(_MOST) + 1)
 
 
 class FrameMemory:
@@ -67,11 +67,11 @@ class FrameMemory:
 
     def __init__(self, path: Path) -> None:
         """Read what the process before has left, if anything."""
-        self.frame = Frame()
+        self.frame = MapFrame()
         self._path = path
         self._before = _read(path)
 
-    def reported(self, drive: DriveState) -> Frame | None:
+    def reported(self, drive: DriveState) -> MapFrame | None:
         """The driver has reported; returns the new frame if there is one."""
         if drive.odometry == self.frame.odometry:
             return None
@@ -82,7 +82,7 @@ class FrameMemory:
     def corrected(self, odom: Pose) -> None:
         """`odom` lies so in `map`."""
         if odom != self.frame.odom:
-            self.frame = Frame(odometry=self.frame.odometry, number=self.frame.number, odom=odom)
+            self.frame = MapFrame(odometry=self.frame.odometry, number=self.frame.number, odom=odom)
             self._save()
 
     def _save(self) -> None:
@@ -96,7 +96,7 @@ class FrameMemory:
             _logger.warning("%s cannot be written: %s", self._path, fault.strerror or fault)
 
 
-def _read(path: Path) -> Frame:
+def _read(path: Path) -> MapFrame:
     """What a file holds; nothing where it is not ours, or makes no sense."""
     with contextlib.suppress(OSError, ValueError, TypeError, OverflowError, RecursionError):
         file = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
@@ -110,5 +110,5 @@ def _read(path: Path) -> Frame:
         places = all(math.isfinite(each) and abs(each) <= _FARTHEST for each in (x, y, theta))
         if ours and numbers and places:
             odom = Pose(x=float(x), y=float(y), theta=float(theta))
-            return Frame(odometry=odometry, number=number, odom=odom)
-    return Frame()
+            return MapFrame(odometry=odometry, number=number, odom=odom)
+    return MapFrame()

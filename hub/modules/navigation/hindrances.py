@@ -28,7 +28,7 @@ _OCCUPIED = 100
 Floats = npt.NDArray[np.float64]
 
 
-class Hindrances:
+class UnmappedObstacles:
     """Points in `map`; every method gets the present monotonic time [s]."""
 
     def __init__(self) -> None:

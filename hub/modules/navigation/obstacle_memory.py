@@ -70,7 +70,7 @@ _AXES: Floats = np.arange(SENSOR_COUNT, dtype=np.float64) * (2.0 * math.pi / SEN
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Scan:
+class RangeScan:
     """What the range sensors said at a pose.
 
     Attributes:
@@ -106,12 +106,12 @@ class ObstacleMemory:
         self._guesses = 0
         self._suspect_at = -math.inf
         self._time = 0.0
-        self._last: tuple[Scan, float] | None = None
-        self._looked: tuple[Scan, float] | None = None
+        self._last: tuple[RangeScan, float] | None = None
+        self._looked: tuple[RangeScan, float] | None = None
         self._sonar = np.full(SENSOR_COUNT, np.nan, dtype=np.float32)
         self._infrared = np.full(SENSOR_COUNT, np.nan, dtype=np.float32)
 
-    def scanned(self, scan: Scan, now: float) -> None:
+    def scanned(self, scan: RangeScan, now: float) -> None:
         """Sensors have reported; those that say the same as before have not measured again."""
         self._let_time_pass(scan, now)
         fresh_infrared = scan.infrared != self._infrared
@@ -155,7 +155,7 @@ class ObstacleMemory:
         self._until[:] = -np.inf
         self._guessed_until[:] = -np.inf
 
-    def _meet(self, scan: Scan, ranges: Floats, bearings: Floats, until: float) -> None:
+    def _meet(self, scan: RangeScan, ranges: Floats, bearings: Floats, until: float) -> None:
         """Remember points in directions from the robot [m, rad], shape (k,)."""
         directions = bearings + scan.theta
         x = scan.x + ranges * np.cos(directions)
@@ -171,7 +171,7 @@ class ObstacleMemory:
         self._until[cells] = np.maximum(self._until[cells], until)
         self._looked_through[cells] = 0
 
-    def _suspect(self, scan: Scan, blind: npt.NDArray[np.bool_]) -> None:
+    def _suspect(self, scan: RangeScan, blind: npt.NDArray[np.bool_]) -> None:
         """Assume points where the sensors leave room for something that they cannot show.
 
         An infrared ray that says "nearer than I can measure" is explained by an echo or a memory
@@ -196,7 +196,7 @@ class ObstacleMemory:
         ranges = np.maximum(_CORNER * nearer[corner], self._radius + _RIM).astype(np.float64)
         self._guess(scan, ranges, _AXES[corner] + _AXES[1] / 2.0, self._time + GUESS_S)
 
-    def _guess(self, scan: Scan, ranges: Floats, bearings: Floats, until: float) -> None:
+    def _guess(self, scan: RangeScan, ranges: Floats, bearings: Floats, until: float) -> None:
         """Assume points in directions from the robot [m, rad], shape (k,)."""
         places = (self._guesses + np.arange(len(ranges))) % _GUESSES
         self._guesses += len(ranges)
@@ -204,7 +204,7 @@ class ObstacleMemory:
         self._guessed_y[places] = scan.y + ranges * np.sin(bearings + scan.theta)
         self._guessed_until[places] = until
 
-    def _let_time_pass(self, scan: Scan, now: float) -> None:
+    def _let_time_pass(self, scan: RangeScan, now: float) -> None:
         """Memory fades with time, but hardly while the robot stands.
 
         What it stands before may be seen from nowhere but from where it came: forgotten after some
@@ -218,7 +218,7 @@ class ObstacleMemory:
             self._time += min(passed, _STANDING * passed + way + turn)
         self._last = scan, now
 
-    def _look_through(self, scan: Scan) -> None:
+    def _look_through(self, scan: RangeScan) -> None:
         """Count the points that infrared rays have passed through, and forget some."""
         held = np.flatnonzero(self._until > self._time)
         through, away = self._passed(scan, self._x[held], self._y[held], _BESIDE)
@@ -230,7 +230,7 @@ class ObstacleMemory:
         self._guessed_until[through] = -np.inf
 
     def _passed(
-        self, scan: Scan, x: Floats, y: Floats, beside: float
+        self, scan: RangeScan, x: Floats, y: Floats, beside: float
     ) -> tuple[npt.NDArray[np.bool_], Floats]:
         """Which points a ray has passed through, this far beside it [m]; and how far they are."""
         to_x, to_y = x - scan.x, y - scan.y
@@ -244,7 +244,7 @@ class ObstacleMemory:
         return (off < beside) & (away < free), away
 
 
-def _elsewhere(scan: Scan, now: float, before: Scan, then: float) -> bool:
+def _elsewhere(scan: RangeScan, now: float, before: RangeScan, then: float) -> bool:
     """Whether a look from here, or now, says something that the look before did not."""
     return (
         math.hypot(scan.x - before.x, scan.y - before.y) > 0.01

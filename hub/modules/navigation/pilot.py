@@ -24,10 +24,10 @@ from hub.modules.navigation.assistance import AssistanceSwitch
 from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.doubt import Spread
 from hub.modules.navigation.drift_watch import DriftWatch
-from hub.modules.navigation.dynamic_window import Body, DynamicWindow
-from hub.modules.navigation.hindrances import Hindrances
-from hub.modules.navigation.obstacle_memory import ObstacleMemory, Scan
-from hub.modules.navigation.task import LARGEST_TURN, Aim, Errand, refusal
+from hub.modules.navigation.dynamic_window import BodyLimits, DynamicWindow
+from hub.modules.navigation.hindrances import UnmappedObstacles
+from hub.modules.navigation.obstacle_memory import ObstacleMemory, RangeScan
+from hub.modules.navigation.task import LARGEST_TURN, Aim, NavigationTask, refusal
 from hub.pose import Pose, each_wrapped
 
 REACH = 0.7
@@ -47,7 +47,7 @@ PLAN_AGAIN_S = 1.0
 Velocity = tuple[float, float]
 
 
-class Pilot:
+class PathFollower:
     """Decides for one robot.
 
     Attributes:
@@ -56,14 +56,14 @@ class Pilot:
         held_back: How much of the velocity wanted last was held back, 0 to 1.
     """
 
-    def __init__(self, body: Body) -> None:
-        self.errand = Errand()
+    def __init__(self, body: BodyLimits) -> None:
+        self.errand = NavigationTask()
         self.correction = PoseCorrection()
         self.held_back = 0.0
         self._body = body
         self._window = DynamicWindow(body)
         self._obstacles = ObstacleMemory(body.radius)
-        self._hindrances = Hindrances()
+        self._hindrances = UnmappedObstacles()
         self._drift = DriftWatch(self.correction, body.radius)
         self._switch = AssistanceSwitch()
         self._drive: DriveState | None = None
@@ -86,7 +86,7 @@ class Pilot:
     def reported(self, drive: DriveState, now: float) -> None:
         """The hardware has reported."""
         self._drive = drive
-        scan = Scan(
+        scan = RangeScan(
             x=drive.x,
             y=drive.y,
             theta=drive.theta,
@@ -266,7 +266,7 @@ def _odom(drive: DriveState) -> tuple[float, float, float]:
     return drive.x, drive.y, drive.theta
 
 
-def _share_taken(wanted: Velocity, given: Velocity, body: Body) -> float:
+def _share_taken(wanted: Velocity, given: Velocity, body: BodyLimits) -> float:
     """How much of a velocity is taken away, both of their limits counting alike; 0 to 1."""
     limits = body.linear_limit, body.angular_limit
     taken = math.hypot(

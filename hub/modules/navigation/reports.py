@@ -5,13 +5,18 @@ from __future__ import annotations
 import math
 
 from hub.gcm.navigation import DriveState, NavigationStatus, Point, RobotState
-from hub.modules.navigation.pilot import Pilot
+from hub.modules.navigation.pilot import PathFollower
 from hub.modules.navigation.speed_governor import SpeedGovernor
-from hub.modules.navigation.task import Errand
+from hub.modules.navigation.task import NavigationTask
 
 
 def robot_state(
-    drive: DriveState, pilot: Pilot, governor: SpeedGovernor, refused: int, frame: int, now: float
+    drive: DriveState,
+    pilot: PathFollower,
+    governor: SpeedGovernor,
+    refused: int,
+    frame: int,
+    now: float,
 ) -> RobotState:
     """What is known of the robot, from what its hardware reports."""
     spread = pilot.spread
@@ -41,7 +46,7 @@ def robot_state(
     )
 
 
-def status(errand: Errand, driver: int, now: float) -> NavigationStatus:
+def status(errand: NavigationTask, driver: int, now: float) -> NavigationStatus:
     """What is done now, or how it ended."""
     way = errand.route.way if errand.route is not None else ()
     x, y = errand.place

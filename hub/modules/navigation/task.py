@@ -74,7 +74,7 @@ class Aim:
     stay: bool = False
 
 
-class Errand:
+class NavigationTask:
     """The present task, or the last one; every method gets the present monotonic time [s].
 
     Attributes:

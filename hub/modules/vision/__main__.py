@@ -10,7 +10,7 @@ from hub.control_gate import ControlGate
 from hub.gcm import navigation, vision
 from hub.gcm.capability import Abilities, Capability
 from hub.ipc.client import Client
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from hub.ipc.node.responders import Reply
 from hub.modules.vision.coding import code
 from hub.modules.vision.night import NightMode
@@ -97,22 +97,22 @@ class Vision:
         now = self._clock()
         self._client.publish(vision.CAMERA_STATE, self._state(now), measured=now)
 
-    def _move(self, command: vision.CameraCommand, reception: Reception) -> None:
+    def _move(self, command: vision.CameraCommand, reception: MessageInfo) -> None:
         if self._gate.admits(vision.CAMERA_COMMAND, reception):
             self._advance()
             self._camera.move(command)
 
-    def _switch_night(self, command: vision.NightCommand, reception: Reception) -> None:
+    def _switch_night(self, command: vision.NightCommand, reception: MessageInfo) -> None:
         if not self._gate.admits(vision.NIGHT_COMMAND, reception):
             return
         self._night.command(command)
         self._camera.set_headlight(self._night.headlight)
         self._publish_state()
 
-    def _remember(self, state: navigation.RobotState, reception: Reception) -> None:
+    def _remember(self, state: navigation.RobotState, reception: MessageInfo) -> None:
         self._poses.add(state, reception.measured)
 
-    def _place(self, truth: navigation.GroundTruth, reception: Reception) -> None:
+    def _place(self, truth: navigation.GroundTruth, reception: MessageInfo) -> None:
         self._camera.place(truth.x, truth.y, truth.theta, reception.measured)
 
 

@@ -14,7 +14,7 @@ Value = tuple[int, int | None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Slot:
+class ReportSlot:
     """Where the value of one control is, and how it is read.
 
     Attributes:
@@ -58,7 +58,7 @@ class Reading:
 
     def __init__(
         self,
-        slots: Sequence[Slot],
+        slots: Sequence[ReportSlot],
         arrays: Sequence[ArraySlot] = (),
         *,
         prefix: int,
@@ -141,7 +141,7 @@ class Reading:
 
 def read_as_described(channels: Sequence[Channel], *, numbered: bool) -> dict[int, Reading]:
     """What each report holds, by its id."""
-    slots: defaultdict[int, list[Slot]] = defaultdict(list)
+    slots: defaultdict[int, list[ReportSlot]] = defaultdict(list)
     arrays: defaultdict[int, dict[int, tuple[Channel, dict[int, int]]]] = defaultdict(dict)
     for position, channel in enumerate(channels):
         field = channel.field
@@ -169,12 +169,12 @@ def read_as_described(channels: Sequence[Channel], *, numbered: bool) -> dict[in
     }
 
 
-def _slot(position: int, channel: Channel) -> Slot:
+def _slot(position: int, channel: Channel) -> ReportSlot:
     field = channel.field
     limited = channel.kind is ControlKind.HAT or (
         field.nullable and channel.kind is not ControlKind.BUTTON
     )
-    return Slot(
+    return ReportSlot(
         position=position,
         bit=channel.bit,
         size=field.size,

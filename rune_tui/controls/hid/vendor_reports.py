@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from rune_tui.controls.hid.channels import Channel
-from rune_tui.controls.hid.reading import Reading, Slot
+from rune_tui.controls.hid.reading import Reading, ReportSlot
 
 _SONY, _NINTENDO = 0x054C, 0x057E
 _DUALSHOCK_4, _DUALSENSE, _SWITCH_PRO = {0x05C4, 0x09CC, 0x0BA0}, {0x0CE6, 0x0DF2}, {0x2009}
@@ -57,17 +57,17 @@ def read_vendor_reports(
     return {}
 
 
-def _slots(channels: Sequence[Channel], places: Places) -> list[Slot]:
+def _slots(channels: Sequence[Channel], places: Places) -> list[ReportSlot]:
     slots = []
     for position, channel in enumerate(channels):
         if channel.name in places:
             bit, size = places[channel.name]
             limits = (channel.minimum, channel.maximum) if size == 4 else None
-            slots.append(Slot(position=position, bit=bit, size=size, limits=limits))
+            slots.append(ReportSlot(position=position, bit=bit, size=size, limits=limits))
     return slots
 
 
-def _switch_slots(channels: Sequence[Channel]) -> list[Slot]:
+def _switch_slots(channels: Sequence[Channel]) -> list[ReportSlot]:
     """As far as the descriptor has the ranges that its makers give it."""
     places: dict[str, tuple[int, int]] = _SWITCH_STICKS | {"hat switch": _SWITCH_HAT}
     places |= {f"button {number}": (bit, 1) for number, bit in enumerate(_SWITCH_BUTTONS, 1)}
@@ -81,5 +81,5 @@ def _switch_slots(channels: Sequence[Channel]) -> list[Slot]:
             hats = (_HAT_OF_BITS.get(bits) for bits in range(16))
             table = tuple(None if hat is None else channel.minimum + hat for hat in hats)
         if table is not None or size == 1:
-            slots.append(Slot(position=position, bit=bit, size=size, table=table))
+            slots.append(ReportSlot(position=position, bit=bit, size=size, table=table))
     return slots

@@ -81,7 +81,7 @@ class Ends:
         return end != before
 
 
-class Step(enum.Enum):
+class CalibrationStep(enum.Enum):
     """What the operator is asked to do with an axis, in this order."""
 
     MAXIMUM = "to its maximum (up, right, away from you)"
@@ -125,8 +125,8 @@ class Guide:
         self.found: dict[str, Calibration] = {}
         self.given_up = False
         self._left = list(axes)
-        self._step = Step.MAXIMUM
-        self._raws: dict[Step, int] = {}
+        self._step = CalibrationStep.MAXIMUM
+        self._raws: dict[CalibrationStep, int] = {}
         self._problem = ""
         self._asked = now
 
@@ -142,7 +142,9 @@ class Guide:
             return ""
         axis = self._left[0].control
         asked = (
-            f"let go of {axis}" if self._step is Step.REST else f"move {axis} {self._step.value}"
+            f"let go of {axis}"
+            if self._step is CalibrationStep.REST
+            else f"move {axis} {self._step.value}"
         )
         return f"{self._problem}Calibration: {asked}, then press a button of the device"
 
@@ -162,16 +164,20 @@ class Guide:
             return
         self._problem = ""
         self._raws[self._step] = raw
-        steps = [step for step in Step if step is not Step.REST or not axis.lever]
+        steps = [
+            step for step in CalibrationStep if step is not CalibrationStep.REST or not axis.lever
+        ]
         if self._step is not steps[-1]:
             self._step = steps[steps.index(self._step) + 1]
             return
         self._conclude(axis)
 
     def _conclude(self, axis: GuidedAxis) -> None:
-        low, high = sorted((self._raws[Step.MAXIMUM], self._raws[Step.MINIMUM]))
-        calibration = Calibration(low=low, high=high, centre=self._raws.get(Step.REST))
-        self._raws, self._step = {}, Step.MAXIMUM
+        low, high = sorted(
+            (self._raws[CalibrationStep.MAXIMUM], self._raws[CalibrationStep.MINIMUM])
+        )
+        calibration = Calibration(low=low, high=high, centre=self._raws.get(CalibrationStep.REST))
+        self._raws, self._step = {}, CalibrationStep.MAXIMUM
         if not calibration.sound or high - low < _LEAST_WAY * axis.width:
             self._problem = f"That cannot be: {axis.control} gave {low} to {high}. "
             if calibration.centre is not None:

@@ -13,7 +13,7 @@ from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
 from rune_tui.raster.urgency import Urgency
-from rune_tui.visualizers.parts.message_gauge import Reading
+from rune_tui.visualizers.parts.message_gauge import MessageGauge
 from rune_tui.visualizers.parts.rows import fitting_form
 
 _DEFAULT_SPAN_DEG = 60.0
@@ -33,7 +33,7 @@ class _Tilt:
     up: int | None
 
 
-class Attitude(Reading[flight.Attitude, _Tilt]):
+class Attitude(MessageGauge[flight.Attitude, _Tilt]):
     """The ground below a horizon as the robot would see it, and the angles in words."""
 
     rule: ClassVar = VisualizerRule(

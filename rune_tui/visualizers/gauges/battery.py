@@ -13,8 +13,8 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.gauges.bars import Bar, write_gauge
-from rune_tui.visualizers.parts.message_gauge import Reading
-from rune_tui.visualizers.parts.severity import Mood, ink_of
+from rune_tui.visualizers.parts.message_gauge import MessageGauge
+from rune_tui.visualizers.parts.severity import Severity, ink_of
 from rune_tui.visualizers.words.status_words import CRITICAL_BATTERY, LOW_BATTERY
 
 
@@ -30,10 +30,10 @@ class _Charge:
 
     percent: int | None
     volts: str
-    mood: Mood
+    mood: Severity
 
 
-class Battery(Reading[NavigationState, _Charge]):
+class Battery(MessageGauge[NavigationState, _Charge]):
     """A bar as long as the charge, and words; low and critical are words too."""
 
     rule: ClassVar = VisualizerRule(
@@ -63,16 +63,16 @@ class Battery(Reading[NavigationState, _Charge]):
         """Whole percents and tenths of a volt."""
         volts = f"{value.battery_voltage:.1f} V" if math.isfinite(value.battery_voltage) else ""
         if not math.isfinite(value.battery_fraction):
-            return _Charge(None, volts, Mood.PLAIN)
+            return _Charge(None, volts, Severity.PLAIN)
         percent = 100.0 * value.battery_fraction
         critical = percent < self.options.number("critical_percent")
         low = percent < self.options.number("low_percent")
-        mood = Mood.ALARM if critical else Mood.WARNING if low else Mood.PLAIN
+        mood = Severity.ALARM if critical else Severity.WARNING if low else Severity.PLAIN
         return _Charge(round(min(100.0, max(0.0, percent))), volts, mood)
 
     def show(self, canvas: Canvas, reading: _Charge, theme: Theme) -> None:
         """A gauge in the first row."""
-        ink = None if reading.mood is Mood.PLAIN else ink_of(reading.mood, theme)
+        ink = None if reading.mood is Severity.PLAIN else ink_of(reading.mood, theme)
         bar = None if reading.percent is None else Bar.filled(reading.percent / 100.0)
         write_gauge(canvas, 0, "battery", bar, _values(reading), theme, ink=ink)
 
@@ -83,7 +83,7 @@ def _values(charge: _Charge) -> tuple[str, ...]:
         return f"{volts}, charge not known", volts, "?"
     percent = f"{charge.percent}%"
     both = f"{percent} {charge.volts}".rstrip()
-    if charge.mood is Mood.PLAIN:
+    if charge.mood is Severity.PLAIN:
         return both, percent
-    word = "CRITICAL" if charge.mood is Mood.ALARM else "LOW"
+    word = "CRITICAL" if charge.mood is Severity.ALARM else "LOW"
     return f"{word} {both}", f"{word} {percent}", f"!{percent}"

@@ -12,7 +12,7 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgency
-from rune_tui.visualizers.parts.message_gauge import Reading
+from rune_tui.visualizers.parts.message_gauge import MessageGauge
 from rune_tui.visualizers.parts.rows import fitting_form
 
 _DEFAULT_SPAN_M = 10.0
@@ -36,7 +36,7 @@ class _Level:
     climb: float
 
 
-class Depth(Reading[Altitude, _Level]):
+class Depth(MessageGauge[Altitude, _Level]):
     """Metres up the left side, the robot's own in the middle, and where it moves."""
 
     rule: ClassVar = VisualizerRule(

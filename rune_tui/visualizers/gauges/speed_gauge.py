@@ -14,7 +14,7 @@ from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.gauges.bars import Bar, write_gauge
-from rune_tui.visualizers.parts.message_gauge import Reading
+from rune_tui.visualizers.parts.message_gauge import MessageGauge
 from rune_tui.visualizers.parts.rows import fitting_form
 from rune_tui.visualizers.words.status_words import signed, turn_words
 
@@ -27,7 +27,7 @@ class _Pair:
     commanded: float
 
 
-class Speed(Reading[NavigationState, tuple[_Pair, _Pair]]):
+class Speed(MessageGauge[NavigationState, tuple[_Pair, _Pair]]):
     """Two gauges from the middle, ahead to the right and turning to where it turns.
 
     A sign stands at what is commanded, and the words say both.

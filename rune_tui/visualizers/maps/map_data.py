@@ -27,8 +27,8 @@ from rune_tui.raster.shapes import drawing
 from rune_tui.visualizers.maps import map_marks
 from rune_tui.visualizers.parts.doing_words import goal_word
 from rune_tui.visualizers.parts.notice import link_trouble, write_notice
-from rune_tui.visualizers.parts.severity import Mood
-from rune_tui.visualizers.parts.staleness import age_look, age_text, mark_age, weather
+from rune_tui.visualizers.parts.severity import Severity
+from rune_tui.visualizers.parts.staleness import age_look, age_text, fade_by_age, mark_age
 from rune_tui.visualizers.parts.trail import Trail
 
 OLD_MAP_S: Final = 30.0
@@ -129,7 +129,7 @@ class MapData:
         else:
             self._draw_world(canvas, window, robot, state)
             age = 0.0 if robot.navigation is None else robot.navigation.age(state.now)
-            weather(canvas, age)
+            fade_by_age(canvas, age)
             _write_remark(canvas, _remark(robot, state.now), theme)
             mark_age(canvas, age, theme)
         explanation = _explanation(robot, state.now)
@@ -261,11 +261,11 @@ def _route(robot: RobotState) -> Floats:
     return told
 
 
-def _goal(robot: RobotState, now: float) -> tuple[tuple[float, float], str, Mood]:
+def _goal(robot: RobotState, now: float) -> tuple[tuple[float, float], str, Severity]:
     """Where the robot goes by itself, or went a moment ago, with its outcome; empty: nowhere."""
     doing = by_navigation(robot)
     if doing is None or not (math.isfinite(doing.x) and math.isfinite(doing.y)):
-        return (0.0, 0.0), "", Mood.PLAIN
+        return (0.0, 0.0), "", Severity.PLAIN
     return (doing.x, doing.y), *goal_word(doing, now)
 
 

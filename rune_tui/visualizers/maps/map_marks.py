@@ -19,7 +19,7 @@ from rune_tui.model.sightings import Floats
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas, Colour
 from rune_tui.raster.shapes import Pen, Point, drawing, toward
-from rune_tui.visualizers.parts.severity import Mood, ink_of
+from rune_tui.visualizers.parts.severity import Severity, ink_of
 
 _CONE_M: Final = 2.0
 _CONE_STEPS: Final = 9
@@ -140,7 +140,7 @@ def write_goal(
     window: MapWindow,
     place: tuple[float, float],
     word: str,
-    mood: Mood,
+    mood: Severity,
     theme: Theme,
 ) -> None:
     """A letter where the robot goes, and its outcome; nothing if there is no word."""

@@ -24,7 +24,7 @@ from rune_tui.raster.canvas import Canvas, Colour
 from rune_tui.raster.shapes import Pen, Point, drawing, toward
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.notice import write_notice
-from rune_tui.visualizers.parts.staleness import age_look, mark_age, weather
+from rune_tui.visualizers.parts.staleness import age_look, fade_by_age, mark_age
 
 NEAR_M: Final = 0.5
 CLOSE_M: Final = 0.15
@@ -174,7 +174,7 @@ class RangeData:
                     reach = max(plan.length(reading), plan.body + 1.0)
                     pen.arc(plan.centre, reach, _direction(sensor), _OPENING / 2.0, state.theme.ink)
             _draw_body(pen, plan, navigation, state.theme)
-        weather(canvas, age)
+        fade_by_age(canvas, age)
         _write_metres(canvas, plan, rings, state.theme)
         self._write_marks(canvas, plan, navigation, robot.body, state.theme)
         mark_age(canvas, age, state.theme)

@@ -16,7 +16,7 @@ from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
 from rune_tui.raster.urgency import Urgency
-from rune_tui.visualizers.parts.staleness import age_look, mark_age, weather
+from rune_tui.visualizers.parts.staleness import age_look, fade_by_age, mark_age
 
 
 class Direction(enum.Enum):
@@ -102,7 +102,7 @@ def draw_angle_bar(
                 pen.rectangle(start, 0, end, canvas.height, colour)
             else:
                 pen.rectangle(0, start, canvas.width, end, colour)
-    weather(canvas, age)
+    fade_by_age(canvas, age)
     mark_age(canvas, age, theme)
 
 

@@ -10,7 +10,7 @@ from hub.gcm.navigation import RobotState as NavigationState
 from rune_tui.layout.rules import NumberOption
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.urgency import Urgency
-from rune_tui.visualizers.parts.message_gauge import Reading
+from rune_tui.visualizers.parts.message_gauge import MessageGauge
 
 LETTERS = ("N", "NE", "E", "SE", "S", "SW", "W", "NW")
 
@@ -23,7 +23,7 @@ NORTH_OPTION = NumberOption(
 )
 
 
-class Bearing(Reading[NavigationState, float]):
+class Bearing(MessageGauge[NavigationState, float]):
     """What visualizers share that show the heading; infinite where it is not known."""
 
     urgency: ClassVar[Urgency] = Urgency.DRIVE

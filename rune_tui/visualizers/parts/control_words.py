@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from hub.gcm.autonomy import Pilot
+from hub.gcm.autonomy import DrivingMode
 from hub.gcm.control import WARNED_S, ControlState
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.control import (
@@ -18,7 +18,7 @@ from rune_tui.model.control import (
     to_take,
 )
 from rune_tui.model.robot_state import RobotState
-from rune_tui.visualizers.parts.severity import Mood, Part
+from rune_tui.visualizers.parts.severity import Part, Severity
 
 
 def control_parts(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
@@ -30,7 +30,7 @@ def control_parts(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     if stands is Standing.OTHERS:
         yield Part(f"{control.operator} has control", 7)
     elif stands is Standing.MINE:
-        yield Part("you have control", 4.5, Mood.GOOD, short="yours")
+        yield Part("you have control", 4.5, Severity.GOOD, short="yours")
     else:
         yield Part("nobody has control", 4.5, short="nobody")
     yield from request_parts(robot, state)
@@ -41,21 +41,21 @@ def control_rows(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     """All of it, a row each."""
     control = control_of(robot)
     if control is None:
-        yield Part("control: not known", 0, Mood.FAINT)
+        yield Part("control: not known", 0, Severity.FAINT)
         return
     stands = standing(robot)
-    moods = {Standing.OTHERS: Mood.WARNING, Standing.MINE: Mood.GOOD}
-    yield Part(owner_words(robot), 0, moods.get(stands, Mood.PLAIN))
+    moods = {Standing.OTHERS: Severity.WARNING, Standing.MINE: Severity.GOOD}
+    yield Part(owner_words(robot), 0, moods.get(stands, Severity.PLAIN))
     yield from request_parts(robot, state)
     yield from _silence(control)
     moved = "moves the robot"
-    if control.commander is Pilot.NOBODY:
-        yield Part(f"nobody {moved}", 0, Mood.FAINT)
+    if control.commander is DrivingMode.NOBODY:
+        yield Part(f"nobody {moved}", 0, Severity.FAINT)
     else:
         yield Part(f"{control.commander_name} {moved}", 0)
     if hint := _hint(robot, state):
-        yield Part(hint, 0, Mood.FAINT)
-    yield Part(control.why, 0, Mood.FAINT)
+        yield Part(hint, 0, Severity.FAINT)
+    yield Part(control.why, 0, Severity.FAINT)
 
 
 def request_parts(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
@@ -66,12 +66,12 @@ def request_parts(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     left = f"{seconds_left(robot, state.now)} s"
     more = f", {control.waiting} more wait" if control.waiting else ""
     if asks(robot):
-        yield Part(f"you ask {control.operator}: {left}", 8, Mood.WARNING)
+        yield Part(f"you ask {control.operator}: {left}", 8, Severity.WARNING)
     elif standing(robot) is Standing.MINE:
         keys = ", ".join(answer_keys(robot, state))
         answers = f": {keys}" if keys else ""
         text = f"{control.asker_operator} ASKS FOR CONTROL, {left}{answers}{more}"
-        yield Part(text, 9, Mood.ALARM)
+        yield Part(text, 9, Severity.ALARM)
     else:
         text = f"{control.asker_operator} asks {control.operator}: {left}{more}"
         yield Part(text, 3)
@@ -79,7 +79,7 @@ def request_parts(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
 
 def _silence(control: ControlState) -> Iterator[Part]:
     if control.owner and control.silent_s >= WARNED_S:
-        yield Part(f"{control.operator}'s console is silent", 6, Mood.WARNING)
+        yield Part(f"{control.operator}'s console is silent", 6, Severity.WARNING)
 
 
 def _hint(robot: RobotState, state: ConsoleState) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from hub.gcm.autonomy import Phase
 from rune_tui.model.doing import Doing, doing_of
 from rune_tui.model.robot_state import RobotState
-from rune_tui.visualizers.parts.severity import Mood, Part
+from rune_tui.visualizers.parts.severity import Part, Severity
 
 SHOWN_S = {Phase.DONE: 30.0, Phase.BLOCKED: 120.0, Phase.LOST: 120.0, Phase.REFUSED: 30.0}
 """How long an outcome stays on the status line [s]; others: OTHERS_S."""
@@ -19,11 +19,11 @@ SILENT_S = 3.0
 _OUTCOME_WEIGHT = 2.5
 """Who has control, the battery and the nearest thing matter more than what is over."""
 _MOODS = {
-    Phase.WAITING: Mood.WARNING,
-    Phase.DONE: Mood.GOOD,
-    Phase.BLOCKED: Mood.WARNING,
-    Phase.LOST: Mood.WARNING,
-    Phase.REFUSED: Mood.WARNING,
+    Phase.WAITING: Severity.WARNING,
+    Phase.DONE: Severity.GOOD,
+    Phase.BLOCKED: Severity.WARNING,
+    Phase.LOST: Severity.WARNING,
+    Phase.REFUSED: Severity.WARNING,
 }
 _OUTCOMES = {
     Phase.DONE: "DONE",
@@ -40,10 +40,10 @@ def doing_parts(robot: RobotState, now: float) -> Iterator[Part]:
     doing = doing_of(robot)
     if doing is None or doing.phase is Phase.IDLE:
         return
-    mood = _MOODS.get(doing.phase, Mood.PLAIN)
+    mood = _MOODS.get(doing.phase, Severity.PLAIN)
     if doing.under_way and now - doing.measured > SILENT_S:
         silent = duration(now - doing.measured)
-        yield Part(f"{head(doing)}, NOT HEARD FOR {silent}", 7, Mood.WARNING)
+        yield Part(f"{head(doing)}, NOT HEARD FOR {silent}", 7, Severity.WARNING)
     elif doing.phase is Phase.WAITING:
         yield Part(doing.why.replace("waits", "WAITS", 1), 7, mood, short="WAITS")
     elif doing.under_way:
@@ -56,9 +56,9 @@ def doing_rows(robot: RobotState, now: float) -> Iterator[Part]:
     """All of it, a row each."""
     doing = doing_of(robot)
     if doing is None:
-        yield Part("nothing yet: the robot has done nothing by itself", 0, Mood.FAINT)
+        yield Part("nothing yet: the robot has done nothing by itself", 0, Severity.FAINT)
         return
-    yield Part(head(doing), 0, _MOODS.get(doing.phase, Mood.PLAIN))
+    yield Part(head(doing), 0, _MOODS.get(doing.phase, Severity.PLAIN))
     if doing.reason:
         yield Part(doing.reason, 0)
     if doing.under_way and math.isfinite(doing.x) and math.isfinite(doing.y):
@@ -68,7 +68,7 @@ def doing_rows(robot: RobotState, now: float) -> Iterator[Part]:
         yield Part(f"{doing.edge_m:.1f} m of the map's edge are left to explore", 0)
     took = f"{'for' if doing.under_way else 'took'} {duration(doing.seconds)}"
     ago = "" if doing.under_way else f", ended {duration(doing.age(now))} ago"
-    yield Part(f"{took}{ago}", 0, Mood.FAINT)
+    yield Part(f"{took}{ago}", 0, Severity.FAINT)
 
 
 def head(doing: Doing) -> str:
@@ -82,17 +82,17 @@ def head(doing: Doing) -> str:
     return f"{deed}{share} {_OUTCOMES[doing.phase]}"
 
 
-def goal_word(doing: Doing, now: float) -> tuple[str, Mood]:
+def goal_word(doing: Doing, now: float) -> tuple[str, Severity]:
     """What stands on the map where a robot goes or went, and how it is meant; empty: nothing."""
     if doing.phase is Phase.WAITING:
-        return "G waits", Mood.WARNING
+        return "G waits", Severity.WARNING
     if doing.under_way:
-        return "G", Mood.GOOD
+        return "G", Severity.GOOD
     if doing.age(now) >= SHOWN_S.get(doing.phase, OTHERS_S):
-        return "", Mood.PLAIN
+        return "", Severity.PLAIN
     if doing.phase is Phase.DONE:
-        return "G reached", Mood.GOOD
-    return f"G {_OUTCOMES[doing.phase]}", _MOODS.get(doing.phase, Mood.FAINT)
+        return "G reached", Severity.GOOD
+    return f"G {_OUTCOMES[doing.phase]}", _MOODS.get(doing.phase, Severity.FAINT)
 
 
 def duration(seconds: float) -> str:

@@ -16,14 +16,14 @@ from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.notice import write_notice
-from rune_tui.visualizers.parts.staleness import age_look, mark_age, pause_of, weather
+from rune_tui.visualizers.parts.staleness import age_look, fade_by_age, mark_age, pause_of
 
 T = TypeVar("T")
 R = TypeVar("R", bound=Hashable)
 
 
 @dataclass(frozen=True)
-class Reading(ABC, Generic[T, R]):
+class MessageGauge(ABC, Generic[T, R]):
     """Draws what a message says, and how old that is.
 
     What `reading` gives is rounded to what can be seen, and is all that `show` knows of the
@@ -65,7 +65,7 @@ class Reading(ABC, Generic[T, R]):
             return
         age, pause = received.age(state.now), pause_of(self.definition)
         self.show(canvas, self.reading(received.value, robot), state.theme)
-        weather(canvas, age, pause)
+        fade_by_age(canvas, age, pause)
         mark_age(canvas, age, state.theme, pause)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:

@@ -8,20 +8,20 @@ from dataclasses import dataclass
 
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas, printable_text
-from rune_tui.visualizers.parts.severity import Mood, ink_of
+from rune_tui.visualizers.parts.severity import Severity, ink_of
 
 GAP = 2
 """Blanks between columns of a table, and between words that share a row."""
 NARROW = 60
 """Columns of a canvas below which what is free text in a table gets rows of its own."""
 
-_TROUBLE = frozenset({Mood.WARNING, Mood.ALARM})
+_TROUBLE = frozenset({Severity.WARNING, Severity.ALARM})
 _ELLIPSIS = "…"
 _LEAST_TEXT = 12
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class TextRow:
     """One row of words.
 
     Attributes:
@@ -31,7 +31,7 @@ class Row:
     """
 
     text: str
-    mood: Mood = Mood.PLAIN
+    mood: Severity = Severity.PLAIN
     continues: bool = False
 
 
@@ -62,7 +62,7 @@ class Entry:
 
     cells: tuple[str, ...]
     why: str = ""
-    mood: Mood = Mood.PLAIN
+    mood: Severity = Severity.PLAIN
 
 
 def fitting_form(columns: int, *forms: str) -> str:
@@ -72,18 +72,18 @@ def fitting_form(columns: int, *forms: str) -> str:
     )
 
 
-def wrapped(row: Row, columns: int, indent: str = "  ") -> Iterator[Row]:
+def wrapped(row: TextRow, columns: int, indent: str = "  ") -> Iterator[TextRow]:
     """A row as several, those after the first indented."""
     indent = indent if columns >= 4 * len(indent) else ""
     text = printable_text(row.text)
     lines = textwrap.wrap(text, max(1, columns), subsequent_indent=indent)
     for index, line in enumerate(lines):
-        yield Row(line, row.mood, row.continues or index > 0)
+        yield TextRow(line, row.mood, row.continues or index > 0)
 
 
-def flowing(words: Iterable[Row], columns: int) -> Iterator[tuple[Row, ...]]:
+def flowing(words: Iterable[TextRow], columns: int) -> Iterator[tuple[TextRow, ...]]:
     """Short words, as many on each row as fit side by side."""
-    line: list[Row] = []
+    line: list[TextRow] = []
     used = 0
     for word in words:
         length = len(printable_text(word.text))
@@ -124,23 +124,23 @@ def tabled(cells: Sequence[Sequence[str]], weights: Sequence[int], columns: int)
     )
 
 
-def entry_rows(entries: Sequence[Entry], weights: Sequence[int], columns: int) -> Iterator[Row]:
+def entry_rows(entries: Sequence[Entry], weights: Sequence[int], columns: int) -> Iterator[TextRow]:
     """A table of entries; `weights` as for `tabled`, that of the reason last."""
     if columns >= NARROW:
         lines = tabled([(*entry.cells, entry.why) for entry in entries], weights, columns)
     else:
         lines = tabled([entry.cells for entry in entries], weights[:-1], columns)
     for entry, line in zip(entries, lines, strict=True):
-        yield Row(line, entry.mood)
+        yield TextRow(line, entry.mood)
         if columns < NARROW and entry.why and entry.mood in _TROUBLE:
-            yield from wrapped(Row(f"  {entry.why}", entry.mood, continues=True), columns)
+            yield from wrapped(TextRow(f"  {entry.why}", entry.mood, continues=True), columns)
 
 
-def write_rows(canvas: Canvas, rows: Sequence[Row], theme: Theme) -> None:
+def write_rows(canvas: Canvas, rows: Sequence[TextRow], theme: Theme) -> None:
     """Write rows from the top; in place of those that do not fit, how many things they tell of."""
     if len(rows) > canvas.rows > 1:
         left_out = sum(not row.continues for row in rows[canvas.rows - 1 :])
         more = f"{left_out} more" if left_out else _ELLIPSIS
-        rows = [*rows[: canvas.rows - 1], Row(more, Mood.FAINT)]
+        rows = [*rows[: canvas.rows - 1], TextRow(more, Severity.FAINT)]
     for index, row in enumerate(rows):
         canvas.text(0, index, cut(row.text, canvas.width), ink_of(row.mood, theme))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from rune_tui.model.theme import Colour, Theme
 
 
-class Mood(enum.Enum):
+class Severity(enum.Enum):
     """How words are meant.
 
     Attributes:
@@ -40,17 +40,17 @@ class Part:
 
     text: str
     weight: float
-    mood: Mood = Mood.PLAIN
+    mood: Severity = Severity.PLAIN
     short: str = ""
     gauge: bool = False
 
 
-def ink_of(mood: Mood, theme: Theme) -> Colour:
+def ink_of(mood: Severity, theme: Theme) -> Colour:
     """The colour of words that are meant so."""
     return {
-        Mood.PLAIN: theme.ink,
-        Mood.FAINT: theme.faint,
-        Mood.GOOD: theme.good,
-        Mood.WARNING: theme.warning,
-        Mood.ALARM: theme.alarm_ink,
+        Severity.PLAIN: theme.ink,
+        Severity.FAINT: theme.faint,
+        Severity.GOOD: theme.good,
+        Severity.WARNING: theme.warning,
+        Severity.ALARM: theme.alarm_ink,
     }[mood]

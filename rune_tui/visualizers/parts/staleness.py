@@ -65,13 +65,13 @@ def age_text(age: float) -> str:
 
 
 def age_look(received: Received[Any], now: float, pause: float = 0.0) -> tuple[Staleness, str]:
-    """What `weather` and `mark_age` make of a value's age: the same look, the same drawing."""
+    """What `fade_by_age` and `mark_age` make of a value's age: the same look, the same drawing."""
     age = received.age(now)
     step = staleness(age, pause)
     return step, age_text(age) if step is Staleness.STALE else ""
 
 
-def weather(canvas: Canvas, age: float, pause: float = 0.0) -> None:
+def fade_by_age(canvas: Canvas, age: float, pause: float = 0.0) -> None:
     """Make what has been drawn look as old as it is [s]; clear pixels stay clear."""
     step = staleness(age, pause)
     if step is Staleness.FRESH:

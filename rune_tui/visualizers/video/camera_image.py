@@ -25,7 +25,7 @@ from rune_tui.raster.resize import covering_size, fitted_size, resized
 from rune_tui.raster.shapes import drawing
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.notice import link_trouble, write_notice
-from rune_tui.visualizers.parts.staleness import age_look, mark_age, weather
+from rune_tui.visualizers.parts.staleness import age_look, fade_by_age, mark_age
 from rune_tui.visualizers.video.picture_frame import FIT, FIT_OPTION, PictureFrame
 from rune_tui.visualizers.video.picture_marks import draw_marks, marks_source
 
@@ -96,7 +96,7 @@ class CameraImage:
             frame = self._frame(picture, (canvas.width, canvas.height), state)
             _paste(canvas, picture, frame)
             _darken(canvas, state.theme.picture)
-            weather(canvas, age)
+            fade_by_age(canvas, age)
             self._draw_marks(canvas, robot, picture, state)
             if self.crosshair:
                 _mark_middle(canvas, frame, state.theme)

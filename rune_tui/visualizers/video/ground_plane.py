@@ -23,7 +23,7 @@ from rune_tui.model.sightings import Floats
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas, Colour
 from rune_tui.raster.shapes import Pen, drawing
-from rune_tui.visualizers.parts.staleness import Staleness, age_look, mark_age, weather
+from rune_tui.visualizers.parts.staleness import Staleness, age_look, fade_by_age, mark_age
 from rune_tui.visualizers.video.picture_frame import FIT, FIT_OPTION, PictureFrame
 from rune_tui.visualizers.video.way_ahead import Course, WayAhead
 
@@ -168,7 +168,7 @@ class GroundPlane:
         # Where something near covers it, its way is not out of the picture.
         if course is not None and way is not None and not (stop is None and covers):
             _write_way(canvas, course, way.stop_distance, stop, state.theme)
-        weather(canvas, age)
+        fade_by_age(canvas, age)
         mark_age(canvas, age, state.theme)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:

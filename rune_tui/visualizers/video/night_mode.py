@@ -14,7 +14,7 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import Point, drawing, toward
-from rune_tui.visualizers.parts.staleness import age_look, mark_age, weather
+from rune_tui.visualizers.parts.staleness import age_look, fade_by_age, mark_age
 
 _SEEN_GAIN: Final = 1.05
 """Pictures that are brightened by less than this look as they come."""
@@ -75,7 +75,7 @@ class NightMode:
         canvas.text(size + 1, (canvas.rows - 1) // 2, shown, ink)
         if robot.camera is not None:
             age = robot.camera.age(state.now)
-            weather(canvas, age)
+            fade_by_age(canvas, age)
             mark_age(canvas, age, theme)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:

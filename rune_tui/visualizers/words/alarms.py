@@ -15,11 +15,11 @@ from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
 from rune_tui.raster.urgency import Urgency
-from rune_tui.visualizers.parts.rows import Row, cut, wrapped
-from rune_tui.visualizers.parts.severity import Mood, Part, ink_of
+from rune_tui.visualizers.parts.rows import TextRow, cut, wrapped
+from rune_tui.visualizers.parts.severity import Part, Severity, ink_of
 from rune_tui.visualizers.words.troubles import is_in_banner, troubles
 
-_SIGNS = {Mood.ALARM: "!! ", Mood.WARNING: "! "}
+_SIGNS = {Severity.ALARM: "!! ", Severity.WARNING: "! "}
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,12 +78,12 @@ def _unsaid(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     return tuple(part for part in troubles(robot, state) if not is_in_banner(part, robot, state))
 
 
-def _block(part: Part, columns: int) -> list[Row]:
+def _block(part: Part, columns: int) -> list[TextRow]:
     sign = _SIGNS[part.mood]
-    return [*wrapped(Row(sign + part.text, part.mood), columns, " " * len(sign))]
+    return [*wrapped(TextRow(sign + part.text, part.mood), columns, " " * len(sign))]
 
 
-def _fitting(blocks: list[list[Row]], rows: int) -> int:
+def _fitting(blocks: list[list[TextRow]], rows: int) -> int:
     """How many blocks fit, but one at least."""
     used = 0
     for index, block in enumerate(blocks):
@@ -93,9 +93,9 @@ def _fitting(blocks: list[list[Row]], rows: int) -> int:
     return len(blocks)
 
 
-def _write(canvas: Canvas, row: int, line: Row, behind: str, theme: Theme) -> None:
+def _write(canvas: Canvas, row: int, line: TextRow, behind: str, theme: Theme) -> None:
     ink = ink_of(line.mood, theme)
-    if line.mood is Mood.ALARM:
+    if line.mood is Severity.ALARM:
         ink = theme.on_alarm
         with drawing(canvas) as pen:
             pen.rectangle(0, 2 * row, canvas.width, 2 * row + 2, theme.alarm)

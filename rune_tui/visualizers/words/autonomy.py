@@ -16,14 +16,14 @@ from rune_tui.model.robot_state import Received, RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.doing_words import doing_rows
-from rune_tui.visualizers.parts.rows import Row, wrapped, write_rows
+from rune_tui.visualizers.parts.rows import TextRow, wrapped, write_rows
 from rune_tui.visualizers.parts.severity import Part
-from rune_tui.visualizers.parts.staleness import age_look, mark_age, pause_of, weather
+from rune_tui.visualizers.parts.staleness import age_look, fade_by_age, mark_age, pause_of
 from rune_tui.visualizers.words.troubles import is_in_banner
 
 
 @dataclass(frozen=True, slots=True)
-class Autonomy:
+class VisualizeAutonomy:
     """A row each: what it does, why, where to and how far, for how long; else the last outcome."""
 
     rule: ClassVar = VisualizerRule(
@@ -46,13 +46,13 @@ class Autonomy:
         rows = [
             row
             for part in _parts(robot, state)
-            for row in wrapped(Row(part.text, part.mood), canvas.width)
+            for row in wrapped(TextRow(part.text, part.mood), canvas.width)
         ]
         write_rows(canvas, rows, state.theme)
         told = _told(robot)
         if told is not None:
             age, pause = told.age(state.now), pause_of(AUTONOMY_STATE)
-            weather(canvas, age, pause)
+            fade_by_age(canvas, age, pause)
             mark_age(canvas, age, state.theme, pause)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:

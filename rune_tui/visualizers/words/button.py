@@ -15,7 +15,7 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas, printable_text
 from rune_tui.raster.shapes import drawing
 from rune_tui.visualizers.parts.rows import fitting_form
-from rune_tui.visualizers.parts.staleness import Staleness, staleness, weather
+from rune_tui.visualizers.parts.staleness import Staleness, fade_by_age, staleness
 
 _NOTHING: Final = "nothing"
 _LEAST_FRAME = (5, 6)
@@ -110,7 +110,7 @@ class Button:
                 pen.rectangle(1, 1, canvas.width - 1, canvas.height - 1, plate)
         words = _words(face, canvas.width - 2 * framed)
         canvas.text((canvas.width - len(words)) // 2, (canvas.rows - 1) // 2, words, ink)
-        weather(canvas, self._age(robot, state))
+        fade_by_age(canvas, self._age(robot, state))
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with what it says and whether it is pressed."""

@@ -15,9 +15,9 @@ from rune_tui.layout.rules import VisualizerRule
 from rune_tui.model.robot_state import Lack, LackKind, RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
-from rune_tui.visualizers.parts.message_gauge import Reading
-from rune_tui.visualizers.parts.rows import Entry, Row, entry_rows, write_rows
-from rune_tui.visualizers.parts.severity import Mood
+from rune_tui.visualizers.parts.message_gauge import MessageGauge
+from rune_tui.visualizers.parts.rows import Entry, TextRow, entry_rows, write_rows
+from rune_tui.visualizers.parts.severity import Severity
 
 _ORDER = (
     CapabilityPhase.UNAVAILABLE,
@@ -34,7 +34,7 @@ _PHASES = {
 }
 
 
-class Capabilities(Reading[CapabilityReports, tuple[Entry, ...]]):
+class Capabilities(MessageGauge[CapabilityReports, tuple[Entry, ...]]):
     """A row a capability: first those that somebody wants, of these first those that are missing.
 
     What the layout wants and no module has is among them, though the robot does not list it;
@@ -62,13 +62,15 @@ class Capabilities(Reading[CapabilityReports, tuple[Entry, ...]]):
     def show(self, canvas: Canvas, reading: tuple[Entry, ...], theme: Theme) -> None:
         """The list."""
         rows = [*entry_rows(reading, _WEIGHTS, canvas.width)]
-        write_rows(canvas, rows or [Row("the robot can do nothing")], theme)
+        write_rows(canvas, rows or [TextRow("the robot can do nothing")], theme)
 
 
 def _lacking(name: str, lack: Lack) -> Entry:
     absent = lack.kind is LackKind.ABSENT
     phase = "none" if absent else _PHASES[CapabilityPhase.UNAVAILABLE]
-    return Entry((name, phase, "for this console"), lack.why, Mood.FAINT if absent else Mood.ALARM)
+    return Entry(
+        (name, phase, "for this console"), lack.why, Severity.FAINT if absent else Severity.ALARM
+    )
 
 
 def _order(report: CapabilityReport) -> tuple[bool, int, str]:
@@ -81,10 +83,10 @@ def _entry(report: CapabilityReport) -> Entry:
     why = report.module
     if missing:
         why = f"cannot start {report.modules}" if report.modules else "no module has it"
-    mood = Mood.PLAIN if wanted or runs else Mood.FAINT
+    mood = Severity.PLAIN if wanted or runs else Severity.FAINT
     if missing:
-        mood = Mood.ALARM if wanted else Mood.WARNING
+        mood = Severity.ALARM if wanted else Severity.WARNING
     elif wanted and not runs:
-        mood = Mood.WARNING
+        mood = Severity.WARNING
     by = f"for {report.wanted_by}" if wanted else ""
     return Entry((report.name, _PHASES[report.phase], by), why, mood)

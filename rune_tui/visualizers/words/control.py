@@ -15,9 +15,9 @@ from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.control_words import control_rows
-from rune_tui.visualizers.parts.rows import Row, cut, wrapped
-from rune_tui.visualizers.parts.severity import Mood, Part, ink_of
-from rune_tui.visualizers.parts.staleness import age_look, mark_age, pause_of, weather
+from rune_tui.visualizers.parts.rows import TextRow, cut, wrapped
+from rune_tui.visualizers.parts.severity import Part, Severity, ink_of
+from rune_tui.visualizers.parts.staleness import age_look, fade_by_age, mark_age, pause_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,12 +43,14 @@ class Control:
         theme = state.theme
         canvas.fill(theme.panel)
         parts = _parts(robot, state)
-        rows = [row for part in parts for row in wrapped(Row(part.text, part.mood), canvas.width)]
+        rows = [
+            row for part in parts for row in wrapped(TextRow(part.text, part.mood), canvas.width)
+        ]
         if len(rows) > canvas.rows:
-            rows.sort(key=lambda row: row.mood is not Mood.ALARM)  # equals keep their order
+            rows.sort(key=lambda row: row.mood is not Severity.ALARM)  # equals keep their order
         for index, row in enumerate(rows[: canvas.rows]):
             ink = ink_of(row.mood, theme)
-            if row.mood is Mood.ALARM:
+            if row.mood is Severity.ALARM:
                 ink = theme.on_alarm
                 with drawing(canvas) as pen:
                     pen.rectangle(0, 2 * index, canvas.width, 2 * index + 2, theme.alarm)
@@ -56,7 +58,7 @@ class Control:
         told = robot.newest(CONTROL_STATE)
         if told is not None:
             age, pause = told.age(state.now), pause_of(CONTROL_STATE)
-            weather(canvas, age, pause)
+            fade_by_age(canvas, age, pause)
             mark_age(canvas, age, theme, pause)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:

@@ -13,8 +13,8 @@ from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.notices import KEPT_S, by_weight, merged, shortened
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
-from rune_tui.visualizers.parts.rows import Row, cut, wrapped
-from rune_tui.visualizers.parts.severity import Mood, ink_of
+from rune_tui.visualizers.parts.rows import TextRow, cut, wrapped
+from rune_tui.visualizers.parts.severity import Severity, ink_of
 
 _NARROW = 40
 _INDENT = " " * 4
@@ -58,14 +58,14 @@ class EventLog:
         """Write what there is room for, what needs the operator's eyes before all else."""
         canvas.fill(state.theme.panel)
         rows = self._chosen(merged(self._notices(robot, state)), canvas.width, canvas.rows, state)
-        for index, row in enumerate(rows or [Row("nothing has happened yet", Mood.FAINT)]):
+        for index, row in enumerate(rows or [TextRow("nothing has happened yet", Severity.FAINT)]):
             canvas.text(0, index, cut(row.text, canvas.width), ink_of(row.mood, state.theme))
 
     def _chosen(
         self, notices: Sequence[Notice], columns: int, room: int, state: ConsoleState
-    ) -> list[Row]:
+    ) -> list[TextRow]:
         """The rows of those notices that weigh most, in the order in which they happened."""
-        chosen: dict[int, list[Row]] = {}
+        chosen: dict[int, list[TextRow]] = {}
         places = {id(notice): number for number, notice in enumerate(notices)}
         for notice in by_weight(notices, state.now):
             rows = [*_rows(notice, _whose(notice, state), columns)][:room]
@@ -94,12 +94,12 @@ def _whose(notice: Notice, state: ConsoleState) -> str:
     return "" if len(state.robots) == 1 else state.title(notice.robot)
 
 
-def _rows(notice: Notice, robot: str, columns: int) -> Iterator[Row]:
+def _rows(notice: Notice, robot: str, columns: int) -> Iterator[TextRow]:
     """A notice in at most two rows; all of it is on the page of messages."""
     clock = notice.clock if columns >= _NARROW else notice.clock[: len("14:03")]
     whom = f"{robot}:" if robot else ""
     words = (clock, "!" if notice.alarm else "", whom, shortened(notice.text))
-    row = Row(" ".join(filter(None, words)), Mood.ALARM if notice.alarm else Mood.PLAIN)
+    row = TextRow(" ".join(filter(None, words)), Severity.ALARM if notice.alarm else Severity.PLAIN)
     lines = [*wrapped(row, columns, _INDENT)]
     yield from lines[: _MOST_ROWS - 1]
     for last in lines[_MOST_ROWS - 1 : _MOST_ROWS]:

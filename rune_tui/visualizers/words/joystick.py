@@ -13,8 +13,8 @@ from rune_tui.model.joystick_state import JoystickPhase, JoystickState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgency
-from rune_tui.visualizers.parts.rows import Row, wrapped, write_rows
-from rune_tui.visualizers.parts.severity import Mood
+from rune_tui.visualizers.parts.rows import TextRow, wrapped, write_rows
+from rune_tui.visualizers.parts.severity import Severity
 from rune_tui.visualizers.words.status_words import joystick_words
 
 _LONGEST_BAR = 20
@@ -65,17 +65,17 @@ class Joystick:
             return state.joysticks.get(self.name)
         return next(iter(state.joysticks.values()), None)
 
-    def _rows(self, state: ConsoleState, columns: int) -> list[Row]:
+    def _rows(self, state: ConsoleState, columns: int) -> list[TextRow]:
         joystick = self._joystick(state)
         if joystick is None:
-            return [Row(f"the layout has no joystick {self.name}".rstrip(), Mood.WARNING)]
+            return [TextRow(f"the layout has no joystick {self.name}".rstrip(), Severity.WARNING)]
         words, mood = joystick_words(joystick)
         device = f" {joystick.device}" if joystick.device else ""
-        rows = [Row(f"{joystick.name}{device}: {words}", mood)]
+        rows = [TextRow(f"{joystick.name}{device}: {words}", mood)]
         if age := _age(joystick, state.now):
-            rows.append(Row(age))
+            rows.append(TextRow(age))
         if joystick.phase is not JoystickPhase.CONNECTED and joystick.why:
-            rows += wrapped(Row(joystick.why), columns)
+            rows += wrapped(TextRow(joystick.why), columns)
         return [*rows, *_bars(joystick, columns)]
 
 
@@ -87,14 +87,14 @@ def _age(joystick: JoystickState, now: float) -> str:
     return f"what it says is {steps * _AGE_STEP_S:.2f} s old"
 
 
-def _bars(joystick: JoystickState, columns: int) -> Iterator[Row]:
+def _bars(joystick: JoystickState, columns: int) -> Iterator[TextRow]:
     longest = max(map(len, joystick.values), default=0)
     names = min(longest, max(4, columns // 2 - _VALUE))
     length = min(_LONGEST_BAR, columns - names - _VALUE - 2)
     for name, value in joystick.values.items():
         drawn = f" {bar(value, length)}" if length >= 3 else ""
-        moved = Mood.GOOD if value else Mood.PLAIN
-        yield Row(f"{name[:names]:{names}}{drawn} {value:+.2f}".rstrip(), moved)
+        moved = Severity.GOOD if value else Severity.PLAIN
+        yield TextRow(f"{name[:names]:{names}}{drawn} {value:+.2f}".rstrip(), moved)
 
 
 def bar(value: float, length: int) -> str:

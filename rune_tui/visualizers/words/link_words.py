@@ -15,8 +15,8 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.display_state import DisplayState
 from rune_tui.model.robot_state import LinkPhase, LinkState, PictureFlow, RobotState
 from rune_tui.raster.canvas import Canvas
-from rune_tui.visualizers.parts.rows import GAP, Row, cut, flowing, wrapped
-from rune_tui.visualizers.parts.severity import Mood, ink_of
+from rune_tui.visualizers.parts.rows import GAP, TextRow, cut, flowing, wrapped
+from rune_tui.visualizers.parts.severity import Severity, ink_of
 from rune_tui.visualizers.parts.staleness import ALARM_AFTER_S, Staleness, age_text, staleness
 
 _KILO = 1000.0
@@ -47,7 +47,7 @@ class Link:
         canvas.fill(state.theme.panel)
         lines = [*flowing(_unsaid(robot, state), canvas.width)]
         if robot.link.detail:
-            lines += [(row,) for row in wrapped(Row(robot.link.detail), canvas.width)]
+            lines += [(row,) for row in wrapped(TextRow(robot.link.detail), canvas.width)]
         for index, line in enumerate(lines[: canvas.rows]):
             column = 0
             for word in line:
@@ -60,22 +60,24 @@ class Link:
         return tuple(_unsaid(robot, state)), robot.link.detail, state.theme.name
 
 
-def _words(robot: RobotState, state: ConsoleState) -> Iterator[Row]:
+def _words(robot: RobotState, state: ConsoleState) -> Iterator[TextRow]:
     link, now = robot.link, state.now
     yield _phase(link, now)
     if not link.may_command:
-        yield Row("may watch and stop", Mood.WARNING)
+        yield TextRow("may watch and stop", Severity.WARNING)
     if link.missed:
-        yield Row(f"{link.missed} message{'s' if link.missed > 1 else ''} lost", Mood.WARNING)
+        yield TextRow(
+            f"{link.missed} message{'s' if link.missed > 1 else ''} lost", Severity.WARNING
+        )
     if robot.navigation is not None:
         age = robot.navigation.age(now)
         fresh = staleness(age) is Staleness.FRESH
-        yield Row(f"state {age_text(age)} old", Mood.PLAIN if fresh else Mood.ALARM)
+        yield TextRow(f"state {age_text(age)} old", Severity.PLAIN if fresh else Severity.ALARM)
     if robot.picture is not None:
         age = robot.picture.age(now) + state.latency
         late = age > ALARM_AFTER_S
         text = f"PICTURE {age_text(age)} OLD" if late else f"picture {age_text(age)} old"
-        yield Row(text, Mood.ALARM if late else Mood.PLAIN)
+        yield TextRow(text, Severity.ALARM if late else Severity.PLAIN)
     if state.display is not None:
         yield from _display(state.display)
     # What is counted is counted for as long as central answers.
@@ -83,48 +85,48 @@ def _words(robot: RobotState, state: ConsoleState) -> Iterator[Row]:
     if connected and link.pictures is not None:
         yield from _pictures(link.pictures)
     if connected and math.isfinite(link.round_trip):
-        yield Row(f"round trip {_KILO * link.round_trip:.0f} ms")
+        yield TextRow(f"round trip {_KILO * link.round_trip:.0f} ms")
     if connected and math.isfinite(link.messages_per_s):
-        yield Row(f"{link.messages_per_s:.0f} messages/s")
+        yield TextRow(f"{link.messages_per_s:.0f} messages/s")
     if connected and math.isfinite(link.bytes_per_s):
-        yield Row(_amount(link.bytes_per_s))
+        yield TextRow(_amount(link.bytes_per_s))
 
 
-def _display(display: DisplayState) -> Iterator[Row]:
+def _display(display: DisplayState) -> Iterator[TextRow]:
     """How the way from the console to the eyes stands."""
     latency = display.latency
     if math.isfinite(latency):
         late = latency > ALARM_AFTER_S
         shown = f"{_TENS * round(_KILO * latency / _TENS):.0f} ms"
         text = f"TERMINAL {shown} BEHIND" if late else f"terminal {shown} behind"
-        yield Row(text, Mood.ALARM if late else Mood.PLAIN)
+        yield TextRow(text, Severity.ALARM if late else Severity.PLAIN)
     if display.coarseness >= _COARSE:
-        yield Row("drawn coarser for the terminal", Mood.WARNING)
+        yield TextRow("drawn coarser for the terminal", Severity.WARNING)
 
 
-def _pictures(flow: PictureFlow) -> Iterator[Row]:
+def _pictures(flow: PictureFlow) -> Iterator[TextRow]:
     if flow.shrunk:
-        yield Row("pictures made smaller for the link", Mood.WARNING)
-    yield Row(f"{flow.per_s:.0f} pictures/s")
+        yield TextRow("pictures made smaller for the link", Severity.WARNING)
+    yield TextRow(f"{flow.per_s:.0f} pictures/s")
     kind = f"{flow.width_px}x{flow.height_px} {flow.coding.name}"
-    yield Row(kind if flow.coding is ImageCoding.RAW else f"{kind} {flow.quality}")
+    yield TextRow(kind if flow.coding is ImageCoding.RAW else f"{kind} {flow.quality}")
 
 
-def _unsaid(robot: RobotState, state: ConsoleState) -> Iterator[Row]:
+def _unsaid(robot: RobotState, state: ConsoleState) -> Iterator[TextRow]:
     """All that the banner does not say."""
     banner = state.banner
     said = banner.text if banner is not None and banner.robot == robot.name else ""
     return (row for row in _words(robot, state) if not said.startswith(row.text))
 
 
-def _phase(link: LinkState, now: float) -> Row:
+def _phase(link: LinkState, now: float) -> TextRow:
     seconds = max(0.0, now - link.since)
     since = f"{int(seconds)} s" if seconds < _LONG_S else age_text(seconds)
     if link.phase is LinkPhase.CONNECTED:
-        return Row("linked", Mood.GOOD)
+        return TextRow("linked", Severity.GOOD)
     if link.phase is LinkPhase.CONNECTING:
-        return Row(f"connecting {since}", Mood.WARNING)
-    return Row(f"LINK LOST {since}", Mood.ALARM)
+        return TextRow(f"connecting {since}", Severity.WARNING)
+    return TextRow(f"LINK LOST {since}", Severity.ALARM)
 
 
 def _amount(bytes_per_s: float) -> str:

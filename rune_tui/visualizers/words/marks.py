@@ -13,16 +13,16 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.model.world import metres_text
 from rune_tui.raster.canvas import Canvas
-from rune_tui.visualizers.parts.message_gauge import Reading
-from rune_tui.visualizers.parts.rows import NARROW, Row, fitting_form, tabled, write_rows
-from rune_tui.visualizers.parts.severity import Mood
+from rune_tui.visualizers.parts.message_gauge import MessageGauge
+from rune_tui.visualizers.parts.rows import NARROW, TextRow, fitting_form, tabled, write_rows
+from rune_tui.visualizers.parts.severity import Severity
 
 _Cells = tuple[str, ...]
 _WEIGHTS = (9, 8, 8, 7, 5, 2, 4, 3, 6)
 _UNKEPT = "NOT KEPT"
 
 
-class Marks(Reading[InterestPoints, tuple[str, tuple[_Cells, ...]]]):
+class Marks(MessageGauge[InterestPoints, tuple[str, tuple[_Cells, ...]]]):
     """How many there are of each kind, then all that is known of each.
 
     That is: number, kind, whether it is not on the robot's disk, place, how far off it may be, from
@@ -55,11 +55,11 @@ class Marks(Reading[InterestPoints, tuple[str, tuple[_Cells, ...]]]):
                 for number, kind, unkept, *rest in marks
             )
         lines = tabled(marks, _WEIGHTS, canvas.width)
-        moods = (Mood.WARNING if unkept else Mood.PLAIN for _, _, unkept, *_ in marks)
-        rows = [Row(line, mood) for line, mood in zip(lines, moods, strict=True)]
+        moods = (Severity.WARNING if unkept else Severity.PLAIN for _, _, unkept, *_ in marks)
+        rows = [TextRow(line, mood) for line, mood in zip(lines, moods, strict=True)]
         if canvas.rows > 1 or not rows:
-            mood = Mood.WARNING if _UNKEPT in head else Mood.FAINT
-            rows.insert(0, Row(fitting_form(canvas.width, head, _short(head)), mood))
+            mood = Severity.WARNING if _UNKEPT in head else Severity.FAINT
+            rows.insert(0, TextRow(fitting_form(canvas.width, head, _short(head)), mood))
         write_rows(canvas, rows, theme)
 
 

@@ -15,13 +15,13 @@ from rune_tui.model.mission import OLD_S, mission_of
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgency
-from rune_tui.visualizers.parts.rows import Row, wrapped, write_rows
-from rune_tui.visualizers.parts.severity import Mood, Part
-from rune_tui.visualizers.parts.staleness import age_look, mark_age, pause_of, weather
+from rune_tui.visualizers.parts.rows import TextRow, wrapped, write_rows
+from rune_tui.visualizers.parts.severity import Part, Severity
+from rune_tui.visualizers.parts.staleness import age_look, fade_by_age, mark_age, pause_of
 
 
 @dataclass(frozen=True, slots=True)
-class Mission:
+class VisualizeMission:
     """A row each: the name and how long it runs, marks kept, the saved map, what is not kept."""
 
     rule: ClassVar = VisualizerRule(
@@ -41,17 +41,19 @@ class Mission:
         """Write what fits; what is not kept comes first where room is short."""
         canvas.fill(state.theme.panel)
         parts = _parts(robot, state)
-        rows = [row for part in parts for row in wrapped(Row(part.text, part.mood), canvas.width)]
-        if len(rows) > canvas.rows and all(part.mood is not Mood.ALARM for part in parts):
-            joined = Row("; ".join(part.text for part in parts[1:]), parts[-1].mood)
-            rows = [Row(parts[0].text, parts[0].mood), *wrapped(joined, canvas.width)]
+        rows = [
+            row for part in parts for row in wrapped(TextRow(part.text, part.mood), canvas.width)
+        ]
+        if len(rows) > canvas.rows and all(part.mood is not Severity.ALARM for part in parts):
+            joined = TextRow("; ".join(part.text for part in parts[1:]), parts[-1].mood)
+            rows = [TextRow(parts[0].text, parts[0].mood), *wrapped(joined, canvas.width)]
         if len(rows) > canvas.rows:
-            rows.sort(key=lambda row: row.mood is not Mood.ALARM)  # equals keep their order
+            rows.sort(key=lambda row: row.mood is not Severity.ALARM)  # equals keep their order
         write_rows(canvas, rows, state.theme)
         told = robot.newest(MISSION_STATE)
         if told is not None:
             age, pause = told.age(state.now), pause_of(MISSION_STATE)
-            weather(canvas, age, pause)
+            fade_by_age(canvas, age, pause)
             mark_age(canvas, age, state.theme, pause)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
@@ -68,20 +70,20 @@ def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
 
 def _rows(mission: MissionState | None, unconfirmed: int, key: str = "") -> Iterator[Part]:
     if mission is None:
-        yield Part("the robot tells of no mission", 0, Mood.FAINT)
+        yield Part("the robot tells of no mission", 0, Severity.FAINT)
     elif not mission.running:
         ended = f"mission {mission.name} is ended" if mission.begun else "no mission runs"
         yield Part(ended, 0)
         first = f"{key}, " if key else ""
-        yield Part(f"{first}a mark, or who takes control, begins one", 0, Mood.FAINT)
+        yield Part(f"{first}a mark, or who takes control, begins one", 0, Severity.FAINT)
     else:
         yield Part(f"{mission.name}, {_time(mission.running_s)}", 0)
-        yield Part(_kept(mission), 0, Mood.WARNING if mission.unkept else Mood.GOOD)
+        yield Part(_kept(mission), 0, Severity.WARNING if mission.unkept else Severity.GOOD)
         yield _saved(mission)
     if unconfirmed:
-        yield Part(f"NOT CONFIRMED BY THE ROBOT: {unconfirmed}", 9, Mood.ALARM)
+        yield Part(f"NOT CONFIRMED BY THE ROBOT: {unconfirmed}", 9, Severity.ALARM)
     if mission is not None and mission.fault:
-        yield Part(f"NOT KEPT: {mission.fault}", 9, Mood.ALARM)
+        yield Part(f"NOT KEPT: {mission.fault}", 9, Severity.ALARM)
 
 
 def _kept(mission: MissionState) -> str:
@@ -95,10 +97,12 @@ def _kept(mission: MissionState) -> str:
 
 def _saved(mission: MissionState) -> Part:
     if math.isnan(mission.map_age_s):
-        return Part("map not saved yet", 0, Mood.FAINT)
+        return Part("map not saved yet", 0, Severity.FAINT)
     old = mission.map_age_s > OLD_S
     # A robot that stands maps nothing new, and so has nothing to save.
-    return Part(f"map saved {_time(mission.map_age_s)} ago", 0, Mood.FAINT if old else Mood.GOOD)
+    return Part(
+        f"map saved {_time(mission.map_age_s)} ago", 0, Severity.FAINT if old else Severity.GOOD
+    )
 
 
 def _time(seconds: float) -> str:

@@ -10,20 +10,20 @@ from rune_tui.layout.rules import VisualizerRule
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
-from rune_tui.visualizers.parts.message_gauge import Reading
+from rune_tui.visualizers.parts.message_gauge import MessageGauge
 from rune_tui.visualizers.parts.rows import Entry, entry_rows, write_rows
-from rune_tui.visualizers.parts.severity import Mood
+from rune_tui.visualizers.parts.severity import Severity
 
-_HEAD = Entry(("module", "phase", "starts", "cpu", "memory"), "why", Mood.FAINT)
+_HEAD = Entry(("module", "phase", "starts", "cpu", "memory"), "why", Severity.FAINT)
 _WEIGHTS = (9, 8, 3, 4, 2, 6)
 _MOODS = {
-    ModulePhase.WAITING: Mood.WARNING,
-    ModulePhase.FAILED: Mood.ALARM,
-    ModulePhase.STOPPED: Mood.FAINT,
+    ModulePhase.WAITING: Severity.WARNING,
+    ModulePhase.FAILED: Severity.ALARM,
+    ModulePhase.STOPPED: Severity.FAINT,
 }
 
 
-class Modules(Reading[ModuleReports, tuple[Entry, ...]]):
+class Modules(MessageGauge[ModuleReports, tuple[Entry, ...]]):
     """A row a module; where room is short, why it does not run stands below it."""
 
     rule: ClassVar = VisualizerRule(
@@ -44,11 +44,11 @@ class Modules(Reading[ModuleReports, tuple[Entry, ...]]):
 
 
 def _line(report: ModuleReport) -> Entry:
-    mood = _MOODS.get(report.phase, Mood.PLAIN)
+    mood = _MOODS.get(report.phase, Severity.PLAIN)
     word = report.phase.name
     cells = (
         report.name,
-        word if mood in {Mood.WARNING, Mood.ALARM} else word.lower(),
+        word if mood in {Severity.WARNING, Severity.ALARM} else word.lower(),
         str(report.starts),
         f"{100 * report.processor:.0f}%" if math.isfinite(report.processor) else "",
         f"{report.memory_mb:.0f} MB" if math.isfinite(report.memory_mb) else "",

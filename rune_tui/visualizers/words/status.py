@@ -16,13 +16,13 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas, printable_text
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.rows import cut
-from rune_tui.visualizers.parts.severity import Mood, Part, ink_of
+from rune_tui.visualizers.parts.severity import Part, Severity, ink_of
 from rune_tui.visualizers.words.status_words import status_parts
 from rune_tui.visualizers.words.troubles import is_in_banner
 
 _GAP = 2
 _NOTHING, _ALARMS, _GAUGES = "nothing", "alarms", "gauges"
-_TROUBLE = frozenset({Mood.WARNING, Mood.ALARM})
+_TROUBLE = frozenset({Severity.WARNING, Severity.ALARM})
 
 
 @dataclass(frozen=True, slots=True)

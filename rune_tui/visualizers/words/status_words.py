@@ -18,7 +18,7 @@ from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.visualizers.maps.range_data import Nearness, as_it_moves, nearness_of
 from rune_tui.visualizers.parts.control_words import control_parts
 from rune_tui.visualizers.parts.doing_words import doing_parts
-from rune_tui.visualizers.parts.severity import Mood, Part
+from rune_tui.visualizers.parts.severity import Part, Severity
 from rune_tui.visualizers.parts.staleness import (
     ALARM_AFTER_S,
     HATCH_AFTER_S,
@@ -95,28 +95,28 @@ def _stop_key(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
 def _link(robot: RobotState, now: float) -> Part:
     seconds = f"{int(max(0.0, now - robot.link.since))} s"
     if robot.link.phase is LinkPhase.CONNECTED:
-        return Part("linked", 2, Mood.GOOD, gauge=True)
+        return Part("linked", 2, Severity.GOOD, gauge=True)
     if robot.link.phase is LinkPhase.CONNECTING:
-        return Part(f"connecting {seconds}", 9, Mood.WARNING)
+        return Part(f"connecting {seconds}", 9, Severity.WARNING)
     lost = f"LINK LOST {seconds}"
     why = f": {robot.link.detail}" if robot.link.detail else ""
-    return Part(lost + why, 9, Mood.ALARM, short=lost)
+    return Part(lost + why, 9, Severity.ALARM, short=lost)
 
 
 def _permission(robot: RobotState) -> Iterator[Part]:
     if not robot.link.may_command:
-        yield Part("OBSERVER: this key may watch and stop, not drive", 8, Mood.WARNING)
+        yield Part("OBSERVER: this key may watch and stop, not drive", 8, Severity.WARNING)
 
 
 def _motion(robot: RobotState, now: float) -> Iterator[Part]:
     if robot.navigation is None:
-        yield Part("no robot state yet", 7, Mood.WARNING)
+        yield Part("no robot state yet", 7, Severity.WARNING)
         return
     age = robot.navigation.age(now)
     navigation = robot.navigation.value
     linked = robot.link.phase is LinkPhase.CONNECTED
     if linked and staleness(age) is not Staleness.FRESH:
-        yield Part(f"STATE {age_text(age)} OLD", 9, Mood.ALARM)
+        yield Part(f"STATE {age_text(age)} OLD", 9, Severity.ALARM)
     known = (
         *_doing(robot, navigation, now),
         *_battery(navigation),
@@ -131,7 +131,7 @@ def _motion(robot: RobotState, now: float) -> Iterator[Part]:
 def _past(part: Part) -> Part:
     """What was said last, which nobody knows to be so now."""
     short = f"was {part.short}" if part.short else ""
-    return Part(f"was {part.text}", min(part.weight, 4), Mood.FAINT, short, part.gauge)
+    return Part(f"was {part.text}", min(part.weight, 4), Severity.FAINT, short, part.gauge)
 
 
 def _doing(robot: RobotState, navigation: NavigationState, now: float) -> Iterator[Part]:
@@ -144,14 +144,14 @@ def _doing(robot: RobotState, navigation: NavigationState, now: float) -> Iterat
         text = _ROLLING_ON.get(motion, text)
     by_itself = tuple(doing_parts(robot, now))
     if motion is not MotionState.GOING or not by_itself:
-        mood = Mood.ALARM if motion in _FAULTS else Mood.PLAIN
+        mood = Severity.ALARM if motion in _FAULTS else Severity.PLAIN
         yield Part(text, 7, mood, short=_SHORT_MOTION.get(text, ""))
     yield from by_itself
     turning = turn_words(-math.degrees(navigation.angular))
     speed = f"{signed(navigation.linear, 2)} m/s"
     yield Part(f"{speed} {turning}°/s", 6, short=speed, gauge=True)
     if motion is MotionState.MOVING and navigation.held_back >= _HELD_BACK:
-        yield Part(f"HELD BACK {navigation.held_back:.0%}", 6, Mood.WARNING)
+        yield Part(f"HELD BACK {navigation.held_back:.0%}", 6, Severity.WARNING)
 
 
 def _rolls(navigation: NavigationState) -> bool:
@@ -179,7 +179,7 @@ def _battery(navigation: NavigationState) -> Iterator[Part]:
     low = navigation.battery_fraction < LOW_BATTERY
     grave = "CRITICAL" if navigation.battery_fraction < CRITICAL_BATTERY else "LOW"
     text = " ".join([f"BATTERY {grave}" if low else "battery", *words])
-    mood = (Mood.ALARM if grave == "CRITICAL" else Mood.WARNING) if low else Mood.PLAIN
+    mood = (Severity.ALARM if grave == "CRITICAL" else Severity.WARNING) if low else Severity.PLAIN
     short = " ".join(text.split()[: 3 if low else 2])
     yield Part(text, 6 if low else 4.5, mood, short, gauge=not low)
 
@@ -198,9 +198,9 @@ def _nearest(navigation: NavigationState, body: RobotBody | None) -> Iterator[Pa
 
 
 _NEAREST = {
-    Nearness.FAR: ("nearest", 5, Mood.PLAIN),
-    Nearness.NEAR: ("NEAR", 5, Mood.WARNING),
-    Nearness.CLOSE: ("CLOSE", 7, Mood.ALARM),
+    Nearness.FAR: ("nearest", 5, Severity.PLAIN),
+    Nearness.NEAR: ("NEAR", 5, Severity.WARNING),
+    Nearness.CLOSE: ("CLOSE", 7, Severity.ALARM),
 }
 """What the nearest thing is called, how much that matters, and how it is meant."""
 
@@ -212,7 +212,7 @@ def _limit(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
         return
     limit = state.speed_limit(robot.name)
     text = f"limit {100.0 * limit:.0f}%"
-    yield Part(text, 6) if limit < 1.0 else Part(text, 0, Mood.FAINT)
+    yield Part(text, 6) if limit < 1.0 else Part(text, 0, Severity.FAINT)
 
 
 def _goes(robot: RobotState) -> bool:
@@ -228,7 +228,7 @@ def _camera(robot: RobotState, now: float) -> Iterator[Part]:
         return
     pan, zoom = math.degrees(robot.camera.value.pan), robot.camera.value.zoom
     if math.isfinite(pan) and abs(pan) > OFF_CENTRE_DEG:
-        yield Part(f"camera {abs(pan):.0f}° {'left' if pan > 0 else 'right'}", 4, Mood.WARNING)
+        yield Part(f"camera {abs(pan):.0f}° {'left' if pan > 0 else 'right'}", 4, Severity.WARNING)
     if math.isfinite(zoom) and zoom >= _LEAST_ZOOM:
         yield Part(f"zoom {zoom:.0%}", 3)
 
@@ -239,14 +239,14 @@ def _picture_age(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
         return
     age = robot.picture.age(state.now) + state.latency
     if age > ALARM_AFTER_S:
-        yield Part(f"PICTURE {age_text(age)} OLD", 8, Mood.ALARM)
+        yield Part(f"PICTURE {age_text(age)} OLD", 8, Severity.ALARM)
     elif age > MENTION_AFTER_S:
         yield Part(f"picture {age_text(age)} old", 5)
 
 
 def _joysticks(state: ConsoleState) -> Iterator[Part]:
     """Those that do not work, of several that are alike how many."""
-    alike: dict[tuple[str, Mood, bool], list[str]] = {}
+    alike: dict[tuple[str, Severity, bool], list[str]] = {}
     for joystick in state.joysticks.values():
         lacks = joystick.phase is JoystickPhase.CONNECTED and bool(joystick.why)
         alike.setdefault((*joystick_words(joystick), lacks), []).append(joystick.name)
@@ -254,30 +254,30 @@ def _joysticks(state: ConsoleState) -> Iterator[Part]:
         whose = names[0] if len(names) == 1 else f"{len(names)} joysticks"
         if lacks:
             yield Part(f"{whose} {text}", 2, mood, short=f"{whose} LACKS CONTROLS")
-        elif mood is Mood.PLAIN:
+        elif mood is Severity.PLAIN:
             short = f"no {names[0] if len(names) == 1 else 'joysticks'}"
             yield Part(f"{whose} {text}", 0, mood, short=short)
-        elif mood is not Mood.GOOD:
+        elif mood is not Severity.GOOD:
             yield Part(f"{whose} {text}", 8, mood)
 
 
-def joystick_words(joystick: JoystickState) -> tuple[str, Mood]:
+def joystick_words(joystick: JoystickState) -> tuple[str, Severity]:
     """How a joystick stands to its device, in few words."""
     match joystick.phase:
         case JoystickPhase.CONNECTED if joystick.why:
-            return joystick.why, Mood.WARNING
+            return joystick.why, Severity.WARNING
         case JoystickPhase.CONNECTED if joystick.waiting:
-            return f"LET GO OF {', '.join(sorted(joystick.waiting))} FIRST", Mood.WARNING
+            return f"LET GO OF {', '.join(sorted(joystick.waiting))} FIRST", Severity.WARNING
         case JoystickPhase.CONNECTED:
-            return "plugged in", Mood.GOOD
+            return "plugged in", Severity.GOOD
         case JoystickPhase.FORBIDDEN:
-            return "NO PERMISSION", Mood.WARNING
+            return "NO PERMISSION", Severity.WARNING
         case JoystickPhase.UNSUITABLE:
-            return "UNUSABLE", Mood.WARNING
+            return "UNUSABLE", Severity.WARNING
         case JoystickPhase.MISSING if joystick.lost:
-            return _absence(joystick), Mood.ALARM
+            return _absence(joystick), Severity.ALARM
         case JoystickPhase.MISSING:
-            return "not plugged in", Mood.PLAIN
+            return "not plugged in", Severity.PLAIN
 
 
 def _absence(joystick: JoystickState) -> str:
@@ -294,7 +294,7 @@ def _held(state: ConsoleState) -> Iterator[Part]:
     if state.must_release:
         keys = " ".join(state.must_release)
         text = f"LET GO OF {keys}, TAP, THEN HOLD" if state.tap_first else f"LET GO OF {keys} FIRST"
-        yield Part(text, 8, Mood.WARNING)
+        yield Part(text, 8, Severity.WARNING)
     if state.held:
         yield Part(f"keys {' '.join(state.held)}", 1)
 
@@ -302,8 +302,8 @@ def _held(state: ConsoleState) -> Iterator[Part]:
 def _release(state: ConsoleState) -> Part:
     """How long a key counts as held."""
     if state.releases_told:
-        return Part("release: exact", 0, Mood.FAINT)
-    return Part(f"release: timed {state.hold_s:.2f} s", 0, Mood.FAINT, short="release: timed")
+        return Part("release: exact", 0, Severity.FAINT)
+    return Part(f"release: timed {state.hold_s:.2f} s", 0, Severity.FAINT, short="release: timed")
 
 
 def side_of(sensor: int) -> str:

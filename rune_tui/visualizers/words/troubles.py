@@ -12,7 +12,7 @@ from rune_tui.model.mission import mission_of
 from rune_tui.model.robot_state import LackKind, RobotState
 from rune_tui.visualizers.maps.range_data import pressed_bumpers
 from rune_tui.visualizers.parts.doing_words import SILENT_S, doing_parts
-from rune_tui.visualizers.parts.severity import Mood, Part
+from rune_tui.visualizers.parts.severity import Part, Severity
 from rune_tui.visualizers.parts.staleness import Staleness, staleness
 from rune_tui.visualizers.words.status_words import side_of, status_parts
 
@@ -21,7 +21,7 @@ START_S: Final = 10.0
 TOLD_S: Final = 5.0
 """How long something that just happened stands over everything [s]."""
 
-_SIGNED: Final = frozenset({Mood.ALARM, Mood.WARNING})
+_SIGNED: Final = frozenset({Severity.ALARM, Severity.WARNING})
 _TOLD_WEIGHT: Final = 8.5
 """A refusal passes, so it is shown before all but a lost link, an old state and a request."""
 
@@ -31,14 +31,14 @@ def troubles(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     parts = [part for part in status_parts(robot, state) if part.mood in _SIGNED]
     parts += _more(robot, state)
     # Python's sort keeps the order of equals.
-    return tuple(sorted(parts, key=lambda part: (part.mood is not Mood.ALARM, -part.weight)))
+    return tuple(sorted(parts, key=lambda part: (part.mood is not Severity.ALARM, -part.weight)))
 
 
 def banner_of(state: ConsoleState) -> Banner | None:
     """The gravest alarm of all robots, else what one does by itself, else None."""
     found: list[tuple[float, str, str]] = []
     for robot in state.robots.values():
-        alarms = [part for part in troubles(robot, state) if part.mood is Mood.ALARM]
+        alarms = [part for part in troubles(robot, state) if part.mood is Severity.ALARM]
         found += [(part.weight, robot.name, part.text) for part in alarms]
     newest = state.notices[-1] if state.notices else None
     gravest = max(found, key=lambda each: each[0], default=None)
@@ -75,16 +75,16 @@ def _more(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
         navigation = known.value
         sides = dict.fromkeys(map(side_of, pressed_bumpers(navigation)))
         if sides:
-            yield Part(f"BUMPER PRESSED {' and '.join(sides)}", 8, Mood.ALARM)
+            yield Part(f"BUMPER PRESSED {' and '.join(sides)}", 8, Severity.ALARM)
         if navigation.assistance is Assistance.OFF:
-            yield Part("ASSISTANCE OFF: it drives into walls", 5, Mood.WARNING)
+            yield Part("ASSISTANCE OFF: it drives into walls", 5, Severity.WARNING)
     mission = mission_of(robot)
     if mission is not None and mission.fault:
-        yield Part(f"NOT KEPT: {mission.fault}", 8, Mood.ALARM)
+        yield Part(f"NOT KEPT: {mission.fault}", 8, Severity.ALARM)
     if waiting := state.overdue_marks(robot.name):
         marks = "1 mark" if waiting == 1 else f"{waiting} marks"
-        yield Part(f"NOT CONFIRMED BY THE ROBOT: {marks}", 8, Mood.ALARM)
+        yield Part(f"NOT CONFIRMED BY THE ROBOT: {marks}", 8, Severity.ALARM)
     starts = state.now - robot.link.since < START_S
     for name, lack in sorted(robot.link.lacking.items()):
         if lack.kind is LackKind.BROKEN or (lack.kind is LackKind.COMING and not starts):
-            yield Part(f"{name} MISSING: {lack.why}", 4, Mood.WARNING)
+            yield Part(f"{name} MISSING: {lack.why}", 4, Severity.WARNING)

@@ -8,11 +8,11 @@ from typing import Any
 from hub.control_gate import ControlGate
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.navigation import VELOCITY_COMMAND, Twist
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from hub.ipc.security.publish_rights import ROBOMON
 from hub.modules.driver.watchdog import CommandWatchdog
 from hub.modules.navigation.speed_governor import SpeedGovernor
-from hub.robomon.control_lease import Arbiter
+from hub.robomon.control_lease import ControlLease
 from hub.sim.kinematics import ANGULAR, LINEAR, approach
 
 STEP_S = 0.02
@@ -28,7 +28,7 @@ class Bus:
 
     def __init__(self) -> None:
         self.told: list[Any] = []
-        self.hears: dict[str, Callable[[Any, Reception], None]] = {}
+        self.hears: dict[str, Callable[[Any, MessageInfo], None]] = {}
 
     def define(self, *definitions: object) -> None:
         """All are known."""
@@ -76,7 +76,7 @@ class Robot:
 
     def restart(self, now: float) -> None:
         """Another hub in place of the last: nobody has control of its robot."""
-        self.arbiter = Arbiter(now)
+        self.arbiter = ControlLease(now)
         self._watchdog = CommandWatchdog()
         self.began(now)
 
@@ -117,7 +117,7 @@ class Robot:
         if owner != self._owner and self.navigates:
             self._owner = owner
             self._now = now
-            how = Reception(DAEMON, 1, 0, 0.0, now)
+            how = MessageInfo(DAEMON, 1, 0, 0.0, now)
             self._bus.hears[CONTROL_STATE.name](ControlState(owner=owner), how)
 
     @property

@@ -17,7 +17,7 @@ from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.roles import Role
 from hub.ipc.security.keyring import Keyring
-from hub.robomon.control_service import ControlDesk
+from hub.robomon.control_service import ControlService
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.model.control import Standing, asks, control_of, standing
 from rune_tui.startup.opening import open_layout
@@ -41,7 +41,7 @@ class Robot:
         self._stack, self._folder = stack, folder
         self.central = stack.enter_context(closing(Central([f"ipc://{folder}/central"])))
         self.client = Client("robomon", self.central.endpoints[0])
-        self.desk = ControlDesk(self.client, self.central.peer_of)
+        self.desk = ControlService(self.client, self.central.peer_of)
         self.gate = ControlGate(self.client)
         self.heard: dict[int, list[int]] = {}
         self.client.subscribe(

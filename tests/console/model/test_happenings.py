@@ -13,7 +13,7 @@ from hub.gcm.supervision import (
     CapabilityReports,
 )
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.happenings import GRACE_S, Watch
+from rune_tui.model.happenings import GRACE_S, ChangeNotifier
 from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
 from rune_tui.model.robot_state import Lack, LinkPhase
 from tests.console.states import ABSENT, BROKEN, COMING
@@ -21,7 +21,7 @@ from tests.console.visualizers.conftest import Made, received
 
 
 def seen(
-    watch: Watch, phase: LinkPhase, running: str = "", *, now: float = 1.0, **lacking: Lack
+    watch: ChangeNotifier, phase: LinkPhase, running: str = "", *, now: float = 1.0, **lacking: Lack
 ) -> list[Any]:
     reports = tuple(
         CapabilityReport(
@@ -42,7 +42,7 @@ def texts(notices: list[Any]) -> list[tuple[str, bool]]:
 
 
 def test_a_link_is_told_when_it_comes_is_lost_and_comes_again():
-    watch = Watch()
+    watch = ChangeNotifier()
     assert seen(watch, LinkPhase.CONNECTING) == []
     assert texts(seen(watch, LinkPhase.CONNECTED)) == [("linked", False)]
     assert seen(watch, LinkPhase.CONNECTED) == []
@@ -53,7 +53,7 @@ def test_a_link_is_told_when_it_comes_is_lost_and_comes_again():
 
 
 def test_a_capability_that_is_missing_is_told_once_and_so_is_its_return():
-    watch = Watch()
+    watch = ChangeNotifier()
     seen(watch, LinkPhase.CONNECTED)
     why = BROKEN
     alarm = [(f"it does not provide VIS_VID: {why.why}", True)]
@@ -66,7 +66,7 @@ def test_a_capability_that_is_missing_is_told_once_and_so_is_its_return():
 
 
 def test_a_start_is_no_alarm_and_a_restart_is():
-    watch = Watch()
+    watch = ChangeNotifier()
     seen(watch, LinkPhase.CONNECTED)
     assert seen(watch, LinkPhase.CONNECTED, VIS_VID=COMING) == []
     assert seen(watch, LinkPhase.CONNECTED, "VIS_VID") == []
@@ -75,7 +75,7 @@ def test_a_start_is_no_alarm_and_a_restart_is():
 
 
 def test_what_a_robot_is_made_without_is_said_once_and_is_no_alarm():
-    watch = Watch()
+    watch = ChangeNotifier()
     seen(watch, LinkPhase.CONNECTED)
     seen(watch, LinkPhase.CONNECTED, PRO_MAP=ABSENT)
     said = [("it does not provide PRO_MAP: this robot has no module for it", False)]
@@ -85,21 +85,21 @@ def test_what_a_robot_is_made_without_is_said_once_and_is_no_alarm():
 
 
 def test_a_capability_that_was_there_and_whose_module_is_gone_is_an_alarm():
-    watch = Watch()
+    watch = ChangeNotifier()
     seen(watch, LinkPhase.CONNECTED, "VIS_VID")
     (gone,) = seen(watch, LinkPhase.CONNECTED, VIS_VID=ABSENT)
     assert gone.alarm
 
 
 def test_a_lost_link_says_nothing_of_capabilities():
-    watch = Watch()
+    watch = ChangeNotifier()
     seen(watch, LinkPhase.CONNECTED, "VIS_VID")
     (lost,) = seen(watch, LinkPhase.LOST, VIS_VID=COMING)
     assert "link" in lost.text
 
 
 def test_a_message_with_a_value_out_of_its_range_is_told_once():
-    watch = Watch()
+    watch = ChangeNotifier()
 
     def look(unfit: dict[str, str]) -> list[tuple[str, bool]]:
         robot = Made().robot(link=Made.link(unfit=unfit))
@@ -112,7 +112,7 @@ def test_a_message_with_a_value_out_of_its_range_is_told_once():
 
 
 def told_of(
-    watch: Watch, phase: JoystickPhase, device: str = "F310", why: str = "", **more: Any
+    watch: ChangeNotifier, phase: JoystickPhase, device: str = "F310", why: str = "", **more: Any
 ) -> Any:
     pad = JoystickState(name="pad", device=device, phase=phase, why=why, **more)
     return texts(list(watch.look(ConsoleState(now=1.0, joysticks={"pad": pad}))))
@@ -127,14 +127,14 @@ def told_of(
     ],
 )
 def test_what_became_of_a_joystick_of_another_machine_is_said(absence: Absence, text: str) -> None:
-    watch = Watch()
+    watch = ChangeNotifier()
     told_of(watch, JoystickPhase.CONNECTED, "F310 at desk", machine="desk")
     gone = told_of(watch, JoystickPhase.MISSING, "F310 at desk", machine="desk", absence=absence)
     assert gone == [(text, True)]
 
 
 def test_a_joystick_is_told_of_when_it_comes_and_goes():
-    watch = Watch()
+    watch = ChangeNotifier()
     assert told_of(watch, JoystickPhase.MISSING, "") == []
     assert told_of(watch, JoystickPhase.CONNECTED) == [("pad is F310", False)]
     assert told_of(watch, JoystickPhase.CONNECTED) == []
@@ -143,7 +143,7 @@ def test_a_joystick_is_told_of_when_it_comes_and_goes():
 
 
 def test_a_joystick_that_cannot_be_used_is_told_of_once_with_the_reason():
-    watch = Watch()
+    watch = ChangeNotifier()
     forbidden = [("pad cannot be used: no permission", True)]
     assert told_of(watch, JoystickPhase.FORBIDDEN, why="no permission") == forbidden
     assert told_of(watch, JoystickPhase.FORBIDDEN, why="no permission") == []
@@ -152,7 +152,7 @@ def test_a_joystick_that_cannot_be_used_is_told_of_once_with_the_reason():
 
 
 def test_a_robot_that_cannot_be_followed_takes_no_other_away(caplog: pytest.LogCaptureFixture):
-    watch, whole = Watch(), Made().robot(link=Made.link(LinkPhase.CONNECTED))
+    watch, whole = ChangeNotifier(), Made().robot(link=Made.link(LinkPhase.CONNECTED))
     wrong = {CAPABILITY_REPORTS.name: received(None)}  # no value of this message
     robots = {"rover": whole.with_(name="rover", messages=wrong), "magellan": whole}
     state = ConsoleState(now=1.0, robots=robots)

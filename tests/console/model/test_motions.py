@@ -5,7 +5,7 @@ from __future__ import annotations
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.navigation import MotionState
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.happenings import Watch
+from rune_tui.model.happenings import ChangeNotifier
 from tests.console.visualizers.conftest import Made, received
 from tests.support.messages import robot_state
 
@@ -17,7 +17,7 @@ class Scene:
     """A watch, and a robot that says what navigation does."""
 
     def __init__(self) -> None:
-        self._watch = Watch()
+        self._watch = ChangeNotifier()
         self.owner = ME
 
     def events_at(self, motion: MotionState) -> list[str]:

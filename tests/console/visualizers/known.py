@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from hub.gcm.autonomy import AUTONOMY_STATE, AutonomyState, Behaviour, Phase, Pilot
+from hub.gcm.autonomy import AUTONOMY_STATE, AutonomyState, Behaviour, DrivingMode, Phase
 from hub.gcm.flight import ALTITUDE, ATTITUDE, Altitude, Attitude
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints, PointKind
 from hub.gcm.supervision import (
@@ -74,7 +74,7 @@ def autonomy(**changes: Any) -> AutonomyState:
     values: dict[str, Any] = {
         "behaviour": Behaviour.EXPLORE,
         "asked": Behaviour.EXPLORE,
-        "pilot": Pilot.AUTONOMY,
+        "pilot": DrivingMode.AUTONOMY,
         "phase": Phase.ACTIVE,
         "why": "explores: a frontier of 2.1 m, 4.7 m away",
         "x": 3.1,

@@ -13,7 +13,7 @@ import pytest
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from hub.ipc.security.client_keys import ClientKeys
 from tests.hub.ipc.vocabulary import Number
 from tests.support.waiting import until
@@ -58,9 +58,9 @@ class Peer:
         self.call(lambda: self.client.wait_connected(5.0))
         return self
 
-    def collect(self, definition: MessageDefinition[Any]) -> list[tuple[Any, Reception]]:
+    def collect(self, definition: MessageDefinition[Any]) -> list[tuple[Any, MessageInfo]]:
         """Subscribe; what comes is appended to the list."""
-        received: list[tuple[Any, Reception]] = []
+        received: list[tuple[Any, MessageInfo]] = []
         self.call(
             lambda: self.client.subscribe(
                 definition, lambda value, how: received.append((value, how))
@@ -76,7 +76,7 @@ class Peer:
         self.call(send)
 
     def publish_until(
-        self, definition: MessageDefinition[Number], received: list[tuple[Any, Reception]]
+        self, definition: MessageDefinition[Number], received: list[tuple[Any, MessageInfo]]
     ) -> None:
         """Publish -1 until it is received: from then on the way is open."""
         until(

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from hub.errors import EndpointError, NotAllowedError
 from hub.ipc import endpoints, roles
-from hub.ipc.roles import Action, Bearer, Role
+from hub.ipc.roles import Action, Principal, Role
 from hub.ipc.security.client_keys import KeyPair
 
 PLACES = [
@@ -29,7 +29,7 @@ def test_each_role_may_do_what_is_written_in_the_documentation() -> None:
 
 
 def test_only_modules_enter_where_states_and_pictures_go_in() -> None:
-    entered = {role: [p for p in PLACES if roles.may_enter(role, p)] for role in Role}
+    entered = {role: [p for p in PLACES if roles.may_connect(role, p)] for role in Role}
     out = ["control", "state out", "command out", "picture out"]
     for role in (Role.OBSERVE, Role.OPERATE, Role.SUPERVISE):
         assert sorted(entered[role]) == sorted([*out, "command in"])
@@ -38,22 +38,22 @@ def test_only_modules_enter_where_states_and_pictures_go_in() -> None:
 
 @pytest.mark.parametrize("place", ["", " ", "in", "out", " in", " out", "state", "CONTROL", "a b"])
 def test_place_that_is_none_is_entered_by_nobody(place: str) -> None:
-    assert not any(roles.may_enter(role, place) for role in Role)
+    assert not any(roles.may_connect(role, place) for role in Role)
 
 
 @pytest.mark.parametrize("place", PLACES)
 def test_each_role_enters_where_the_ones_before_it_do(place: str) -> None:
     for less, more in itertools.pairwise(Role):
-        assert roles.may_enter(less, place) <= roles.may_enter(more, place)
+        assert roles.may_connect(less, place) <= roles.may_connect(more, place)
 
 
 def test_what_a_role_does_not_allow_is_refused_with_the_role_that_does() -> None:
-    alice = Bearer(name="alice", role=Role.OBSERVE)
+    alice = Principal(name="alice", role=Role.OBSERVE)
     roles.demand(alice, Action.SUBSCRIBE)
     with pytest.raises(NotAllowedError, match=r"alice .*may not take control.*--role supervise$"):
         roles.demand(alice, Action.TAKE_OVER)
     with pytest.raises(NotAllowedError, match="do it on the robot's machine"):
-        roles.demand(Bearer(name="bob", role=Role.OPERATE), Action.CLOSE_MODULE)
+        roles.demand(Principal(name="bob", role=Role.OPERATE), Action.CLOSE_MODULE)
 
 
 def test_this_machine_may_do_everything() -> None:
@@ -63,9 +63,9 @@ def test_this_machine_may_do_everything() -> None:
 
 @given(st.sampled_from(Role), st.from_regex(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", fullmatch=True))
 def test_bearer_is_read_back_from_what_goes_with_its_frames(role: Role, name: str) -> None:
-    bearer = Bearer.of(name, role, KeyPair.new().public)
-    assert roles.parse_bearer(bearer.user_id) == bearer
-    assert roles.parse_bearer(bearer.user_id) != Bearer.of(name, role, KeyPair.new().public)
+    bearer = Principal.of(name, role, KeyPair.new().public)
+    assert roles.parse_principal(bearer.user_id) == bearer
+    assert roles.parse_principal(bearer.user_id) != Principal.of(name, role, KeyPair.new().public)
 
 
 @pytest.mark.parametrize(
@@ -74,7 +74,7 @@ def test_bearer_is_read_back_from_what_goes_with_its_frames(role: Role, name: st
 )
 def test_user_id_that_names_no_role_has_no_rights(user_id: str) -> None:
     with pytest.raises(NotAllowedError, match="no role, name and key"):
-        roles.parse_bearer(user_id)
+        roles.parse_principal(user_id)
 
 
 @pytest.mark.parametrize(

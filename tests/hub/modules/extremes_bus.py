@@ -17,7 +17,7 @@ from typing import Any
 from hub.errors import CodecError, HubError, QueryTimeoutError
 from hub.gcm.catalog import BY_NAME
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from tests.support import extremes
 
 OWN = 1
@@ -52,7 +52,7 @@ class ExtremesBus:
         def take(value: Any) -> None:
             age = self._random.choice((0.0, 0.01, 5.0))
             publisher = self._random.choice((OWN, 2, 3, 2**32 - 1))
-            how = Reception(publisher, next(self._sequence), 0, age, self.clock() - age)
+            how = MessageInfo(publisher, next(self._sequence), 0, age, self.clock() - age)
             handler(value, how)
 
         self.handlers[definition.name].append(take)
@@ -98,7 +98,7 @@ class ExtremesBus:
             ways["failed"](QueryTimeoutError("nobody"))
             return
         now = self.clock()
-        ways["answered"](next(known), Reception(2, next(self._sequence), 0, 0.0, now))
+        ways["answered"](next(known), MessageInfo(2, next(self._sequence), 0, 0.0, now))
 
     def check(self, definition: MessageDefinition[Any], value: Any) -> None:
         """Whether what the module says is within its ranges."""

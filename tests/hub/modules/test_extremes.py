@@ -21,8 +21,8 @@ from hub.modules.driver.__main__ import build as build_driver
 from hub.modules.mapping.__main__ import Mapping
 from hub.modules.navigation.__main__ import Navigation
 from hub.modules.vision.__main__ import Vision
-from hub.robomon.control_service import ControlDesk
-from hub.robomon.policy import Supervisor
+from hub.robomon.control_service import ControlService
+from hub.robomon.policy import ModulePolicy
 from hub.robomon.reporting import Reporting
 from hub.robots.description import find_robot_file, read_description
 from tests.hub.modules.extremes_bus import ExtremesBus
@@ -37,11 +37,11 @@ def control_desk(bus: Any, _: Any) -> None:
         bearer = SimpleNamespace(role=roles.Role.SUPERVISE)
         return SimpleNamespace(publisher=number, name=f"console-{number}", bearer=bearer)
 
-    ControlDesk(bus, peer)
+    ControlService(bus, peer)
 
 
 def reporting(bus: Any, robot: Any) -> None:
-    supervisor = Supervisor(())
+    supervisor = ModulePolicy(())
     keeper = SimpleNamespace(supervisor=supervisor, look=lambda: None)
     outputs = SimpleNamespace(lines=lambda *_: None, remembered=dict)
     Reporting(bus, keeper, outputs, robot.body)  # type: ignore[arg-type]

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.gcm.control import ANSWER_S, LOST_S
-from hub.robomon.control_lease import LONGEST_NAME, MOST_REQUESTS, Arbiter
+from hub.robomon.control_lease import LONGEST_NAME, MOST_REQUESTS, ControlLease
 
 ALICE, BOB, CAROL = 1, 2, 3
 NAMES = {ALICE: "alice", BOB: "bob", CAROL: "carol"}
@@ -22,7 +22,7 @@ class Table:
 
     def __init__(self) -> None:
         self.now = 50.0
-        self.arbiter = Arbiter(self.now)
+        self.arbiter = ControlLease(self.now)
         self.alive = set(NAMES)
 
     @property

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.gcm.supervision import CapabilityPhase, ModuleOrder, ModulePhase
-from hub.robomon.module_lifecycle import Action
+from hub.robomon.module_lifecycle import ProcessAction
 from hub.robomon.module_table import ModuleSpec
 from tests.hub.robomon.world import World, ways
 
@@ -50,7 +50,9 @@ def test_random_histories(seed: int) -> None:
             "crash_at": chance.choice([far, far, far, 0.0, 0.5, 4.0]),
             "hang_at": chance.choice([far, far, 2.0]),
             "deaf_to": frozenset(
-                action for action in (Action.COMMAND, Action.TERMINATE) if chance.random() < 0.2
+                action
+                for action in (ProcessAction.COMMAND, ProcessAction.TERMINATE)
+                if chance.random() < 0.2
             ),
         }
 

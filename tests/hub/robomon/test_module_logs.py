@@ -19,7 +19,7 @@ from hub.gcm.supervision import LOG_LINES, LogLines
 from hub.robomon import log_file
 from hub.robomon import module_logs as robomon_outputs
 from hub.robomon.log_file import FILES, RETRY_S, LogFile
-from hub.robomon.module_logs import LINE_BYTES, REMEMBERED_LINES, Outputs, _readable
+from hub.robomon.module_logs import LINE_BYTES, REMEMBERED_LINES, ModuleLogs, _readable
 from tests.support.waiting import until
 
 
@@ -108,7 +108,7 @@ def test_lost_lines_are_told_of_with_the_module_and_in_its_file_without_another_
 ) -> None:
     disk = Disk(2)
     monkeypatch.setattr(log_file.os, "write", disk.write)
-    with closing(Outputs(tmp_path)) as outputs:
+    with closing(ModuleLogs(tmp_path)) as outputs:
         source, pipe = os.pipe()
         outputs.add("one", source)
         with os.fdopen(pipe, "wb", buffering=0) as file:
@@ -143,7 +143,7 @@ def test_files_rotate(file: LogFile, tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 
 def spoken(said: bytes) -> list[str]:
-    outputs = Outputs(None)
+    outputs = ModuleLogs(None)
     source, pipe = os.pipe()
     outputs.add("one", source)
     with os.fdopen(pipe, "wb") as file:
@@ -185,7 +185,7 @@ def test_lines_left_out_for_a_slow_disk_are_counted_where_they_are_missing(
     monkeypatch.setattr(robomon_outputs, "_ROOM", 2)
     log = tmp_path / "one.log"
     log.touch()
-    with closing(Outputs(tmp_path)) as outputs:
+    with closing(ModuleLogs(tmp_path)) as outputs:
         source, pipe = os.pipe()
         outputs.add("one", source)
         with os.fdopen(pipe, "wb", buffering=0) as file:
@@ -203,7 +203,7 @@ def test_endless_line_is_cut() -> None:
 
 
 def test_end_of_the_reader_before_it_was_woken_is_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
-    outputs = Outputs(None)
+    outputs = ModuleLogs(None)
     reader = next(each for each in threading.enumerate() if each.name == "outputs")
     write = os.write
 

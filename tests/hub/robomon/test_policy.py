@@ -16,13 +16,13 @@ from hub.gcm.supervision import (
     announce_every_s,
     keep_alive_s,
 )
-from hub.robomon.module_lifecycle import Action, Life
+from hub.robomon.module_lifecycle import ModuleLifecycle, ProcessAction
 from hub.robomon.policy import (
     MAX_SHOWN,
     MAX_STRANGERS,
     MAX_UNKNOWN,
     STRANGER_S,
-    Supervisor,
+    ModulePolicy,
 )
 from hub.robomon.wants import MAX_HOLDERS, Wants
 from tests.hub.robomon.world import STEP_S, World, demand, spec, ways
@@ -135,7 +135,9 @@ def test_rare_crashes_are_forgotten() -> None:
 
 def test_hanging_module_is_terminated_and_killed_and_started_again() -> None:
     world = World(spec("stuck", keep_alive_s=2.0))
-    world.behave = ways(hang_at=5.0, deaf_to=frozenset({Action.COMMAND, Action.TERMINATE}))
+    world.behave = ways(
+        hang_at=5.0, deaf_to=frozenset({ProcessAction.COMMAND, ProcessAction.TERMINATE})
+    )
     world.run(1.0)
     world.behave = ways()
     world.run(20.0)
@@ -186,7 +188,7 @@ def test_program_that_announces_nothing_is_asked_for_nothing() -> None:
 
 def test_stop_goes_from_command_to_kill() -> None:
     world = World(spec("deaf", ask_timeout_s=1.0, stop_timeout_s=2.5))
-    world.behave = ways(deaf_to=frozenset({Action.COMMAND, Action.TERMINATE}))
+    world.behave = ways(deaf_to=frozenset({ProcessAction.COMMAND, ProcessAction.TERMINATE}))
     world.run(2.0)
     world.order("deaf", ModuleOrder.STOP)
     world.run(5.0)
@@ -381,11 +383,11 @@ def test_wants_that_change_or_end_are_seen_at_once() -> None:
 
 def test_module_that_cannot_be_started_is_tried_with_pauses() -> None:
     """A program may lie on a disk that is there a moment later."""
-    supervisor, tries = Supervisor([spec("one", restart_limit=5)]), []
+    supervisor, tries = ModulePolicy([spec("one", restart_limit=5)]), []
     for step in range(2000):
         now = 100.0 + STEP_S * step
         for life, action in supervisor.step(now):
-            assert action is Action.START
+            assert action is ProcessAction.START
             tries.append(now)
             life.not_started("could not be started", now)
     pauses = [later - earlier for earlier, later in itertools.pairwise(tries)]
@@ -416,7 +418,7 @@ def test_module_started_by_a_script_is_heard() -> None:
 
 
 def test_process_id_that_was_used_before_is_heard() -> None:
-    life = Life(spec("one"))
+    life = ModuleLifecycle(spec("one"))
     life.started(7, 0.0)
     life.ended("crashed", 1.0)
     life.started(7, 2.0)

@@ -16,7 +16,7 @@ import pytest
 from hub.errors import ModuleStartError
 from hub.robomon import orphan_reaper, process
 from hub.robomon.module_table import ModuleSpec
-from hub.robomon.process import Guardian, ModuleProcess
+from hub.robomon.process import ModuleProcess, OrphanReaper
 from tests.support.waiting import until
 
 
@@ -41,9 +41,9 @@ def start() -> Iterator[Starter]:
 
 
 @pytest.fixture
-def watcher(monkeypatch: pytest.MonkeyPatch) -> Iterator[Guardian]:
+def watcher(monkeypatch: pytest.MonkeyPatch) -> Iterator[OrphanReaper]:
     monkeypatch.setattr(process, "_PATIENCE_S", 0.2)
-    made = Guardian()
+    made = OrphanReaper()
     yield made
     made.close()
 
@@ -73,7 +73,7 @@ time.sleep(100.0)
 
 
 def test_guardian_finds_what_left_its_session_or_is_stopped(start: Starter) -> None:
-    guardian_ = Guardian()
+    guardian_ = OrphanReaper()
     module = start(SESSIONS)
     guardian_.watch(module.pid)
     pids: list[int] = []
@@ -86,7 +86,7 @@ def test_guardian_finds_what_left_its_session_or_is_stopped(start: Starter) -> N
 
 
 def test_guardian_that_hangs_does_not_keep_the_daemon(
-    watcher: Guardian, monkeypatch: pytest.MonkeyPatch
+    watcher: OrphanReaper, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(orphan_reaper, "GRACE_S", 0.1)
     pid = watcher.pid
@@ -96,7 +96,7 @@ def test_guardian_that_hangs_does_not_keep_the_daemon(
 
 
 def test_guardian_that_was_killed_is_replaced_by_one_that_knows_the_modules(
-    watcher: Guardian, start: Starter
+    watcher: OrphanReaper, start: Starter
 ) -> None:
     module = start("import os, time; os.write(1, b'1'); time.sleep(100.0)")
     words(module)
@@ -111,7 +111,7 @@ def test_guardian_that_was_killed_is_replaced_by_one_that_knows_the_modules(
 
 
 def test_guardian_that_cannot_be_started_is_started_later(
-    watcher: Guardian, monkeypatch: pytest.MonkeyPatch
+    watcher: OrphanReaper, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(*_: object, **__: object) -> None:
         raise OSError(errno.EMFILE, "Too many open files")

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from hub.gcm.supervision import ModuleOrder, ModulePhase
-from hub.robomon.module_lifecycle import Action, Life
+from hub.robomon.module_lifecycle import ModuleLifecycle, ProcessAction
 from hub.robomon.module_table import ModuleSpec
-from hub.robomon.policy import Supervisor
+from hub.robomon.policy import ModulePolicy
 
 STEP_S = 0.05
 
@@ -23,9 +23,9 @@ class Process:
     announce_at: float
     crash_at: float = float("inf")
     hang_at: float = float("inf")
-    deaf_to: frozenset[Action] = frozenset()
+    deaf_to: frozenset[ProcessAction] = frozenset()
     end_at: float = float("inf")
-    actions: list[Action] = field(default_factory=list)
+    actions: list[ProcessAction] = field(default_factory=list)
 
 
 def ways(**values: Any) -> Callable[[str], dict[str, Any]]:
@@ -41,7 +41,7 @@ class World:
     """
 
     def __init__(self, *specs: ModuleSpec, needs: dict[str, str] | None = None) -> None:
-        self.supervisor = Supervisor(specs)
+        self.supervisor = ModulePolicy(specs)
         self.now = 100.0
         self.behave: Callable[[str], dict[str, Any]] = ways()
         self.processes: dict[str, Process] = {}
@@ -53,7 +53,7 @@ class World:
             for spec in specs
         }
 
-    def __getitem__(self, name: str) -> Life:
+    def __getitem__(self, name: str) -> ModuleLifecycle:
         return self.supervisor.lives[name]
 
     def run(self, seconds: float, *, wants: str = "") -> None:
@@ -87,7 +87,7 @@ class World:
             elif process.announce_at <= self.now < process.hang_at:
                 self.supervisor.announced(name, process.pid, *self._can[name], self.now)
 
-    def _see_whether_it_waits(self, life: Life) -> None:
+    def _see_whether_it_waits(self, life: ModuleLifecycle) -> None:
         """Count the ends after which a module is to start again: too many would be a storm."""
         if life.phase is not ModulePhase.WAITING:
             return
@@ -96,9 +96,9 @@ class World:
         recent = [time for time in waits if time > self.now - life.spec.restart_window_s]
         assert len(recent) <= life.spec.restart_limit, f"{life.spec.name} is started for ever"
 
-    def _do(self, life: Life, action: Action) -> None:
+    def _do(self, life: ModuleLifecycle, action: ProcessAction) -> None:
         name = life.spec.name
-        if action is Action.START:
+        if action is ProcessAction.START:
             assert name not in self.processes, "two at the same time"
             lacking = [
                 need
@@ -123,7 +123,7 @@ class World:
         assert action not in process.actions, f"{name} is told the same twice"
         process.actions.append(action)
         if action not in process.deaf_to and not (
-            action is Action.COMMAND and self.now >= process.hang_at
+            action is ProcessAction.COMMAND and self.now >= process.hang_at
         ):
             process.end_at = self.now + 0.1
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from rune_tui.model.theme import DARK
 from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.parts.rows import (
-    Row,
+    TextRow,
     cut,
     fitting_form,
     flowing,
@@ -34,7 +34,7 @@ def test_the_first_form_that_fits_is_taken_and_the_last_is_cut() -> None:
 
 @given(st.lists(st.text("abc", min_size=1, max_size=9), max_size=9), COLUMNS)
 def test_flowing_words_keep_their_order_and_the_width(texts: list[str], columns: int) -> None:
-    lines = [[row.text for row in line] for line in flowing(map(Row, texts), columns)]
+    lines = [[row.text for row in line] for line in flowing(map(TextRow, texts), columns)]
     assert [text for line in lines for text in line] == texts
     assert all(len("  ".join(line)) <= columns or len(line) == 1 for line in lines)
 
@@ -61,7 +61,7 @@ def test_free_text_in_the_last_column_is_cut_before_a_column_goes() -> None:
 @example("ab ab", 3)
 @given(st.text("ab ", max_size=60), COLUMNS)
 def test_a_wrapped_row_keeps_its_letters_and_the_width(text: str, columns: int) -> None:
-    rows = list(wrapped(Row(text), columns))
+    rows = list(wrapped(TextRow(text), columns))
     assert all(len(row.text) <= columns for row in rows)
     assert "".join("".join(row.text for row in rows).split()) == "".join(text.split())
     assert [row.continues for row in rows] == [index > 0 for index in range(len(rows))]
@@ -73,7 +73,7 @@ def test_a_wrapped_row_keeps_its_letters_and_the_width(text: str, columns: int) 
 )
 def test_what_does_not_fit_is_counted_without_what_only_continues(height, shown) -> None:
     canvas = Canvas.blank(10, height)
-    rows = [Row("a"), Row("b"), Row("  b", continues=True), Row("c")]
+    rows = [TextRow("a"), TextRow("b"), TextRow("  b", continues=True), TextRow("c")]
     write_rows(canvas, rows, DARK)
     assert words(canvas) == shown
 

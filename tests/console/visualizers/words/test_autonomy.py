@@ -19,7 +19,7 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.doing import doing_of
 from rune_tui.model.robot_state import RobotState
 from rune_tui.visualizers.parts.doing_words import OTHERS_S, SHOWN_S, SILENT_S
-from rune_tui.visualizers.parts.severity import Mood, Part
+from rune_tui.visualizers.parts.severity import Part, Severity
 from rune_tui.visualizers.words.status_words import status_parts
 from tests.console.visualizers import known
 from tests.console.visualizers.conftest import NOW, Made, made_by, received, words
@@ -97,23 +97,23 @@ def test_the_status_line_says_what_it_does_and_how_far(what: dict[str, Any], tex
 
 ENDED = [
     ({"autonomy": {"phase": Phase.DONE, "why": "explored: nothing is left", "explored": 1.0}},
-     "EXPLORING 100 % DONE: explored: nothing is left", Mood.GOOD),
+     "EXPLORING 100 % DONE: explored: nothing is left", Severity.GOOD),
     ({"status": {"task": Task.REACHED, "why": "it is there"}},
-     "GOING DONE: it is there", Mood.GOOD),
+     "GOING DONE: it is there", Severity.GOOD),
     ({"status": {"task": Task.BLOCKED, "why": "the map shows no way there"}},
-     "GOING BLOCKED: the map shows no way there", Mood.WARNING),
+     "GOING BLOCKED: the map shows no way there", Severity.WARNING),
     ({"status": {"task": Task.CANCELLED, "cause": Cause.STOP, "why": "stopped: lunch"}},
-     "GOING STOPPED: lunch", Mood.PLAIN),
+     "GOING STOPPED: lunch", Severity.PLAIN),
     ({"autonomy": {"phase": Phase.TAKEN_OVER, "why": "the operator took over"}},
-     "EXPLORING 42 % ENDED: the operator took over", Mood.PLAIN),
+     "EXPLORING 42 % ENDED: the operator took over", Severity.PLAIN),
     ({"autonomy": {"phase": Phase.LOST, "why": "gave up after 60 s: the map is old"}},
-     "EXPLORING 42 % GIVEN UP: gave up after 60 s: the map is old", Mood.WARNING),
+     "EXPLORING 42 % GIVEN UP: gave up after 60 s: the map is old", Severity.WARNING),
 ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("what", "text", "mood"), ENDED)
 def test_the_status_line_says_for_a_while_how_it_ended(
-    what: dict[str, Any], text: str, mood: Mood
+    what: dict[str, Any], text: str, mood: Severity
 ) -> None:
     for parts in what.values():
         parts["ended_s"] = 1.0
@@ -127,7 +127,7 @@ def test_the_status_line_says_for_a_while_how_it_ended(
 
 def test_what_was_not_heard_of_for_a_while_is_not_taken_for_true() -> None:
     (part,) = said(robot({}, age=SILENT_S + 2.0))
-    assert (part.text, part.mood) == ("EXPLORING 42 %, NOT HEARD FOR 5 s", Mood.WARNING)
+    assert (part.text, part.mood) == ("EXPLORING 42 %, NOT HEARD FOR 5 s", Severity.WARNING)
 
 
 def test_what_goes_on_comes_before_what_has_ended() -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from hub.gcm.autonomy import Pilot
+from hub.gcm.autonomy import DrivingMode
 from hub.gcm.control import CONTROL_STATE, ControlState
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase, RobotState
@@ -25,7 +25,12 @@ ASKED: dict[str, Any] = {
 CASES: list[tuple[dict[str, Any], list[str], str]] = [
     ({}, ["nobody has control", "nobody moves the robot", "press T to take it"], "nobody has"),
     (
-        {"owner": ME, "operator": "alice", "commander": Pilot.OPERATOR, "commander_name": "alice"},
+        {
+            "owner": ME,
+            "operator": "alice",
+            "commander": DrivingMode.OPERATOR,
+            "commander_name": "alice",
+        },
         ["you have control since 12:03", "alice moves the robot", "press C to give it up"],
         "you have control",
     ),
@@ -33,7 +38,7 @@ CASES: list[tuple[dict[str, Any], list[str], str]] = [
         {
             "owner": BOB,
             "operator": "bob",
-            "commander": Pilot.AUTONOMY,
+            "commander": DrivingMode.AUTONOMY,
             "commander_name": "autonomy",
         },
         ["bob has control since 12:03", "autonomy moves the robot", "press T to ask"],

@@ -13,7 +13,7 @@ from hub.gcm.navigation import Assistance, MotionState
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.joystick_state import JoystickPhase, JoystickState
 from rune_tui.model.robot_state import LinkPhase
-from rune_tui.visualizers.parts.severity import Mood
+from rune_tui.visualizers.parts.severity import Severity
 from rune_tui.visualizers.words.status import Status, fitting
 from rune_tui.visualizers.words.status_words import status_parts
 from tests.console.visualizers import known
@@ -97,7 +97,7 @@ def test_what_is_stale_is_said_to_have_been_so(made) -> None:
         "was battery 87% 24.1 V",
         "was nearest 1.80 m ahead",
     ]
-    assert {part.mood for part in past} == {Mood.FAINT}
+    assert {part.mood for part in past} == {Severity.FAINT}
 
 
 def test_zoom_is_said(made, draw) -> None:
@@ -111,7 +111,7 @@ def test_what_is_about_to_touch_is_an_alarm(made) -> None:
     sonar[0] = 0.273
     robot = made.robot(navigation=made.received(made.navigation(sonar=sonar)))
     moods = {part.text: part.mood for part in status_parts(robot, ConsoleState(now=made.now))}
-    assert moods["CLOSE 0.07 m ahead"] is Mood.ALARM
+    assert moods["CLOSE 0.07 m ahead"] is Severity.ALARM
 
 
 def test_what_the_robot_does_by_itself_is_said(made, draw) -> None:
@@ -163,16 +163,16 @@ def test_what_it_passes_closely_by_itself_is_a_caution(made, motion, assistance,
     navigation = made.navigation(sonar=sonar, motion=motion, assistance=assistance)
     robot = made.robot(navigation=made.received(navigation))
     moods = {part.text: part.mood for part in status_parts(robot, ConsoleState(now=made.now))}
-    mood = Mood.ALARM if words == "CLOSE" else Mood.WARNING
+    mood = Severity.ALARM if words == "CLOSE" else Severity.WARNING
     assert moods[f"{words} 0.07 m ahead"] is mood
 
 
 @pytest.mark.parametrize(
     ("motion", "mood"),
     [
-        (MotionState.STOPPED, Mood.PLAIN),
-        (MotionState.SILENCE, Mood.ALARM),
-        (MotionState.NO_DRIVER, Mood.ALARM),
+        (MotionState.STOPPED, Severity.PLAIN),
+        (MotionState.SILENCE, Severity.ALARM),
+        (MotionState.NO_DRIVER, Severity.ALARM),
     ],
 )
 def test_a_stop_that_somebody_wanted_is_no_alarm(made, motion, mood) -> None:
@@ -335,7 +335,7 @@ def test_the_token_changes_with_the_words_only(made) -> None:
 def test_keys_that_must_go_up_first_are_named(made) -> None:
     state = ConsoleState(now=made.now, must_release=("w", "d"))
     parts = {part.text: part for part in status_parts(made.robot(), state)}
-    assert parts["LET GO OF w d FIRST"].mood is Mood.WARNING
+    assert parts["LET GO OF w d FIRST"].mood is Severity.WARNING
     hasty = ConsoleState(now=made.now, must_release=("w",), tap_first=True)
     assert "LET GO OF w, TAP, THEN HOLD" in {p.text for p in status_parts(made.robot(), hasty)}
 

@@ -17,7 +17,7 @@ from hub.ipc.endpoints import TcpEndpoint
 from hub.ipc.roles import Role
 from hub.ipc.security.client_keys import ClientKeys, read_client_keys
 from hub.ipc.security.keyring import Keyring
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.fault_counter import FaultCounter
 
 PLANES = ("state", "command", "picture")
 FAILED = (
@@ -43,7 +43,7 @@ class StandIn:
         self.logged: list[str] = []
         logger = logging.getLogger(f"gateway {folder}")
         logger.addHandler(_Collecting(self.logged))
-        self.complaints = Complaints(logger, lambda: self.now)
+        self.complaints = FaultCounter(logger, lambda: self.now)
         self.ended: list[int] = []
         self._stopping = threading.Event()
         self._outcomes = 0

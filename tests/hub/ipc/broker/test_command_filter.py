@@ -12,26 +12,26 @@ from hypothesis import strategies as st
 from hub.errors import FrameError
 from hub.gcm import common, control, navigation
 from hub.gcm.navigation import Stop, Twist
-from hub.ipc.broker.command_filter import CommandDoor
+from hub.ipc.broker.command_filter import CommandFilter
 from hub.ipc.broker.peers import Peer
 from hub.ipc.broker.quotas import QUOTAS, STOPS_AT_ONCE, STOPS_PER_S, Accounts
-from hub.ipc.node.subscription import Arrival, Inlet
-from hub.ipc.roles import LOCAL, Bearer, Role
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.node.subscription import ReceivedFrame, Subscription
+from hub.ipc.roles import LOCAL, Principal, Role
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import frames
 
 ALICE, BOB, EYE, FAR, DRIVES = 11, 12, 13, 14, 15
 LOCAL_NUMBER = 20
 BEARERS = {
-    "alice": Bearer.of("alice", Role.OPERATE, "its key"),
-    "bob": Bearer.of("bob", Role.SUPERVISE, "its key"),
-    "eye": Bearer.of("eye", Role.OBSERVE, "its key"),
-    "far": Bearer.of("far", Role.MODULE, "its key"),
-    "alice anew": Bearer.of("alice", Role.OPERATE, "another key"),
+    "alice": Principal.of("alice", Role.OPERATE, "its key"),
+    "bob": Principal.of("bob", Role.SUPERVISE, "its key"),
+    "eye": Principal.of("eye", Role.OBSERVE, "its key"),
+    "far": Principal.of("far", Role.MODULE, "its key"),
+    "alice anew": Principal.of("alice", Role.OPERATE, "another key"),
 }
 
 
-def peer(number: int, name: str, bearer: Bearer) -> Peer:
+def peer(number: int, name: str, bearer: Principal) -> Peer:
     return Peer(
         identity=b"%d" % number,
         descriptor=-1,
@@ -59,9 +59,9 @@ class Door:
 
     def __init__(self) -> None:
         self.now = 0.0
-        self.complaints = Complaints(logging.getLogger(__name__), lambda: 0.0)
+        self.complaints = FaultCounter(logging.getLogger(__name__), lambda: 0.0)
         known = set(BEARERS.values())
-        self._door = CommandDoor(
+        self._door = CommandFilter(
             PEERS.get,
             known.__contains__,
             self.complaints,
@@ -161,9 +161,9 @@ def test_every_stop_that_comes_in_counts_and_none_under_a_forged_number(
     admitted = Door().admit(bytes(raw), "eye")
     assert admitted is not None
     assert admitted.startswith(b"!GCM_Stop\0")  # a neighbour listens to no other topic at central
-    inlet = Inlet(navigation.STOP)
+    inlet = Subscription(navigation.STOP)
     try:
-        arrival: Arrival | None = inlet.read(admitted)
+        arrival: ReceivedFrame | None = inlet.read(admitted)
     except FrameError:
         arrival = inlet.unreadable()
     assert arrival is not None
@@ -172,12 +172,12 @@ def test_every_stop_that_comes_in_counts_and_none_under_a_forged_number(
 
 
 def test_fault_of_ours_does_not_close_the_door() -> None:
-    complaints = Complaints(logging.getLogger(__name__), lambda: 0.0)
+    complaints = FaultCounter(logging.getLogger(__name__), lambda: 0.0)
 
     def peer_of(number: int) -> Peer:
         raise RuntimeError(number)
 
-    door = CommandDoor(peer_of, lambda _: True, complaints, lambda: 0.0, accounts=Accounts())
+    door = CommandFilter(peer_of, lambda _: True, complaints, lambda: 0.0, accounts=Accounts())
     assert door.admit(frame(*VELOCITY, BOB), BEARERS["bob"].user_id) is None
     assert complaints.counts == {"internal fault": 1}
 
@@ -187,7 +187,7 @@ def test_frame_of_an_unknown_kind_is_no_place_in_a_ring(kind: int) -> None:
     raw = bytearray(frame(*VELOCITY, BOB))
     struct.pack_into("<H", raw, len(frames.prefix("GCM_Velocity_Command", frames.FAR)) + 2, kind)
     with pytest.raises(FrameError):
-        Inlet(navigation.VELOCITY_COMMAND).read(bytes(raw))
+        Subscription(navigation.VELOCITY_COMMAND).read(bytes(raw))
 
 
 @given(st.binary(max_size=200), st.sampled_from([*BEARERS, "", "x", "operate:"]))

@@ -13,7 +13,7 @@ import pytest
 import zmq
 
 from hub.errors import EndpointError, KeyFileError
-from hub.ipc.roles import Bearer, Role
+from hub.ipc.roles import Principal, Role
 from hub.ipc.security.client_keys import ClientKeys, KeyPair
 from hub.ipc.security.keyring import Keyring
 from tests.hub.ipc.broker.gateway_stand_in import PLANES, StandIn, standing_in
@@ -295,7 +295,7 @@ def test_ports_follow_each_other_and_are_free_again_after_close(tmp_path: Path) 
 
 def test_close_does_not_wait_for_strangers_who_keep_knocking(tmp_path: Path) -> None:
     port = free_port()
-    bearer = Bearer(name="stranger", role=Role.MODULE)
+    bearer = Principal(name="stranger", role=Role.MODULE)
     keys = ClientKeys(bearer=bearer, pair=KeyPair.new(), hub=KeyPair.new().public)
     outside: zmq.Context[_Socket] = zmq.Context()
     knocking = [outside.socket(zmq.DEALER) for _ in range(12)]

@@ -11,12 +11,12 @@ import pytest
 
 from hub.bucket import Bucket
 from hub.ipc.broker import connection_rates, quotas
-from hub.ipc.broker.connection_rates import Sources
+from hub.ipc.broker.connection_rates import ConnectionRates
 from hub.ipc.broker.query_routing import MAX_QUERIES
-from hub.ipc.broker.quotas import QUOTAS, Account, Verdict
+from hub.ipc.broker.quotas import QUOTAS, Account, QuotaVerdict
 from hub.ipc.broker.registry import MAX_PEERS
-from hub.ipc.roles import LOCAL, Bearer, Role
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.roles import LOCAL, Principal, Role
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import control
 from hub.ipc.wire.control import Failure, Query, Refused, Response, Welcome
 from tests.hub.ipc.broker.test_registry import Bench
@@ -30,11 +30,11 @@ def bench() -> Bench:
     return Bench()
 
 
-def observer(name: str = "eve") -> Bearer:
-    return Bearer(name=name, role=Role.OBSERVE)
+def observer(name: str = "eve") -> Principal:
+    return Principal(name=name, role=Role.OBSERVE)
 
 
-def connect(bench: Bench, letters: str, bearer: Bearer) -> list[Any]:
+def connect(bench: Bench, letters: str, bearer: Principal) -> list[Any]:
     """What each HELLO is answered with."""
     bench.bearers.update(dict.fromkeys(letters, bearer))
     answers = [bench.say(each, control.Hello(name=f"m {each}", pid=1)) for each in letters]
@@ -75,37 +75,37 @@ def test_places_are_kept_for_clients_of_this_machine_and_for_operators() -> None
 def test_flood_of_lists_is_refused_and_then_disconnected() -> None:
     account = Account(observer(), OBSERVE)
     verdicts = [account.ask(ONE, control.List, 12, 1.0) for _ in range(400)]
-    assert verdicts[:200] == [Verdict.SERVED] * 200
-    assert verdicts[200:300] == [Verdict.REFUSED] * 100
-    assert verdicts[300] is Verdict.ENDED
-    assert not account.may_enter("control", 2.0)
-    assert account.may_enter("control", 11.1)
+    assert verdicts[:200] == [QuotaVerdict.SERVED] * 200
+    assert verdicts[200:300] == [QuotaVerdict.REFUSED] * 100
+    assert verdicts[300] is QuotaVerdict.ENDED
+    assert not account.may_connect("control", 2.0)
+    assert account.may_connect("control", 11.1)
 
 
 def test_clients_of_one_key_share_its_quota_and_only_who_exceeds_it_is_disconnected() -> None:
     account = Account(observer(), OBSERVE)
     for number in range(4000):
-        assert account.ask(b"\1%d" % (number % 10), control.Ping, 12, 1.0) is Verdict.SERVED
-    assert account.ask(b"\1patient", control.Ping, 12, 1.0) is Verdict.REFUSED
+        assert account.ask(b"\1%d" % (number % 10), control.Ping, 12, 1.0) is QuotaVerdict.SERVED
+    assert account.ask(b"\1patient", control.Ping, 12, 1.0) is QuotaVerdict.REFUSED
     verdicts = {account.ask(ONE, control.Ping, 12, 1.0) for _ in range(2001)}
-    assert Verdict.ENDED in verdicts
-    assert account.ask(b"\1patient", control.Ping, 12, 1.0) is Verdict.REFUSED
+    assert QuotaVerdict.ENDED in verdicts
+    assert account.ask(b"\1patient", control.Ping, 12, 1.0) is QuotaVerdict.REFUSED
 
 
 @pytest.mark.parametrize("role", Role)
 def test_who_keeps_to_the_rate_is_never_refused(role: Role) -> None:
     """Even with the dearest mix of a console: pictures, signs of life and a list now and then."""
-    account, now = Account(Bearer(name="a", role=role), QUOTAS[role]), 0.0
+    account, now = Account(Principal(name="a", role=role), QUOTAS[role]), 0.0
     for tick in range(60 * 30):
         now = tick / 30.0
         asked = [control.Query] * 3 + [control.List] * (tick % 30 == 0) + [control.Ping]
-        assert {account.ask(ONE, kind, 200, now) for kind in asked} == {Verdict.SERVED}
+        assert {account.ask(ONE, kind, 200, now) for kind in asked} == {QuotaVerdict.SERVED}
 
 
 def test_big_frames_are_refused_by_their_bytes() -> None:
     account = Account(observer(), OBSERVE)
     verdicts = [account.ask(ONE, control.Query, 4 << 20, 0.0) for _ in range(3)]
-    assert verdicts == [Verdict.REFUSED, Verdict.ENDED, Verdict.REFUSED]
+    assert verdicts == [QuotaVerdict.REFUSED, QuotaVerdict.ENDED, QuotaVerdict.REFUSED]
 
 
 def test_refusals_are_answered_once_a_second() -> None:
@@ -117,9 +117,9 @@ def test_refusals_are_answered_once_a_second() -> None:
 
 def test_key_that_connects_again_and_again_is_turned_away_place_by_place() -> None:
     account = Account(observer(), OBSERVE)
-    assert sum(account.may_enter("state out", 0.0) for _ in range(500)) == 40
-    assert account.may_enter("control", 0.0)
-    assert account.may_enter("state out", 1.1)
+    assert sum(account.may_connect("state out", 0.0) for _ in range(500)) == 40
+    assert account.may_connect("control", 0.0)
+    assert account.may_connect("state out", 1.1)
 
 
 def test_one_key_has_few_places(bench: Bench) -> None:
@@ -136,7 +136,7 @@ def test_observers_leave_places_to_operators_and_all_leave_places_to_local_clien
     for role in (Role.OBSERVE, Role.OPERATE, Role.MODULE):
         quota, refused = QUOTAS[role], 0
         for key in range(200):
-            bearer = Bearer(name=f"{role.value}{key}", role=role)
+            bearer = Principal(name=f"{role.value}{key}", role=role)
             answers = connect(bench, letters(quota.connections, first), bearer)
             first += quota.connections
             refused += sum(isinstance(each, Refused) for each in answers)
@@ -151,7 +151,7 @@ def test_observers_leave_places_to_operators_and_all_leave_places_to_local_clien
 def test_key_may_define_so_many_messages(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     few = dataclasses.replace(QUOTAS[Role.MODULE], definitions=2)
     monkeypatch.setattr(quotas, "QUOTAS", {**QUOTAS, Role.MODULE: few})
-    connect(bench, "a", Bearer(name="far", role=Role.MODULE))
+    connect(bench, "a", Principal(name="far", role=Role.MODULE))
     assert [type(bench.define("a", f"M{number}")) for number in range(3)] == [
         control.Defined,
         control.Defined,
@@ -179,7 +179,7 @@ class Asking:
         bench.connect("h")
         bench.handles("h")
 
-    def join(self, who: str, bearer: Bearer) -> None:
+    def join(self, who: str, bearer: Principal) -> None:
         (welcome,) = connect(self.bench, who, bearer)
         assert isinstance(welcome, Welcome)
 
@@ -227,7 +227,7 @@ def test_observers_leave_a_handler_to_operators_and_to_this_machine(asking: Aski
     for _ in range(10):
         for who in letters(10):
             asking.ask(who)
-    asking.join("o", Bearer(name="op", role=Role.OPERATE))
+    asking.join("o", Principal(name="op", role=Role.OPERATE))
     asking.join("l", LOCAL)
     assert isinstance(asking.ask("o"), Query)
     assert isinstance(asking.ask("l"), Query)
@@ -290,8 +290,8 @@ class Door:
     def __init__(self) -> None:
         self.now = 0.0
         self.ended: list[int] = []
-        complaints = Complaints(logging.getLogger(__name__), lambda: self.now)
-        self.sources = Sources(complaints, self.ended.append)
+        complaints = FaultCounter(logging.getLogger(__name__), lambda: self.now)
+        self.sources = ConnectionRates(complaints, self.ended.append)
         self._last = 0
 
     def come(self, place: str, address: str = "10.0.0.1") -> int:

@@ -14,11 +14,11 @@ from hub.ipc.broker import definitions, query_routing, registry
 from hub.ipc.broker.peers import Caller, Outgoing
 from hub.ipc.broker.registry import Registry
 from hub.ipc.formats.codec import compiled
-from hub.ipc.roles import LOCAL, Bearer, Role
+from hub.ipc.roles import LOCAL, Principal, Role
 from hub.ipc.security.publish_rights import ROBOT_NAMES
-from hub.ipc.transport.fault_counter import Complaints
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import control, control_codec, frames
-from hub.ipc.wire.control import Failure, Query, Refused, Response, Stranger, Welcome
+from hub.ipc.wire.control import Failure, Query, Refused, Response, UnknownPeer, Welcome
 
 PORTS, PATHS = (2, 3, 4, 5, 6, 7), tuple("abcdef")
 
@@ -28,8 +28,8 @@ class Bench:
 
     def __init__(self) -> None:
         self.now = 100.0
-        self.bearers: dict[str, Bearer] = {}
-        self.complaints = Complaints(logging.getLogger(__name__), lambda: self.now)
+        self.bearers: dict[str, Principal] = {}
+        self.complaints = FaultCounter(logging.getLogger(__name__), lambda: self.now)
         self.registry = Registry(clock=lambda: self.now, complaints=self.complaints)
 
     def say(self, who: str, message: Any, attached: bytes | None = None) -> list[Outgoing]:
@@ -119,7 +119,7 @@ def test_client_takes_the_place_of_its_own_earlier_connection_and_of_no_other(
     assert isinstance(bench.answer("b", control.Hello(name="one", pid=1, client=0)), Refused)
     assert isinstance(bench.answer("c", control.Hello(name="one", pid=1, client=7)), Welcome)
     assert bench.registry.connected() == ("one",)
-    assert bench.answer("a", control.Ping(epoch=1)) == Stranger()
+    assert bench.answer("a", control.Ping(epoch=1)) == UnknownPeer()
 
 
 @pytest.mark.parametrize("name", ["", "x" * 65, "a\nb", "\x1b[2J"])
@@ -134,7 +134,7 @@ def test_module_name_that_cannot_be_shown_is_refused(bench: Bench, name: str) ->
     ids=lambda message: type(message).__name__,
 )
 def test_who_never_said_hello_is_a_stranger(bench: Bench, message: Any) -> None:
-    assert bench.answer("a", message) == Stranger()
+    assert bench.answer("a", message) == UnknownPeer()
 
 
 def test_ping_is_answered_with_the_epoch(bench: Bench) -> None:
@@ -145,7 +145,7 @@ def test_ping_is_answered_with_the_epoch(bench: Bench) -> None:
 
 def test_control_message_that_only_central_sends_is_counted(bench: Bench) -> None:
     bench.connect("a")
-    assert bench.say("a", Stranger()) == []
+    assert bench.say("a", UnknownPeer()) == []
     assert bench.complaints.counts["unexpected control message"] == 1
 
 
@@ -446,11 +446,11 @@ def test_names_of_the_robots_modules_are_for_modules(name: str) -> None:
         reserved=frozenset({"my own module"}),
     )
     for who, role in (("a", Role.OBSERVE), ("b", Role.OPERATE), ("c", Role.SUPERVISE)):
-        bench.bearers[who] = Bearer(name="alice", role=role)
+        bench.bearers[who] = Principal(name="alice", role=role)
         refused = bench.answer(who, control.Hello(name=name, pid=1))
         assert refused.error == NotAllowedError.__name__
         assert f"alice has a key to {role.value}" in refused.text
-    bench.bearers["d"] = Bearer(name="far", role=Role.MODULE)
+    bench.bearers["d"] = Principal(name="far", role=Role.MODULE)
     assert isinstance(bench.answer("d", control.Hello(name=name, pid=1)), Welcome)
     bench.say("d", control.Bye())
     assert isinstance(bench.answer("e", control.Hello(name=name, pid=1)), Welcome)
@@ -470,7 +470,7 @@ def test_publisher_numbers_cannot_be_guessed_from_the_one_before(bench: Bench) -
 
 def test_listing_for_keys_never_has_who_was_gone_when_it_was_asked_for(bench: Bench) -> None:
     for who in "ab":
-        bench.bearers[who] = Bearer.of(who, Role.OPERATE, who)
+        bench.bearers[who] = Principal.of(who, Role.OPERATE, who)
     bench.connect("a", "b")
     assert {each.name for each in bench.listing("a").peers} == {"module a", "module b"}
     bench.say("b", control.Bye())

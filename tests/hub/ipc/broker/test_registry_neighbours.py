@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from hub.ipc.broker import subscription_acks
-from hub.ipc.roles import Bearer, Role
+from hub.ipc.roles import Principal, Role
 from hub.ipc.transport.clock_sync import this_neighbourhood
 from hub.ipc.wire import control
 from hub.ipc.wire.control import Advertise, Advertised, Ready, Subscribe, Subscribed, Subscriber
@@ -79,7 +79,7 @@ def test_inbox_of_a_stranger_or_elsewhere_is_told_nobody(
 
 
 def test_who_has_a_key_takes_nobodys_confirmation(bench: Bench) -> None:
-    bench.bearers["e"] = Bearer.of("eve", Role.OBSERVE, "its key")
+    bench.bearers["e"] = Principal.of("eve", Role.OBSERVE, "its key")
     bench.connect("e")
     bench.say("a", Advertise(name="M"))
     bench.say("b", Subscribe(name="M", token="1.1", inbox=INBOX))
@@ -94,7 +94,7 @@ def test_keys_leave_room_for_the_confirmations_of_the_robot(
 ) -> None:
     monkeypatch.setattr(subscription_acks, "_MAX_UNDER_WAY", 20)
     monkeypatch.setattr(subscription_acks, "_MAX_FAR", 10)
-    bench.bearers["e"] = Bearer.of("eve", Role.OBSERVE, "its key")
+    bench.bearers["e"] = Principal.of("eve", Role.OBSERVE, "its key")
     bench.connect("e")
     own = _number(bench, "e")
     for rounds in range(2):
@@ -116,6 +116,8 @@ def test_nothing_is_kept_of_who_asked_directly_and_left(bench: Bench) -> None:
         hello = control.Hello(name="asker", pid=1, neighbourhood=this_neighbourhood())
         bench.say("q", hello)
         told = bench.say("q", control.Query(number=1, name="Ask", timeout_s=5.0), b"question")
-        assert control.Route(name="Ask", address="ipc://@rune-door") in [t.message for t in told]
+        assert control.DirectRoute(name="Ask", address="ipc://@rune-door") in [
+            t.message for t in told
+        ]
         bench.say("q", control.Bye())
     assert not bench.registry._peers[b"a"].routed

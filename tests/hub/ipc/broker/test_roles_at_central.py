@@ -98,7 +98,7 @@ def test_observers_do_not_command_however_they_try(hub: Hub) -> None:
     # One who has changed its own code is refused at the robot's side.
     connection = one.client._connection
     one.call(lambda: setattr(connection, "demand_right", lambda _: None))
-    one.call(lambda: setattr(connection, "may_enter", lambda _: True))
+    one.call(lambda: setattr(connection, "may_connect", lambda _: True))
     one.call(lambda: connection.start_over("to connect everywhere"))
     one.connect()
     one.publish(v.EVENT, Number(value=1))

@@ -9,7 +9,7 @@ import pytest
 from hub.errors import NotAllowedError
 from hub.gcm.catalog import MESSAGES
 from hub.ipc.definition import Plane
-from hub.ipc.roles import LOCAL, Bearer, Role
+from hub.ipc.roles import LOCAL, Principal, Role
 from hub.ipc.security import publish_rights
 
 SUPERVISED = {"GCM_Common_Command", "GCM_Module_Command"}
@@ -38,7 +38,7 @@ def test_each_role_publishes_these_messages_and_no_others(role: Role) -> None:
 def test_refusal_names_the_least_role_and_never_a_module_key(message: object) -> None:
     name, plane = message.name, message.plane.value  # type: ignore[attr-defined]
     for role in Role:
-        bearer = Bearer(name="alice", role=role)
+        bearer = Principal(name="alice", role=role)
         if publish_rights.may_publish(role, name, plane):
             continue
         with pytest.raises(NotAllowedError) as caught:
@@ -60,11 +60,11 @@ def test_each_role_may_do_what_the_one_before_it_may() -> None:
 def test_wheels_are_commanded_by_navigation_alone_also_on_this_machine() -> None:
     drive = "GCM_Drive_Command", "command"
     publish_rights.demand_right(LOCAL, "navigation", *drive)
-    publish_rights.demand_right(Bearer(name="far", role=Role.MODULE), "navigation", *drive)
+    publish_rights.demand_right(Principal(name="far", role=Role.MODULE), "navigation", *drive)
     with pytest.raises(NotAllowedError, match="only the robot's module navigation sends it"):
         publish_rights.demand_right(LOCAL, "rune-hub-send-1", *drive)
     with pytest.raises(NotAllowedError, match="only the robot's module navigation sends it"):
-        publish_rights.demand_right(Bearer(name="op", role=Role.OPERATE), "navigation", *drive)
+        publish_rights.demand_right(Principal(name="op", role=Role.OPERATE), "navigation", *drive)
 
 
 def test_commands_of_other_modules_are_for_operators_and_their_states_are_not() -> None:

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
-from hub.ipc.message_info import Reception
-from hub.ipc.transport.clock_sync import HubTime, this_machine
+from hub.ipc.message_info import MessageInfo
+from hub.ipc.transport.clock_sync import ClockSync, this_machine
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.vocabulary import Number
 from tests.support.waiting import until
@@ -23,7 +23,7 @@ OFFSETS = [7200.0, 1e7]
 """Other machines' monotonic clocks begin when they are switched on [s]."""
 
 
-def ask(hub_time: HubTime, at: float, up: float, down: float, offset: float) -> None:
+def ask(hub_time: ClockSync, at: float, up: float, down: float, offset: float) -> None:
     """A question at `at` on the own clock, that long on its way up and down [s]."""
     hub_time.note(at, at + up + offset, at + up + down)
 
@@ -35,7 +35,7 @@ def ask(hub_time: HubTime, at: float, up: float, down: float, offset: float) -> 
 def test_the_offset_is_off_by_half_of_the_fastest_round_trip_at_most(
     offset: float, ways: list[tuple[float, float]]
 ) -> None:
-    hub_time = HubTime(lambda: 0.0)
+    hub_time = ClockSync(lambda: 0.0)
     hub_time.begin(1)
     for number, (up, down) in enumerate(ways):
         ask(hub_time, 0.5 * number, up, down, offset)
@@ -51,7 +51,7 @@ def test_the_offset_is_off_by_half_of_the_fastest_round_trip_at_most(
 def test_no_damaged_answer_makes_a_stamp_that_no_frame_holds(
     damaged: list[tuple[float, float]], now: float
 ) -> None:
-    hub_time = HubTime(lambda: now)
+    hub_time = ClockSync(lambda: now)
     for sent, time_there in damaged:
         hub_time.note(sent, time_there, now)
     assert -(2**63) <= int((now + hub_time.offset) * 1e9) < 2**63
@@ -59,7 +59,7 @@ def test_no_damaged_answer_makes_a_stamp_that_no_frame_holds(
 
 
 def test_a_link_that_is_busy_for_minutes_does_not_make_anything_look_younger() -> None:
-    hub_time = HubTime(lambda: 0.0)
+    hub_time = ClockSync(lambda: 0.0)
     hub_time.begin(1)
     ask(hub_time, 0.0, 0.02, 0.02, 7200.0)
     for number in range(1, 600):  # what comes down queues behind pictures
@@ -69,7 +69,7 @@ def test_a_link_that_is_busy_for_minutes_does_not_make_anything_look_younger() -
 
 
 def test_a_clock_that_stood_still_is_noticed_at_once() -> None:
-    hub_time = HubTime(lambda: 0.0)
+    hub_time = ClockSync(lambda: 0.0)
     hub_time.begin(1)
     ask(hub_time, 0.0, 0.001, 0.001, 7200.0)
     ask(hub_time, 0.5, 0.3, 0.1, 5000.0)
@@ -77,7 +77,7 @@ def test_a_clock_that_stood_still_is_noticed_at_once() -> None:
 
 
 def test_clocks_that_drift_are_followed() -> None:
-    hub_time = HubTime(lambda: 0.0)
+    hub_time = ClockSync(lambda: 0.0)
     hub_time.begin(1)
     for number in range(20_000):
         ask(hub_time, 0.5 * number, 0.02, 0.02, 100.0 + 5e-5 * 0.5 * number)
@@ -85,7 +85,7 @@ def test_clocks_that_drift_are_followed() -> None:
 
 
 def test_on_the_hubs_machine_there_is_no_offset_and_yet_a_round_trip() -> None:
-    hub_time = HubTime(time.monotonic)
+    hub_time = ClockSync(time.monotonic)
     hub_time.begin(this_machine())
     assert math.isnan(hub_time.round_trip)
     ask(hub_time, 10.0, 0.2, 0.0, 0.0)
@@ -112,8 +112,8 @@ def test_what_another_machine_measured_is_as_old_here_as_there(
             )
             for name, by in (("robot", here), ("console", there))
         )
-        received: list[Reception] = []
-        answers: list[Reception] = []
+        received: list[MessageInfo] = []
+        answers: list[MessageInfo] = []
         console.subscribe(v.LOG, lambda _, how: received.append(how))
         robot.define(v.LOG)
         robot.respond_later(

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hub.gcm.autonomy import Behaviour, Phase, Pilot
+from hub.gcm.autonomy import Behaviour, DrivingMode, Phase
 from hub.gcm.navigation import Cause, MotionState, Task
 from hub.modules.autonomy.goal_watch import ACCEPTED_S, LONGEST_S, SENDINGS
 from hub.modules.autonomy.pilot import (
@@ -35,7 +35,7 @@ def busy(behaviour: Behaviour = Behaviour.GO) -> Scene:
     scene.wait(3.0)
     assert scene.task is Task.GOING
     assert scene.state.behaviour is behaviour
-    assert scene.state.pilot is Pilot.AUTONOMY
+    assert scene.state.pilot is DrivingMode.AUTONOMY
     return scene
 
 
@@ -55,7 +55,7 @@ def test_it_does_nothing_unasked() -> None:
     scene.wait(10.0)
     assert scene.goals == []
     assert scene.state.behaviour is Behaviour.HOLD
-    assert scene.state.pilot is Pilot.NOBODY
+    assert scene.state.pilot is DrivingMode.NOBODY
     assert scene.why == "nobody has asked for anything"
 
 
@@ -118,7 +118,7 @@ def test_the_operators_stick_takes_over_at_once(behaviour: Behaviour) -> None:
     scene.end(Task.CANCELLED, MotionState.MOVING)
     scene.act()
     assert scene.state.behaviour is Behaviour.HOLD
-    assert scene.state.pilot is Pilot.OPERATOR
+    assert scene.state.pilot is DrivingMode.OPERATOR
     assert scene.why == "the operator took over"
     assert scene.goals[-1].points, "nothing that could disturb the operator was sent"
     scene.driver, scene.motion = 0, MotionState.STANDING

@@ -9,7 +9,7 @@ import numpy as np
 
 from hub.gcm.navigation import GroundTruth
 from hub.modules.navigation.dynamic_window import body_of
-from hub.modules.navigation.pilot import Pilot
+from hub.modules.navigation.pilot import PathFollower
 from hub.pose import Pose
 from hub.robots.description import find_robot_file, read_description
 from hub.robots.magellan import SimulatedMagellan
@@ -35,7 +35,7 @@ class Drive:
 
     def __init__(self, arena: Arena, start: Pose, seed: int = 1) -> None:
         self.robot = SimulatedMagellan(dataclasses.replace(arena, start=start), seed=seed)
-        self.pilot = Pilot(BODY)
+        self.pilot = PathFollower(BODY)
         self.given = (0.0, 0.0)
         self._steps = 0
 

@@ -6,13 +6,13 @@ import math
 
 import pytest
 
-from hub.modules.navigation.doubt import LANDMARK_OFF, Doubt, Spread
+from hub.modules.navigation.doubt import LANDMARK_OFF, PoseUncertainty, Spread
 from hub.pose import Pose, wrapped
 
 
-def driven(*, speed: float, rate: float, hz: float = 20.0, seconds: float = 5.0) -> Doubt:
+def driven(*, speed: float, rate: float, hz: float = 20.0, seconds: float = 5.0) -> PoseUncertainty:
     """After a drive [m/s, rad/s] with reports of this rate."""
-    doubt = Doubt()
+    doubt = PoseUncertainty()
     for step in range(round(seconds * hz) + 1):
         now = step / hz
         doubt.moved(Pose(x=speed * now, theta=wrapped(rate * now)), now)

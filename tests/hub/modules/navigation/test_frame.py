@@ -10,7 +10,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from hub.gcm.navigation import DriveState
-from hub.modules.navigation.frame import Frame, FrameMemory, chosen
+from hub.modules.navigation.frame import FrameMemory, MapFrame, chosen
 from hub.pose import Pose
 from hub.robots.magellan import SimulatedMagellan
 from tests.hub.sim.arenas import arena_of
@@ -38,11 +38,11 @@ def test_navigation_that_begins_anew_finds_frame_and_correction(
     path = tmp_path / "pose"
     before = FrameMemory(path)
     first = before.reported(dataclasses.replace(state, odometry=7, origin=0))
-    assert first == Frame(odometry=7, number=7)
+    assert first == MapFrame(odometry=7, number=7)
     assert before.reported(dataclasses.replace(state, odometry=7, x=3.0)) is None
     before.corrected(ODOM)
     after = FrameMemory(path)
-    assert after.reported(dataclasses.replace(state, odometry=7, x=3.0)) == Frame(
+    assert after.reported(dataclasses.replace(state, odometry=7, x=3.0)) == MapFrame(
         odometry=7, number=7, odom=ODOM
     )
 
@@ -51,14 +51,14 @@ def test_a_driver_that_begins_anew_has_another_frame(state: DriveState, tmp_path
     memory = FrameMemory(tmp_path / "pose")
     memory.reported(dataclasses.replace(state, odometry=7, origin=0))
     memory.corrected(ODOM)
-    assert memory.reported(dataclasses.replace(state, odometry=8, origin=0)) == Frame(
+    assert memory.reported(dataclasses.replace(state, odometry=8, origin=0)) == MapFrame(
         odometry=8, number=8
     )
 
 
 def test_where_the_hardware_knows_its_place_the_frame_stays(state: DriveState) -> None:
     again = SimulatedMagellan(arena_of(ROOM), seed=1).drive_state(2.0)
-    first = chosen(dataclasses.replace(state, odometry=7), Frame())
+    first = chosen(dataclasses.replace(state, odometry=7), MapFrame())
     second = chosen(dataclasses.replace(again, odometry=8), first)
     assert first.number == second.number == state.origin != 0
     elsewhere = arena_of(ROOM.replace("[0.6, 0.6]", "[1.6, 0.6]"))
@@ -69,9 +69,9 @@ def test_a_pose_that_may_have_been_corrected_before_is_of_an_unknown_frame(
     state: DriveState,
 ) -> None:
     driven = dataclasses.replace(state, odometry=7, x=3.0)
-    first, second = chosen(driven, Frame()), chosen(driven, Frame())
+    first, second = chosen(driven, MapFrame()), chosen(driven, MapFrame())
     assert 0 != first.number != second.number != 0
-    assert chosen(dataclasses.replace(driven, odometry=0), Frame()) == Frame()
+    assert chosen(dataclasses.replace(driven, odometry=0), MapFrame()) == MapFrame()
 
 
 @given(raw=st.binary(max_size=200) | st.text(max_size=60).map(str.encode))
@@ -79,7 +79,7 @@ def test_a_pose_that_may_have_been_corrected_before_is_of_an_unknown_frame(
 def test_any_file_is_read_as_nothing_or_a_frame(raw: bytes, tmp_path_factory) -> None:
     path = tmp_path_factory.getbasetemp() / "pose-of-anybody"
     path.write_bytes(raw)
-    assert FrameMemory(path).frame == Frame()
+    assert FrameMemory(path).frame == MapFrame()
 
 
 def test_a_file_elsewhere_is_not_followed(tmp_path: Path, state: DriveState) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from hub.gcm.navigation import Cause, DriveState, GoalCommand, Point, Task
-from hub.ipc.message_info import Reception
+from hub.ipc.message_info import MessageInfo
 from hub.modules.navigation.__main__ import Navigation
 from hub.robots.description import find_robot_file, read_description
 from tests.hub.modules.extremes_bus import ExtremesBus
@@ -47,8 +47,8 @@ def test_a_goal_ends_when_its_frame_does(
     robot, _ = read_description(find_robot_file("magellan"))
     navigation = Navigation(ExtremesBus(time.monotonic, Random(7)), robot)  # type: ignore[arg-type]
 
-    def heard(sender: int) -> Reception:
-        return Reception(sender, 1, 0, 0.0, time.monotonic())
+    def heard(sender: int) -> MessageInfo:
+        return MessageInfo(sender, 1, 0, 0.0, time.monotonic())
 
     navigation._report(AT_ORIGIN, heard(DRIVER))
     goal = GoalCommand(count=1, points=(Point(x=3.0, y=0.0),))

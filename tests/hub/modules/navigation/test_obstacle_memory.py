@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from hub.modules.navigation.obstacle_memory import CONE_S, RAY_S, ObstacleMemory, Scan
+from hub.modules.navigation.obstacle_memory import CONE_S, RAY_S, ObstacleMemory, RangeScan
 
 RADIUS = 0.205
 REACH = 2.0
@@ -19,13 +19,13 @@ def scan(
     bumpers: int = 0,
     x: float = 0.0,
     theta: float = 0.0,
-) -> Scan:
+) -> RangeScan:
     """Ranges [m] of some sensors; the others see nothing."""
     ranges = [np.full(16, np.inf, dtype=np.float32) for _ in range(2)]
     for values, given in zip(ranges, (infrared, sonar), strict=True):
         for number, value in (given or {}).items():
             values[number] = value
-    return Scan(x=x, y=0.0, theta=theta, infrared=ranges[0], sonar=ranges[1], bumpers=bumpers)
+    return RangeScan(x=x, y=0.0, theta=theta, infrared=ranges[0], sonar=ranges[1], bumpers=bumpers)
 
 
 def places(memory: ObstacleMemory, x: float = 0.0, theta: float = 0.0) -> list[tuple[float, float]]:

@@ -19,7 +19,7 @@ from hub.modules.navigation.task import (
     MOST_ROUNDS,
     OCCUPIED,
     PATIENCE_S,
-    Errand,
+    NavigationTask,
     refusal,
 )
 from hub.pose import Pose
@@ -32,8 +32,10 @@ def goal(
     return GoalCommand(count=len(points), points=points, theta=theta, patience=patience)
 
 
-def going(*places: tuple[float, float], theta: float = math.nan, patience: float = 0.01) -> Errand:
-    errand = Errand()
+def going(
+    *places: tuple[float, float], theta: float = math.nan, patience: float = 0.01
+) -> NavigationTask:
+    errand = NavigationTask()
     errand.go(goal(*places, theta=theta, patience=patience), 7, 0.0)
     return errand
 
@@ -166,7 +168,7 @@ def test_headway_between_two_holds_begins_a_new_minute() -> None:
 
 
 def test_a_goal_that_is_not_begun_says_so_and_disturbs_nothing() -> None:
-    errand = Errand()
+    errand = NavigationTask()
     errand.refuse(goal((2.0, 0.0)), 7, "somebody drives", Cause.STICK, 1.0)
     assert (errand.number, errand.task, errand.sender) == (1, Task.CANCELLED, 7)
     assert (errand.why, errand.cause) == ("not begun: somebody drives", Cause.STICK)
@@ -224,7 +226,7 @@ def test_who_was_held_up_follows_its_way_closely() -> None:
 
 
 def test_more_than_a_whole_turn_is_turned() -> None:
-    errand = Errand()
+    errand = NavigationTask()
     errand.turn(TurnCommand(angle=7.0), 7, Pose(), 0.0)
     turned, now = 0.0, 0.0
     while errand.aim(Pose(theta=math.remainder(turned, 2.0 * math.pi)), now) is not None:
