@@ -15,7 +15,7 @@ from hub.modules.autonomy.pilot import PathFollower as Autonomy
 from hub.modules.mapping.grid import GridPicture, OccupancyGrid
 from hub.modules.mapping.scans import ScanSelector
 from hub.modules.navigation.dynamic_window import body_of
-from hub.modules.navigation.pilot import PathFollower as Navigator
+from hub.modules.navigation.path_follower import PathFollower as Navigator
 from hub.modules.navigation.reports import robot_state, status
 from hub.modules.navigation.speed_governor import SpeedGovernor
 from hub.robots.description import find_robot_file, read_description

@@ -36,6 +36,7 @@ from rune_tui.layout.names import MOUSE, WAY_OUT
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.layout.watching import LayoutSource
 from rune_tui.link.robot_links import RobotLinks
+from rune_tui.model.change_notifier import ChangeNotifier
 from rune_tui.model.console_state import ConsoleState, carried_over
 from rune_tui.model.effects import (
     AskEffect,
@@ -56,7 +57,6 @@ from rune_tui.model.effects import (
     TurnPage,
     changed,
 )
-from rune_tui.model.happenings import ChangeNotifier
 from rune_tui.model.leaving import ordered, reasons_to_stay
 from rune_tui.startup.following import LayoutFollower
 from rune_tui.terminal.input_stream import KeyMove

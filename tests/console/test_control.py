@@ -18,10 +18,10 @@ from hub.gcm.vision import CAMERA_COMMAND, NIGHT_COMMAND
 from rune_tui.controls.events import ControlEvent
 from rune_tui.dispatch import Dispatch
 from rune_tui.layout.actions import inputs_of
+from rune_tui.model.change_notifier import ChangeNotifier
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.control import owner_words
 from rune_tui.model.effects import ControlEffect, Effect, SendEffect, Tell, ToggleNight
-from rune_tui.model.happenings import ChangeNotifier
 from rune_tui.model.robot_state import LinkPhase, LinkState, RobotState
 from rune_tui.startup.opening import open_layout
 from tests.console.states import robot_of

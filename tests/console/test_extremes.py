@@ -27,9 +27,9 @@ from rune_tui.controls.events import ControlEvent
 from rune_tui.dispatch import Dispatch
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.pictures import map_of, picture_of
+from rune_tui.model.change_notifier import ChangeNotifier
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import SendEffect, StateEffect, changed
-from rune_tui.model.happenings import ChangeNotifier
 from rune_tui.model.robot_state import LinkPhase, LinkState, Received, RobotState
 from rune_tui.startup.opening import open_layout
 from rune_tui.view import View

@@ -19,7 +19,7 @@ from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 from hub.modules.navigation.dynamic_window import body_of
 from hub.modules.navigation.frame import FrameMemory
-from hub.modules.navigation.pilot import PathFollower
+from hub.modules.navigation.path_follower import PathFollower
 from hub.modules.navigation.reports import robot_state, status
 from hub.modules.navigation.speed_governor import SpeedGovernor
 from hub.paths import for_pose

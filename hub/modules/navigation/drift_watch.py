@@ -8,8 +8,8 @@ from collections import deque
 from hub.gcm.navigation import DriveState
 from hub.grids.grid import Grid
 from hub.modules.navigation.correction import PoseCorrection
-from hub.modules.navigation.doubt import PoseUncertainty, Spread
 from hub.modules.navigation.matching import FARTHEST, Sightings, drift
+from hub.modules.navigation.pose_uncertainty import PoseUncertainty, Spread
 from hub.pose import Pose
 
 YOUNGEST_S = 1.0

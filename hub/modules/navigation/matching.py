@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from hub.grids.clearance import clearance
 from hub.grids.grid import Grid
-from hub.modules.navigation.doubt import Spread
+from hub.modules.navigation.pose_uncertainty import Spread
 from hub.pose import Pose
 
 FEWEST = 40

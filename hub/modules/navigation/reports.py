@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from hub.gcm.navigation import DriveState, NavigationStatus, Point, RobotState
-from hub.modules.navigation.pilot import PathFollower
+from hub.modules.navigation.path_follower import PathFollower
 from hub.modules.navigation.speed_governor import SpeedGovernor
 from hub.modules.navigation.task import NavigationTask
 

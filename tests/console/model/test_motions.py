@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.navigation import MotionState
+from rune_tui.model.change_notifier import ChangeNotifier
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.happenings import ChangeNotifier
 from tests.console.visualizers.conftest import Made, received
 from tests.support.messages import robot_state
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from hub.gcm.navigation import GroundTruth
 from hub.modules.navigation.dynamic_window import body_of
-from hub.modules.navigation.pilot import PathFollower
+from hub.modules.navigation.path_follower import PathFollower
 from hub.pose import Pose
 from hub.robots.description import find_robot_file, read_description
 from hub.robots.magellan import SimulatedMagellan

@@ -12,9 +12,9 @@ from hub.gcm.navigation import DriveState
 from hub.grids.grid import Grid
 from hub.modules.mapping.grid import OccupancyGrid
 from hub.modules.navigation.correction import PoseCorrection
-from hub.modules.navigation.doubt import Spread
 from hub.modules.navigation.drift_watch import OLDEST_S, YOUNGEST_S, DriftWatch
 from hub.modules.navigation.matching import drift
+from hub.modules.navigation.pose_uncertainty import Spread
 from hub.pose import Pose
 from hub.robots.magellan import SimulatedMagellan
 from hub.sim.arena import load_arena

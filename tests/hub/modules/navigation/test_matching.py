@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.grids.grid import Grid
-from hub.modules.navigation.doubt import Spread
 from hub.modules.navigation.matching import FEWEST, Sightings, drift
+from hub.modules.navigation.pose_uncertainty import Spread
 from hub.pose import Pose
 
 CORNER_X = np.concatenate((np.linspace(-1.0, 1.0, 80), np.full(60, 1.0)))

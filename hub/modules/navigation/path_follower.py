@@ -22,12 +22,12 @@ from hub.grids.grid import Grid
 from hub.grids.planner import plan
 from hub.modules.navigation.assistance import AssistanceSwitch
 from hub.modules.navigation.correction import PoseCorrection
-from hub.modules.navigation.doubt import Spread
 from hub.modules.navigation.drift_watch import DriftWatch
 from hub.modules.navigation.dynamic_window import BodyLimits, DynamicWindow
-from hub.modules.navigation.hindrances import UnmappedObstacles
 from hub.modules.navigation.obstacle_memory import ObstacleMemory, RangeScan
+from hub.modules.navigation.pose_uncertainty import Spread
 from hub.modules.navigation.task import LARGEST_TURN, Aim, NavigationTask, refusal
+from hub.modules.navigation.unmapped_obstacles import UnmappedObstacles
 from hub.pose import Pose, each_wrapped
 
 REACH = 0.7

@@ -8,7 +8,7 @@ import numpy as np
 
 from hub.grids.grid import Grid
 from hub.grids.planner import plan
-from hub.modules.navigation.hindrances import HELD_S, REMEMBERED_S, WIDER, UnmappedObstacles
+from hub.modules.navigation.unmapped_obstacles import HELD_S, REMEMBERED_S, WIDER, UnmappedObstacles
 
 FREE = Grid(cells=np.zeros((80, 80), np.int8), resolution=0.05, origin_x=-2.0, origin_y=-2.0)
 

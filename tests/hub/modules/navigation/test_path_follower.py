@@ -10,7 +10,7 @@ import pytest
 from hub.gcm.navigation import Assistance, GoalCommand, Point, Task, TurnCommand
 from hub.grids.grid import Grid
 from hub.modules.navigation.assistance import LAPSE_S
-from hub.modules.navigation.pilot import known_part
+from hub.modules.navigation.path_follower import known_part
 from hub.pose import Pose, wrapped
 from hub.sim.arena import Arena, load_arena
 from tests.hub.modules.navigation.drives import Drive, random_start

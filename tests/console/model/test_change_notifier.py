@@ -12,8 +12,8 @@ from hub.gcm.supervision import (
     CapabilityReport,
     CapabilityReports,
 )
+from rune_tui.model.change_notifier import GRACE_S, ChangeNotifier
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.happenings import GRACE_S, ChangeNotifier
 from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
 from rune_tui.model.robot_state import Lack, LinkPhase
 from tests.console.states import ABSENT, BROKEN, COMING

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from hub.modules.navigation.doubt import LANDMARK_OFF, PoseUncertainty, Spread
+from hub.modules.navigation.pose_uncertainty import LANDMARK_OFF, PoseUncertainty, Spread
 from hub.pose import Pose, wrapped
 
 
