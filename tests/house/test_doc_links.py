@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -28,14 +29,45 @@ def test_code_blocks_of_a_page_are_closed(page: Path) -> None:
     assert not is_open
 
 
-@pytest.mark.parametrize("name", ["safety", "security"])
-def test_files_that_show_a_rule_exist(name: str) -> None:
+HALVES = ("hub", "rune_tui", "tests", "benchmarks")
+FILES = [f"/{path.relative_to(ROOT)}" for half in HALVES for path in (ROOT / half).rglob("*.py")]
+OF_THE_HOUSE = [
+    *sorted((ROOT / "docs" / "decisions").glob("*.md")),
+    *(ROOT / "docs" / f"{name}.md" for name in ("architecture", "glossary", "safety", "security")),
+    ROOT / "CONTRIBUTING.md",
+]
+
+
+@pytest.mark.parametrize("page", OF_THE_HOUSE, ids=lambda page: page.stem)
+def test_files_that_a_page_names_exist(page: Path) -> None:
     """A table that names a test that is gone promises what nobody shows."""
-    named = set(re.findall(r"`([\w/]+\.py)`", (ROOT / "docs" / f"{name}.md").read_text()))
-    there = [
-        f"/{path.relative_to(ROOT)}"
-        for folder in ("hub", "rune_tui", "tests", "benchmarks")
-        for path in (ROOT / folder).rglob("*.py")
-    ]
-    assert len(named) > 10
-    assert [each for each in named if not any(path.endswith(f"/{each}") for path in there)] == []
+    named = set(re.findall(r"`([\w/]+\.py)`", page.read_text()))
+    assert [each for each in named if not any(path.endswith(f"/{each}") for path in FILES)] == []
+    rooms = set(re.findall(rf"`((?:{'|'.join(HALVES)})/[\w/]*/)`", page.read_text()))
+    assert [room for room in rooms if not (ROOT / room).is_dir()] == []
+
+
+@pytest.mark.parametrize("name", ["architecture", "glossary"])
+def test_classes_that_a_page_names_exist(name: str) -> None:
+    text = (ROOT / "docs" / f"{name}.md").read_text()
+    code = " ".join(re.findall(r"`([^`\n]+)`", text))
+    named = set(re.findall(r"\b([A-Z][a-z]+(?:[A-Z][a-z]+)+)\b", code))
+    classes = {
+        each
+        for path in FILES
+        if path.startswith(("/hub", "/rune_tui"))
+        for each in re.findall(r"^class (\w+)", (ROOT / path[1:]).read_text(), re.MULTILINE)
+    }
+    assert named
+    assert named <= classes
+
+
+def test_no_class_name_stands_for_two_things() -> None:
+    """One name, one thing, in each half."""
+    for half in ("hub", "rune_tui"):
+        names = [
+            each
+            for path in (ROOT / half).rglob("*.py")
+            for each in re.findall(r"^class (\w+)", path.read_text(), re.MULTILINE)
+        ]
+        assert {name for name, count in Counter(names).items() if count > 1} == set()

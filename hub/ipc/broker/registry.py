@@ -43,14 +43,8 @@ LISTING_S = 0.25
 """A LISTING goes to all who have keys for so long before it is made anew [s]."""
 SILENCE_S = 1.7
 """A peer that has not been heard for this long is gone [s]."""
-LEVELS = {
-    "debug": logging.DEBUG,
-    "info": logging.INFO,
-    "warning": logging.WARNING,
-    "error": logging.ERROR,
-}
+LEVELS = {name: getattr(logging, name.upper()) for name in ("debug", "info", "warning", "error")}
 """Log levels by their names on the wire."""
-
 
 _Action = Callable[[Peer, Any, Buffer | None], list[Outgoing]]
 
@@ -83,11 +77,8 @@ class Registry:
         self._definitions = Definitions()
         self._listing: control.Listing | None = None
         self._listing_made = -math.inf
-        self._publishing, self._subscribing, self._handling = (
-            PeersByMessage(),
-            PeersByMessage(),
-            PeersByMessage(),
-        )
+        self._publishing, self._subscribing = PeersByMessage(), PeersByMessage()
+        self._handling = PeersByMessage()
         self._confirmations = SubscriptionAcks()
         self._routes = QueryRouting(self._candidates, complaints)
         self._shortcuts = DirectRoutes()
