@@ -46,7 +46,7 @@ _DRIVES = 20
 _BUSY_S = 10.0
 _READ_ON = """
 import json, os, select, sys, threading, types
-from rune_tui.controls import hid_reader
+from rune_tui.controls.devices import hid_reader
 from rune_tui.controls.devices.matching import DeviceInfo
 
 class Device:  # reads a pipe that keeps packets apart, as the kernel's queue of reports does

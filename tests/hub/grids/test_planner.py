@@ -82,13 +82,20 @@ def test_a_way_costs_hardly_more_than_the_cheapest(
     errand: tuple[Grid, tuple[int, int], tuple[int, int]],
 ) -> None:
     grid, start, goal = errand
+    caution = Caution(radius=0.1)
     way = plan(
-        grid, grid.centre(*start), grid.centre(*goal), radius=0.1, squeeze=1.0, tolerance=0.0
+        grid,
+        grid.centre(*start),
+        grid.centre(*goal),
+        radius=caution.radius,
+        unknown_cost=caution.unknown,
+        squeeze=1.0,
+        tolerance=0.0,
     )
     wide = grid.covering((grid.centre(*start), grid.centre(*goal)), 1.0)
     assert wide is not None
     first, last = wide.cell(*grid.centre(*start)), wide.cell(*grid.centre(*goal))
-    factors = crossing(wide, first, Caution(radius=0.1))
+    factors = crossing(wide, first, caution)
     cheapest = spread(factors, first)[last]
     if way is None:
         assert not math.isfinite(cheapest)

@@ -123,7 +123,7 @@ def test_nobody_else_on_this_machine_publishes_drive_commands(robot: Robot) -> N
 def test_wheels_do_not_follow_who_gets_past_that(
     robot: Robot, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for where in ("connection", "permissions"):
+    for where in ("node.connection", "security.permissions"):
         monkeypatch.setattr(f"hub.ipc.{where}.demand_right", lambda *_: None)
     other, begun = robot.client("pilot"), len(robot.truths)
 

@@ -107,7 +107,7 @@ def test_shared_memory_works_here_and_is_missed(monkeypatch: pytest.MonkeyPatch)
 def test_shared_memory_that_cannot_be_had_is_a_warning() -> None:
     # A process that may not have more descriptors cannot make a ring.
     code = (
-        "import resource; from hub.inspection import machine_checks as m\n"
+        "import resource; from hub.inspection.doctor import machine_checks as m\n"
         "resource.setrlimit(resource.RLIMIT_NOFILE, (3, 3))\n"
         "print(m.shared_memory()[0].level.value, m.open_files()[0].level.value)"
     )
@@ -117,7 +117,7 @@ def test_shared_memory_that_cannot_be_had_is_a_warning() -> None:
 
 def test_too_few_open_files_are_told() -> None:
     code = (
-        "import resource; from hub.inspection import machine_checks as m\n"
+        "import resource; from hub.inspection.doctor import machine_checks as m\n"
         "resource.setrlimit(resource.RLIMIT_NOFILE, (1024, 1024))\n"
         "said = m.open_files()[0]\n"
         "print(said.level.value, said.text, said.advice, sep='|')"

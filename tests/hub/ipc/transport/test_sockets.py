@@ -16,7 +16,7 @@ from tests.misbehaving import bad_connections
 # Reads a little, pauses with a full queue for longer than any heartbeat timeout, and reads again.
 SLOW_READER = """
 import sys, time, zmq
-from hub.ipc import sockets
+from hub.ipc.transport import sockets
 with zmq.Context() as context:
     reader = sockets.make(context, zmq.SUB, 20)
     reader.subscribe(b"")
@@ -45,7 +45,7 @@ def test_a_reader_that_paused_with_a_full_queue_lives_on() -> None:
 # Lets subscriptions pile up for a while, as a busy module does, and then takes them.
 BUSY_PUBLISHER = """
 import sys, time, zmq
-from hub.ipc import sockets
+from hub.ipc.transport import sockets
 from hub.ipc.definition import Plane
 with zmq.Context() as context:
     publisher = sockets.make_plane(context, zmq.XPUB, Plane.STATE)
