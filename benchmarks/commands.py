@@ -56,7 +56,7 @@ def serve(folder: str, told: Connection) -> None:
     with closing(central):
         told.send((*central.endpoints, port + 3))
         _until_closed(told)
-        say(f"dropped: {dict(central.complaints.counts)}")
+        say(f"dropped: {dict(central.faults.counts)}")
 
 
 def publish(endpoint: str, keys: str, told: Connection) -> None:

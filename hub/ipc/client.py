@@ -58,7 +58,7 @@ class Client:
     Attributes:
         name: The name.
         endpoint: Where central is.
-        complaints: What was dropped, by reason.
+        faults: What was dropped, by reason.
         loop: The loop that serves it.
         directory: What central knows of everybody.
     """
@@ -93,22 +93,28 @@ class Client:
         self._own_loop = loop is None
         self._keys = keys
         self._clock = clock = self.loop.clock
-        self.complaints = FaultCounter(_logger, clock)
+        self.faults = FaultCounter(_logger, clock)
         self._context: sockets.Context = zmq.Context(2)
         self._context.max_sockets = _MAX_SOCKETS
-        self._ready_outlets: dict[MessageDefinition[Any], Publisher] = {}
+        self._ready_publishers: dict[MessageDefinition[Any], Publisher] = {}
         self._session = Session(
             name,
             self.endpoint,
             context=self._context,
             loop=self.loop,
-            complaints=self.complaints,
+            faults=self.faults,
             keys=keys,
             near=near,
         )
-        self._connection, self._questions = self._session.connection, self._session.questions
-        self._outlets, self._inlets = self._session.outlets, self._session.inlets
-        self._answers = self._session.answers
+        self._connection, self._pending_queries = (
+            self._session.connection,
+            self._session.pending_queries,
+        )
+        self._publishers, self._subscriptions = (
+            self._session.publishers,
+            self._session.subscriptions,
+        )
+        self._responders = self._session.responders
         self.directory = Directory(self._connection, self._wait, self._attend, self.endpoint)
         self._session.directory = self.directory
         self.loop.join(self._session)
@@ -187,7 +193,7 @@ class Client:
             CentralUnreachableError: Central did not say so within `timeout` [s].
         """
         self._wait(
-            lambda: (self._connection.publisher and self._inlets.standing) or give_up(),
+            lambda: (self._connection.publisher and self._subscriptions.standing) or give_up(),
             timeout,
             f"the hub at {self.endpoint} does not confirm subscriptions",
         )
@@ -199,7 +205,7 @@ class Client:
             CentralUnreachableError: Central did not say within `timeout` [s] who has subscribed.
         """
         why = f"the hub at {self.endpoint} does not say who has subscribed"
-        self._wait(lambda: self.connected and not self._outlets.holding, timeout, why)
+        self._wait(lambda: self.connected and not self._publishers.holding, timeout, why)
 
     def define(self, *definitions: MessageDefinition[Any]) -> None:
         """Make messages known at central; whoever publishes, subscribes or answers defines.
@@ -231,20 +237,20 @@ class Client:
         Raises:
             CodecError: The value does not fit the format.
         """
-        outlet = self._ready_outlets.get(definition)
-        if outlet is None:
-            outlet = self._outlet(definition)
-        outlet.publish(value, measured)
+        publisher = self._ready_publishers.get(definition)
+        if publisher is None:
+            publisher = self._publisher(definition)
+        publisher.publish(value, measured)
 
     def publish_payload(
         self, definition: MessageDefinition[Any], payload: Buffer, *, measured: float | None = None
     ) -> None:
         """Broadcast a payload that is encoded already; who receives it checks it."""
-        self._outlet(definition).publish_payload([payload], measured)
+        self._publisher(definition).publish_payload([payload], measured)
 
     def has_subscribers(self, definition: MessageDefinition[Any]) -> bool:
         """Whether anybody subscribes to what we publish; known after `wait_published`."""
-        return self._outlet(definition).wanted
+        return self._publisher(definition).wanted
 
     def subscribe(
         self,
@@ -266,7 +272,7 @@ class Client:
             last: Also ask for the last value that was published before, at each connection.
         """
         self._prepare(definition)
-        self._inlets.subscribe(definition, handler, queue=queue, priority=priority)
+        self._subscriptions.subscribe(definition, handler, queue=queue, priority=priority)
         if last:
             self._session.ask_last(definition.name)
 
@@ -275,17 +281,17 @@ class Client:
     ) -> None:
         """As `subscribe`, but `handler` gets the payload as it came: to record or forward it."""
         self._prepare(definition)
-        self._inlets.subscribe(definition, handler, raw=True)
+        self._subscriptions.subscribe(definition, handler, raw=True)
 
     @property
     def lost(self) -> int:
         """Messages that did not come, of those we subscribe to; what newer ones overtook did."""
-        return self._inlets.lost
+        return self._subscriptions.lost
 
     @property
     def unfit(self) -> dict[str, str]:
         """What was wrong first with values of each message, in a sentence by its name."""
-        return self._inlets.unfit
+        return self._subscriptions.unfit
 
     def unsubscribe(
         self,
@@ -293,7 +299,7 @@ class Client:
         handler: Callable[[T, MessageInfo], None] | None = None,
     ) -> None:
         """Call `handler` no longer, or none of the handlers; no error if it was not called."""
-        self._inlets.unsubscribe(definition.name, handler)
+        self._subscriptions.unsubscribe(definition.name, handler)
 
     def last_value(self, definition: MessageDefinition[T], *, timeout: float) -> T:
         """The last value that a connected module published, also if nobody subscribed.
@@ -303,7 +309,7 @@ class Client:
         """
         self._attend()
         self.define(definition)
-        frame = self._questions.ask_and_wait(definition.name, None, timeout, self.listen)
+        frame = self._pending_queries.ask_and_wait(definition.name, None, timeout, self.listen)
         try:
             value: T = decode(definition, frame)
         except CodecError as error:
@@ -320,8 +326,8 @@ class Client:
     ) -> None:
         """As `last_value`; exactly one of `answered` and `failed` is called later, by the loop."""
         self.define(definition)
-        question = self._question(definition.name, definition, timeout, answered, failed)
-        self._questions.ask(question, None)
+        pending = self._pending_query(definition.name, definition, timeout, answered, failed)
+        self._pending_queries.ask(pending, None)
 
     def respond(
         self,
@@ -340,11 +346,11 @@ class Client:
     ) -> None:
         """Answer queries of `request` by a `Reply` that may be kept and answered at any time."""
         self.define(request, response)
-        self._answers.add(request, response, handler)
+        self._responders.add(request, response, handler)
 
     def stop_responding(self, request: MessageDefinition[Any]) -> None:
         """Answer queries of `request` no longer; who asks already gets an error."""
-        self._answers.remove(request.name)
+        self._responders.remove(request.name)
 
     def query_notify(
         self,
@@ -358,8 +364,8 @@ class Client:
     ) -> None:
         """Ask; exactly one of `answered` and `failed` is called later, by the loop."""
         self.define(request, response)
-        question = self._question(request.name, response, timeout, answered, failed)
-        self._questions.ask(question, self._session.pack(request, value, self._clock()))
+        pending = self._pending_query(request.name, response, timeout, answered, failed)
+        self._pending_queries.ask(pending, self._session.pack(request, value, self._clock()))
 
     def query_response(
         self,
@@ -389,7 +395,7 @@ class Client:
         self._attend()
         self.define(request)
         frame = self._session.pack(request, value, self._clock())
-        return self._questions.ask_and_wait(request.name, frame, timeout, self.listen)
+        return self._pending_queries.ask_and_wait(request.name, frame, timeout, self.listen)
 
     def every(self, period: float, work: Callable[[], None]) -> Timer:
         """Call `work` every `period` [s]; see `Loop` for all timers and files."""
@@ -413,7 +419,7 @@ class Client:
         if self._own_loop:
             self.loop.close()
 
-    def _question(
+    def _pending_query(
         self,
         name: str,
         response: MessageDefinition[T],
@@ -435,10 +441,10 @@ class Client:
         self.define(definition)
         self._session.enter_planes()
 
-    def _outlet(self, definition: MessageDefinition[Any]) -> Publisher:
+    def _publisher(self, definition: MessageDefinition[Any]) -> Publisher:
         self._prepare(definition)
-        outlet = self._ready_outlets[definition] = self._outlets.of(definition)
-        return outlet
+        publisher = self._ready_publishers[definition] = self._publishers.of(definition)
+        return publisher
 
     def _wait(
         self,

@@ -69,7 +69,7 @@ _ACTIONS = {
 class Principal:
     """Who is at the other end of a connection: the holder of a key.
 
-    Two keys are two bearers, also if one was made after the other under the same name.
+    Two keys are two principals, also if one was made after the other under the same name.
 
     Attributes:
         name: Of the key.
@@ -83,7 +83,7 @@ class Principal:
 
     @staticmethod
     def of(name: str, role: Role, public: str) -> Principal:
-        """The bearer of a public key (Z85)."""
+        """The principal of a public key (Z85)."""
         return Principal(name=name, role=role, key=_fingerprint(public))
 
     @property
@@ -102,7 +102,7 @@ LOCAL = Principal(name="this machine", role=Role.MODULE)
 
 @functools.lru_cache(maxsize=_KNOWN_BEARERS)
 def parse_principal(user_id: str) -> Principal:
-    """The bearer that a frame's User-Id names.
+    """The principal that a frame's User-Id names.
 
     Raises:
         NotAllowedError: It names none, so its sender has no rights here.
@@ -125,18 +125,19 @@ def may(role: Role, action: Action) -> bool:
     return action in _ACTIONS[role]
 
 
-def demand(bearer: Principal, action: Action) -> None:
-    """Refuse what the bearer's role does not allow.
+def demand(principal: Principal, action: Action) -> None:
+    """Refuse what the principal's role does not allow.
 
     Raises:
         NotAllowedError: It does not; the text names the least role that does.
     """
-    if not may(bearer.role, action):
+    if not may(principal.role, action):
         least = next(role for role in Role if may(role, action))
         way = f"that needs a key made with --role {least.value}"
         if least is Role.MODULE:  # a key that is a part of the robot is no remedy for a person
             way = ON_THE_ROBOT
-        text = f"{bearer.name} has a key to {bearer.role.value} and may not {action.value}; {way}"
+        has = f"{principal.name} has a key to {principal.role.value}"
+        text = f"{has} and may not {action.value}; {way}"
         raise NotAllowedError(text)
 
 

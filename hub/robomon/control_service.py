@@ -91,7 +91,7 @@ class ControlService:
                 return arbiter.grant(number, now)
             case ControlAction.DENY:
                 return arbiter.deny(number, now)
-        if not may(peer.bearer.role, Action.TAKE_OVER):
+        if not may(peer.principal.role, Action.TAKE_OVER):
             return _NOT_ALLOWED
         if request.action is ControlAction.FREE:
             return arbiter.free(now)
@@ -104,7 +104,7 @@ class ControlService:
     def _announced(self, info: ModuleInfo, reception: MessageInfo) -> None:
         del info
         peer = self._peer_of(reception.publisher)
-        if peer is None or peer.bearer.role is not Role.MODULE:
+        if peer is None or peer.principal.role is not Role.MODULE:
             return  # an operator is no module, whoever says so
         if reception.publisher not in self._modules:
             self._modules.add(reception.publisher)

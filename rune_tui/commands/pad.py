@@ -236,7 +236,7 @@ def run(
     own_keys = read_client_keys(keys) if keys else None
     if own_keys is not None:
         plane = pad.PAD_STATE.plane.value
-        demand_right(own_keys.bearer, "rune pad", pad.PAD_STATE.name, plane)
+        demand_right(own_keys.principal, "rune pad", pad.PAD_STATE.name, plane)
     with contextlib.ExitStack() as stack:
         tunnel = stack.enter_context(contextlib.closing(Tunnel(ssh, hub))) if ssh else None
         if tunnel is not None:

@@ -114,7 +114,7 @@ class Module:
         self._record.flush()
         return {name: dict(count) for name, count in self._counts.items()} | {
             "asked": self._asked,
-            "complaints": dict(self._client.complaints.counts),
+            "complaints": dict(self._client.faults.counts),
             "faults": len(self._faults),
             "first faults": self._faults[:3],
         }

@@ -24,7 +24,7 @@ class Admission:
         accounts: Accounts,
         *,
         clock: Callable[[], float],
-        complaints: FaultCounter,
+        faults: FaultCounter,
         answer: Callable[[bytes, Any], None],
         hang_up: Callable[[zmq.Frame], None],
         holds: Callable[[Principal], bool],
@@ -34,19 +34,19 @@ class Admission:
         Args:
             accounts: What the keys have used.
             clock: Monotonic time [s].
-            complaints: Counts what is refused.
+            faults: Counts what is refused.
             answer: Sends a control message to a connection.
             hang_up: Ends the connection that a frame came in on.
             holds: Whether this key was not removed.
         """
         self._accounts = accounts
         self._clock = clock
-        self._complaints = complaints
+        self._faults = faults
         self._answer = answer
         self._hang_up = hang_up
         self._holds = holds
 
-    def bearer(self, frame: zmq.Frame) -> Principal:
+    def principal(self, frame: zmq.Frame) -> Principal:
         """Whose key the connection has that a frame came in on.
 
         Raises:
@@ -58,22 +58,22 @@ class Admission:
             raise NotAllowedError(text)
         return known
 
-    def admits(self, bearer: Principal, identity: bytes, body: Sequence[zmq.Frame]) -> bool:
+    def admits(self, principal: Principal, identity: bytes, body: Sequence[zmq.Frame]) -> bool:
         """Whether a message is served; who asks too much is refused, and then disconnected.
 
         Args:
-            bearer: Whose key it came with.
+            principal: Whose key it came with.
             identity: Of its connection.
             body: Its parts.
         """
-        account, now = self._accounts.of(bearer), self._clock()
+        account, now = self._accounts.of(principal), self._clock()
         kind = control_codec.peek(body[0].buffer)
         verdict = account.ask(identity, kind, sum(map(len, body)), now)
         if verdict is QuotaVerdict.SERVED:
             return True
-        self._complaints.count("over quota", account.text)
+        self._faults.count("over quota", account.text)
         if verdict is QuotaVerdict.ENDED:
-            self._complaints.count("disconnected for asking too much", account.text)
+            self._faults.count("disconnected for asking too much", account.text)
             self._hang_up(body[0])
         elif account.may_answer(now):
             self._refuse(account, identity, body[0])

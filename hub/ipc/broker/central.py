@@ -88,7 +88,7 @@ class Central:
 
     Attributes:
         endpoints: Where clients connect, with the real ports.
-        complaints: What was dropped, by reason.
+        faults: What was dropped, by reason.
     """
 
     def __init__(
@@ -116,9 +116,9 @@ class Central:
         """
         heap.keep_heap()
         file_descriptors.allow_many()
-        self.complaints = FaultCounter(_logger, clock)
+        self.faults = FaultCounter(_logger, clock)
         self._clock = clock
-        self._reserve = file_descriptors.Reserve(self.complaints)
+        self._reserve = file_descriptors.Reserve(self.faults)
         # The second thread is for the gateway: strangers take no time from local modules.
         self._context: sockets.Context = zmq.Context(2 if gateway else 1)
         self._stopping = threading.Event()
@@ -129,12 +129,12 @@ class Central:
         self._admission = Admission(
             self._accounts,
             clock=clock,
-            complaints=self.complaints,
+            faults=self.faults,
             answer=lambda to, said: self._send([Outgoing(identity=to, message=said)]),
             hang_up=self._hang_up,
-            holds=lambda bearer: self._keys.holds(bearer),  # noqa: PLW0108 - made later
+            holds=lambda principal: self._keys.holds(principal),  # noqa: PLW0108 - made later
         )
-        self._registry = Registry(clock=clock, complaints=self.complaints, reserved=reserved)
+        self._registry = Registry(clock=clock, faults=self.faults, reserved=reserved)
         try:
             self._bind([parse_endpoint(endpoint) for endpoint in endpoints])
             if gateway:
@@ -196,7 +196,7 @@ class Central:
             ends += [inward, outward]
             self._monitors[self._monitor(inward)] = f"{plane.value} in"
             self._monitors[self._monitor(outward)] = where = f"{plane.value} out"
-            self._floods[where] = FloodWatch(outward, where, self.complaints)
+            self._floods[where] = FloodWatch(outward, where, self.faults)
             self._proxies.append(self._proxy(plane, inward, outward))
         self.endpoints: list[str] = []
         self._files: list[Path] = []
@@ -272,7 +272,7 @@ class Central:
         door = CommandFilter(
             self._registry.peer_of,
             self._keys.holds,
-            self.complaints,
+            self.faults,
             self._clock,
             accounts=self._accounts,
         )
@@ -281,7 +281,7 @@ class Central:
             endpoint,
             keyring,
             inner,
-            self.complaints,
+            self.faults,
             make=make,
             accounts=self._accounts,
             clock=self._clock,
@@ -321,8 +321,8 @@ class Central:
             except zmq.ContextTerminated:
                 break
             except Exception:  # a fault of ours must not end the broker
-                self.complaints.count("internal fault", "central goes on after it")
-                if self.complaints.counts["internal fault"] == 1:
+                self.faults.count("internal fault", "central goes on after it")
+                if self.faults.counts["internal fault"] == 1:
                     _logger.exception("the first internal fault")
         loop.close()
         if self._gateway is not None:
@@ -342,7 +342,7 @@ class Central:
                 return False
             event, descriptor = sockets.parse_event(raw)
             if event in _HANDSHAKE_FAILURES:
-                self.complaints.count(
+                self.faults.count(
                     f"bad handshake on {where}",
                     "a peer left in the middle of it, or does not speak this protocol",
                 )
@@ -413,23 +413,23 @@ class Central:
         door = self._doors[number]
         # Two routers may give two connections the same identity.
         identity = bytes([number]) + sender
-        bearer = LOCAL
+        principal = LOCAL
         try:
             if door.guarded and body:
-                bearer = self._admission.bearer(body[0])
-                if not self._admission.admits(bearer, identity, body):
+                principal = self._admission.principal(body[0])
+                if not self._admission.admits(principal, identity, body):
                     return
             if not 1 <= len(body) <= 2:
                 text = f"a control message has {len(body)} parts"
                 raise FrameError(text)
             message = control_codec.unpack(body[0].buffer)
         except (FrameError, CodecError, NotAllowedError) as error:
-            self.complaints.count("malformed control frame", str(error))
+            self.faults.count("malformed control frame", str(error))
             return
         if isinstance(message, control.Hello):
             self._see_who_left()  # or this one is taken for who had its descriptor before
         attached = body[1].buffer if len(body) == 2 else None
-        caller = Caller(identity, sockets.descriptor_of(body[0]), bearer, door.ports, door.paths)
+        caller = Caller(identity, sockets.descriptor_of(body[0]), principal, door.ports, door.paths)
         self._send(self._registry.handle(caller, message, attached))
 
     def _hang_up(self, frame: zmq.Frame) -> None:
@@ -440,10 +440,10 @@ class Central:
     def _admitted(self) -> frozenset[Principal]:
         return self._gateway.admitted() if self._gateway is not None else frozenset()
 
-    def _end_key(self, bearer: Principal) -> None:
+    def _end_key(self, principal: Principal) -> None:
         if self._gateway is not None:
             self._gateway.end_broadcasts()
-        for descriptor in self._registry.descriptors_of(bearer):
+        for descriptor in self._registry.descriptors_of(principal):
             if self._gateway is not None:
                 self._gateway.hang_up(descriptor)
             self._send(self._registry.disconnected(descriptor))
@@ -465,7 +465,7 @@ class Central:
             try:
                 right = self._registry.broadcast(frames.unpack(raw))
             except FrameError as error:
-                self.complaints.count("malformed frame", str(error))
+                self.faults.count("malformed frame", str(error))
                 right = False
             if not right:
                 enough = _LOOKING_CLOSER_S
@@ -482,7 +482,7 @@ class Central:
                 sockets.send_parts(send, [message.identity[1:], packed, *attached])
             except zmq.Again:
                 # Without this one it would take something for true that is not: it begins anew.
-                self.complaints.count("queue full", "a peer does not read its control messages")
+                self.faults.count("queue full", "a peer does not read its control messages")
                 pending += self._registry.unreachable(message.identity)
             except zmq.ZMQError as error:
                 if error.errno != errno.EHOSTUNREACH:

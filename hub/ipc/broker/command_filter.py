@@ -47,7 +47,7 @@ class CommandFilter:
         self,
         peer_of: Callable[[int], Peer | None],
         holds: Callable[[Principal], bool],
-        complaints: FaultCounter,
+        faults: FaultCounter,
         clock: Callable[[], float] = time.monotonic,
         *,
         accounts: Accounts,
@@ -57,14 +57,14 @@ class CommandFilter:
         Args:
             peer_of: Who has a number at central; None if nobody has it.
             holds: Whether this key was not removed.
-            complaints: Counts what is dropped.
+            faults: Counts what is dropped.
             clock: Monotonic time [s].
             accounts: How many commands each key has sent.
         """
         self._accounts = accounts
         self._peer_of = peer_of
         self._holds = holds
-        self._complaints = complaints
+        self._faults = faults
         self._clock = clock
         self._next_word = 0.0
 
@@ -76,53 +76,55 @@ class CommandFilter:
             user_id: What ZeroMQ says of its sender, such as "operate:alice:FINGERPRINT".
         """
         try:
-            bearer = parse_principal(user_id)
-            if not self._holds(bearer):
-                text = f"the key of {bearer} was removed"
+            principal = parse_principal(user_id)
+            if not self._holds(principal):
+                text = f"the key of {principal} was removed"
                 raise NotAllowedError(text)
             needed = right(frames.name_of(raw), Plane.COMMAND.value)
             if needed.unordered:
-                return self._stop(raw, bearer)
-            return self._command(raw, bearer)
+                return self._stop(raw, principal)
+            return self._command(raw, principal)
         except FrameError as error:
-            self._complaints.count("malformed command", f"from {user_id[:80]}: {error}")
+            self._faults.count("malformed command", f"from {user_id[:80]}: {error}")
         except NotAllowedError as error:
-            self._complaints.count("command not allowed", str(error))
+            self._faults.count("command not allowed", str(error))
         except Exception:  # a fault of ours must not end the thread: no stop would come in
-            self._complaints.count("internal fault", "the gateway goes on after it")
-            if self._complaints.counts["internal fault"] == 1:
+            self._faults.count("internal fault", "the gateway goes on after it")
+            if self._faults.counts["internal fault"] == 1:
                 _logger.exception("the first internal fault")
         return None
 
-    def _command(self, raw: bytes, bearer: Principal) -> bytes | None:
+    def _command(self, raw: bytes, principal: Principal) -> bytes | None:
         frame = frames.unpack(raw)
         if frame.kind != frames.INLINE:
             text = f"a command {frame.name} is of kind {frame.kind}, which no command is"
             raise FrameError(text)
-        sender = self._sender(frame.publisher, bearer)
+        sender = self._sender(frame.publisher, principal)
         if sender is None:
-            text = f"{bearer} sends {frame.name} under number {frame.publisher}, not its own"
+            text = f"{principal} sends {frame.name} under number {frame.publisher}, not its own"
             raise NotAllowedError(text)
-        demand_right(bearer, sender.name, frame.name, Plane.COMMAND.value)
-        if not self._accounts.of(bearer).may_command(self._clock()):
-            self._too_many(bearer)
+        demand_right(principal, sender.name, frame.name, Plane.COMMAND.value)
+        if not self._accounts.of(principal).may_command(self._clock()):
+            self._too_many(principal)
             return None
         return raw
 
-    def _too_many(self, bearer: Principal) -> None:
-        most = QUOTAS[bearer.role].commands_per_s
-        text = f"the key {bearer.name!r} may send {most:.0f} a second, and {STOPS_PER_S:.0f} stops"
-        self._complaints.count("too many commands", text)
+    def _too_many(self, principal: Principal) -> None:
+        most = QUOTAS[principal.role].commands_per_s
+        text = (
+            f"the key {principal.name!r} may send {most:.0f} a second, and {STOPS_PER_S:.0f} stops"
+        )
+        self._faults.count("too many commands", text)
 
-    def _stop(self, raw: bytes, bearer: Principal) -> bytes | None:
+    def _stop(self, raw: bytes, principal: Principal) -> bytes | None:
         """A stop passes whatever else stands in it, but under nobody else's number."""
         now = self._clock()
-        if not self._accounts.of(bearer).may_stop(now):
-            self._too_many(bearer)
+        if not self._accounts.of(principal).may_stop(now):
+            self._too_many(principal)
             return None  # the last one that passed was a moment ago
         if now >= self._next_word:
             self._next_word = now + _SAY_STOP_S
-            _logger.info("a stop comes from the holder of the key %s", bearer)
+            _logger.info("a stop comes from the holder of the key %s", principal)
         try:
             frame = frames.unpack(raw)
         except FrameError:
@@ -130,7 +132,7 @@ class CommandFilter:
         if frame is None or frame.kind != frames.INLINE:
             # Who receives a bare name cannot read it, and stops all the same.
             return frames.topic(frames.name_of(raw), frames.FAR)
-        own = self._sender(frame.publisher, bearer) is not None
+        own = self._sender(frame.publisher, principal) is not None
         return frames.pack(
             frames.prefix(frame.name, frames.FAR),  # everybody listens to this topic
             publisher=frame.publisher if own else 0,
@@ -140,10 +142,10 @@ class CommandFilter:
             payload=[frame.payload],
         )
 
-    def _sender(self, publisher: int, bearer: Principal) -> Peer | None:
+    def _sender(self, publisher: int, principal: Principal) -> Peer | None:
         """Whose number this is, if it was given to a client with this key."""
         peer = self._peer_of(publisher)
-        return peer if peer is not None and peer.bearer == bearer else None
+        return peer if peer is not None and peer.principal == principal else None
 
 
 def carry(outer: Socket, inner: Socket, told: Socket, judge: Judge) -> None:

@@ -32,14 +32,14 @@ class _Connection:
 class ConnectionRates:
     """The gateway's connections, by the address they come from."""
 
-    def __init__(self, complaints: FaultCounter, hang_up: Callable[[int], None]) -> None:
+    def __init__(self, faults: FaultCounter, hang_up: Callable[[int], None]) -> None:
         """Start with none.
 
         Args:
-            complaints: Counts those that are ended.
+            faults: Counts those that are ended.
             hang_up: Ends the connection of a descriptor.
         """
-        self._complaints = complaints
+        self._faults = faults
         self._hang_up = hang_up
         self._connections: dict[int, _Connection] = {}
         self._open: Counter[tuple[str, str]] = Counter()
@@ -93,4 +93,4 @@ class ConnectionRates:
                 self._hang_up(descriptor)
 
     def _complain(self, why: str) -> None:
-        self._complaints.count("too many connections", f"at the gateway: {why}; it is ended")
+        self._faults.count("too many connections", f"at the gateway: {why}; it is ended")

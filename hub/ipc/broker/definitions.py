@@ -62,7 +62,7 @@ class Definitions:
         if known is not None:
             text = _difference(peer, known, message)
             return _refused(message.name, text) if text else None
-        error, text = "RedefinedMessageError", self._too_many(peer.bearer)
+        error, text = "RedefinedMessageError", self._too_many(peer.principal)
         fingerprint = 0
         if not text:
             try:
@@ -73,17 +73,17 @@ class Definitions:
             return _refused(message.name, text, error)
         entry = replace(message, definer=peer.name)
         self._listed += len(message.format) + len(message.fields)
-        self._defined_by[peer.bearer] += 1
+        self._defined_by[peer.principal] += 1
         self._known[message.name] = Definition(entry=entry, fingerprint=fingerprint)
         return None
 
-    def _too_many(self, bearer: Principal) -> str:
+    def _too_many(self, principal: Principal) -> str:
         """Why nothing new is defined with this key; empty if there is room."""
         if len(self._known) >= MAX_DEFINITIONS or self._listed > MAX_LISTED:
             return f"{len(self._known)} messages are defined, no more are taken"
-        quota = quota_of(bearer)
-        if quota is not None and self._defined_by[bearer] >= quota.definitions:
-            return f"the key {bearer.name!r} has defined {quota.definitions} messages, its limit"
+        quota = quota_of(principal)
+        if quota is not None and self._defined_by[principal] >= quota.definitions:
+            return f"the key {principal.name!r} has defined {quota.definitions} messages, its limit"
         return ""
 
 

@@ -58,7 +58,7 @@ class Gateway:
         endpoint: TcpEndpoint,
         keyring: Keyring,
         planes: Mapping[str, tuple[str, str]],
-        complaints: FaultCounter,
+        faults: FaultCounter,
         *,
         make: Callable[[int, str], _Socket],
         accounts: Accounts,
@@ -73,7 +73,7 @@ class Gateway:
             endpoint: Port p takes p and two more for each plane; 0 takes free ones.
             keyring: Who may connect, and the hub's own keys.
             planes: By name, the inproc addresses of central's XSUB and XPUB, which are bound.
-            complaints: Counts the refused.
+            faults: Counts the refused.
             make: A socket with the bus's options: ZeroMQ type, plane or `roles.CONTROL`.
             accounts: What each key has used; who connects too often is refused for a while.
             clock: Monotonic time [s].
@@ -83,11 +83,11 @@ class Gateway:
             EndpointError: A port is busy, or this context has a gateway already.
             KeyFileError: The hub's keys cannot be used.
         """
-        self._complaints = complaints
+        self._faults = faults
         self._clock = clock
-        self._sources = ConnectionRates(complaints, self.hang_up)
+        self._sources = ConnectionRates(faults, self.hang_up)
         self._judge = judge
-        self._reserve = Reserve(complaints, part=BEYOND)  # strangers leave some to local modules
+        self._reserve = Reserve(faults, part=BEYOND)  # strangers leave some to local modules
         self._made: list[_Socket] = []
         self._steering: list[_Socket] = []
         self._threads: list[threading.Thread] = []
@@ -96,7 +96,7 @@ class Gateway:
         keys = keyring.hub_keys()
         keyring.holders()  # a list that cannot be read is said now, not at the first handshake
         # First of all: there is no moment in which a secure socket has nobody to ask.
-        self._gatekeeper = ZapHandler(context, keyring, complaints, accounts=accounts, clock=clock)
+        self._zap = ZapHandler(context, keyring, faults, accounts=accounts, clock=clock)
         self._affinity = 2 if context.get(zmq.IO_THREADS) > 1 else 0
         try:
             self._open(context, endpoint, keys, planes, make)
@@ -106,7 +106,7 @@ class Gateway:
                 raise
             text = f"the gateway cannot make its sockets: {error}"
             raise EndpointError(text) from error
-        self.polled = (self._gatekeeper.socket, *self._monitors)
+        self.polled = (self._zap.socket, *self._monitors)
         for thread in self._threads:
             thread.start()
 
@@ -119,8 +119,8 @@ class Gateway:
         Returns:
             The descriptors of control connections that ended.
         """
-        if self._gatekeeper.socket in ready:
-            self._gatekeeper.serve()
+        if self._zap.socket in ready:
+            self._zap.serve()
         ended: list[int] = []
         for monitor, place in self._monitors.items():
             if monitor in ready:
@@ -166,7 +166,7 @@ class Gateway:
 
     def admitted(self) -> frozenset[Principal]:
         """The keys that were let in since the start."""
-        return self._gatekeeper.admitted()
+        return self._zap.admitted()
 
     def close(self) -> None:
         """End the relays, and free the ports."""
@@ -210,7 +210,7 @@ class Gateway:
                     outer.maxmsgsize, outer.rcvhwm = command_filter.LONGEST, command_filter.QUEUE
                 if outer_kind == zmq.XPUB:
                     where = f"the gateway's {place}"
-                    self._floods[place] = FloodWatch(outer, where, self._complaints, Bounds())
+                    self._floods[place] = FloodWatch(outer, where, self._faults, Bounds())
                 ends.append(outer)
                 relays.append((place, outer, inner(inner_kind, plane, address)))
         ports = _bind_in_a_row(ends, endpoint)
@@ -274,7 +274,7 @@ class Gateway:
                 elif flood is not None:
                     flood.connected(descriptor, ends[1])
             else:
-                self._complaints.count(
+                self._faults.count(
                     f"bad handshake at the gateway's {place}",
                     "a peer left before it was over, or has no key, or another hub's, "
                     "or does not speak this protocol",
@@ -291,7 +291,7 @@ class Gateway:
         self._steering.clear()
         for monitor in self._monitors:
             monitor.close(0)
-        self._gatekeeper.close()
+        self._zap.close()
 
 
 def _bind_in_a_row(ends: list[_Socket], endpoint: TcpEndpoint) -> list[int]:

@@ -35,7 +35,7 @@ def peer(known: Peer, now: float) -> control.ListedPeer:
         name=known.name,
         pid=known.pid,
         publisher=known.publisher,
-        role=known.bearer.role.value,
+        role=known.principal.role.value,
         silent_s=now - known.heard,
         handles=_listed(known.handles),
         publishes=_listed(known.publishes),

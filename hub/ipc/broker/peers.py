@@ -32,14 +32,14 @@ class Caller(NamedTuple):
     Attributes:
         identity: Of the connection.
         descriptor: File descriptor of the connection; -1 if unknown.
-        bearer: Whose key it was made with.
+        principal: Whose key it was made with.
         ports: TCP ports of the planes for who came this way.
         paths: ipc:// paths of the same.
     """
 
     identity: bytes
     descriptor: int
-    bearer: Principal
+    principal: Principal
     ports: tuple[int, ...]
     paths: tuple[str, ...]
 
@@ -53,7 +53,7 @@ class Peer:
         descriptor: File descriptor of that connection; -1 if unknown.
         name: Its unique name.
         pid: Its process id.
-        bearer: Who it is by its key, and so what it may do.
+        principal: Who it is by its key, and so what it may do.
         client: Its random number; 0 if it has none.
         publisher: Number of it in frame headers.
         heard: When it last said anything [s].
@@ -71,7 +71,7 @@ class Peer:
     descriptor: int
     name: str
     pid: int
-    bearer: Principal
+    principal: Principal
     client: int
     publisher: int
     heard: float

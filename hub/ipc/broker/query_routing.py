@@ -48,17 +48,15 @@ class _Route:
 class QueryRouting:
     """All queries under way."""
 
-    def __init__(
-        self, candidates: Callable[[Asked], Iterable[Peer]], complaints: FaultCounter
-    ) -> None:
+    def __init__(self, candidates: Callable[[Asked], Iterable[Peer]], faults: FaultCounter) -> None:
         """Start with none.
 
         Args:
             candidates: Who could answer, longest connected first.
-            complaints: Where late answers are counted.
+            faults: Where late answers are counted.
         """
         self._candidates = candidates
-        self._complaints = complaints
+        self._faults = faults
         self._routes: dict[int, _Route] = {}
         self._busy: Counter[Peer] = Counter()
         self._owed: dict[Peer, set[int]] = {}
@@ -80,7 +78,7 @@ class QueryRouting:
             return [_failure(asker, query.number, *_nobody(query))]
         refusal = self._shares.refusal(asker, handler, now)
         if refusal:
-            self._complaints.count("query over quota", f"{asker.name}: {refusal}")
+            self._faults.count("query over quota", f"{asker.name}: {refusal}")
             text = f"{refusal}; {query.name[:80]} is not asked, try again later"
             return [_failure(asker, query.number, "HandlerFailedError", text)]
         self._last = self._last % 0xFFFF_FFFF + 1
@@ -101,7 +99,7 @@ class QueryRouting:
         route = self._routes.get(answer.number)
         if route is None or route.handler is not handler:
             self._owed.get(handler, set()).discard(answer.number)
-            self._complaints.count("late answer", f"from {handler.name}, nobody waits for it")
+            self._faults.count("late answer", f"from {handler.name}, nobody waits for it")
             return []
         self._end(route)
         self._owed.pop(handler, None)
@@ -113,7 +111,7 @@ class QueryRouting:
         for route in [route for route in self._routes.values() if route.deadline < now]:
             self._end(route)
             detail = f"{route.handler.name} let {route.query.name} run out"
-            self._complaints.count("unanswered query", detail)
+            self._faults.count("unanswered query", detail)
             owed = self._owed.setdefault(route.handler, set())
             if len(owed) < MAX_QUERIES:
                 owed.add(route.query.number)

@@ -20,13 +20,13 @@ class QueryShares:
 
     def refusal(self, asker: Peer, handler: Peer, now: float) -> str:
         """Why `asker` may not ask `handler` now; empty if it may, and then that counts."""
-        bearer, quota = asker.bearer, quota_of(asker.bearer)
+        principal, quota = asker.principal, quota_of(asker.principal)
         if quota is None:
             return ""
-        role = bearer.role
+        role = principal.role
         keys = f"keys to {role.value}"
-        if self._of_key[bearer] >= quota.queries:
-            return f"the key {bearer.name!r} has {quota.queries} queries under way, its limit"
+        if self._of_key[principal] >= quota.queries:
+            return f"the key {principal.name!r} has {quota.queries} queries under way, its limit"
         if self._together(role) >= quota.queries_together:
             return f"{keys} have {quota.queries_together} queries under way, their limit"
         if self._at_handler[handler, role] >= quota.at_one_handler:
@@ -55,15 +55,17 @@ class QueryShares:
 
     def _together(self, role: Role) -> int:
         """Queries of this role and of those below it."""
-        return sum(count for bearer, count in self._of_key.items() if counts_with(bearer, role))
+        return sum(
+            count for principal, count in self._of_key.items() if counts_with(principal, role)
+        )
 
     def _count(self, asker: Peer, handler: Peer, change: int) -> None:
-        if quota_of(asker.bearer) is None:
+        if quota_of(asker.principal) is None:
             return
-        self._of_key[asker.bearer] += change
-        if not self._of_key[asker.bearer]:
-            del self._of_key[asker.bearer]
-        place = handler, asker.bearer.role
+        self._of_key[asker.principal] += change
+        if not self._of_key[asker.principal]:
+            del self._of_key[asker.principal]
+        place = handler, asker.principal.role
         self._at_handler[place] += change
         if not self._at_handler[place]:
             del self._at_handler[place]

@@ -131,14 +131,14 @@ _BARRED_S = 10.0
 _ROLES = {role: rank for rank, role in enumerate(Role)}
 
 
-def quota_of(bearer: Principal) -> Quota | None:
+def quota_of(principal: Principal) -> Quota | None:
     """The quota of who has this key; None for clients of this machine."""
-    return None if bearer is LOCAL else QUOTAS[bearer.role]
+    return None if principal is LOCAL else QUOTAS[principal.role]
 
 
-def counts_with(bearer: Principal, role: Role) -> bool:
-    """Whether what `bearer` uses counts for `role` where a limit is "together"."""
-    return bearer is not LOCAL and _ROLES[bearer.role] <= _ROLES[role]
+def counts_with(principal: Principal, role: Role) -> bool:
+    """Whether what `principal` uses counts for `role` where a limit is "together"."""
+    return principal is not LOCAL and _ROLES[principal.role] <= _ROLES[role]
 
 
 class QuotaVerdict(enum.Enum):
@@ -153,8 +153,8 @@ class QuotaVerdict(enum.Enum):
 class Account:
     """What the clients of one key have used."""
 
-    def __init__(self, bearer: Principal, quota: Quota) -> None:
-        self._bearer = bearer
+    def __init__(self, principal: Principal, quota: Quota) -> None:
+        self._principal = principal
         self._quota = quota
         self._requests = Bucket(quota.requests_per_s, quota.requests_at_once)
         self._bytes = Bucket(quota.bytes_per_s, quota.bytes_at_once)
@@ -170,8 +170,8 @@ class Account:
         """Which limit on control messages there is, for people."""
         quota = self._quota
         return (
-            f"the key {self._bearer.name!r} ({self._bearer.role.value}) asks too much of the hub; "
-            f"all its clients together may ask {quota.requests_per_s:.0f} times a second "
+            f"the key {self._principal.name!r} ({self._principal.role.value}) asks too much of "
+            f"the hub; all its clients together may ask {quota.requests_per_s:.0f} times a second "
             f"(a LIST counts {PRICES[control.List]:.0f}) "
             f"and send {quota.bytes_per_s / 1024:.0f} KiB a second"
         )
@@ -228,9 +228,11 @@ class Accounts:
     def __init__(self) -> None:
         self._accounts: dict[Principal, Account] = {}
 
-    def of(self, bearer: Principal) -> Account:
+    def of(self, principal: Principal) -> Account:
         """The account of this key; it begins with the first use."""
-        account = self._accounts.get(bearer)
+        account = self._accounts.get(principal)
         if account is None:  # another thread may ask at the same time
-            account = self._accounts.setdefault(bearer, Account(bearer, QUOTAS[bearer.role]))
+            account = self._accounts.setdefault(
+                principal, Account(principal, QUOTAS[principal.role])
+            )
         return account

@@ -56,21 +56,21 @@ class Registry:
         self,
         *,
         clock: Callable[[], float],
-        complaints: FaultCounter,
+        faults: FaultCounter,
         reserved: frozenset[str] = frozenset(),
     ) -> None:
         """Start with nobody.
 
         Args:
             clock: Monotonic time [s].
-            complaints: Counts what is refused.
+            faults: Counts what is refused.
             reserved: Names of this robot's modules, beside those that every robot may have.
         """
         self._reserved = ROBOT_NAMES | reserved
         self.epoch = secrets.randbits(63) | 1
         self._clock = clock
         self._begun = clock()
-        self._complaints = complaints
+        self._faults = faults
         self._peers: dict[bytes, Peer] = {}
         self._names: dict[str, Peer] = {}
         self._numbers = Numbers()
@@ -80,7 +80,7 @@ class Registry:
         self._publishing, self._subscribing = PeersByMessage(), PeersByMessage()
         self._handling = PeersByMessage()
         self._confirmations = SubscriptionAcks()
-        self._routes = QueryRouting(self._candidates, complaints)
+        self._routes = QueryRouting(self._candidates, faults)
         self._shortcuts = DirectRoutes()
         self._neighbours = DirectSubscribers()
         self._actions: dict[type, _Action] = {
@@ -122,10 +122,10 @@ class Registry:
         action = self._actions.get(type(message))
         if action is None:
             name = type(message).__name__
-            self._complaints.count("unexpected control message", f"{name} from {peer.name}")
+            self._faults.count("unexpected control message", f"{name} from {peer.name}")
             return []
         try:
-            permissions.check(peer.bearer, peer.name, message, self._plane)
+            permissions.check(peer.principal, peer.name, message, self._plane)
         except NotAllowedError as error:
             return self._not_allowed(peer, message, str(error))
         return action(peer, message, attached)
@@ -135,7 +135,7 @@ class Registry:
         return known.entry.plane if known else None
 
     def _not_allowed(self, peer: Peer, message: Any, text: str) -> list[Outgoing]:
-        self._complaints.count("not allowed", f"{peer.name}: {text}")
+        self._faults.count("not allowed", f"{peer.name}: {text}")
         answer = permissions.refusal(message, text)
         return [Outgoing(identity=peer.identity, message=answer)] if answer else []
 
@@ -143,16 +143,16 @@ class Registry:
         """A broadcast passed; whether nothing was wrong with it."""
         definition = self._definitions.get(frame.name)
         if definition is None:
-            self._complaints.count("undefined message", f"{frame.name} is not defined")
+            self._faults.count("undefined message", f"{frame.name} is not defined")
         elif definition.fingerprint != frame.fingerprint:
-            self._complaints.count("wrong format", f"{frame.name} came in another format")
+            self._faults.count("wrong format", f"{frame.name} came in another format")
         else:
             return True
         return False
 
-    def descriptors_of(self, bearer: Principal) -> list[int]:
+    def descriptors_of(self, principal: Principal) -> list[int]:
         """The control connections of who has this key."""
-        return [peer.descriptor for peer in self._peers.values() if peer.bearer == bearer]
+        return [peer.descriptor for peer in self._peers.values() if peer.principal == principal]
 
     def disconnected(self, descriptor: int) -> list[Outgoing]:
         """A control connection ended."""
@@ -184,18 +184,19 @@ class Registry:
             earlier = self._names.get(message.name)
             if earlier is not None and earlier.client == message.client != 0:
                 outgoing = self._drop(earlier, "it connects anew")
-            refusal = self._refusal(message.name, caller.bearer)
+            refusal = self._refusal(message.name, caller.principal)
             if refusal:
-                self._complaints.count("refused connection", refusal.text)
+                self._faults.count("refused connection", refusal.text)
                 return [*outgoing, Outgoing(identity=identity, message=refusal)]
             known = Peer(
                 identity=identity,
                 descriptor=caller.descriptor,
                 name=message.name,
                 pid=message.pid,
-                bearer=caller.bearer,
+                principal=caller.principal,
                 client=message.client,
-                near=caller.bearer is LOCAL and message.neighbourhood == this_neighbourhood() != 0,
+                near=caller.principal is LOCAL
+                and message.neighbourhood == this_neighbourhood() != 0,
                 publisher=self._numbers.new(),
                 heard=self._clock(),
             )
@@ -215,12 +216,12 @@ class Registry:
         )
         return [Outgoing(identity=identity, message=welcome), *outgoing]
 
-    def _refusal(self, name: str, bearer: Principal) -> control.Refused | None:
+    def _refusal(self, name: str, principal: Principal) -> control.Refused | None:
         error = "CentralUnreachableError"
         if not 0 < len(name) <= 64 or not name.isprintable():
             text = "a module's name is 1 to 64 printable characters"
-        elif name in self._reserved and bearer.role is not Role.MODULE:
-            error, text = NotAllowedError.__name__, reserved_text(name, bearer)
+        elif name in self._reserved and principal.role is not Role.MODULE:
+            error, text = NotAllowedError.__name__, reserved_text(name, principal)
         elif len(self._peers) >= MAX_PEERS:
             text = f"{MAX_PEERS} modules are connected, no more are taken"
         elif name in self._names:
@@ -228,24 +229,24 @@ class Registry:
             pid = self._names[name].pid
             text = f"a module named {name!r} is connected already (pid {pid}); end it first"
         else:
-            text = self._too_many(bearer)
+            text = self._too_many(principal)
         return control.Refused(subject=name, error=error, text=text) if text else None
 
-    def _too_many(self, bearer: Principal) -> str:
+    def _too_many(self, principal: Principal) -> str:
         """Why nobody else connects with this key now; empty if there is a place."""
-        quota = quota_of(bearer)
+        quota = quota_of(principal)
         if quota is None:
             return ""
-        known = [peer.bearer for peer in self._peers.values()]
-        if known.count(bearer) >= quota.connections:
+        known = [peer.principal for peer in self._peers.values()]
+        if known.count(principal) >= quota.connections:
             return (
-                f"{quota.connections} clients are connected with the key {bearer.name!r}, its "
+                f"{quota.connections} clients are connected with the key {principal.name!r}, its "
                 "limit; end one of them"
             )
-        if sum(counts_with(each, bearer.role) for each in known) >= quota.connections_together:
+        if sum(counts_with(each, principal.role) for each in known) >= quota.connections_together:
             return (
                 f"{quota.connections_together} clients are connected with keys that may do no "
-                f"more than {bearer.role.value}, their limit; end one of them"
+                f"more than {principal.role.value}, their limit; end one of them"
             )
         return ""
 
@@ -256,7 +257,7 @@ class Registry:
         new = message.name not in self._definitions
         refusal = self._definitions.define(peer, message)
         if refusal:
-            self._complaints.count("refused definition", refusal.text)
+            self._faults.count("refused definition", refusal.text)
             return [Outgoing(identity=peer.identity, message=refusal)]
         told = self._tell(Change.DEFINED, peer, message.name) if new else []
         defined = control.Defined(name=message.name)
@@ -322,13 +323,13 @@ class Registry:
     def _obstacle(self, peer: Peer, name: str, names: set[str], *, undefined: bool = False) -> str:
         """Why `peer` may not do something with one more message; empty if it may."""
         known = name in self._definitions or (undefined and len(name) <= MAX_NAME_LENGTH)
-        quota = quota_of(peer.bearer)
+        quota = quota_of(peer.principal)
         most = MAX_NAMES if quota is None else quota.names
         if known and (len(names) < most or name in names):
             return ""
         reason = f"it has {most} already, its limit" if known else "it is not defined"
         text = f"{peer.name} wants {name[:80]!r}: {reason}"
-        self._complaints.count("refused name", text)
+        self._faults.count("refused name", text)
         return text
 
     def _join(self, crowd: PeersByMessage, change: Change, peer: Peer, name: str) -> list[Outgoing]:
@@ -440,7 +441,7 @@ class Registry:
     def _list(self, peer: Peer, message: control.List, attached: Buffer | None) -> list[Outgoing]:
         del message, attached
         now = self._clock()
-        old = peer.bearer is LOCAL or now - self._listing_made >= LISTING_S
+        old = peer.principal is LOCAL or now - self._listing_made >= LISTING_S
         if old or self._listing is None:
             self._listing, self._listing_made = self._listed_at(now), now
         return [Outgoing(identity=peer.identity, message=self._listing)]
@@ -452,7 +453,7 @@ class Registry:
         peers = tuple(listing.peer(other, now) for other in self._peers.values())
         dropped = tuple(
             control.Count(reason=reason, count=count)
-            for reason, count in tuple(self._complaints.counts.items())
+            for reason, count in tuple(self._faults.counts.items())
         )
         return control.Listing(
             uptime_s=now - self._begun,

@@ -37,7 +37,7 @@ class SubscriptionAcks:
 
     def begin(self, subscriber: Peer, token: str, publishers: Iterable[Peer]) -> list[Outgoing]:
         """`subscriber` waits until it and all `publishers` have seen `token`."""
-        far = subscriber.bearer is not LOCAL
+        far = subscriber.principal is not LOCAL
         full = len(self._under_way) >= _MAX_UNDER_WAY or (far and self._far >= _MAX_FAR)
         if full or (far and not token.startswith(f"{subscriber.publisher}.")):
             return []  # it stands, but nobody will say so: who has a key may guess others' tokens
@@ -81,5 +81,5 @@ class SubscriptionAcks:
 
     def _end(self, token: str) -> None:
         under_way = self._under_way.pop(token, None)
-        if under_way is not None and under_way.subscriber.bearer is not LOCAL:
+        if under_way is not None and under_way.subscriber.principal is not LOCAL:
             self._far -= 1

@@ -63,7 +63,7 @@ class FloodWatch:
         self,
         outward: sockets.Socket,
         where: str,
-        complaints: FaultCounter,
+        faults: FaultCounter,
         bounds: Bounds | None = None,
     ) -> None:
         """Watch from now on.
@@ -72,12 +72,12 @@ class FloodWatch:
             outward: The socket (XPUB); only the number of its subscriptions is read, which ZeroMQ
                 lets any thread do. It has to be open as long as `look` is called.
             where: What it is called in the log.
-            complaints: Where floods are counted.
+            faults: Where floods are counted.
             bounds: What a connection may do in the long run; None for no such limit.
         """
         self._outward = outward
         self._where = where
-        self._complaints = complaints
+        self._faults = faults
         self._known = 0
         self._added: dict[int, float] = {}
         self._bounds = bounds
@@ -142,7 +142,7 @@ class FloodWatch:
 
     def _end(self, descriptor: int, why: str) -> None:
         text = f"a connection to {self._where} is ended {why}"
-        self._complaints.count("flood of subscriptions", text)
+        self._faults.count("flood of subscriptions", text)
         self.disconnected(descriptor)
         hang_up(descriptor)
 

@@ -55,7 +55,7 @@ class ZapHandler:
         self,
         context: zmq.Context[zmq.Socket[bytes]],
         keyring: Keyring,
-        complaints: FaultCounter,
+        faults: FaultCounter,
         *,
         accounts: Accounts,
         clock: Callable[[], float],
@@ -65,7 +65,7 @@ class ZapHandler:
         Args:
             context: Whose secure sockets ask.
             keyring: Who may connect.
-            complaints: Counts the refused.
+            faults: Counts the refused.
             accounts: Says whether a key has connected too often.
             clock: Monotonic time [s].
 
@@ -73,7 +73,7 @@ class ZapHandler:
             EndpointError: This process has another gatekeeper in the same ZeroMQ context.
         """
         self._keyring = keyring
-        self._complaints = complaints
+        self._faults = faults
         self._accounts = accounts
         self._clock = clock
         self._admitted: set[Principal] = set()
@@ -111,11 +111,11 @@ class ZapHandler:
             return ZapVerdict(status="400", reason="unknown key")
         if not may_connect(holder.role, domain):
             return ZapVerdict(status="400", reason=f"role {holder.role.value}")
-        if not self._accounts.of(holder.bearer).may_connect(domain, self._clock()):
+        if not self._accounts.of(holder.principal).may_connect(domain, self._clock()):
             detail = f"{holder.name} connects too often, or asked too much; "
             return ZapVerdict(status="300", reason="over quota", detail=detail)
-        self._admitted.add(holder.bearer)
-        return ZapVerdict(status="200", reason="", user_id=holder.bearer.user_id)
+        self._admitted.add(holder.principal)
+        return ZapVerdict(status="200", reason="", user_id=holder.principal.user_id)
 
     def admitted(self) -> frozenset[Principal]:
         """The keys that were let in since the start; as many as the list had in that time."""
@@ -123,7 +123,7 @@ class ZapHandler:
 
     def _answer(self, parts: Sequence[bytes]) -> None:
         if len(parts) != _PARTS or parts[2] != _VERSION:
-            self._complaints.count("malformed ZAP request", f"{len(parts)} parts")
+            self._faults.count("malformed ZAP request", f"{len(parts)} parts")
             return
         sender, empty, version, request, domain, address, _, mechanism, key = parts
         place = domain.decode(errors="replace")
@@ -131,7 +131,7 @@ class ZapHandler:
         if verdict.status != "200":
             # The key is public: with it the owner can see whose it is, or make an entry of it.
             shown = f"from {address.decode(errors='replace')}, key {z85.encode(key).decode()}"
-            self._complaints.count(
+            self._faults.count(
                 f"refused at the gateway's {place}: {verdict.reason}", verdict.detail + shown
             )
         reply = [sender, empty, version, request, verdict.status.encode()]

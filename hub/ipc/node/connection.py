@@ -85,7 +85,7 @@ class Connection:
         owner: ConnectionOwner,
         context: sockets.Context,
         loop: Loop,
-        complaints: FaultCounter,
+        faults: FaultCounter,
         keys: ClientKeys | None,
         near: bool,
     ) -> None:
@@ -103,7 +103,7 @@ class Connection:
         self._context = context
         self._loop = loop
         self._clock = loop.clock
-        self._complaints = complaints
+        self._faults = faults
         self.client = secrets.randbits(63) | 1
         self._joined = (0, 0)
         self._heard = -math.inf
@@ -121,8 +121,8 @@ class Connection:
         Raises:
             NotAllowedError: The text says who may.
         """
-        bearer = self.keys.bearer if self.keys is not None else LOCAL
-        demand_right(bearer, self._name, definition.name, definition.plane.value)
+        principal = self.keys.principal if self.keys is not None else LOCAL
+        demand_right(principal, self._name, definition.name, definition.plane.value)
 
     @property
     def alive(self) -> bool:
@@ -133,11 +133,11 @@ class Connection:
         """When we want to speak again [s]."""
         return min(otherwise, self._next_ping)
 
-    def tell(self, message: Any, attached: bytes | None = None) -> bool:
+    def send(self, message: Any, attached: bytes | None = None) -> bool:
         """Send a control message; False if there is no connection now."""
-        told = self._dialogue.tell(message, attached)
+        told = self._channel.send(message, attached)
         if not told and self.publisher:
-            self._complaints.count("not sent", "there is no connection to central now")
+            self._faults.count("not sent", "there is no connection to central now")
         return told
 
     def turn(self) -> None:
@@ -156,16 +156,16 @@ class Connection:
     def start_over(self, why: str) -> None:
         """Connect anew; whatever is queued either way would arrive too late."""
         self._lose(why)
-        self._dialogue.close()
+        self._channel.close()
         self._attempt = 1
         self._open()
 
     def close(self) -> None:
         """Say goodbye."""
         if self.publisher:
-            self.tell(control.Bye())
+            self.send(control.Bye())
         linger_ms, self.publisher = 200 if self.publisher else 0, 0
-        self._dialogue.close(linger_ms)
+        self._channel.close(linger_ms)
 
     def _open(self) -> None:
         patience = _LONGEST_S
@@ -175,13 +175,13 @@ class Connection:
         made = sockets.make(self._context, zmq.DEALER, _QUEUE, self.keys)
         made.connect_timeout = int(patience * 1e3)
         made.reconnect_ivl_max = 100
-        self._dialogue = ControlChannel(
+        self._channel = ControlChannel(
             made,
             told=self._told,
             events=_WATCHED,
             happened=self._happened,
             loop=self._loop,
-            complaints=self._complaints,
+            faults=self._faults,
             address=self._endpoint,
         )
         self._reopen = self._clock() + _STAY_S
@@ -195,16 +195,16 @@ class Connection:
         if self.publisher and now - self._heard > LOST_S:
             self.start_over("it does not answer")
         elif self.publisher:
-            self.tell(control.Ping(epoch=self._joined[0], sent=now))
+            self.send(control.Ping(epoch=self._joined[0], sent=now))
         elif now >= self._reopen:
-            self._dialogue.close()
+            self._channel.close()
             self._open()
         else:
             self._hello()
 
     def _hello(self) -> bool:
         machine, now = self.hub_time.machine, self._clock()
-        return self.tell(
+        return self.send(
             control.Hello(
                 name=self._name,
                 pid=os.getpid(),
@@ -221,7 +221,7 @@ class Connection:
             self._lose("the connection ended")
         elif event == zmq.EVENT_HANDSHAKE_FAILED_AUTH and self.keys is not None:
             text = (
-                f"the hub at {self._endpoint} refuses the key {self.keys.bearer.name!r}; "
+                f"the hub at {self._endpoint} refuses the key {self.keys.principal.name!r}; "
                 "see on the robot with `rune-hub keys list` whether it has it, and in its log"
             )
             self.refusal = NotAllowedError(text)
@@ -256,7 +256,7 @@ class Connection:
         if not all(
             0 <= port < 65536 and len(path) <= 107 and "*" not in path for port, path in places
         ):
-            self._complaints.count("malformed control frame", "a WELCOME with impossible ports")
+            self._faults.count("malformed control frame", "a WELCOME with impossible ports")
             return
         self.refusal, self._refused = None, math.inf
         self.publisher = message.publisher
@@ -282,4 +282,4 @@ class Connection:
             return
         with contextlib.suppress(TypeError):  # an error of ours that takes more than a sentence
             self.refusal = kind(message.text)
-        self._complaints.count("refused by central", message.text)
+        self._faults.count("refused by central", message.text)

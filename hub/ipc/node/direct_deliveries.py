@@ -58,9 +58,9 @@ class _DirectSocket:
 class DirectDeliveries:
     """The ways to all inboxes; not to be used by two threads at once."""
 
-    def __init__(self, context: sockets.Context, complaints: FaultCounter) -> None:
+    def __init__(self, context: sockets.Context, faults: FaultCounter) -> None:
         self._context = context
-        self._complaints = complaints
+        self._faults = faults
         self._ways: dict[str, _DirectSocket] = {}
         self._wants: dict[str, dict[int, _DirectRequest]] = {}
         self._tuples: dict[tuple[Take, ...], tuple[Take, ...]] = {}
@@ -76,7 +76,7 @@ class DirectDeliveries:
         self._forget(message.name, message.subscriber)
         if not endpoints.is_direct_address(message.inbox):
             where = f"an inbox at {message.inbox[:80]!r}"
-            self._complaints.count("malformed control frame", where)
+            self._faults.count("malformed control frame", where)
             return False
         way = self._way(message.inbox, Plane.STATE if message.in_ring else plane)
         if way is None:
@@ -146,7 +146,7 @@ class DirectDeliveries:
             socket = sockets.make_inbox(self._context, zmq.PUSH, plane)
             socket.connect(inbox)
         except zmq.ZMQError as error:
-            self._complaints.count("no way to a subscriber", str(error))
+            self._faults.count("no way to a subscriber", str(error))
             return None
         way = self._ways[inbox] = _DirectSocket(socket)
         return way

@@ -41,7 +41,7 @@ class DirectResponder:
         *,
         context: sockets.Context,
         loop: Loop,
-        complaints: FaultCounter,
+        faults: FaultCounter,
     ) -> None:
         """Open.
 
@@ -50,12 +50,12 @@ class DirectResponder:
             asked: Gets what comes in.
             context: The client's.
             loop: Serves it.
-            complaints: Counts what is malformed.
+            faults: Counts what is malformed.
         """
         self.address = f"{endpoints.DIRECT_PREFIX}{number:x}"
         self._asked = asked
         self._loop = loop
-        self._complaints = complaints
+        self._faults = faults
         self._socket = sockets.make(context, zmq.ROUTER, _QUEUE)
         self._socket.router_handover = True
         sockets.keep_to_ourselves(self._socket)
@@ -90,7 +90,7 @@ class DirectResponder:
                     text = f"{len(parts)} parts came directly that are no query"
                     raise FrameError(text)
             except (FrameError, CodecError, IndexError) as error:
-                self._complaints.count("malformed control frame", str(error))
+                self._faults.count("malformed control frame", str(error))
                 continue
             self._asked(message, parts[2], parts[0])
         return True
@@ -112,7 +112,7 @@ class DirectRequester:
         lost: Callable[[DirectRequester], None],
         context: sockets.Context,
         loop: Loop,
-        complaints: FaultCounter,
+        faults: FaultCounter,
     ) -> None:
         """Connect.
 
@@ -122,30 +122,30 @@ class DirectRequester:
             lost: Called when the way has ended.
             context: The client's.
             loop: Serves it.
-            complaints: Counts what is malformed.
+            faults: Counts what is malformed.
         """
         self.address = address
         self.names: set[str] = set()
         self._answered = answered
         made = sockets.make(context, zmq.DEALER, _QUEUE)
         made.reconnect_ivl = -1
-        self._dialogue = ControlChannel(
+        self._channel = ControlChannel(
             made,
             told=self._told,
             events=zmq.EVENT_DISCONNECTED,
             happened=lambda _: lost(self),
             loop=loop,
-            complaints=complaints,
+            faults=faults,
             address=address,
         )
 
     def ask(self, query: control.Query, frame: bytes) -> bool:
         """Send a query; False if there is no connection yet, or none any more."""
-        return self._dialogue.tell(query, frame)
+        return self._channel.send(query, frame)
 
     def close(self) -> None:
         """Close."""
-        self._dialogue.close()
+        self._channel.close()
 
     def _told(self, message: Any, attached: bytes | None) -> None:
         if isinstance(message, (control.Response, control.Failure)):

@@ -86,12 +86,12 @@ class Directory:
     def ask_again(self) -> None:
         """Central knows us anew, and not what we had asked."""
         if self._watchers and self._connection.publisher:
-            self._connection.tell(control.Watch())
+            self._connection.send(control.Watch())
         for module, learn in self._followed.items():
             learn(0)  # central tells at once if it is there
             self._ask_for(module)
         if self._asked is not None:
-            self._connection.tell(self._asked)
+            self._connection.send(self._asked)
 
     def close_module(self, name: str, *, timeout: float) -> None:
         """Have central disconnect the module of this name for good.
@@ -116,15 +116,15 @@ class Directory:
     def set_log_level(self, level: str) -> None:
         """Have central log from this level on: debug, info, warning or error."""
         self._attend()
-        self._connection.tell(control.LogLevel(level=level))
+        self._connection.send(control.LogLevel(level=level))
 
     def _ask_for(self, module: str) -> None:
         if self._connection.publisher:
-            self._connection.tell(control.Watch(module=module))
+            self._connection.send(control.Watch(module=module))
 
-    def _ask(self, question: Any, answered: Callable[[], object], timeout: float) -> None:
-        self._connection.tell(question)
-        self._asked = question
+    def _ask(self, pending: Any, answered: Callable[[], object], timeout: float) -> None:
+        self._connection.send(pending)
+        self._asked = pending
         try:
             self._wait(answered, timeout, self._silence)
         finally:

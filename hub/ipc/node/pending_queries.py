@@ -64,25 +64,25 @@ class PendingQueries:
         # Nothing ends by time before this [s]: so most turns need not look at every question.
         self._earliest = math.inf
 
-    def ask(self, question: PendingQuery, frame: bytes | None) -> None:
+    def ask(self, pending: PendingQuery, frame: bytes | None) -> None:
         """Ask with a message's frame, or without one for the last value of the message.
 
         It is not kept for a central that is away: who asks is told so at the next `expire`.
         """
         self._last = number = self._last % 0xFFFF_FFFF + 1
-        self._waiting[number] = question
-        if question.deadline < self._earliest:
-            self._earliest = question.deadline
+        self._waiting[number] = pending
+        if pending.deadline < self._earliest:
+            self._earliest = pending.deadline
         if frame is None:
-            last = control.Last(number=number, name=question.name, timeout_s=question.timeout)
-            self._ask_central(question, last, None)
+            last = control.Last(number=number, name=pending.name, timeout_s=pending.timeout)
+            self._ask_central(pending, last, None)
             return
-        query = control.Query(number=number, name=question.name, timeout_s=question.timeout)
-        way = self._ways.get(question.name)
+        query = control.Query(number=number, name=pending.name, timeout_s=pending.timeout)
+        way = self._ways.get(pending.name)
         if way is not None and way.ask(query, frame):
-            question.way, question.frame = way, frame
+            pending.way, pending.frame = way, frame
         else:
-            self._ask_central(question, query, frame)
+            self._ask_central(pending, query, frame)
 
     def ask_and_wait(
         self, name: str, frame: bytes | None, timeout: float, listen: Callable[[float], None]
@@ -114,7 +114,7 @@ class PendingQueries:
         failed: Callable[[QueryError], None],
     ) -> None:
         """Ask, and hand on the answer's frame as it is."""
-        question = PendingQuery(
+        pending = PendingQuery(
             name=name,
             read=lambda answer: answer,
             timeout=timeout,
@@ -122,13 +122,13 @@ class PendingQueries:
             answered=lambda answer, _: answered(answer),
             failed=failed,
         )
-        self.ask(question, frame)
+        self.ask(pending, frame)
 
     def _ask_central(
-        self, question: PendingQuery, message: control.Query | control.Last, frame: bytes | None
+        self, pending: PendingQuery, message: control.Query | control.Last, frame: bytes | None
     ) -> None:
-        if not self._connection.publisher or not self._connection.tell(message, frame):
-            question.unsent, question.deadline = True, -math.inf
+        if not self._connection.publisher or not self._connection.send(message, frame):
+            pending.unsent, pending.deadline = True, -math.inf
             self._earliest = -math.inf
 
     def follow(self, name: str, way: DirectRequester | None) -> DirectRequester | None:
@@ -151,13 +151,13 @@ class PendingQueries:
     def _ask_again(self, way: DirectRequester, name: str) -> None:
         """What went a way that has ended is asked through central."""
         now = self._clock()
-        for number, question in self._waiting.items():
-            if question.way is way and question.name == name:
-                question.way, question.orphaned = None, True
+        for number, pending in self._waiting.items():
+            if pending.way is way and pending.name == name:
+                pending.way, pending.orphaned = None, True
                 query = control.Query(
-                    number=number, name=name, timeout_s=max(question.deadline - now, 1e-3)
+                    number=number, name=name, timeout_s=max(pending.deadline - now, 1e-3)
                 )
-                self._ask_central(question, query, question.frame)
+                self._ask_central(pending, query, pending.frame)
 
     def due(self, otherwise: float) -> float:
         """When to look for those whose time has run out [s], not later than `otherwise`."""
@@ -169,24 +169,24 @@ class PendingQueries:
             return
         overdue = [(each.deadline, n) for n, each in self._waiting.items() if each.deadline < now]
         for _, number in sorted(overdue):
-            question = self._waiting.pop(number, None)
-            if question is None:
+            pending = self._waiting.pop(number, None)
+            if pending is None:
                 continue  # what another was told made us listen, and so ended this one too
-            if question.unsent:
-                text = f"the query {question.name} was not sent: no hub answers at {endpoint}"
-                question.failed(QueryError(text))
+            if pending.unsent:
+                text = f"the query {pending.name} was not sent: no hub answers at {endpoint}"
+                pending.failed(QueryError(text))
             else:
-                text = f"no answer to the query {question.name} in {question.timeout:g} s"
-                question.failed(QueryTimeoutError(text))
+                text = f"no answer to the query {pending.name} in {pending.timeout:g} s"
+                pending.failed(QueryTimeoutError(text))
         self._earliest = min((each.deadline for each in self._waiting.values()), default=math.inf)
 
     def end_all(self, why: str) -> None:
         """Central does not know, or not any more, what we asked it."""
         for number in list(self._waiting):
-            question = self._waiting.pop(number, None)
-            if question is not None:
-                text = f"the query {question.name} ended without an answer: {why}"
-                question.failed(QueryError(text))
+            pending = self._waiting.pop(number, None)
+            if pending is not None:
+                text = f"the query {pending.name} ended without an answer: {why}"
+                pending.failed(QueryError(text))
 
     def conclude(
         self,
@@ -195,24 +195,24 @@ class PendingQueries:
         received: Callable[[frames.Frame], MessageInfo],
     ) -> bool:
         """What central says of a query; False if nobody waits for it any more."""
-        question = self._waiting.pop(message.number, None)
-        if question is None:
+        pending = self._waiting.pop(message.number, None)
+        if pending is None:
             return False
         if not self._waiting:
             self._earliest = math.inf
         if isinstance(message, control.Failure) or attached is None:
             text = message.text if isinstance(message, control.Failure) else "an empty answer"
             kind = getattr(hub.errors, getattr(message, "error", ""), HandlerFailedError)
-            if question.orphaned and kind is NoHandlerError:
+            if pending.orphaned and kind is NoHandlerError:
                 kind = HandlerDiedError  # it was there when we asked
             valid = isinstance(kind, type) and issubclass(kind, QueryError)
-            question.failed(kind(text) if valid else HandlerFailedError(text))
+            pending.failed(kind(text) if valid else HandlerFailedError(text))
             return True
         try:
             frame = frames.unpack(attached)
-            value = question.read(frame)
+            value = pending.read(frame)
         except (FrameError, CodecError) as error:
-            question.failed(HandlerFailedError(str(error)))
+            pending.failed(HandlerFailedError(str(error)))
             return True
-        question.answered(value, received(frame))
+        pending.answered(value, received(frame))
         return True

@@ -35,8 +35,9 @@ class Batch:
 
     Attributes:
         lock: Guards it, and the sockets.
-        runs: The messages, those of one outlet that follow each other together: the outlet, the
-            sequence number of the first, and each; or the outlet, 0 and a whole frame.
+        runs: The messages, those of one publisher that follow each other together: the
+            publisher, the sequence number of the first, and each; or the publisher, 0 and a
+            whole frame.
         count: How many messages wait.
         since: When the first began to wait [s].
         previous: When the last one was published, whether it waits or not [s].
@@ -56,16 +57,16 @@ class Batch:
 
 
 class PublisherHost(Protocol):
-    """What an outlet needs of the client's sockets."""
+    """What a publisher needs of the client's sockets."""
 
     connection: Connection
     clock: Callable[[], float]
-    complaints: FaultCounter
+    faults: FaultCounter
     near: bool
     batch: Batch
 
-    def send(self, outlet: Publisher, frame: bytes, *, place: bool = False) -> None:
-        """Send behind what waits to all who want an outlet's message itself, or its place."""
+    def send(self, publisher: Publisher, frame: bytes, *, place: bool = False) -> None:
+        """Send behind what waits to all who want a publisher's message itself, or its place."""
 
     def send_batch(self) -> None:
         """Send what waits; the lock is held."""
@@ -202,7 +203,7 @@ class Publisher:
             late = now > self._open_by
             if late:
                 text = f"{self.definition.name}: a subscription was announced and did not come"
-                self._ways.complaints.count("subscription missing", text)
+                self._ways.faults.count("subscription missing", text)
             if late or self._ways.is_wanted(self.topic):
                 self._release()
 
@@ -333,7 +334,7 @@ class Publisher:
 
     def _not_sent(self, why: str) -> None:
         """Nobody else can count this: with the connection, its publisher's number changes."""
-        self._ways.complaints.count("not sent", f"{self.definition.name}: {why}")
+        self._ways.faults.count("not sent", f"{self.definition.name}: {why}")
 
     def _release(self) -> None:
         held, self._held = self._held or (), None
@@ -350,7 +351,7 @@ class Publisher:
         self._last, self._last_is_item = frame, False
         if len(frame) > frames.MAX_FRAME:  # whoever gets that ends the connection
             text = f"{self.definition.name}: {len(frame)} bytes; at most {frames.MAX_FRAME} can go"
-            self._ways.complaints.count("too long", text)
+            self._ways.faults.count("too long", text)
         elif self._open:
             self._ways.send(self, frame)
         else:
@@ -383,7 +384,7 @@ class Publisher:
                 self._ring = shared_ring.RingWriter(length)
             except OSError as error:
                 text = f"{self.definition.name} goes the plain way: {error}"
-                self._ways.complaints.count("no shared memory", text)
+                self._ways.faults.count("no shared memory", text)
                 return None
         return self._ring.write(payload)
 

@@ -1,8 +1,8 @@
-"""The sending side of a client's broadcasts: its outlets and the sockets they share.
+"""The sending side of a client's broadcasts: its publishers and the sockets they share.
 
-The sockets are of the kind that sees the subscriptions of the other side (XPUB). So an outlet knows
-whether anybody wants its message and in which way, holds back what it is given until the way to
-those who have subscribed is open, and central is told when a new subscription has arrived here.
+The sockets are of the kind that sees the subscriptions of the other side (XPUB). So a publisher
+knows whether anybody wants its message and in which way, holds back what it is given until the way
+to those who have subscribed is open, and central is told when a new subscription has arrived here.
 
 What is published in a burst is sent together: when enough has gathered, when the module listens, or
 after a millisecond or two by a thread of its own. Therefore the sockets are used under a lock.
@@ -39,12 +39,12 @@ def mark(topic: bytes, token: str) -> bytes:
 
 
 class Publishers:
-    """All outlets of one client.
+    """All publishers of one client.
 
     Attributes:
         connection: Where central is told.
         clock: Monotonic time [s].
-        complaints: Where failures are counted.
+        faults: Where failures are counted.
         near: Whether we are a neighbour of others.
         batch: What waits to be sent.
     """
@@ -54,15 +54,15 @@ class Publishers:
         context: sockets.Context,
         loop: Loop,
         connection: Connection,
-        complaints: FaultCounter,
+        faults: FaultCounter,
         handshakes: Handshakes,
     ) -> None:
         self._handshakes = handshakes
         self.connection = connection
         self.clock = loop.clock
-        self.complaints = complaints
+        self.faults = faults
         self.near = False
-        self._deliveries = DirectDeliveries(context, complaints)
+        self._deliveries = DirectDeliveries(context, faults)
         self._context = context
         self._loop = loop
         self.batch = Batch()
@@ -71,13 +71,13 @@ class Publishers:
         self._sends: dict[Plane, Callable[[bytes, int], Any]] = {}
         self._filters: set[bytes] = set()
         self._marks: dict[bytes, set[str]] = {}
-        self._outlets: dict[str, Publisher] = {}
+        self._publishers: dict[str, Publisher] = {}
         self._courier = _FlushThread(self.batch, self.flush)
 
     @property
     def used(self) -> bool:
         """Whether anything is published."""
-        return bool(self._outlets)
+        return bool(self._publishers)
 
     @property
     def pending(self) -> bool:
@@ -86,23 +86,23 @@ class Publishers:
 
     @property
     def holding(self) -> bool:
-        """Whether an outlet holds messages until its way is open."""
-        return any(outlet.holding for outlet in self._outlets.values())
+        """Whether a publisher holds messages until its way is open."""
+        return any(publisher.holding for publisher in self._publishers.values())
 
     def of(self, definition: MessageDefinition[Any]) -> Publisher:
-        """The outlet of a message that is defined; central is told when it is new.
+        """The publisher of a message that is defined; central is told when it is new.
 
         Raises:
             NotAllowedError: Our key, or our name, does not let us publish it.
         """
-        outlet = self._outlets.get(definition.name)
-        if outlet is None:
+        publisher = self._publishers.get(definition.name)
+        if publisher is None:
             self.connection.demand_right(definition)
-            outlet = self._outlets[definition.name] = Publisher(definition, self)
+            publisher = self._publishers[definition.name] = Publisher(definition, self)
             if self.connection.publisher:
-                outlet.begin()
-                self._advertise(outlet)
-        return outlet
+                publisher.begin()
+                self._advertise(publisher)
+        return publisher
 
     def connect(self, addresses: Sequence[str], *, near: bool) -> None:
         """Connect where each plane goes in, at a central that does not know us."""
@@ -118,18 +118,18 @@ class Publishers:
             self._files[plane] = self._loop.register(
                 socket, functools.partial(self._receive, socket)
             )
-        for outlet in self._outlets.values():
-            outlet.begin()
+        for publisher in self._publishers.values():
+            publisher.begin()
 
     def advertise_all(self) -> None:
         """Tell central, which knows the definitions now, what we publish."""
-        for outlet in self._outlets.values():
-            self._advertise(outlet)
+        for publisher in self._publishers.values():
+            self._advertise(publisher)
 
     def disconnect(self, linger_ms: int = 0) -> None:
         """Central is gone; what was just sent gets `linger_ms` to leave."""
-        for outlet in self._outlets.values():
-            outlet.end()
+        for publisher in self._publishers.values():
+            publisher.end()
         for file in self._files.values():
             self._loop.unregister(file)
         with self.batch.lock:
@@ -150,54 +150,54 @@ class Publishers:
         self.flush()
         self._courier.close()
         self.disconnect(linger_ms=100)
-        for outlet in self._outlets.values():
-            outlet.close()
+        for publisher in self._publishers.values():
+            publisher.close()
 
     def advertised(self, message: control.Advertised) -> None:
         """Central has noted what we publish."""
-        outlet = self._outlets.get(message.name)
-        if outlet is not None:
-            outlet.advertised(subscribed=message.subscribed, now=self.clock())
+        publisher = self._publishers.get(message.name)
+        if publisher is not None:
+            publisher.advertised(subscribed=message.subscribed, now=self.clock())
 
     def subscriber(self, message: control.Subscriber) -> None:
         """Central tells of a neighbour that subscribes, or does so no longer."""
-        outlet = self._outlets.get(message.name)
+        publisher = self._publishers.get(message.name)
         noted = False
         with self.batch.lock:
             if self.batch.runs:
                 self.send_batch()
             if not message.inbox:
                 self._deliveries.forget(message.name, message.subscriber)
-            elif outlet is not None:
-                noted = self._deliveries.note(message, outlet.definition.plane)
+            elif publisher is not None:
+                noted = self._deliveries.note(message, publisher.definition.plane)
             # Also if there is no way to the subscriber: there may have been one before.
-            for each in self._outlets.values() if not message.name else [outlet]:
+            for each in self._publishers.values() if not message.name else [publisher]:
                 if each is not None:
                     each.takers = self._deliveries.takers(each.definition.name)
         if noted and message.token:
-            self.connection.tell(control.Ready(token=message.token))
+            self.connection.send(control.Ready(token=message.token))
 
     def reports(self) -> tuple[control.Published, ...]:
-        """What was published by each outlet since the last time."""
+        """What was published by each publisher since the last time."""
         now = self.clock()
-        made = (outlet.report(now) for outlet in self._outlets.values())
+        made = (publisher.report(now) for publisher in self._publishers.values())
         return tuple(report for report in made if report is not None)
 
     def last(self, name: str) -> bytes | None:
         """The last message of this name, as a frame; it does not overtake what waits to be sent."""
         self.flush()
-        outlet = self._outlets.get(name)
-        return None if outlet is None else outlet.last()
+        publisher = self._publishers.get(name)
+        return None if publisher is None else publisher.last()
 
-    def send(self, outlet: Publisher, frame: bytes, *, place: bool = False) -> None:
-        """Send behind what waits to all who want an outlet's message itself, or its place."""
+    def send(self, publisher: Publisher, frame: bytes, *, place: bool = False) -> None:
+        """Send behind what waits to all who want a publisher's message itself, or its place."""
         with self.batch.lock:
             if self.batch.runs:
                 self.send_batch()
-            for take in outlet.takers.in_ring if place else outlet.takers.whole:
+            for take in publisher.takers.in_ring if place else publisher.takers.whole:
                 self._hand(take, frame)
-            if not place and outlet.topic in self._filters:
-                self._send(outlet, frame)
+            if not place and publisher.topic in self._filters:
+                self._send(publisher, frame)
 
     def flush(self) -> None:
         """Send what waits; any thread may call this."""
@@ -217,9 +217,9 @@ class Publishers:
             unreached = self._deliveries.unreached
         for message in unreached:  # perhaps there are descriptors again
             self.subscriber(message)
-        for outlet in self._outlets.values():
-            if outlet.unanswered and self.connection.publisher:
-                self._advertise(outlet)  # perhaps somebody has defined the message by now
+        for publisher in self._publishers.values():
+            if publisher.unanswered and self.connection.publisher:
+                self._advertise(publisher)  # perhaps somebody has defined the message by now
 
     def send_batch(self) -> None:
         """Send what waits; the lock is held."""
@@ -227,14 +227,14 @@ class Publishers:
         trains: dict[Take, list[bytes]] = {}
         before: tuple[Take, ...] = ()
         loading: list[list[bytes]] = []
-        for outlet, first, items in runs:
-            frame, takers, topic = outlet.run(first, items)
+        for publisher, first, items in runs:
+            frame, takers, topic = publisher.run(first, items)
             if takers is not before:
                 before, loading = takers, [trains.setdefault(take, []) for take in takers]
             for train in loading:
                 train.append(frame)
             if topic in self._filters:
-                self._send(outlet, frame)
+                self._send(publisher, frame)
         for take, whole in trains.items():
             self._hand(take, whole[0] if len(whole) == 1 else frames.train(whole))
 
@@ -246,30 +246,30 @@ class Publishers:
         try:
             take(frame, sockets.NOBLOCK)
         except zmq.Again:
-            self.complaints.count("queue full", "a subscriber on this machine is behind")
+            self.faults.count("queue full", "a subscriber on this machine is behind")
 
-    def _send(self, outlet: Publisher, frame: bytes) -> None:
-        plane = outlet.definition.plane
+    def _send(self, publisher: Publisher, frame: bytes) -> None:
+        plane = publisher.definition.plane
         send = self._sends.get(plane)
         if send is None:
             return
         try:
             send(frame, sockets.NOBLOCK)
         except zmq.Again:
-            name = outlet.definition.name
-            self.complaints.count("not sent", f"{name}: no connection to central")
+            name = publisher.definition.name
+            self.faults.count("not sent", f"{name}: no connection to central")
         self._loop.touch(self._files[plane])
 
     def _look(self) -> None:
         now = self.clock()
-        for outlet in self._outlets.values():
-            outlet.look(now)
+        for publisher in self._publishers.values():
+            publisher.look(now)
 
-    def _advertise(self, outlet: Publisher) -> None:
-        name = outlet.definition.name
-        self.connection.tell(control.Advertise(name=name))
-        for token in self._marks.get(outlet.topic[:-1], ()):
-            self.connection.tell(control.Ready(token=token))
+    def _advertise(self, publisher: Publisher) -> None:
+        name = publisher.definition.name
+        self.connection.send(control.Advertise(name=name))
+        for token in self._marks.get(publisher.topic[:-1], ()):
+            self.connection.send(control.Ready(token=token))
 
     def _receive(self, socket: sockets.Socket) -> bool:
         """Take the subscriptions that have come."""
@@ -283,7 +283,7 @@ class Publishers:
             elif len(self._filters) < _MAX_FILTERS:
                 self._filters.add(topic)
             else:
-                self.complaints.count("too many subscriptions", "one more is not noted")
+                self.faults.count("too many subscriptions", "one more is not noted")
         if came:
             self._look()
         return len(came) == _AT_ONCE
@@ -309,11 +309,11 @@ class Publishers:
             return
         if len(self._marks) < _MAX_FILTERS:
             self._marks.setdefault(wanted, set()).add(token)
-        outlet = self._outlets.get(wanted.removeprefix(frames.FAR).decode("ascii", "replace"))
+        publisher = self._publishers.get(wanted.removeprefix(frames.FAR).decode("ascii", "replace"))
         # What a neighbour subscribes to at central is not what we send; it has an inbox for that.
-        sent = outlet is not None and outlet.topic[:-1] == wanted
+        sent = publisher is not None and publisher.topic[:-1] == wanted
         if sent or token.startswith(f"{self.connection.publisher}."):
-            self.connection.tell(control.Ready(token=token))
+            self.connection.send(control.Ready(token=token))
 
 
 class _FlushThread:

@@ -40,14 +40,14 @@ class _Opened:
         accepted: Whether their numbers were looked at before.
     """
 
-    __slots__ = ("accepted", "inlet", "kind", "messages", "publisher", "sequence", "source")
+    __slots__ = ("accepted", "kind", "messages", "publisher", "sequence", "source", "subscription")
 
     def __init__(
-        self, inlet: Subscription, arrival: ReceivedFrame, *, accepted: bool = False
+        self, subscription: Subscription, received: ReceivedFrame, *, accepted: bool = False
     ) -> None:
-        self.inlet: Subscription | None = inlet
-        self.publisher, self.sequence, self.kind, messages = arrival
-        self.source = inlet.source(self.publisher)
+        self.subscription: Subscription | None = subscription
+        self.publisher, self.sequence, self.kind, messages = received
+        self.source = subscription.source(self.publisher)
         self.messages = iter(messages)
         self.accepted = accepted
 
@@ -60,20 +60,20 @@ class ReceiveQueue:
         *,
         clock: Callable[[], float],
         hub_time: ClockSync,
-        complaints: FaultCounter,
+        faults: FaultCounter,
         no_ring: Callable[[Subscription, str], None],
     ) -> None:
-        """Nothing is taken before an inlet is added.
+        """Nothing is taken before a subscription is added.
 
         Args:
             clock: Monotonic time [s].
             hub_time: What stamps are on.
-            complaints: Where wrong frames and messages that come too late are counted.
-            no_ring: Called when an inlet's payloads cannot be had from shared memory, with why.
+            faults: Where wrong frames and messages that come too late are counted.
+            no_ring: Called with the reason when shared memory cannot give a payload.
         """
         self._clock = clock
         self._hub_time = hub_time
-        self._complaints = complaints
+        self._faults = faults
         self._no_ring = no_ring
         self._topics: dict[bytes, Subscription] = {}
         self._waits = 0
@@ -87,17 +87,17 @@ class ReceiveQueue:
         """Whether messages were taken from the sockets and not handed on yet."""
         return self._waits > 0 or bool(self._opened) or bool(self._carriages)
 
-    def add(self, inlet: Subscription) -> None:
+    def add(self, subscription: Subscription) -> None:
         """Take the frames of this message, or do so by another priority than before."""
-        for topic in _topics(inlet.definition.name):
-            self._topics[topic] = inlet
-        if inlet.priority not in self._queues:
-            self._queues[inlet.priority] = deque()
+        for topic in _topics(subscription.definition.name):
+            self._topics[topic] = subscription
+        if subscription.priority not in self._queues:
+            self._queues[subscription.priority] = deque()
             self._queues = dict(sorted(self._queues.items(), reverse=True))
 
-    def remove(self, inlet: Subscription) -> None:
-        """Take them no longer; what waits goes to no handler if the inlet has none."""
-        for topic in _topics(inlet.definition.name):
+    def remove(self, subscription: Subscription) -> None:
+        """Take them no longer; what waits goes to no handler if the subscription has none."""
+        for topic in _topics(subscription.definition.name):
             del self._topics[topic]
 
     def close_rings(self) -> None:
@@ -110,16 +110,16 @@ class ReceiveQueue:
         if self._waits:
             self._hand_on()
 
-    def accept(self, inlet: Subscription, frame: frames.Frame) -> None:
+    def accept(self, subscription: Subscription, frame: frames.Frame) -> None:
         """Hand on a message that came another way, unless it or a later one has come already."""
-        source = inlet.source(frame.publisher)
+        source = subscription.source(frame.publisher)
         if frame.sequence <= source.arrived:
             return
-        read = self._decoded(inlet, frame.kind, frame.payload)
+        read = self._decoded(subscription, frame.kind, frame.payload)
         if read is None:
             return
         source.arrived = frame.sequence
-        self._deliver(inlet, source, frame.publisher, frame.sequence, frame.stamp_ns, read)
+        self._deliver(subscription, source, frame.publisher, frame.sequence, frame.stamp_ns, read)
 
     def _finish(self) -> None:
         """Hand on what was begun: a handler that raised or listened itself has left it so."""
@@ -159,13 +159,13 @@ class ReceiveQueue:
             except zmq.Again:
                 return
             for each in self._taken_apart(raw) if frames.is_train(raw) else [raw]:
-                inlet = self._topics.get(each[: each.find(b"\0")])
+                subscription = self._topics.get(each[: each.find(b"\0")])
                 if (
-                    inlet is not None
-                    and inlet.limit is None
-                    and (arrival := self._read(inlet, each))
+                    subscription is not None
+                    and subscription.limit is None
+                    and (received := self._read(subscription, each))
                 ):
-                    self._put(inlet, arrival)
+                    self._put(subscription, received)
 
     def _take_train(self, raw: bytes) -> None:
         self._carriages += self._taken_apart(raw)
@@ -175,78 +175,78 @@ class ReceiveQueue:
         try:
             return frames.carriages(train)
         except FrameError as error:
-            self._complaints.count("malformed frame", str(error))
+            self._faults.count("malformed frame", str(error))
             return []
 
     def _take_frame(self, raw: bytes) -> None:
-        inlet = self._topics.get(raw[: raw.find(b"\0")])
-        if inlet is None:
+        subscription = self._topics.get(raw[: raw.find(b"\0")])
+        if subscription is None:
             self._strange(raw)
             return
-        at_once = inlet.limit is None and inlet.priority == 0 and not self._waits
-        if at_once and inlet.flat is not None and (found := inlet.flat.unpack(raw)):
+        at_once = subscription.limit is None and subscription.priority == 0 and not self._waits
+        if at_once and subscription.flat is not None and (found := subscription.flat.unpack(raw)):
             _, publisher, _, sequence, stamp_ns, _ = found[:6]
-            source = inlet.source(publisher)
-            read = self._decoded(inlet, frames.INLINE, found[6:])
-            if read is not None and self._arrived(inlet, source, sequence):
-                self._deliver(inlet, source, publisher, sequence, stamp_ns, read)
+            source = subscription.source(publisher)
+            read = self._decoded(subscription, frames.INLINE, found[6:])
+            if read is not None and self._arrived(subscription, source, sequence):
+                self._deliver(subscription, source, publisher, sequence, stamp_ns, read)
             return
-        arrival = self._read(inlet, raw)
-        if arrival is None:
+        received = self._read(subscription, raw)
+        if received is None:
             return
         if at_once:
-            self._opened.append(_Opened(inlet, arrival))
+            self._opened.append(_Opened(subscription, received))
             self._hand_out(self._opened[-1])
         else:
-            self._put(inlet, arrival)
+            self._put(subscription, received)
 
-    def _read(self, inlet: Subscription, raw: bytes) -> ReceivedFrame | None:
+    def _read(self, subscription: Subscription, raw: bytes) -> ReceivedFrame | None:
         """What a frame brings; None, and counted, if it is malformed and stands for nothing."""
         try:
-            return inlet.read(raw)
+            return subscription.read(raw)
         except FrameError as error:
-            self._complaints.count("malformed frame", str(error))
+            self._faults.count("malformed frame", str(error))
         except CodecError as error:
-            self._complaints.count("wrong format", str(error))
-        return inlet.unreadable()
+            self._faults.count("wrong format", str(error))
+        return subscription.unreadable()
 
-    def _put(self, inlet: Subscription, arrival: ReceivedFrame) -> None:
+    def _put(self, subscription: Subscription, received: ReceivedFrame) -> None:
         """Let messages wait; a limit lets the oldest of their publisher go."""
-        publisher, sequence, kind, messages = arrival
-        source = inlet.source(publisher)
+        publisher, sequence, kind, messages = received
+        source = subscription.source(publisher)
         for number, (stamp_ns, message) in enumerate(messages, sequence):
             read: Any = message
             if kind == frames.INLINE:
-                read = self._decoded(inlet, kind, message)
-            if read is None or not self._arrived(inlet, source, number):
+                read = self._decoded(subscription, kind, message)
+            if read is None or not self._arrived(subscription, source, number):
                 continue
             one = ReceivedFrame(publisher, number, kind, [(stamp_ns, read)])
-            waiting = _Opened(inlet, one, accepted=True)
-            if inlet.limit is not None:
-                if len(source.waiting) >= inlet.limit:
-                    source.waiting.popleft().inlet = None
+            waiting = _Opened(subscription, one, accepted=True)
+            if subscription.limit is not None:
+                if len(source.waiting) >= subscription.limit:
+                    source.waiting.popleft().subscription = None
                 source.waiting.append(waiting)
-            self._queues[inlet.priority].append(waiting)
+            self._queues[subscription.priority].append(waiting)
             self._waits += 1
 
-    def _arrived(self, inlet: Subscription, source: Source, sequence: int) -> bool:
+    def _arrived(self, subscription: Subscription, source: Source, sequence: int) -> bool:
         """Whether a message of this number may be handed on; a gap before it is counted.
 
         Only for a message that was decoded, or that lies in a ring of this machine: a number that
         came with nonsense is not believed.
         """
         last = source.arrived
-        if inlet.unordered:
+        if subscription.unordered:
             return True
         if sequence == last + 1 and last:
             source.arrived = sequence
             return True
         if not source.accepts(sequence):
-            detail = f"{inlet.definition.name} {sequence} after {last}"
-            self._complaints.count("out of order", detail)
+            detail = f"{subscription.definition.name} {sequence} after {last}"
+            self._faults.count("out of order", detail)
             return False
         if source.arrived:
-            inlet.lost += sequence - source.arrived - 1
+            subscription.lost += sequence - source.arrived - 1
         source.arrived = sequence
         return True
 
@@ -255,7 +255,7 @@ class ReceiveQueue:
         try:
             frames.unpack(raw)
         except FrameError as error:
-            self._complaints.count("malformed frame", str(error))
+            self._faults.count("malformed frame", str(error))
 
     def _hand_on(self) -> None:
         """Hand on what waits, most urgent first; after a while, look what has come meanwhile."""
@@ -264,7 +264,7 @@ class ReceiveQueue:
             while queue:
                 waiting = queue.popleft()
                 self._waits -= 1
-                if waiting.inlet is None:
+                if waiting.subscription is None:
                     continue  # a newer one came
                 if waiting.source.waiting and waiting.source.waiting[0] is waiting:
                     waiting.source.waiting.popleft()
@@ -275,37 +275,37 @@ class ReceiveQueue:
 
     def _hand_out(self, opened: _Opened) -> None:
         """Hand messages to their handlers; after one that raises, the rest comes later."""
-        inlet, source, publisher = opened.inlet, opened.source, opened.publisher
-        if inlet is None:
+        subscription, source, publisher = opened.subscription, opened.source, opened.publisher
+        if subscription is None:
             return
         for stamp_ns, message in opened.messages:
             sequence = opened.sequence
             opened.sequence = sequence + 1
-            read = self._accepted(opened, inlet, sequence, message)
+            read = self._accepted(opened, subscription, sequence, message)
             if read is not None:
-                self._deliver(inlet, source, publisher, sequence, stamp_ns, read)
+                self._deliver(subscription, source, publisher, sequence, stamp_ns, read)
         if opened in self._opened:  # not if a handler listened, and so had the rest handed out
             self._opened.remove(opened)
 
     def _accepted(
-        self, opened: _Opened, inlet: Subscription, sequence: int, message: Any
+        self, opened: _Opened, subscription: Subscription, sequence: int, message: Any
     ) -> Read | None:
         """A message that is to be handed on; None if it cannot be read, or came before."""
         if opened.kind != frames.INLINE:
-            if opened.accepted or self._arrived(inlet, opened.source, sequence):
-                return self._decoded(inlet, opened.kind, message)
+            if opened.accepted or self._arrived(subscription, opened.source, sequence):
+                return self._decoded(subscription, opened.kind, message)
             return None
         if opened.accepted:
             known: Read = message
             return known
-        read = self._decoded(inlet, frames.INLINE, message)
-        if read is not None and self._arrived(inlet, opened.source, sequence):
+        read = self._decoded(subscription, frames.INLINE, message)
+        if read is not None and self._arrived(subscription, opened.source, sequence):
             return read
         return None
 
     def _deliver(
         self,
-        inlet: Subscription,
+        subscription: Subscription,
         source: Source,
         publisher: int,
         sequence: int,
@@ -318,59 +318,67 @@ class ReceiveQueue:
         age = now - measured
         if age < 0.0:
             age, measured = 0.0, now
-        if age > inlet.oldest:
-            inlet.oldest = age
-        if age > inlet.lifespan_s:
-            inlet.expired += 1
-            self._complaints.count("too old", f"{inlet.definition.name} is {age:.2f} s old")
+        if age > subscription.oldest:
+            subscription.oldest = age
+        if age > subscription.lifespan_s:
+            subscription.expired += 1
+            self._faults.count("too old", f"{subscription.definition.name} is {age:.2f} s old")
             return
         payload, value = read
         missed = 0
-        if not inlet.unordered:
+        if not subscription.unordered:
             missed = sequence - source.handed_on - 1 if source.handed_on else 0
             source.handed_on = sequence
-        inlet.received += 1
+        subscription.received += 1
         how = _new(MessageInfo, (publisher, sequence, missed, age, measured))
-        handlers = inlet.handlers
+        handlers = subscription.handlers
         for each in handlers:
-            if handlers is inlet.handlers or each in inlet.handlers:  # one may unsubscribe another
+            if (
+                handlers is subscription.handlers or each in subscription.handlers
+            ):  # one may unsubscribe another
                 handler, raw = each
                 handler(payload if raw else value, how)
 
-    def _decoded(self, inlet: Subscription, kind: int, message: Any) -> Read | None:
+    def _decoded(self, subscription: Subscription, kind: int, message: Any) -> Read | None:
         """The payload and its value; None if it is not there, or cannot be read."""
 
         def note(text: str) -> None:
-            inlet.unfit = inlet.unfit or text
-            self._complaints.count("value changed", text)
+            subscription.unfit = subscription.unfit or text
+            self._faults.count("value changed", text)
 
         try:
-            if message.__class__ is tuple and inlet.receive is not None:
-                return message, inlet.receive(message, note)
-            payload = self._payload(inlet, kind, message)
-            return None if payload is None else (payload, inlet.definition.decode(payload, note))
+            if message.__class__ is tuple and subscription.receive is not None:
+                return message, subscription.receive(message, note)
+            payload = self._payload(subscription, kind, message)
+            return (
+                None
+                if payload is None
+                else (payload, subscription.definition.decode(payload, note))
+            )
         except RangeError as error:
-            inlet.refused += 1
-            inlet.unfit = inlet.unfit or str(error)
-            self._complaints.count("out of range", str(error))
+            subscription.refused += 1
+            subscription.unfit = subscription.unfit or str(error)
+            self._faults.count("out of range", str(error))
             return None
         except (CodecError, FrameError) as error:
-            self._complaints.count("wrong format", str(error))
+            self._faults.count("wrong format", str(error))
             return None
 
-    def _payload(self, inlet: Subscription, kind: int, payload: memoryview) -> memoryview | None:
+    def _payload(
+        self, subscription: Subscription, kind: int, payload: memoryview
+    ) -> memoryview | None:
         """The payload itself; None if it is not there any more."""
         if kind == frames.INLINE:
             return payload
         if kind == frames.NO_RING:
-            self._no_ring(inlet, "its publisher has none")
+            self._no_ring(subscription, "its publisher has none")
             return None
         try:
             found = self._rings.read(payload)
         except OSError as error:
-            self._no_ring(inlet, str(error))
+            self._no_ring(subscription, str(error))
             return None
         if found is None:
-            inlet.lost += 1
-            self._complaints.count("overwritten", f"{inlet.definition.name}: read too late")
+            subscription.lost += 1
+            self._faults.count("overwritten", f"{subscription.definition.name}: read too late")
         return found

@@ -53,8 +53,8 @@ class Reply(Generic[R]):
 
 
 Fail = Callable[[str, str], None]
-Tell = Callable[[Any, bytes | None], object]
-_Responder = Callable[[frames.Frame, int, float, Tell], None]
+SendControl = Callable[[Any, bytes | None], object]
+_Responder = Callable[[frames.Frame, int, float, SendControl], None]
 
 
 class Responders:
@@ -93,12 +93,12 @@ class Responders:
     ) -> None:
         """Let `handler` answer queries of `request`, at once or later."""
 
-        def answer(frame: frames.Frame, number: int, asked: float, tell: Tell) -> None:
+        def answer(frame: frames.Frame, number: int, asked: float, send: SendControl) -> None:
             def respond(value: R, measured: float | None) -> None:
                 when = asked if measured is None else measured
-                tell(control.Response(number=number), self._pack(response, value, when))
+                send(control.Response(number=number), self._pack(response, value, when))
 
-            fail = functools.partial(_fail, tell, number)
+            fail = functools.partial(_fail, send, number)
             handler(decode(request, frame), Reply(frame.publisher, respond, fail))
 
         self._responders[request.name] = answer
@@ -120,26 +120,26 @@ class Responders:
 
     def answer(self, query: control.Query, attached: bytes | None) -> None:
         """A query has come from central."""
-        self._answer(query, attached, self._connection.tell)
+        self._answer(query, attached, self._connection.send)
 
     def answer_directly(self, query: control.Query, attached: bytes, asker: bytes) -> None:
         """A query has come in at our door."""
         if self._door is not None:
             self._answer(query, attached, functools.partial(self._door.answer, asker))
 
-    def _answer(self, query: control.Query, attached: bytes | None, tell: Tell) -> None:
+    def _answer(self, query: control.Query, attached: bytes | None, send: SendControl) -> None:
         asked = self._clock()  # what the answer says was measured from now on, not when it is sent
         responder = self._responders.get(query.name)
         try:
             if responder is None or attached is None:
                 text = f"{self._name} does not answer {query.name}"
                 raise HandlerFailedError(text)
-            responder(frames.unpack(attached), query.number, asked, tell)
+            responder(frames.unpack(attached), query.number, asked, send)
         except HubError as error:
-            _fail(tell, query.number, "HandlerFailedError", str(error))
+            _fail(send, query.number, "HandlerFailedError", str(error))
         except Exception as error:
             text = f"{self._name} failed at {query.name}: {error!r}"
-            _fail(tell, query.number, "HandlerFailedError", text)
+            _fail(send, query.number, "HandlerFailedError", text)
             raise
 
     def tell_last(self, query: control.Last) -> None:
@@ -147,17 +147,17 @@ class Responders:
         frame = self._last(query.name)
         if frame is None:
             text = f"{self._name} has published no {query.name} yet"
-            _fail(self._connection.tell, query.number, NoValueError.__name__, text)
+            _fail(self._connection.send, query.number, NoValueError.__name__, text)
         else:
-            self._connection.tell(control.Response(number=query.number), frame)
+            self._connection.send(control.Response(number=query.number), frame)
 
     def _announce(self, name: str, *, on: bool) -> None:
         if self._connection.publisher:
             address = self._door.address if self._door else ""
-            self._connection.tell(control.Handle(name=name, on=on, address=address))
+            self._connection.send(control.Handle(name=name, on=on, address=address))
 
 
-def _fail(tell: Tell, number: int, error: str, text: str) -> None:
+def _fail(send: SendControl, number: int, error: str, text: str) -> None:
     """Say that there will be no answer, in a text that can be sent whatever is in it."""
     sayable = text.replace("\0", "?").encode(errors="replace").decode()
-    tell(control.Failure(number=number, error=error, text=sayable), None)
+    send(control.Failure(number=number, error=error, text=sayable), None)

@@ -35,8 +35,8 @@ class Session:
 
     Attributes:
         connection: To central.
-        outlets: What we publish.
-        inlets: What we subscribe to.
+        publishers: What we publish.
+        subscriptions: What we subscribe to.
         questions: What we ask.
         answers: What we answer.
         directory: What central tells of everybody.
@@ -50,7 +50,7 @@ class Session:
         *,
         context: sockets.Context,
         loop: Loop,
-        complaints: FaultCounter,
+        faults: FaultCounter,
         keys: ClientKeys | None,
         near: bool,
     ) -> None:
@@ -59,7 +59,7 @@ class Session:
         self._name = name
         self._endpoint = endpoint
         self._clock = loop.clock
-        self._complaints = complaints
+        self._faults = faults
         self._definitions: dict[str, MessageDefinition[Any]] = {}
         self._confirmed: set[str] = set()
         self._attached: collections.Counter[str] = collections.Counter()
@@ -70,15 +70,17 @@ class Session:
             owner=self,
             context=context,
             loop=loop,
-            complaints=complaints,
+            faults=faults,
             keys=keys,
             near=near,
         )
         self._handshakes = Handshakes()
-        self.outlets = Publishers(context, loop, self.connection, complaints, self._handshakes)
-        self.inlets = Subscriptions(context, loop, self.connection, complaints, self._handshakes)
-        self.questions = PendingQueries(self.connection, self._clock)
-        self.answers = Responders(name, self.connection, self.pack, self.outlets.last, self._clock)
+        self.publishers = Publishers(context, loop, self.connection, faults, self._handshakes)
+        self.subscriptions = Subscriptions(context, loop, self.connection, faults, self._handshakes)
+        self.pending_queries = PendingQueries(self.connection, self._clock)
+        self.responders = Responders(
+            name, self.connection, self.pack, self.publishers.last, self._clock
+        )
         self._context = context
         self._loop = loop
         self._door: DirectResponder | None = None
@@ -104,35 +106,35 @@ class Session:
         if known is None:
             self._definitions[definition.name] = definition
             if self.connection.publisher:
-                self.connection.tell(definition_listing.to_listing(definition))
+                self.connection.send(definition_listing.to_listing(definition))
 
     @property
     def pending(self) -> bool:
         """Whether messages were taken and not handed on yet, or wait to be sent."""
-        return self.inlets.arrivals.pending or self.outlets.pending
+        return self.subscriptions.receive_queue.pending or self.publishers.pending
 
     def due(self, otherwise: float) -> float:
         """When we want to be served even if nothing comes [s]."""
         wake = min(otherwise, self.connection.due(otherwise), self._next_check)
-        return self.questions.due(wake)
+        return self.pending_queries.due(wake)
 
     def turn(self) -> None:
         """Do what is due."""
-        if self.outlets.pending:
-            self.outlets.flush()
-        self.inlets.arrivals.turn()
+        if self.publishers.pending:
+            self.publishers.flush()
+        self.subscriptions.receive_queue.turn()
         self.connection.turn()
-        self.questions.expire(now := self._clock(), self._endpoint)
+        self.pending_queries.expire(now := self._clock(), self._endpoint)
         if now >= self._next_check:
             self._check(now)
 
     def neglected(self, time: float) -> None:
         """We did not listen for long: what lies in the sockets is old, but events are events."""
         if time > LOST_S and self.connection.publisher:
-            self.inlets.take_events()
+            self.subscriptions.take_events()
             self.connection.start_over(f"{self._name} did not listen for {time:.1f} s")
         else:
-            self.inlets.drop_pictures()
+            self.subscriptions.drop_pictures()
 
     def welcomed(self, message: control.Welcome, *, anew: bool, same_run: bool) -> None:
         """Central knows us."""
@@ -146,17 +148,17 @@ class Session:
                 file_descriptors.allow_many()
             self._leave_planes()
             self._way_in = (addresses, message.near, same_run)
-            if self.outlets.used or self.inlets.used:
+            if self.publishers.used or self.subscriptions.used:
                 self.enter_planes()
             self._open_door(near=message.near)
         for definition in self._definitions.values():
-            self.connection.tell(definition_listing.to_listing(definition))
+            self.connection.send(definition_listing.to_listing(definition))
         if anew:
-            self.outlets.advertise_all()
-            self.inlets.subscribe_all()
+            self.publishers.advertise_all()
+            self.subscriptions.subscribe_all()
             for name in self._lasts:
-                self.questions.ask_last(name, _LAST_S, self.inlets.accept)
-            self.answers.announce_all()
+                self.pending_queries.ask_last(name, _LAST_S, self.subscriptions.accept)
+            self.responders.announce_all()
             if self.directory is not None:
                 self.directory.ask_again()
 
@@ -164,7 +166,7 @@ class Session:
         """Have the last value of a message handed on, now and whenever central is new."""
         self._lasts.add(name)
         if self.connection.publisher:
-            self.questions.ask_last(name, _LAST_S, self.inlets.accept)
+            self.pending_queries.ask_last(name, _LAST_S, self.subscriptions.accept)
 
     def enter_planes(self) -> None:
         """Connect to where broadcasts go in and come out, unless we have.
@@ -175,20 +177,20 @@ class Session:
         if self._way_in is not None:
             addresses, near, same_run = self._way_in
             self._way_in = None
-            self.outlets.connect(addresses[0::2], near=near)
-            self.inlets.connect(addresses[1::2], near=near, same_run=same_run)
+            self.publishers.connect(addresses[0::2], near=near)
+            self.subscriptions.connect(addresses[1::2], near=near, same_run=same_run)
 
     def _leave_planes(self) -> None:
         self._way_in = None
-        self.outlets.disconnect()
-        self.inlets.disconnect()
+        self.publishers.disconnect()
+        self.subscriptions.disconnect()
 
     def lost(self, why: str) -> None:
         """Central is gone; nothing may wait for it, because it would be old when it comes."""
         self._confirmed.clear()
         self._leave_planes()
         self._close_ways()
-        self.questions.end_all(why)
+        self.pending_queries.end_all(why)
 
     def close(self) -> None:
         """Free everything."""
@@ -197,58 +199,58 @@ class Session:
             self._handshakes.wait(_HANDSHAKE_S)
         self._close_ways()
         self._open_door(near=False)
-        self.outlets.close()
-        self.inlets.disconnect()
+        self.publishers.close()
+        self.subscriptions.disconnect()
         self.connection.close()
 
     def told(self, message: Any, attached: bytes | None) -> None:
         """A control message came that is not about the connection."""
         if isinstance(message, control.Query):
-            self.answers.answer(message, attached)
+            self.responders.answer(message, attached)
         elif isinstance(message, (control.Response, control.Failure)):
-            if not self.questions.conclude(message, attached, self._reception):
-                self._complaints.count("late answer", "nobody waits for it any more")
+            if not self.pending_queries.conclude(message, attached, self._reception):
+                self._faults.count("late answer", "nobody waits for it any more")
         else:
             self._told_rarely(message)
 
     def _told_rarely(self, message: Any) -> None:
         if isinstance(message, control.Last):
-            self.answers.tell_last(message)
+            self.responders.tell_last(message)
         elif isinstance(message, control.DirectRoute):
             self._route(message)
         elif isinstance(message, control.Defined):
             self._confirmed.add(message.name)
         elif isinstance(message, control.Advertised):
-            self.outlets.advertised(message)
+            self.publishers.advertised(message)
         elif isinstance(message, control.Subscribed):
-            self.inlets.subscribed(message)
+            self.subscriptions.subscribed(message)
         elif isinstance(message, control.Subscriber):
-            self.outlets.subscriber(message)
+            self.publishers.subscriber(message)
         elif self.directory is not None and self.directory.told(message):
             return
         elif isinstance(message, control.Refused):
             kind = NotAllowedError if message.error == "NotAllowedError" else RedefinedMessageError
             self.refused[message.subject] = kind(message.text)
-            self._complaints.count("refused by central", message.text)
+            self._faults.count("refused by central", message.text)
 
     def _open_door(self, *, near: bool) -> None:
         """Be asked directly as a neighbour, and only then."""
         if near and self._door is None:
             self._door = DirectResponder(
                 self.connection.client,
-                self.answers.answer_directly,
+                self.responders.answer_directly,
                 context=self._context,
                 loop=self._loop,
-                complaints=self._complaints,
+                faults=self._faults,
             )
         elif not near and self._door is not None:
             self._door.close()
             self._door = None
-        self.answers.open_door(self._door)
+        self.responders.open_door(self._door)
 
     def _route(self, message: control.DirectRoute) -> None:
         """Central says where queries of a name may go, or that they may no longer."""
-        way = next((w for w in self.questions.ways() if w.address == message.address), None)
+        way = next((w for w in self.pending_queries.ways() if w.address == message.address), None)
         if way is None and endpoints.is_direct_address(message.address):
             way = DirectRequester(
                 message.address,
@@ -256,30 +258,30 @@ class Session:
                 lost=self._way_lost,
                 context=self._context,
                 loop=self._loop,
-                complaints=self._complaints,
+                faults=self._faults,
             )
-        before = self.questions.follow(message.name, way)
+        before = self.pending_queries.follow(message.name, way)
         if before is not None and not before.names:
             before.close()
 
     def _way_lost(self, way: DirectRequester) -> None:
         for name in tuple(way.names):
-            self.questions.follow(name, None)
+            self.pending_queries.follow(name, None)
         way.close()
 
     def _close_ways(self) -> None:
-        for way in self.questions.ways():
+        for way in self.pending_queries.ways():
             self._way_lost(way)
 
     def _check(self, now: float) -> None:
         """What is to be done every second or so."""
         self._next_check = now + _CHECK_S
         self._handshakes.look()
-        self.outlets.check()
-        received = self.inlets.reports()[:_REPORT_ENTRIES]
-        published = self.outlets.reports()[:_REPORT_ENTRIES]
+        self.publishers.check()
+        received = self.subscriptions.reports()[:_REPORT_ENTRIES]
+        published = self.publishers.reports()[:_REPORT_ENTRIES]
         if (received or published) and self.connection.publisher:
-            self.connection.tell(
+            self.connection.send(
                 control.Report(
                     received_count=len(received),
                     received=received,

@@ -1,4 +1,4 @@
-"""The receiving side of a client's broadcasts: an inlet for each message it subscribes to."""
+"""The receiving side of a client's broadcasts: a subscription for each message it subscribes to."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from hub.ipc.wire import control, frames
 
 
 class Subscriptions:
-    """All inlets of one client, and the sockets they share.
+    """All subscriptions of one client, and the sockets they share.
 
     Attributes:
         arrivals: What came to them.
@@ -33,24 +33,24 @@ class Subscriptions:
         context: sockets.Context,
         loop: Loop,
         connection: Connection,
-        complaints: FaultCounter,
+        faults: FaultCounter,
         handshakes: Handshakes,
     ) -> None:
         self._handshakes = handshakes
         self._context = context
         self._loop = loop
         self._connection = connection
-        self._complaints = complaints
-        self.arrivals = ReceiveQueue(
+        self._faults = faults
+        self.receive_queue = ReceiveQueue(
             clock=loop.clock,
             hub_time=connection.hub_time,
-            complaints=complaints,
+            faults=faults,
             no_ring=self._go_plain,
         )
         self._sockets: dict[Plane, sockets.Socket] = {}
         self._files: dict[Plane, int] = {}
         self._inboxes: dict[Plane, DirectInbox] = {}
-        self._inlets: dict[str, Subscription] = {}
+        self._subscriptions: dict[str, Subscription] = {}
         self._under_way: dict[str, Subscription] = {}
         self._tokens = 0
         self._near = False
@@ -59,17 +59,21 @@ class Subscriptions:
     @property
     def used(self) -> bool:
         """Whether anything is subscribed to."""
-        return bool(self._inlets)
+        return bool(self._subscriptions)
 
     @property
     def lost(self) -> int:
         """Messages that did not come, of those that are subscribed to now."""
-        return sum(inlet.lost for inlet in self._inlets.values())
+        return sum(subscription.lost for subscription in self._subscriptions.values())
 
     @property
     def unfit(self) -> dict[str, str]:
         """What was wrong first with values of each message, in a sentence by its name."""
-        return {name: inlet.unfit for name, inlet in self._inlets.items() if inlet.unfit}
+        return {
+            name: subscription.unfit
+            for name, subscription in self._subscriptions.items()
+            if subscription.unfit
+        }
 
     @property
     def standing(self) -> bool:
@@ -83,27 +87,27 @@ class Subscriptions:
         # Commands first: they must not wait behind a burst of states.
         for plane in (Plane.COMMAND, Plane.STATE, Plane.PICTURE):
             self._connect(plane)
-        for inlet in self._inlets.values():
+        for subscription in self._subscriptions.values():
             if not same_run:  # else what was missed meanwhile shows in the numbers
-                inlet.forget()
-            inlet.in_ring = self._may_ring(inlet.definition)
+                subscription.forget()
+            subscription.in_ring = self._may_ring(subscription.definition)
 
     def drop_pictures(self) -> None:
         """Connect the plane of pictures anew: what lies there is old."""
         if Plane.PICTURE in self._sockets:
             self._disconnect(Plane.PICTURE)
             self._connect(Plane.PICTURE)
-            for inlet in self._inlets.values():
-                if inlet.definition.plane is Plane.PICTURE:
-                    self._ask_for(inlet)
+            for subscription in self._subscriptions.values():
+                if subscription.definition.plane is Plane.PICTURE:
+                    self._ask_for(subscription)
 
     def take_events(self) -> None:
         """Take what came of messages that are kept in full, and forget all else that came."""
         for plane in tuple(self._sockets):
             if plane is not Plane.PICTURE:
-                self.arrivals.take_events(self._sockets[plane])
+                self.receive_queue.take_events(self._sockets[plane])
                 if plane in self._inboxes:
-                    self.arrivals.take_events(self._inboxes[plane].socket)
+                    self.receive_queue.take_events(self._inboxes[plane].socket)
 
     def _connect(self, plane: Plane) -> None:
         socket = sockets.make_plane(self._context, zmq.SUB, plane, self._connection.keys)
@@ -111,22 +115,24 @@ class Subscriptions:
         sockets.connect(socket, self._where[plane])
         self._sockets[plane] = socket
         self._files[plane] = self._loop.register(
-            socket, functools.partial(self.arrivals.take, socket)
+            socket, functools.partial(self.receive_queue.take, socket)
         )
         if self._near:
-            self._inboxes[plane] = DirectInbox(self._context, self._loop, plane, self.arrivals.take)
+            self._inboxes[plane] = DirectInbox(
+                self._context, self._loop, plane, self.receive_queue.take
+            )
 
     def subscribe_all(self) -> None:
         """Subscribe anew, at a central that knows the definitions now."""
-        for inlet in self._inlets.values():
-            self._ask_for(inlet)
+        for subscription in self._subscriptions.values():
+            self._ask_for(subscription)
 
     def disconnect(self) -> None:
         """Central is gone; what was taken is still handed on."""
         for plane in tuple(self._sockets):
             self._disconnect(plane)
         self._under_way.clear()
-        self.arrivals.close_rings()
+        self.receive_queue.close_rings()
 
     def _disconnect(self, plane: Plane) -> None:
         self._loop.unregister(self._files[plane])
@@ -147,52 +153,54 @@ class Subscriptions:
         priority: int | None = None,
     ) -> None:
         """Hand every message of `definition` to `handler` too."""
-        known = self._inlets.get(definition.name)
-        inlet = known or Subscription(definition)
-        inlet.add(handler, raw=raw)
+        known = self._subscriptions.get(definition.name)
+        subscription = known or Subscription(definition)
+        subscription.add(handler, raw=raw)
         if queue is not None:
-            inlet.limit = queue
+            subscription.limit = queue
         if priority is not None:
-            inlet.priority = priority
-        self.arrivals.add(inlet)
+            subscription.priority = priority
+        self.receive_queue.add(subscription)
         if known is None:
-            self._inlets[definition.name] = inlet
-            inlet.in_ring = self._may_ring(definition)
+            self._subscriptions[definition.name] = subscription
+            subscription.in_ring = self._may_ring(definition)
             if self._connection.publisher:
-                self._ask_for(inlet)
+                self._ask_for(subscription)
 
     def unsubscribe(self, name: str, handler: Handler | None) -> None:
         """Hand the message to `handler` no longer, or to nobody; what waits is not handed on."""
-        inlet = self._inlets.get(name)
-        if inlet is None:
+        subscription = self._subscriptions.get(name)
+        if subscription is None:
             return
-        inlet.handlers = [each for each in inlet.handlers if handler not in (None, each[0])]
-        if inlet.handlers:
+        subscription.handlers = [
+            each for each in subscription.handlers if handler not in (None, each[0])
+        ]
+        if subscription.handlers:
             return
-        del self._inlets[name]
-        self.arrivals.remove(inlet)
+        del self._subscriptions[name]
+        self.receive_queue.remove(subscription)
         if self._sockets:
-            self._filter(inlet, on=False)
-            self._stands(inlet.token)
-            self._connection.tell(control.Unsubscribe(name=name))
+            self._filter(subscription, on=False)
+            self._stands(subscription.token)
+            self._connection.send(control.Unsubscribe(name=name))
 
     def subscribed(self, message: control.Subscribed) -> None:
         """Central says that a subscription stands."""
         self._stands(message.token)
 
     def reports(self) -> tuple[control.Received, ...]:
-        """What came to each inlet since the last time."""
-        made = (inlet.report() for inlet in self._inlets.values())
+        """What came to each subscription since the last time."""
+        made = (subscription.report() for subscription in self._subscriptions.values())
         return tuple(report for report in made if report is not None)
 
     def accept(self, frame: frames.Frame) -> None:
         """Hand on a message that came another way, such as the last value that was asked for."""
-        inlet = self._inlets.get(frame.name)
-        if inlet is None:
+        subscription = self._subscriptions.get(frame.name)
+        if subscription is None:
             return
-        inbox = self._inbox(inlet)
+        inbox = self._inbox(subscription)
         if inbox is None or self._emptied(inbox, frame):
-            self.arrivals.accept(inlet, frame)
+            self.receive_queue.accept(subscription, frame)
 
     def _emptied(self, inbox: DirectInbox, frame: frames.Frame) -> bool:
         """Whether an inbox is empty after a turn; else the frame is accepted in a later turn.
@@ -207,63 +215,65 @@ class Subscriptions:
                 self._loop.after(0.0, functools.partial(self.accept, frame))
         return not more
 
-    def _ask_for(self, inlet: Subscription) -> None:
+    def _ask_for(self, subscription: Subscription) -> None:
         """Subscribe, and have central say when nothing can be missed any more."""
-        definition = inlet.definition
-        self._under_way.pop(inlet.token, None)
+        definition = subscription.definition
+        self._under_way.pop(subscription.token, None)
         self._tokens += 1
-        inlet.token = f"{self._connection.publisher}.{self._tokens}"
-        self._under_way[inlet.token] = inlet
-        self._filter(inlet, on=True)
-        inbox = self._inbox(inlet)
-        self._connection.tell(
+        subscription.token = f"{self._connection.publisher}.{self._tokens}"
+        self._under_way[subscription.token] = subscription
+        self._filter(subscription, on=True)
+        inbox = self._inbox(subscription)
+        self._connection.send(
             control.Subscribe(
                 name=definition.name,
-                token=inlet.token,
+                token=subscription.token,
                 inbox=inbox.address if inbox else "",
-                in_ring=inlet.in_ring,
+                in_ring=subscription.in_ring,
             )
         )
         if not self._connection.may_connect(definition.plane):
             # Who only listens cannot see its own mark come back.
-            self._connection.tell(control.Ready(token=inlet.token))
+            self._connection.send(control.Ready(token=subscription.token))
 
-    def _inbox(self, inlet: Subscription) -> DirectInbox | None:
-        return self._inboxes.get(Plane.STATE if inlet.in_ring else inlet.definition.plane)
+    def _inbox(self, subscription: Subscription) -> DirectInbox | None:
+        return self._inboxes.get(
+            Plane.STATE if subscription.in_ring else subscription.definition.plane
+        )
 
     def _stands(self, token: str) -> None:
         """The mark of a subscription has done its work."""
-        inlet = self._under_way.pop(token, None)
-        if inlet is not None:
-            inlet.token = ""
-            plane = inlet.definition.plane
-            for topic in self._filters(inlet):
+        subscription = self._under_way.pop(token, None)
+        if subscription is not None:
+            subscription.token = ""
+            plane = subscription.definition.plane
+            for topic in self._filters(subscription):
                 self._sockets[plane].unsubscribe(publishers.mark(topic, token))
             self._loop.touch(self._files[plane])
 
     def _may_ring(self, definition: MessageDefinition[Any]) -> bool:
         return self._near and shared_ring.available and definition.plane is Plane.PICTURE
 
-    def _filter(self, inlet: Subscription, *, on: bool) -> None:
-        plane = inlet.definition.plane
+    def _filter(self, subscription: Subscription, *, on: bool) -> None:
+        plane = subscription.definition.plane
         socket = self._sockets[plane]
         self._loop.touch(self._files[plane])
         change = socket.subscribe if on else socket.unsubscribe
-        for topic in self._filters(inlet):
+        for topic in self._filters(subscription):
             change(topic)
             if on:
-                socket.subscribe(publishers.mark(topic, inlet.token))
+                socket.subscribe(publishers.mark(topic, subscription.token))
 
-    def _filters(self, inlet: Subscription) -> list[bytes]:
+    def _filters(self, subscription: Subscription) -> list[bytes]:
         """What comes from central: what neighbours send only if we are none."""
         kinds = (frames.FAR,) if self._near else (frames.FAR, b"")
-        return [frames.topic(inlet.definition.name, kind) for kind in kinds]
+        return [frames.topic(subscription.definition.name, kind) for kind in kinds]
 
-    def _go_plain(self, inlet: Subscription, why: str) -> None:
+    def _go_plain(self, subscription: Subscription, why: str) -> None:
         """Ask for the payloads themselves from now on."""
-        if inlet.in_ring and self._sockets:
-            self._complaints.count("no shared memory", f"{inlet.definition.name}: {why}")
-            self._stands(inlet.token)
-            self._filter(inlet, on=False)
-            inlet.in_ring = False
-            self._ask_for(inlet)
+        if subscription.in_ring and self._sockets:
+            self._faults.count("no shared memory", f"{subscription.definition.name}: {why}")
+            self._stands(subscription.token)
+            self._filter(subscription, on=False)
+            subscription.in_ring = False
+            self._ask_for(subscription)

@@ -50,13 +50,13 @@ class ClientKeys:
     """What a client needs to connect from another machine.
 
     Attributes:
-        bearer: Who it is at the hub.
+        principal: Who it is at the hub.
         pair: Its own keys.
         hub: Public key of the hub, so that no other can pretend to be it.
         path: The file that they are from, if they are from one.
     """
 
-    bearer: Principal
+    principal: Principal
     pair: KeyPair
     hub: str
     path: Path | None = field(default=None, compare=False)
@@ -64,7 +64,7 @@ class ClientKeys:
     @property
     def role(self) -> Role:
         """What the hub lets it do."""
-        return self.bearer.role
+        return self.principal.role
 
     def apply(self, socket: zmq.Socket[bytes]) -> None:
         """Make a client's socket use the keys; to be called before it connects."""
@@ -83,8 +83,8 @@ def read_client_keys(path: Path) -> ClientKeys:
     fields = key_files.read_keys(_KEYS, values, "the file", path, advice=_ADVICE)
     pair = KeyPair(public=fields["public"], secret=fields["secret"])
     pair.demand_whole(path, _ADVICE)
-    bearer = Principal.of(fields["name"], fields["role"], pair.public)
-    return ClientKeys(bearer=bearer, pair=pair, hub=fields["hub"], path=path)
+    principal = Principal.of(fields["name"], fields["role"], pair.public)
+    return ClientKeys(principal=principal, pair=pair, hub=fields["hub"], path=path)
 
 
 def write_client_keys(path: Path, keys: ClientKeys) -> None:
@@ -95,8 +95,8 @@ def write_client_keys(path: Path, keys: ClientKeys) -> None:
     """
     text = (
         "# A key to a robot's hub. Whoever has this file can use it.\n"
-        f'name = "{keys.bearer.name}"\n'
-        f'role = "{keys.bearer.role.value}"\n'
+        f'name = "{keys.principal.name}"\n'
+        f'role = "{keys.principal.role.value}"\n'
         f'public = "{keys.pair.public}"\n'
         f'secret = "{keys.pair.secret}"\n'
         f'hub = "{keys.hub}"\n'

@@ -36,7 +36,7 @@ class Holder:
     public: str
 
     @property
-    def bearer(self) -> Principal:
+    def principal(self) -> Principal:
         """Who this is to the rest of the bus."""
         return Principal.of(self.name, self.role, self.public)
 
@@ -122,7 +122,9 @@ class Keyring:
             pair, hub = KeyPair.new(), self._hub_keys()
             holder = Holder(name=name, role=role, public=pair.public)
             key_files.private_folder(path.parent)
-            write_client_keys(path, ClientKeys(bearer=holder.bearer, pair=pair, hub=hub.public))
+            write_client_keys(
+                path, ClientKeys(principal=holder.principal, pair=pair, hub=hub.public)
+            )
             try:
                 self._write([*holders, holder])
             except KeyFileError:

@@ -23,11 +23,13 @@ _ASKED = {
 _NAMED = (control.Define, control.Advertise, control.Subscribe, control.Close)
 
 
-def check(bearer: Principal, client: str, message: Any, plane: Callable[[str], str | None]) -> None:
+def check(
+    principal: Principal, client: str, message: Any, plane: Callable[[str], str | None]
+) -> None:
     """Refuse a control message that its sender may not send.
 
     Args:
-        bearer: Whose key the sender has.
+        principal: Whose key the sender has.
         client: The sender's name at central.
         message: The control message.
         plane: The plane of the message of a name; None if it is not defined.
@@ -36,22 +38,23 @@ def check(bearer: Principal, client: str, message: Any, plane: Callable[[str], s
         NotAllowedError: The text says what the sender may not do, and who may.
     """
     if isinstance(message, control.Define):
-        _check_definition(bearer, message.name, plane)
+        _check_definition(principal, message.name, plane)
         return
     if isinstance(message, (control.Query, control.Advertise)):
         known = plane(message.name)
         publishes = isinstance(message, control.Advertise) and known is not None
         if known is not None and (publishes or known == Plane.COMMAND.value):
-            demand_right(bearer, client, message.name, known)
-    demand(bearer, _ASKED.get(type(message), Action.LIST))
+            demand_right(principal, client, message.name, known)
+    demand(principal, _ASKED.get(type(message), Action.LIST))
 
 
-def _check_definition(bearer: Principal, name: str, plane: Callable[[str], str | None]) -> None:
-    if plane(name) is None and not may(bearer.role, Action.DEFINE):
+def _check_definition(principal: Principal, name: str, plane: Callable[[str], str | None]) -> None:
+    if plane(name) is None and not may(principal.role, Action.DEFINE):
         # No advice to take a stronger key: a module of the robot will define it.
         text = (
-            f"{bearer.name} has a key to {bearer.role.value} and may not define a new message: "
-            f"no module of this robot has defined {name[:80]} yet; start the module that uses it"
+            f"{principal.name} has a key to {principal.role.value} and may not define a new "
+            f"message: no module of this robot has defined {name[:80]} yet; start the module that "
+            "uses it"
         )
         raise NotAllowedError(text)
 

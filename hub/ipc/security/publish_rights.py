@@ -89,11 +89,11 @@ def may_publish(role: Role, message: str, plane: str = Plane.COMMAND.value) -> b
     return role.includes(right(message, plane).role)
 
 
-def demand_right(bearer: Principal, client: str, message: str, plane: str) -> None:
+def demand_right(principal: Principal, client: str, message: str, plane: str) -> None:
     """Refuse a message that the holder of a key, or its client, may not publish.
 
     Args:
-        bearer: Whose key it is.
+        principal: Whose key it is.
         client: The client's name at central.
         message: The message's name.
         plane: The message's plane.
@@ -102,8 +102,8 @@ def demand_right(bearer: Principal, client: str, message: str, plane: str) -> No
         NotAllowedError: The text names the least role that may.
     """
     needed = right(message, plane)
-    if not bearer.role.includes(needed.role):
-        text = f"{bearer.name} has a key to {bearer.role.value} and may not send {message}; "
+    if not principal.role.includes(needed.role):
+        text = f"{principal.name} has a key to {principal.role.value} and may not send {message}; "
         if needed.role is Role.MODULE:
             text += f"only {_publishers(needed)} sends it"
         else:
@@ -115,11 +115,11 @@ def demand_right(bearer: Principal, client: str, message: str, plane: str) -> No
     raise NotAllowedError(text)
 
 
-def reserved_text(name: str, bearer: Principal) -> str:
+def reserved_text(name: str, principal: Principal) -> str:
     """Why the holder of a key cannot connect under a name of the robot's modules."""
     return (
-        f"{name!r} is the name of a module of the robot, and {bearer.name} has a key to "
-        f"{bearer.role.value}; connect under another name"
+        f"{name!r} is the name of a module of the robot, and {principal.name} has a key to "
+        f"{principal.role.value}; connect under another name"
     )
 
 

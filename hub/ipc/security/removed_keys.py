@@ -19,7 +19,7 @@ class RemovedKeys:
     """Keys that are on the list no longer; `holds` is for any thread, the rest for one.
 
     A removed key stays refused until the same key is on the list again, with its role and name.
-    Another key of that name is another bearer, and changes nothing for the removed one.
+    Another key of that name is another principal, and changes nothing for the removed one.
 
     A list that cannot be read changes nothing here: who is connected stays, and nobody else comes
     in.
@@ -44,9 +44,9 @@ class RemovedKeys:
         self._removed: frozenset[Principal] = frozenset()
         self._next = 0.0
 
-    def holds(self, bearer: Principal) -> bool:
+    def holds(self, principal: Principal) -> bool:
         """Whether this key was not removed."""
-        return bearer not in self._removed
+        return principal not in self._removed
 
     def look(self, now: float) -> None:
         """End the connections of keys that are on the list no longer, or have another role now.
@@ -58,10 +58,10 @@ class RemovedKeys:
             return
         self._next = now + LOOK_S
         try:
-            listed = {holder.bearer for holder in self._keyring.holders()}
+            listed = {holder.principal for holder in self._keyring.holders()}
         except KeyFileError:
             return  # the next handshake counts it and logs it
         before, self._removed = self._removed, frozenset(self._admitted() - listed)
-        for bearer in self._removed - before:
-            _logger.info("the key of %s was removed: its connections end", bearer)
-            self._end(bearer)
+        for principal in self._removed - before:
+            _logger.info("the key of %s was removed: its connections end", principal)
+            self._end(principal)

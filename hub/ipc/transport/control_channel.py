@@ -29,7 +29,7 @@ class ControlChannel:
         events: int,
         happened: Callable[[int], None],
         loop: Loop,
-        complaints: FaultCounter,
+        faults: FaultCounter,
         address: str,
     ) -> None:
         """Connect.
@@ -40,21 +40,21 @@ class ControlChannel:
             events: What of the connection itself is of interest: `zmq.EVENT_...` together.
             happened: Gets each of these.
             loop: Serves it.
-            complaints: Counts what is malformed.
+            faults: Counts what is malformed.
             address: Where to.
         """
         self._socket = socket
         self._told = told
         self._happened = happened
         self._loop = loop
-        self._complaints = complaints
+        self._faults = faults
         self._send = sockets.sender(socket)
         self._monitor = socket.get_monitor_socket(events)
         sockets.connect(socket, address)
         self._file = loop.register(socket, self._receive)
         self._monitor_file = loop.register(self._monitor, self._watch)
 
-    def tell(self, message: Any, attached: bytes | None = None) -> bool:
+    def send(self, message: Any, attached: bytes | None = None) -> bool:
         """Send a control message; False if there is no connection now, or none any more."""
         if self._socket.closed:
             return False
@@ -94,7 +94,7 @@ class ControlChannel:
             try:
                 message = control_codec.unpack(parts[0])
             except (FrameError, CodecError) as error:
-                self._complaints.count("malformed control frame", str(error))
+                self._faults.count("malformed control frame", str(error))
                 continue
             self._told(message, parts[1] if len(parts) > 1 else None)
             if socket.closed:

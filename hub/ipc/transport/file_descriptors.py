@@ -82,14 +82,14 @@ def received(descriptor: int) -> int:
 class Reserve:
     """Keeps some of this process's descriptors free."""
 
-    def __init__(self, complaints: FaultCounter, *, part: float = LOCAL) -> None:
+    def __init__(self, faults: FaultCounter, *, part: float = LOCAL) -> None:
         """Watch the connections that are told to `admit`.
 
         Args:
-            complaints: Where those turned away are counted.
+            faults: Where those turned away are counted.
             part: The part of the descriptors that may be in use, from 0 to 1.
         """
-        self._complaints = complaints
+        self._faults = faults
         self._part = part
 
     def admit(self, descriptor: int, where: str) -> None:
@@ -106,7 +106,7 @@ class Reserve:
         most, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
         if most == resource.RLIM_INFINITY or descriptor < most * self._part:
             return
-        self._complaints.count(
+        self._faults.count(
             "too many connections",
             f"one on {where} is turned away, as this process may have {most} descriptors; "
             "raise that limit (ulimit -n), or end the programs that connect so often",

@@ -269,7 +269,7 @@ class Navigation:
             return
         drive, measured = self._newest
         now = self._clock()
-        counts = self._client.complaints.counts
+        counts = self._client.faults.counts
         refused = self._governor.refused + self._gate.refused
         refused += sum(counts[reason] for reason in _NOT_TAKEN)
         self._frames.corrected(self._pilot.correction.odom)

@@ -102,7 +102,7 @@ class Peer:
 
     def takers(self, definition: MessageDefinition[Any]) -> int:
         """How many neighbours take a message of ours."""
-        return len(self.client._outlets.of(definition).takers.whole)
+        return len(self.client._publishers.of(definition).takers.whole)
 
     def close(self) -> None:
         self._stop.set()

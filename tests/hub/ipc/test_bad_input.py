@@ -237,9 +237,9 @@ def test_plain_publisher_of_rubbish(
     publisher.send_multipart([topic, *[b"x"] * 1000])
     until(lambda: dropped("malformed frame") >= 100, 10.0)
     until(lambda: dropped("wrong format") == 1, 10.0)
-    complaints = traffic.other.client.complaints.counts
-    until(lambda: complaints["malformed frame"] >= 1100, 10.0)
-    until(lambda: complaints["wrong format"] == 2, 10.0)
+    faults = traffic.other.client.faults.counts
+    until(lambda: faults["malformed frame"] >= 1100, 10.0)
+    until(lambda: faults["wrong format"] == 2, 10.0)
     traffic.check()
 
 

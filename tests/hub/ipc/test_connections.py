@@ -194,7 +194,7 @@ def test_what_is_published_without_a_hub_is_counted(lasting_endpoint: str, peers
     publisher = peers("publisher", lasting_endpoint)
 
     def not_sent() -> int:
-        return publisher.client.complaints.counts["not sent"]
+        return publisher.client.faults.counts["not sent"]
 
     publisher.publish(v.LOG, Number(value=1))
     assert not_sent() == 1
@@ -302,7 +302,7 @@ def test_client_that_leaves_at_once_is_not_taken_for_a_stranger(
     for port, path in zip(door.ports, door.paths, strict=True):
         with socket.socket(socket.AF_INET if port else socket.AF_UNIX) as stranger:
             stranger.connect(("127.0.0.1", port) if port else path)
-    counts = central.complaints.counts
+    counts = central.faults.counts
     until(lambda: len(counts) == len(door.ports), 5.0, lambda: f"{counts}")
     assert set(counts.values()) == {1}, counts
 
@@ -473,7 +473,7 @@ def test_fault_of_central_itself_is_counted_and_does_not_end_it(
 ) -> None:
     one = peers("one", central.endpoints[0]).connect()
     monkeypatch.setattr(central._registry, "expire", lambda: 1 // 0)
-    until(lambda: central.complaints.counts["internal fault"] > 3, 5.0)
+    until(lambda: central.faults.counts["internal fault"] > 3, 5.0)
     monkeypatch.undo()
     one.call(lambda: one.client.directory.listing(5.0))
     lines = [record for record in caplog.records if record.levelno >= logging.WARNING]
@@ -486,7 +486,7 @@ def test_name_that_is_being_given_back_is_waited_for(
     """The goodbye of the one before may still be under way when the next says hello."""
     one = connect("again")
     other = peers("again", central.endpoints[0])
-    until(lambda: central.complaints.counts["refused connection"], 5.0)
+    until(lambda: central.faults.counts["refused connection"], 5.0)
     one.close()
     other.connect()
     assert other.client.refusal is None

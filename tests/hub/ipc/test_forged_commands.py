@@ -135,7 +135,7 @@ def came(hub: Hub, definition: MessageDefinition[Any]) -> list[tuple[Any, Any]]:
 
 
 def dropped(hub: Hub, count: int = 1) -> None:
-    counts = hub.central.complaints.counts
+    counts = hub.central.faults.counts
     until(lambda: counts["command not allowed"] >= count, 10.0, lambda: str(counts))
 
 
@@ -246,12 +246,12 @@ def test_query_under_a_number_that_is_not_its_own_is_refused(hub: Hub, far: bool
         if far
         else hub._peer("evil", hub.central.endpoints[0], None)
     )
-    own, questions = asker.client.number, asker.client._questions
+    own, pending_queries = asker.client.number, asker.client._pending_queries
     for number in (own + 1, own - 1, hub.owner.client.number):
         forged = frame(v.EVENT, Number(value=4), number, 1)
         with pytest.raises(HandlerFailedError, match="under a number not its own"):
             asker.call(
-                lambda forged=forged: questions.ask_and_wait(
+                lambda forged=forged: pending_queries.ask_and_wait(
                     v.EVENT.name, forged, 5.0, asker.client.listen
                 )
             )
@@ -267,7 +267,7 @@ def test_one_who_floods_the_door_does_not_keep_others_out(hub: Hub) -> None:
     for number in range(5):
         hub.owner.publish(v.EVENT, Number(value=number))
     until(lambda: len(received) == 5, 10.0, lambda: str(received))
-    assert hub.central.complaints.counts["command not allowed"]
+    assert hub.central.faults.counts["command not allowed"]
 
 
 @pytest.mark.parametrize("definition", [v.EVENT, NEWEST], ids=["all", "newest"])
@@ -288,7 +288,7 @@ def test_sequence_that_came_with_nonsense_is_not_believed(
         raw.send(frame(definition, Number(value=sequence), own, sequence))
         until(lambda n=sequence: len(received) == n, 10.0, lambda: str(received))
     assert [value.value for value, _ in received] == [1, 2, 3, 4, 5]
-    counts = hub.module.client.complaints.counts
+    counts = hub.module.client.faults.counts
     assert counts["wrong format"] == 5
     assert not counts["out of order"]
 
@@ -328,7 +328,7 @@ def test_old_key_of_a_name_neither_commands_nor_stops_once_the_name_has_a_new_ke
     old = hub.keys("alice", Role.OPERATE)
     raw = hub.raw(old, b"T_Event\0")
     hub.remove("alice")
-    until(lambda: not hub.central._keys.holds(old.bearer), 10.0)
+    until(lambda: not hub.central._keys.holds(old.principal), 10.0)
     fresh = hub.connected("console anew", hub.keys("alice", Role.OPERATE))
     own = fresh.client.number
     raw.send(frame(v.EVENT, Number(value=-1), own, 1000))
@@ -349,7 +349,7 @@ def test_key_that_was_removed_and_made_anew_between_two_looks_is_refused(hub: Hu
     raw.send(frame(v.EVENT, Number(value=-1), fresh.client.number, 1000))
     dropped(hub)
     assert events == []
-    until(lambda: not hub.central._keys.holds(old.bearer), 10.0)
+    until(lambda: not hub.central._keys.holds(old.principal), 10.0)
 
 
 def test_removed_key_of_a_module_publishes_no_states_and_the_others_go_on(hub: Hub) -> None:
@@ -372,7 +372,7 @@ def test_removed_key_of_a_module_publishes_no_states_and_the_others_go_on(hub: H
     until(lambda: came_from(1), 10.0, meanwhile=publish)
     hub.remove("evil")
     refused = "refused at the gateway's state in: unknown key"
-    counts = hub.central.complaints.counts
+    counts = hub.central.faults.counts
     until(lambda: counts[refused], 10.0, lambda: str(counts), meanwhile=send)
 
     def quiet() -> bool:
@@ -393,11 +393,11 @@ def test_removed_key_of_a_module_publishes_no_states_and_the_others_go_on(hub: H
 def test_control_messages_of_a_removed_key_are_refused(hub: Hub) -> None:
     keys = hub.keys("evil", Role.OPERATE)
     raw = hub.dealer(keys)
-    until(lambda: keys.bearer in hub.central._admitted(), 10.0)
+    until(lambda: keys.principal in hub.central._admitted(), 10.0)
     hub.remove("evil")
-    until(lambda: not hub.central._keys.holds(keys.bearer), 10.0)
+    until(lambda: not hub.central._keys.holds(keys.principal), 10.0)
     raw.send(control_codec.pack(control.Hello(name="late", pid=1)))
-    counts = hub.central.complaints.counts
+    counts = hub.central.faults.counts
     until(lambda: counts["malformed control frame"], 10.0, lambda: str(counts))
     assert "late" not in hub.central.connected()
 
@@ -405,7 +405,7 @@ def test_control_messages_of_a_removed_key_are_refused(hub: Hub) -> None:
 def test_list_that_cannot_be_read_ends_no_connection(tmp_path: Path) -> None:
     keyring, ended = Keyring(tmp_path), []
     keyring.make("alice", Role.OPERATE)
-    (alice,) = (holder.bearer for holder in keyring.holders())
+    (alice,) = (holder.principal for holder in keyring.holders())
     keys = RemovedKeys(keyring, lambda: frozenset({alice}), ended.append)
     path = tmp_path / "list.toml"
     whole = path.read_text()

@@ -25,11 +25,11 @@ Connect = Callable[[str], Peer]
 
 
 def sequence_of(peer: Peer, definition: MessageDefinition) -> int:
-    return peer.client._outlets.of(definition)._sequence
+    return peer.client._publishers.of(definition)._sequence
 
 
 def set_sequence(peer: Peer, definition: MessageDefinition, sequence: int) -> None:
-    peer.client._outlets.of(definition)._sequence = sequence
+    peer.client._publishers.of(definition)._sequence = sequence
 
 
 def _values(received: list) -> list[int]:
@@ -74,7 +74,7 @@ def test_subscription_does_not_take_messages_with_a_longer_name(connect: Connect
     one.publish_until(v.STREAM_LONGER_NAME, long)
     one.publish_until(v.STREAM, short)
     assert {how.sequence for _, how in short} <= set(range(1, len(short) + 50))
-    assert not one.client.complaints.counts
+    assert not one.client.faults.counts
 
 
 def test_large_picture_arrives_whole(connect: Connect) -> None:
@@ -147,7 +147,7 @@ def test_events_that_came_before_a_module_was_taken_for_dead_are_handed_on(
     late[0] = 10.0  # all that came lies in the sockets, and nobody looks for 10 s
     until(lambda: 23 in received, 5.0, meanwhile=lambda: deaf.listen(0.01))
     assert [value for value in received if value >= 0] == list(range(24))
-    assert deaf.complaints.counts["too old"] == 0
+    assert deaf.faults.counts["too old"] == 0
     assert not streamed, "commands are not kept"
     deaf.close()
 
@@ -193,7 +193,7 @@ def test_old_message_is_dropped_and_counted(connect: Connect) -> None:
     received = other.collect(v.COMMAND)
     one.publish_until(v.COMMAND, received)
     one.publish(v.COMMAND, Number(value=1), age=10.0)
-    until(lambda: other.client.complaints.counts["too old"] == 1, 5.0)
+    until(lambda: other.client.faults.counts["too old"] == 1, 5.0)
     one.publish(v.COMMAND, Number(value=2))
     until(lambda: _values(received) == [2], 5.0)
     assert received[-1][1].missed == 1
@@ -214,7 +214,7 @@ def test_repeated_sequence_number_is_dropped(connect: Connect) -> None:
     one.publish_until(v.LOG, received)
     set_sequence(one, v.LOG, 0)
     one.publish(v.LOG, Number(value=1))
-    until(lambda: other.client.complaints.counts["out of order"] == 1, 5.0)
+    until(lambda: other.client.faults.counts["out of order"] == 1, 5.0)
     assert _values(received) == []
 
 
@@ -250,12 +250,12 @@ def test_message_in_another_format_is_refused_by_central_and_dropped_by_subscrib
     with pytest.raises(RedefinedMessageError, match=r"defined as \{int\} by .*wrong wants"):
         wrong.call(define)
     until(
-        lambda: other.client.complaints.counts["wrong format"],
+        lambda: other.client.faults.counts["wrong format"],
         5.0,
         meanwhile=lambda: wrong.publish(v.OTHER_STREAM, Number(value=1)),
     )
     if central.endpoints[0].startswith("tcp"):  # else it never sees them
-        until(lambda: central.complaints.counts["wrong format"], 5.0)
+        until(lambda: central.faults.counts["wrong format"], 5.0)
     assert _values(received) == []
     assert not other.faults
 

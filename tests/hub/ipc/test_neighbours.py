@@ -59,9 +59,9 @@ def test_what_goes_to_neighbours_alone_is_not_sent_to_central(make: Make) -> Non
     other.stands()
     one.publish(v.LOG, Number(value=1))
     until(lambda: received, 5.0)
-    outlet = one.client._outlets.of(v.LOG)
-    assert len(outlet.takers.whole) == 1
-    assert not one.client._outlets.is_wanted(outlet.topic)
+    publisher = one.client._publishers.of(v.LOG)
+    assert len(publisher.takers.whole) == 1
+    assert not one.client._publishers.is_wanted(publisher.topic)
 
 
 def test_messages_of_several_names_arrive_in_the_order_of_publishing(make: Make) -> None:
@@ -129,7 +129,7 @@ def test_unsubscribed_and_departed_neighbours_get_no_more(make: Make) -> None:
     until(lambda: one.takers(v.LOG) == 0, 5.0)
     one.publish(v.LOG, Number(value=2))
     assert values(received) == values(too) == [1]
-    until(lambda: not one.client._outlets._deliveries._ways, 10.0, "a way stayed open")
+    until(lambda: not one.client._publishers._deliveries._ways, 10.0, "a way stayed open")
 
 
 def test_nothing_is_lost_while_subscribers_come_and_go(make: Make) -> None:
@@ -182,7 +182,7 @@ def test_message_that_is_too_long_is_counted_and_the_next_ones_still_come(
     until(lambda: len(received) == 2, 5.0)
     assert [value.count for value, _ in received] == [frames.MAX_FRAME - 100, 10]
     assert [how.missed for _, how in received] == [0, 1]
-    assert one.client.complaints.counts == {"too long": 1}
+    assert one.client.faults.counts == {"too long": 1}
 
 
 def test_last_value_that_is_too_long_for_a_frame_is_none(make: Make) -> None:
@@ -234,7 +234,7 @@ def test_who_subscribes_again_gets_everything_in_order(make: Make) -> None:
     steps[2].set()
     until(lambda: received[-1:] == [399], 5.0)
     assert received == sorted(set(received))
-    assert not other.client.complaints.counts
+    assert not other.client.faults.counts
 
 
 def test_handler_that_another_one_unsubscribes_is_not_called_any_more(make: Make) -> None:
@@ -273,14 +273,14 @@ def test_last_value_does_not_overtake_what_waits_in_the_inbox(make: Make) -> Non
     def held_up() -> None:
         one.call(publish)
         other.client.subscribe(v.LOG, lambda *_: None, last=True)
-        control_socket = other.client._connection._dialogue._socket
+        control_socket = other.client._connection._channel._socket
         until(lambda: sockets.readable(control_socket), 5.0, "no last value came")
 
     until(lambda: received, 5.0)
     other.call(held_up)
     until(lambda: len(received) > 10, 5.0, lambda: str(values(received)))
     assert values(received) == list(range(-1, 10))
-    assert not other.client.complaints.counts
+    assert not other.client.faults.counts
 
 
 @pytest.mark.parametrize("handler", ["slow", "raising"])
@@ -307,7 +307,7 @@ def test_inbox_is_read_on_after_a_last_value_came_while_it_was_full(
         for number in range(3):
             one.publish(v.LOG, Number(value=number))
         other.client.subscribe(v.LOG, lambda *_: None, last=True)
-        control_socket = other.client._connection._dialogue._socket
+        control_socket = other.client._connection._channel._socket
         until(lambda: sockets.readable(control_socket), 5.0, "no last value came")
 
     other.call(held_up)

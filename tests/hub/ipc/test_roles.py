@@ -62,10 +62,12 @@ def test_this_machine_may_do_everything() -> None:
 
 
 @given(st.sampled_from(Role), st.from_regex(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", fullmatch=True))
-def test_bearer_is_read_back_from_what_goes_with_its_frames(role: Role, name: str) -> None:
-    bearer = Principal.of(name, role, KeyPair.new().public)
-    assert roles.parse_principal(bearer.user_id) == bearer
-    assert roles.parse_principal(bearer.user_id) != Principal.of(name, role, KeyPair.new().public)
+def test_principal_is_read_back_from_what_goes_with_its_frames(role: Role, name: str) -> None:
+    principal = Principal.of(name, role, KeyPair.new().public)
+    assert roles.parse_principal(principal.user_id) == principal
+    assert roles.parse_principal(principal.user_id) != Principal.of(
+        name, role, KeyPair.new().public
+    )
 
 
 @pytest.mark.parametrize(

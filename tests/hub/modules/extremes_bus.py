@@ -36,7 +36,7 @@ class ExtremesBus:
     closed_by = ""
 
     def __init__(self, clock: Callable[[], float], random: Random) -> None:
-        self.complaints = SimpleNamespace(counts=Counter())
+        self.faults = SimpleNamespace(counts=Counter())
         self.directory = SimpleNamespace(watch=_unheard, follow=_unheard)
         self.handlers: defaultdict[str, list[Callable[[Any], None]]] = defaultdict(list)
         self.timers: list[Callable[[], None]] = []

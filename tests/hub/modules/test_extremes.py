@@ -34,8 +34,8 @@ def control_desk(bus: Any, _: Any) -> None:
     def peer(number: int) -> Any:
         if number not in (2, 3):
             return None
-        bearer = SimpleNamespace(role=roles.Role.SUPERVISE)
-        return SimpleNamespace(publisher=number, name=f"console-{number}", bearer=bearer)
+        principal = SimpleNamespace(role=roles.Role.SUPERVISE)
+        return SimpleNamespace(publisher=number, name=f"console-{number}", principal=principal)
 
     ControlService(bus, peer)
 

@@ -43,7 +43,7 @@ class StandIn:
         self.logged: list[str] = []
         logger = logging.getLogger(f"gateway {folder}")
         logger.addHandler(_Collecting(self.logged))
-        self.complaints = FaultCounter(logger, lambda: self.now)
+        self.faults = FaultCounter(logger, lambda: self.now)
         self.ended: list[int] = []
         self._stopping = threading.Event()
         self._outcomes = 0
@@ -66,7 +66,7 @@ class StandIn:
             TcpEndpoint("127.0.0.1", port),
             self.keyring,
             {plane: (f"inproc://{plane}-in", f"inproc://{plane}-out") for plane in PLANES},
-            self.complaints,
+            self.faults,
             make=lambda kind, _: self.bare(self.context, kind),
             accounts=Accounts(),
             clock=lambda: self.now,

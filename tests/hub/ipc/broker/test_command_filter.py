@@ -31,13 +31,13 @@ BEARERS = {
 }
 
 
-def peer(number: int, name: str, bearer: Principal) -> Peer:
+def peer(number: int, name: str, principal: Principal) -> Peer:
     return Peer(
         identity=b"%d" % number,
         descriptor=-1,
         name=name,
         pid=1,
-        bearer=bearer,
+        principal=principal,
         client=number,
         publisher=number,
         heard=0.0,
@@ -59,12 +59,12 @@ class Door:
 
     def __init__(self) -> None:
         self.now = 0.0
-        self.complaints = FaultCounter(logging.getLogger(__name__), lambda: 0.0)
+        self.faults = FaultCounter(logging.getLogger(__name__), lambda: 0.0)
         known = set(BEARERS.values())
         self._door = CommandFilter(
             PEERS.get,
             known.__contains__,
-            self.complaints,
+            self.faults,
             lambda: self.now,
             accounts=Accounts(),
         )
@@ -124,7 +124,7 @@ def test_a_command_comes_in_by_role_and_under_its_senders_number(
 ) -> None:
     door, raw = Door(), frame(*what, number)
     assert door.admit(raw, who) == (None if dropped else raw)
-    assert dict(door.complaints.counts) == ({dropped: 1} if dropped else {})
+    assert dict(door.faults.counts) == ({dropped: 1} if dropped else {})
 
 
 @pytest.mark.parametrize("number", [ALICE, BOB, LOCAL_NUMBER, 99])
@@ -134,7 +134,7 @@ def test_a_stop_comes_in_from_everybody_under_nobody_elses_number(who: str, numb
     admitted = Door().admit(raw, who)
     assert admitted is not None
     read = frames.unpack(admitted)
-    own = number in PEERS and PEERS[number].bearer is BEARERS[who]
+    own = number in PEERS and PEERS[number].principal is BEARERS[who]
     assert read.publisher == (number if own else 0)
     assert navigation.STOP.decode(read.payload) == Stop(reason="help")
 
@@ -161,25 +161,25 @@ def test_every_stop_that_comes_in_counts_and_none_under_a_forged_number(
     admitted = Door().admit(bytes(raw), "eye")
     assert admitted is not None
     assert admitted.startswith(b"!GCM_Stop\0")  # a neighbour listens to no other topic at central
-    inlet = Subscription(navigation.STOP)
+    subscription = Subscription(navigation.STOP)
     try:
-        arrival: ReceivedFrame | None = inlet.read(admitted)
+        arrival: ReceivedFrame | None = subscription.read(admitted)
     except FrameError:
-        arrival = inlet.unreadable()
+        arrival = subscription.unreadable()
     assert arrival is not None
     assert (arrival.publisher, arrival.kind) == (0, frames.INLINE)
     assert len(arrival.messages) == 1
 
 
 def test_fault_of_ours_does_not_close_the_door() -> None:
-    complaints = FaultCounter(logging.getLogger(__name__), lambda: 0.0)
+    faults = FaultCounter(logging.getLogger(__name__), lambda: 0.0)
 
     def peer_of(number: int) -> Peer:
         raise RuntimeError(number)
 
-    door = CommandFilter(peer_of, lambda _: True, complaints, lambda: 0.0, accounts=Accounts())
+    door = CommandFilter(peer_of, lambda _: True, faults, lambda: 0.0, accounts=Accounts())
     assert door.admit(frame(*VELOCITY, BOB), BEARERS["bob"].user_id) is None
-    assert complaints.counts == {"internal fault": 1}
+    assert faults.counts == {"internal fault": 1}
 
 
 @pytest.mark.parametrize("kind", [5, 7, 65535])
@@ -194,7 +194,7 @@ def test_frame_of_an_unknown_kind_is_no_place_in_a_ring(kind: int) -> None:
 def test_nonsense_is_dropped_and_counted(raw: bytes, who: str) -> None:
     door = Door()
     assert door.admit(raw, who) is None
-    assert door.complaints.counts.total() == 1
+    assert door.faults.counts.total() == 1
 
 
 @given(st.data())
@@ -213,7 +213,7 @@ def test_no_command_is_a_batch_or_lies_in_a_ring(kind: int) -> None:
     struct.pack_into("<H", raw, len(frames.prefix("GCM_Velocity_Command", frames.FAR)) + 2, kind)
     door = Door()
     assert door.admit(bytes(raw), "alice") is None
-    assert door.complaints.counts["malformed command"] == 1
+    assert door.faults.counts["malformed command"] == 1
 
 
 def test_flood_of_commands_is_cut_to_the_rate_of_its_key_and_stops_pass_beside_it() -> None:
@@ -235,4 +235,4 @@ def test_flood_of_stops_reaches_the_robot_as_often_as_it_matters() -> None:
     assert sum(door.admit(stop, "eye") is not None for _ in range(2000)) == STOPS_AT_ONCE
     door.now += 1.0
     assert sum(door.admit(stop, "eye") is not None for _ in range(2000)) == STOPS_PER_S
-    assert door.complaints.counts["too many commands"] > 0
+    assert door.faults.counts["too many commands"] > 0

@@ -134,7 +134,7 @@ def test_each_role_enters_its_places_and_no_others(hub: StandIn, role: Role) -> 
     }
     assert {place: hub.outcome(kind, place, keys) for place, kind in KINDS.items()} == expected
     refused = {f"refused at the gateway's {p}: role {role.value}" for p in INS if p not in inward}
-    assert set(hub.complaints.counts) == refused
+    assert set(hub.faults.counts) == refused
 
 
 @pytest.mark.parametrize("place", KINDS)
@@ -153,13 +153,13 @@ def test_stranger_is_refused_counted_and_logged_once_a_minute(
         keys = None
     else:
         assert hub.outcome(KINDS[place], place, keys) == "in"
-        hub.keyring.remove(keys.bearer.name)
+        hub.keyring.remove(keys.principal.name)
     for _ in range(3):
         assert hub.outcome(KINDS[place], place, keys) == "refused"
     reason = f"bad handshake at the gateway's {place}"
     if who in ("nobody's key", "removed key"):
         reason = f"refused at the gateway's {place}: unknown key"
-    until(lambda: hub.complaints.counts[reason] >= 3, 10.0, lambda: str(hub.complaints.counts))
+    until(lambda: hub.faults.counts[reason] >= 3, 10.0, lambda: str(hub.faults.counts))
     assert len([line for line in hub.logged if reason in line]) == 1
     hub.now += 61.0
     hub.outcome(KINDS[place], place, keys)
@@ -236,7 +236,7 @@ def test_who_leaves_in_the_middle_of_the_handshake_is_not_said_to_have_a_wrong_k
     with socket.create_connection(("127.0.0.1", hub.port("control"))) as raw:
         raw.sendall(b"\xff" + bytes(8) + b"\x7f")
     reason = "bad handshake at the gateway's control"
-    until(lambda: hub.complaints.counts[reason] == 1, 10.0)
+    until(lambda: hub.faults.counts[reason] == 1, 10.0)
     (line,) = (line for line in hub.logged if reason in line)
     assert "left before it was over, or has no key" in line
 
@@ -251,15 +251,15 @@ def test_nobody_gets_in_while_nobody_decides(tmp_path: Path) -> None:
 def test_nobody_gets_in_when_the_gatekeeper_is_gone(tmp_path: Path) -> None:
     with standing_in(tmp_path / "keys", serving=False) as hub:
         keys = hub.keys(Role.MODULE)
-        hub.gateway._gatekeeper.close()
+        hub.gateway._zap.close()
         for place, kind in KINDS.items():
             hub.remote(kind, place, keys)
         until(
             lambda: (
-                set(hub.complaints.counts) == {f"bad handshake at the gateway's {p}" for p in KINDS}
+                set(hub.faults.counts) == {f"bad handshake at the gateway's {p}" for p in KINDS}
             ),
             10.0,
-            lambda: str(hub.complaints.counts),
+            lambda: str(hub.faults.counts),
             meanwhile=lambda: hub.gateway.serve(dict.fromkeys(hub.gateway.polled[1:], 1)),
         )
 
@@ -288,15 +288,15 @@ def test_ports_follow_each_other_and_are_free_again_after_close(tmp_path: Path) 
             keys = hub.keys(Role.MODULE)
             for place, kind in KINDS.items():
                 assert hub.outcome(kind, place, keys) == "in"
-            hub.keyring.remove(keys.bearer.name)
+            hub.keyring.remove(keys.principal.name)
         descriptors.append(psutil.Process().num_fds())
     assert len(set(descriptors[1:])) == 1
 
 
 def test_close_does_not_wait_for_strangers_who_keep_knocking(tmp_path: Path) -> None:
     port = free_port()
-    bearer = Principal(name="stranger", role=Role.MODULE)
-    keys = ClientKeys(bearer=bearer, pair=KeyPair.new(), hub=KeyPair.new().public)
+    principal = Principal(name="stranger", role=Role.MODULE)
+    keys = ClientKeys(principal=principal, pair=KeyPair.new(), hub=KeyPair.new().public)
     outside: zmq.Context[_Socket] = zmq.Context()
     knocking = [outside.socket(zmq.DEALER) for _ in range(12)]
     try:
@@ -306,7 +306,7 @@ def test_close_does_not_wait_for_strangers_who_keep_knocking(tmp_path: Path) -> 
             client.connect(f"tcp://127.0.0.1:{port}")
         for _ in range(15):
             with standing_in(tmp_path, port) as hub:
-                until(lambda: hub.complaints.counts.total() > 20, 10.0)
+                until(lambda: hub.faults.counts.total() > 20, 10.0)
     finally:
         outside.destroy(linger=0)
 

@@ -38,7 +38,7 @@ def test_handler_that_let_a_query_run_out_is_not_asked_while_another_has_no_more
     _let_run_out(bench)
     asked = [bench.ask("a", number=number).identity for number in range(3)]
     assert asked == [b"b", b"b", b"c"]
-    assert bench.complaints.counts["unanswered query"] == 1
+    assert bench.faults.counts["unanswered query"] == 1
 
 
 def test_handler_that_never_answers_gets_few_of_many_queries(bench: Bench) -> None:

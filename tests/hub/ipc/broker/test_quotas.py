@@ -34,9 +34,9 @@ def observer(name: str = "eve") -> Principal:
     return Principal(name=name, role=Role.OBSERVE)
 
 
-def connect(bench: Bench, letters: str, bearer: Principal) -> list[Any]:
+def connect(bench: Bench, letters: str, principal: Principal) -> list[Any]:
     """What each HELLO is answered with."""
-    bench.bearers.update(dict.fromkeys(letters, bearer))
+    bench.principals.update(dict.fromkeys(letters, principal))
     answers = [bench.say(each, control.Hello(name=f"m {each}", pid=1)) for each in letters]
     return [answer[0].message for answer in answers]
 
@@ -136,8 +136,8 @@ def test_observers_leave_places_to_operators_and_all_leave_places_to_local_clien
     for role in (Role.OBSERVE, Role.OPERATE, Role.MODULE):
         quota, refused = QUOTAS[role], 0
         for key in range(200):
-            bearer = Principal(name=f"{role.value}{key}", role=role)
-            answers = connect(bench, letters(quota.connections, first), bearer)
+            principal = Principal(name=f"{role.value}{key}", role=role)
+            answers = connect(bench, letters(quota.connections, first), principal)
             first += quota.connections
             refused += sum(isinstance(each, Refused) for each in answers)
             if refused:
@@ -168,7 +168,7 @@ def test_observer_subscribes_to_so_many_messages_and_is_told_of_the_limit(bench:
     refused = bench.answer("a", control.Subscribe(name="Last", token=""))
     assert isinstance(refused, Refused)
     assert str(OBSERVE.names) in refused.text
-    assert bench.complaints.counts["refused name"] == 1
+    assert bench.faults.counts["refused name"] == 1
 
 
 class Asking:
@@ -179,8 +179,8 @@ class Asking:
         bench.connect("h")
         bench.handles("h")
 
-    def join(self, who: str, bearer: Principal) -> None:
-        (welcome,) = connect(self.bench, who, bearer)
+    def join(self, who: str, principal: Principal) -> None:
+        (welcome,) = connect(self.bench, who, principal)
         assert isinstance(welcome, Welcome)
 
     def ask(self, who: str) -> Any:
@@ -202,7 +202,7 @@ def test_queries_of_one_key_leave_room_for_another(asking: Asking) -> None:
     failed = [each for each in answers if isinstance(each, Failure)]
     assert len(failed) == 100 - OBSERVE.at_one_handler
     assert str(OBSERVE.at_one_handler) in failed[0].text
-    assert asking.bench.complaints.counts["query over quota"] == len(failed)
+    assert asking.bench.faults.counts["query over quota"] == len(failed)
 
 
 def test_queries_of_one_key_at_several_handlers_leave_room_for_another(bench: Bench) -> None:
@@ -290,8 +290,8 @@ class Door:
     def __init__(self) -> None:
         self.now = 0.0
         self.ended: list[int] = []
-        complaints = FaultCounter(logging.getLogger(__name__), lambda: self.now)
-        self.sources = ConnectionRates(complaints, self.ended.append)
+        faults = FaultCounter(logging.getLogger(__name__), lambda: self.now)
+        self.sources = ConnectionRates(faults, self.ended.append)
         self._last = 0
 
     def come(self, place: str, address: str = "10.0.0.1") -> int:

@@ -49,7 +49,7 @@ class Attack:
         return made
 
     def counts(self, reason: str) -> int:
-        return self.hub.central.complaints.counts[reason]
+        return self.hub.central.faults.counts[reason]
 
     def close(self) -> None:
         for made in self._made:

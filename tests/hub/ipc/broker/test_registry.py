@@ -28,13 +28,13 @@ class Bench:
 
     def __init__(self) -> None:
         self.now = 100.0
-        self.bearers: dict[str, Principal] = {}
-        self.complaints = FaultCounter(logging.getLogger(__name__), lambda: self.now)
-        self.registry = Registry(clock=lambda: self.now, complaints=self.complaints)
+        self.principals: dict[str, Principal] = {}
+        self.faults = FaultCounter(logging.getLogger(__name__), lambda: self.now)
+        self.registry = Registry(clock=lambda: self.now, faults=self.faults)
 
     def say(self, who: str, message: Any, attached: bytes | None = None) -> list[Outgoing]:
-        bearer = self.bearers.get(who, LOCAL)
-        caller = Caller(who.encode(), ord(who), bearer, PORTS, PATHS)
+        principal = self.principals.get(who, LOCAL)
+        caller = Caller(who.encode(), ord(who), principal, PORTS, PATHS)
         return self.registry.handle(caller, message, attached)
 
     def answer(self, who: str, message: Any, attached: bytes | None = None) -> Any:
@@ -106,7 +106,7 @@ def test_name_of_a_live_peer_is_refused_and_says_whose_it_is(bench: Bench) -> No
     refused = bench.answer("b", control.Hello(name="module a", pid=2))
     assert refused.error == NameTakenError.__name__
     assert "pid 97" in refused.text
-    assert bench.complaints.counts["refused connection"] == 1
+    assert bench.faults.counts["refused connection"] == 1
     bench.say("a", control.Bye())
     assert isinstance(bench.answer("b", control.Hello(name="module a", pid=2)), Welcome)
 
@@ -146,7 +146,7 @@ def test_ping_is_answered_with_the_epoch(bench: Bench) -> None:
 def test_control_message_that_only_central_sends_is_counted(bench: Bench) -> None:
     bench.connect("a")
     assert bench.say("a", UnknownPeer()) == []
-    assert bench.complaints.counts["unexpected control message"] == 1
+    assert bench.faults.counts["unexpected control message"] == 1
 
 
 def test_definition_is_listed_with_who_defined_it_first(bench: Bench) -> None:
@@ -165,7 +165,7 @@ def test_other_format_is_refused_and_names_who_defined_it(bench: Bench) -> None:
     assert refused.subject == "M"
     assert "{int} by module a" in refused.text
     assert "module b wants {double}" in refused.text
-    assert bench.complaints.counts["refused definition"] == 1
+    assert bench.faults.counts["refused definition"] == 1
 
 
 def test_other_plane_is_refused_because_they_would_never_meet(bench: Bench) -> None:
@@ -207,7 +207,7 @@ def test_query_goes_to_the_handler_and_its_answer_to_the_asker(bench: Bench) -> 
     (answered,) = bench.say("b", Response(number=asked.message.number), b"answer")
     assert answered == Outgoing(identity=b"a", message=Response(number=7), attached=b"answer")
     assert bench.say("b", Response(number=asked.message.number), b"again") == []
-    assert bench.complaints.counts["late answer"] == 1
+    assert bench.faults.counts["late answer"] == 1
 
 
 def test_queries_of_two_askers_under_one_number_do_not_mix(bench: Bench) -> None:
@@ -289,7 +289,7 @@ def test_answer_for_an_asker_that_left_is_late(bench: Bench) -> None:
     number = bench.ask("a").message.number
     assert bench.say("a", control.Bye()) == []
     assert bench.say("b", Response(number=number), b"answer") == []
-    assert bench.complaints.counts["late answer"] == 1
+    assert bench.faults.counts["late answer"] == 1
 
 
 def test_answer_of_another_module_than_was_asked_is_not_passed_on(bench: Bench) -> None:
@@ -359,15 +359,15 @@ def test_names_beyond_the_limit_and_of_undefined_messages_are_counted(
     bench.connect("a")
     for number in range(5):
         bench.handles("a", f"M{number}")
-    assert bench.complaints.counts["refused name"] == 2
+    assert bench.faults.counts["refused name"] == 2
     bench.say("a", control.Handle(name="Undefined"))
     bench.say("a", control.Advertise(name="Undefined"))
-    assert bench.complaints.counts["refused name"] == 4
+    assert bench.faults.counts["refused name"] == 4
     bench.say("a", control.Subscribe(name="x" * 65, token="1.1"))
-    assert bench.complaints.counts["refused name"] == 5
+    assert bench.faults.counts["refused name"] == 5
     # Who may not define subscribes to what others will define.
     assert bench.say("a", control.Subscribe(name="Undefined", token="")) == []
-    assert bench.complaints.counts["refused name"] == 5
+    assert bench.faults.counts["refused name"] == 5
 
 
 def test_list_of_everything_fits_into_one_frame_at_the_limits(bench: Bench) -> None:
@@ -408,14 +408,14 @@ def test_broadcasts_are_compared_with_their_definition(
         bench.define("a", "M", text)
     frame = frames.Frame("M", 0, 1, fingerprint, 1, 1, memoryview(b""))
     assert bench.registry.broadcast(frame) == (reason is None)
-    assert dict(bench.complaints.counts) == ({reason: 1} if reason else {})
+    assert dict(bench.faults.counts) == ({reason: 1} if reason else {})
 
 
 def test_listing_tells_peers_and_what_was_dropped(bench: Bench) -> None:
     bench.connect("a", "b")
     bench.handles("b", "Ask")
     bench.handles("b", "Again")
-    bench.complaints.count("rubbish", "x")
+    bench.faults.count("rubbish", "x")
     bench.now += 0.5
     listing = bench.listing("a")
     assert [(p.name, p.pid, p.silent_s, p.handles) for p in listing.peers] == [
@@ -425,15 +425,15 @@ def test_listing_tells_peers_and_what_was_dropped(bench: Bench) -> None:
     assert listing.dropped == (control.Count(reason="rubbish", count=1),)
 
 
-def test_complaints_log_each_reason_at_most_once_a_minute(
+def test_each_kind_of_fault_is_logged_at_most_once_a_minute(
     bench: Bench, caplog: pytest.LogCaptureFixture
 ) -> None:
     for _ in range(1000):
-        bench.complaints.count("rubbish", "x")
-        bench.complaints.count("more", "y")
+        bench.faults.count("rubbish", "x")
+        bench.faults.count("more", "y")
     assert len(caplog.records) == 2
     bench.now += 60.0
-    bench.complaints.count("rubbish", "z")
+    bench.faults.count("rubbish", "z")
     assert "rubbish (1001 so far): z" in caplog.records[-1].getMessage()
 
 
@@ -442,15 +442,15 @@ def test_names_of_the_robots_modules_are_for_modules(name: str) -> None:
     bench = Bench()
     bench.registry = registry.Registry(
         clock=lambda: bench.now,
-        complaints=bench.complaints,
+        faults=bench.faults,
         reserved=frozenset({"my own module"}),
     )
     for who, role in (("a", Role.OBSERVE), ("b", Role.OPERATE), ("c", Role.SUPERVISE)):
-        bench.bearers[who] = Principal(name="alice", role=role)
+        bench.principals[who] = Principal(name="alice", role=role)
         refused = bench.answer(who, control.Hello(name=name, pid=1))
         assert refused.error == NotAllowedError.__name__
         assert f"alice has a key to {role.value}" in refused.text
-    bench.bearers["d"] = Principal(name="far", role=Role.MODULE)
+    bench.principals["d"] = Principal(name="far", role=Role.MODULE)
     assert isinstance(bench.answer("d", control.Hello(name=name, pid=1)), Welcome)
     bench.say("d", control.Bye())
     assert isinstance(bench.answer("e", control.Hello(name=name, pid=1)), Welcome)
@@ -470,7 +470,7 @@ def test_publisher_numbers_cannot_be_guessed_from_the_one_before(bench: Bench) -
 
 def test_listing_for_keys_never_has_who_was_gone_when_it_was_asked_for(bench: Bench) -> None:
     for who in "ab":
-        bench.bearers[who] = Principal.of(who, Role.OPERATE, who)
+        bench.principals[who] = Principal.of(who, Role.OPERATE, who)
     bench.connect("a", "b")
     assert {each.name for each in bench.listing("a").peers} == {"module a", "module b"}
     bench.say("b", control.Bye())

@@ -79,7 +79,7 @@ def test_inbox_of_a_stranger_or_elsewhere_is_told_nobody(
 
 
 def test_who_has_a_key_takes_nobodys_confirmation(bench: Bench) -> None:
-    bench.bearers["e"] = Principal.of("eve", Role.OBSERVE, "its key")
+    bench.principals["e"] = Principal.of("eve", Role.OBSERVE, "its key")
     bench.connect("e")
     bench.say("a", Advertise(name="M"))
     bench.say("b", Subscribe(name="M", token="1.1", inbox=INBOX))
@@ -94,7 +94,7 @@ def test_keys_leave_room_for_the_confirmations_of_the_robot(
 ) -> None:
     monkeypatch.setattr(subscription_acks, "_MAX_UNDER_WAY", 20)
     monkeypatch.setattr(subscription_acks, "_MAX_FAR", 10)
-    bench.bearers["e"] = Principal.of("eve", Role.OBSERVE, "its key")
+    bench.principals["e"] = Principal.of("eve", Role.OBSERVE, "its key")
     bench.connect("e")
     own = _number(bench, "e")
     for rounds in range(2):

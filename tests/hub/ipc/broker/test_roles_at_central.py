@@ -103,8 +103,8 @@ def test_observers_do_not_command_however_they_try(hub: Hub) -> None:
     one.connect()
     one.publish(v.EVENT, Number(value=1))
     refused = "refused at the gateway's state in: role observe"
-    until(lambda: hub.central.complaints.counts[refused], 5.0)
-    until(lambda: hub.central.complaints.counts["not allowed"], 5.0)
+    until(lambda: hub.central.faults.counts[refused], 5.0)
+    until(lambda: hub.central.faults.counts["not allowed"], 5.0)
     hub.local.publish(v.EVENT, Number(value=100))
     until(lambda: 100 in values, 5.0)
     assert values == [100]
@@ -117,7 +117,7 @@ def test_operators_are_no_part_of_the_robot(hub: Hub) -> None:
     with pytest.raises(NotAllowedError):
         one.publish(v.LOG, Number(value=1))
     one.call(lambda: one.client.respond(v.ASK, v.ANSWER, lambda ask: ask))
-    until(lambda: hub.central.complaints.counts["not allowed"] >= 1, 5.0)
+    until(lambda: hub.central.faults.counts["not allowed"] >= 1, 5.0)
     assert hub.local.call(lambda: hub.local.client.directory.number_of_handlers("T_Ask")) == 0
     one.call(lambda: one.client.define(v.STREAM))
     with pytest.raises(NotAllowedError, match="define a new message"):
@@ -147,7 +147,7 @@ def test_removed_key_does_not_come_back(hub: Hub, tmp_path: Path) -> None:
     Keyring(tmp_path / "keys").remove("one")
     one.call(lambda: one.client._connection.start_over("to connect again"))
     refused = "refused at the gateway's control: unknown key"
-    until(lambda: hub.central.complaints.counts[refused], 5.0)
+    until(lambda: hub.central.faults.counts[refused], 5.0)
     until(lambda: hub.central.connected() == ("local",), 5.0)
     until(lambda: isinstance(one.client.refusal, NotAllowedError), 5.0)
     assert "refuses the key 'one'" in str(one.client.refusal)
@@ -161,7 +161,7 @@ def test_client_without_keys_stays_on_its_machine(
         Client("one", "tcp://robot.example:1481")
     # Without keys it does not get through the gateway of its own machine either.
     lonely = peers("lonely", hub.central.endpoints[1])
-    until(lambda: any("bad handshake at" in r for r in hub.central.complaints.counts), 10.0)
+    until(lambda: any("bad handshake at" in r for r in hub.central.faults.counts), 10.0)
     assert not lonely.client.connected
 
 

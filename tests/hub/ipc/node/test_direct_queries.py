@@ -53,7 +53,7 @@ def _on_the_short_way(asker: Peer, central: Central) -> None:
         return central._registry._routes._last == before
 
     until(short, 5.0)
-    assert asker.client._questions.ways()
+    assert asker.client._pending_queries.ways()
 
 
 def test_queries_go_directly_once_central_has_said_where(
@@ -83,7 +83,7 @@ def test_second_handler_brings_central_back_which_shares_the_queries(
     asker, first = connect("asker"), _responding(connect("first"))
     _on_the_short_way(asker, central)
     second = _responding(connect("second"), plus=100)
-    until(lambda: not asker.client._questions.ways(), 5.0)
+    until(lambda: not asker.client._pending_queries.ways(), 5.0)
     assert _ask(asker, 1) in (1, 101)
     first.call(lambda: first.client.stop_responding(v.ASK))
 
@@ -202,8 +202,8 @@ def test_rubbish_at_the_door_is_counted_and_harms_nobody(
         rogue.send_multipart([good, b"no frame"])
         rogue.send_multipart([good] * 9)
         rogue.send_multipart([control_codec.pack(control.Bye()), b""])
-        complaints = handler.client.complaints.counts
-        until(lambda: complaints["malformed control frame"] >= 302, 5.0)
+        faults = handler.client.faults.counts
+        until(lambda: faults["malformed control frame"] >= 302, 5.0)
         assert rogue.poll(5000)
         assert isinstance(control_codec.unpack(rogue.recv_multipart()[0]), control.Failure)
     assert _ask(asker, 5) == 5

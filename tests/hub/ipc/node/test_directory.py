@@ -62,7 +62,7 @@ def test_losses_and_ages_that_subscribers_see_are_listed(connect: Connect) -> No
     one.publish_until(v.LOG, received)
 
     def skip() -> None:
-        one.client._outlets.of(v.LOG)._sequence += 5
+        one.client._publishers.of(v.LOG)._sequence += 5
 
     one.call(skip)
     one.publish(v.LOG, Number(value=1), age=3.0)

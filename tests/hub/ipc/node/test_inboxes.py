@@ -42,7 +42,7 @@ def test_rubbish_in_an_inbox_is_counted_and_harms_nobody(make: Make) -> None:
     one.publish_until(v.LOG, received)
     context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
     rogue = context.socket(zmq.PUSH)
-    rogue.connect(other.client._inlets._inboxes[Plane.STATE].address)
+    rogue.connect(other.client._subscriptions._inboxes[Plane.STATE].address)
     randomness = random.Random(3)
     topic = frames.topic(v.LOG.name)
     for _ in range(200):
@@ -51,7 +51,7 @@ def test_rubbish_in_an_inbox_is_counted_and_harms_nobody(make: Make) -> None:
                      frames.train([raw, topic + raw])):  # fmt: skip
             rogue.send(each)
     rogue.send_multipart([b"x"] * 1000)
-    counts = other.client.complaints.counts
+    counts = other.client.faults.counts
     until(lambda: counts["malformed frame"] > 1000, 5.0)
     for number in range(100):
         one.publish(v.LOG, Number(value=number))
@@ -64,7 +64,7 @@ def test_another_user_cannot_send_into_an_inbox(make: Make) -> None:
     one, other = make("one"), make("other")
     received = other.collect(v.LOG)
     one.publish_until(v.LOG, received)
-    address = other.client._inlets._inboxes[Plane.STATE].address
+    address = other.client._subscriptions._inboxes[Plane.STATE].address
     program = (
         "import os, sys, zmq; os.setgid(65534); os.setuid(65534)\n"
         "push = zmq.Context().socket(zmq.PUSH); push.connect(sys.argv[1]); push.linger = 500\n"
@@ -77,7 +77,7 @@ def test_another_user_cannot_send_into_an_inbox(make: Make) -> None:
     assert told.stdout.strip() == "1", "it was not turned away"
     one.publish(v.LOG, Number(value=5))
     until(lambda: 5 in values(received), 5.0)
-    assert not other.client.complaints.counts
+    assert not other.client.faults.counts
 
 
 @pytest.mark.parametrize(
@@ -87,9 +87,9 @@ def test_publisher_connects_to_nothing_but_inboxes(make: Make, inbox: str) -> No
     one = make("one")
     one.publish(v.LOG, Number(value=1))
     wrong = Subscriber(name="T_Log", subscriber=1, inbox=inbox)
-    one.call(lambda: one.client._outlets.subscriber(wrong))
+    one.call(lambda: one.client._publishers.subscriber(wrong))
     assert one.takers(v.LOG) == 0
-    assert one.client.complaints.counts["malformed control frame"] == 1
+    assert one.client.faults.counts["malformed control frame"] == 1
 
 
 def _accepted_unseen() -> int:
@@ -107,7 +107,8 @@ def test_every_publisher_gets_a_connection_to_a_subscriber_that_is_held_up(
         "import sys; from hub.ipc.client import Client; from tests.hub.ipc import vocabulary as v\n"
         "client = Client('held up', sys.argv[1]); client.subscribe(v.LOG, print)\n"
         "client.wait_subscribed(10.0)\n"
-        "print([inbox.address for inbox in client._inlets._inboxes.values()][0], flush=True)\n"
+        "inboxes = client._subscriptions._inboxes.values()\n"
+        "print([inbox.address for inbox in inboxes][0], flush=True)\n"
         "sys.stdin.read()"
     )
     process = subprocess.Popen(
@@ -139,9 +140,9 @@ def test_publisher_that_finds_no_way_to_a_subscriber_publishes_to_the_others(mak
     one.open(v.LOG)
     number = third.client._connection.publisher
     nowhere = Subscriber(name="T_Log", subscriber=number, inbox="ipc:///nowhere")
-    one.call(lambda: one.client._outlets.subscriber(nowhere))
+    one.call(lambda: one.client._publishers.subscriber(nowhere))
     assert one.takers(v.LOG) == 1
-    one.call(lambda: one.client._outlets.subscriber(Subscriber(name="", subscriber=number)))
+    one.call(lambda: one.client._publishers.subscriber(Subscriber(name="", subscriber=number)))
     one.publish(v.LOG, Number(value=1))
     until(lambda: values(received) == [-1, 1], 5.0)
 
@@ -186,7 +187,7 @@ def test_way_to_a_neighbour_whose_connection_ended_is_made_anew(make: Make) -> N
         inbox = context.socket(zmq.PULL)
         until(lambda inbox=inbox: _bound(inbox, address), 5.0)
         if number == 1:
-            one.call(lambda: one.client._outlets.subscriber(told))
+            one.call(lambda: one.client._publishers.subscriber(told))
         until(
             lambda inbox=inbox: inbox.poll(0),
             5.0,
@@ -220,7 +221,7 @@ def test_neighbour_that_could_not_be_reached_is_tried_again(
     monkeypatch.setattr(sockets, "make_inbox", without_descriptors)
     one.open(v.LOG)
     received = other.collect(v.LOG)
-    until(lambda: one.client.complaints.counts["no way to a subscriber"], 5.0)
+    until(lambda: one.client.faults.counts["no way to a subscriber"], 5.0)
     full.clear()
     other.stands()
     one.publish(v.LOG, Number(value=5))

@@ -88,7 +88,7 @@ def test_message_nobody_wants_is_not_sent_and_waits_for_nobody(connect: Connect)
     one, other = connect("one"), connect("other")
     for number in range(5):
         one.publish(v.LOG, Number(value=number))
-    until(lambda: not one.call(lambda: one.client._outlets.of(v.LOG)._held), 5.0)
+    until(lambda: not one.call(lambda: one.client._publishers.of(v.LOG)._held), 5.0)
     values = _subscribed(other, v.LOG)
     one.publish(v.LOG, Number(value=7))
     until(lambda: values == [7], 5.0)
@@ -126,7 +126,7 @@ def test_queue_length_keeps_the_newest_and_says_what_it_left_out(connect: Connec
     for number in range(20):
         one.publish(v.LOG, Number(value=number))
     one.call(lambda: one.client.directory.listing(5.0))
-    until(lambda: other.client._inlets._files, 1.0)
+    until(lambda: other.client._subscriptions._files, 1.0)
     free.set()
     until(lambda: received[-1][0].value == 19, 5.0)
     values = [value.value for value, _ in received if value.value >= 0]
@@ -153,7 +153,7 @@ def test_higher_priority_is_handed_on_first(connect: Connect) -> None:
     for number in range(3):
         for definition in (v.ANSWER, v.LOG, v.STREAM):
             one.publish(definition, Number(value=number))
-    arrived = other.client._inlets._sockets
+    arrived = other.client._subscriptions._sockets
     until(lambda: arrived, 1.0)
     one.call(lambda: one.client.directory.listing(5.0))
     free.set()
@@ -268,7 +268,7 @@ def test_payload_can_be_published_and_received_as_it_is(connect: Connect) -> Non
     until(lambda: payloads == [payload], 5.0)
     assert values == [77]
     one.call(lambda: one.client.publish_payload(v.LOG, b"rubbish"))
-    until(lambda: other.client.complaints.counts["wrong format"] == 1, 5.0)
+    until(lambda: other.client.faults.counts["wrong format"] == 1, 5.0)
     assert len(payloads) == 1
 
 
@@ -289,12 +289,12 @@ def test_picture_goes_through_shared_memory_and_is_a_copy_of_its_own(connect: Co
     pictures = [value for value, _ in received]
     assert [bool((p.pixels == int(p.name)).all()) for p in pictures] == [True] * len(pictures)
     assert all(not how.missed for _, how in received)
-    assert one.client._outlets.of(v.RING_PICTURE)._ring is not None
+    assert one.client._publishers.of(v.RING_PICTURE)._ring is not None
     last = other.call(lambda: other.client.last_value(v.RING_PICTURE, timeout=5.0))
     assert last.name == "99"
     one.publish(v.RING_PICTURE, _picture(7, size=900_000))
     until(lambda: received[-1][0].count == 900_000, 5.0)
-    assert not other.client.complaints.counts
+    assert not other.client.faults.counts
 
 
 @pytest.mark.skipif(not shared_ring.available, reason="this system has no anonymous files")
@@ -315,7 +315,7 @@ def test_picture_comes_the_plain_way_where_there_is_no_shared_memory(
         def gone(place: object) -> None:
             raise FileNotFoundError(str(place))
 
-        monkeypatch.setattr(other.client._inlets.arrivals._rings, "read", gone)
+        monkeypatch.setattr(other.client._subscriptions.receive_queue._rings, "read", gone)
     received, received_too = other.collect(v.RING_PICTURE), third.collect(v.RING_PICTURE)
     for each in (other, third):
         each.call(lambda each=each: each.client.wait_subscribed(5.0))
@@ -329,8 +329,8 @@ def test_picture_comes_the_plain_way_where_there_is_no_shared_memory(
         ),
     )
     assert all((p.pixels == int(p.name) % 256).all() for p, _ in received + received_too)
-    assert other.client.complaints.counts["no shared memory"] == 1
-    assert not other.client._inlets._inlets[v.RING_PICTURE.name].in_ring
+    assert other.client.faults.counts["no shared memory"] == 1
+    assert not other.client._subscriptions._subscriptions[v.RING_PICTURE.name].in_ring
 
 
 @pytest.mark.skipif(not shared_ring.available, reason="this system has no anonymous files")

@@ -30,7 +30,7 @@ def test_made_key_is_on_the_list_and_in_its_own_file_with_the_hubs_public_key(
     keyring: Keyring,
 ) -> None:
     keys = read_client_keys(keyring.make("alice", Role.OPERATE))
-    assert keys.bearer == Principal.of("alice", Role.OPERATE, keys.pair.public)
+    assert keys.principal == Principal.of("alice", Role.OPERATE, keys.pair.public)
     assert keys.hub == keyring.hub_keys().public
     holder = Holder(name="alice", role=Role.OPERATE, public=keys.pair.public)
     assert keyring.holders() == (holder,)
@@ -239,7 +239,7 @@ def test_folder_is_where_the_desktop_wants_it(
 
 @given(name=names, role=st.sampled_from(Role), pair=pairs, hub=pairs)
 def test_what_is_written_is_read_back(name: str, role: Role, pair: KeyPair, hub: KeyPair) -> None:
-    keys = ClientKeys(bearer=Principal.of(name, role, pair.public), pair=pair, hub=hub.public)
+    keys = ClientKeys(principal=Principal.of(name, role, pair.public), pair=pair, hub=hub.public)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "keys.toml"
         write_client_keys(path, keys)
@@ -252,8 +252,8 @@ def test_what_is_written_is_read_back(name: str, role: Role, pair: KeyPair, hub:
 )
 def test_changed_file_is_read_as_it_was_or_refused_in_our_words(position: int, change: str) -> None:
     pair, hub = KeyPair.new(), KeyPair.new()
-    bearer = Principal.of("a", Role.MODULE, pair.public)
-    keys = ClientKeys(bearer=bearer, pair=pair, hub=hub.public)
+    principal = Principal.of("a", Role.MODULE, pair.public)
+    keys = ClientKeys(principal=principal, pair=pair, hub=hub.public)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "keys.toml"
         write_client_keys(path, keys)

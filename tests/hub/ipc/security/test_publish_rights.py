@@ -38,11 +38,11 @@ def test_each_role_publishes_these_messages_and_no_others(role: Role) -> None:
 def test_refusal_names_the_least_role_and_never_a_module_key(message: object) -> None:
     name, plane = message.name, message.plane.value  # type: ignore[attr-defined]
     for role in Role:
-        bearer = Principal(name="alice", role=role)
+        principal = Principal(name="alice", role=role)
         if publish_rights.may_publish(role, name, plane):
             continue
         with pytest.raises(NotAllowedError) as caught:
-            publish_rights.demand_right(bearer, "console", name, plane)
+            publish_rights.demand_right(principal, "console", name, plane)
         text = str(caught.value)
         assert f"alice has a key to {role.value} and may not send {name}" in text
         assert "--role module" not in text
