@@ -1,90 +1,241 @@
-"""Carries out what widgets want done beyond the console's own state and screen."""
+"""Carries out effects: in the console's state, on its screen, at robots and in files."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import asyncio
+import dataclasses
+import time
+from collections.abc import Callable, Iterable
+from functools import partial
 
-from rune_tui.compositor.cells import Cells
-from rune_tui.controls.joystick_set import Joysticks
-from rune_tui.files import user_files
 from rune_tui.files.file_writer import Filing
+from rune_tui.files.user_files import Outcome, undelivered
+from rune_tui.layout.actions import Action, actions_of
 from rune_tui.layout.spec import LayoutSpec
+from rune_tui.layout.watching import LayoutSource
 from rune_tui.link.robot_links import RobotLinks
+from rune_tui.model.change_notifier import ChangeNotifier
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import (
+    AskEffect,
+    AskToLeave,
     CalibrateEffect,
+    ChooseRobot,
     ControlEffect,
+    DeedEffect,
+    Effect,
     ExportEffect,
+    FillView,
     MissionEffect,
     NextLayoutEffect,
+    PaletteEffect,
+    QuitEffect,
     RecordEffect,
+    ReleaseFirst,
     ScreenshotEffect,
     SendEffect,
+    ShowViewport,
+    StateEffect,
+    SuspendEffect,
+    Tell,
+    ToggleHelp,
+    ToggleLog,
+    TurnPage,
+    changed,
 )
+from rune_tui.model.leaving import ordered, reasons_to_stay
 from rune_tui.startup.following import LayoutFollower
-
-Deed = (
-    SendEffect
-    | ControlEffect
-    | MissionEffect
-    | ScreenshotEffect
-    | RecordEffect
-    | ExportEffect
-    | CalibrateEffect
-    | NextLayoutEffect
-)
-"""What is done here; what concerns the screen, the console does itself."""
+from rune_tui.ui.covered import CoveredApp
+from rune_tui.ui.current_layout import CurrentLayout
+from rune_tui.ui.input_events import InputEvents
+from rune_tui.ui.palette import palette_of
+from rune_tui.ui.question import Question
+from rune_tui.ui.sparing import Sparing
+from rune_tui.ui.terminal import suspend
+from rune_tui.ui.view_pane import ViewPane
 
 
-class Deeds:
-    """Sends, files, calibrates and opens what widgets ask for."""
+class EffectRunner:
+    """Carries out effects in their order; one that fails does not keep back the next.
+
+    Attributes:
+        sparing: Logs a fault and goes on.
+        filing: Writes files.
+        layouts: Opens other layouts.
+    """
 
     def __init__(
         self,
+        app: CoveredApp,
+        source: LayoutSource,
+        current: CurrentLayout,
+        inputs: InputEvents,
         links: RobotLinks,
-        filing: Filing,
-        joysticks: Joysticks,
-        layouts: LayoutFollower,
-        tell: Callable[[user_files.Outcome], None],
+        pane: ViewPane,
+        state: Callable[[], ConsoleState],
+        leave: Callable[[], None],
     ) -> None:
         """Prepare.
 
         Args:
+            app: Shows lists and questions.
+            source: The layouts that the console was started with.
+            current: The open layout, and the console's own state, which effects change.
+            inputs: Are released where an effect ends what is held.
             links: Where messages go.
-            filing: Writes files.
-            joysticks: Calibrates.
-            layouts: Opens the next layout.
-            tell: Tells the operator what became of it.
+            pane: What the operator sees.
+            state: Gives the console's state now.
+            leave: Ends the console.
         """
+        self._app = app
+        self._current = current
+        self._inputs = inputs
         self._links = links
-        self._filing = filing
-        self._joysticks = joysticks
-        self._layouts = layouts
-        self._tell = tell
+        self._pane = pane
+        self._state = state
+        self._leave = leave
+        self._changes = ChangeNotifier()
+        self.sparing = Sparing(self.tell)
+        self.filing = Filing(links, partial(app.run_worker, exit_on_error=False), self.tell)
+        self.layouts = LayoutFollower(source, self.open_layout, self.complain)
 
-    def do(
-        self, effect: Deed, layout: LayoutSpec, state: ConsoleState, cells: Cells | None
+    def run(self, effects: Iterable[Effect]) -> None:
+        """Carry out some effects."""
+        for effect in effects:
+            with self.sparing(effect):
+                if isinstance(effect, StateEffect):
+                    self._change(effect)
+                else:
+                    self._do(effect)
+
+    def tell(self, said: Outcome) -> None:
+        """Tell the operator."""
+        self._change(Tell.now(self._state(), **dataclasses.asdict(said)))
+
+    def complain(self, text: str) -> None:
+        """Tell the operator of a trouble that stays."""
+        self._current.change(trouble=text)
+        self.tell(Outcome(text=text, alarm=True))
+
+    async def open_layout(self, layout: LayoutSpec) -> None:
+        """Go on with another layout; links of robots that are in both stay as they are."""
+        self._inputs.release_all()
+        self._current.open(layout, *self._app.size)
+        gone = self._links.follow(layout)
+        self._app.title = f"Rune {layout.path}"
+        self._inputs.follow()
+        self.filing.recorder.follow(layout)
+        self.tell(Outcome(text=f"opened {layout.path}"))
+        self._inputs.name_unreported_keys()
+        self.ask_for_pictures()
+        for link in gone:
+            await asyncio.to_thread(link.close)
+
+    def end_recording(self) -> None:
+        """End the recording that is under way, if any; returns when its file is complete."""
+        if self.filing.recorder.path:
+            self.filing.recorder.end()()
+
+    def tick(self, now: float) -> None:
+        """Record, tell what has changed, and let widgets act; 20 times a second."""
+        self._keep_calibrations()
+        state = self._state()
+        if state.display is not None:
+            self.filing.recorder.note(now, state.display)
+        self.run(Tell(notice=notice) for notice in self._changes.look(state))
+        self.run(self._current.dispatch.tick(state))
+
+    def leave_if_sure(self) -> None:
+        """End, or ask first if something would be lost or left alone; the second time, end."""
+        reasons = reasons_to_stay(self._state())
+        if reasons and not self._current.console.leaving:
+            self._change(AskToLeave(reasons=reasons))
+        else:
+            self._leave()
+
+    def ask_for_pictures(self) -> None:
+        """Ask each robot for pictures of the size and kind that is shown."""
+        sizes = self._current.view.picture_sizes(self._state())
+        wishes = self._current.console.wishes
+        for name, link in self._links.items():
+            link.want_pictures(sizes.get(name), wishes.get(name))
+
+    def _change(self, effect: StateEffect) -> None:
+        current = self._current
+        moved = isinstance(effect, ShowViewport | FillView) and current.dispatch.button_held
+        asked = isinstance(effect, AskToLeave) and effect.reasons
+        if moved or asked or isinstance(effect, ChooseRobot | ToggleHelp | ToggleLog):
+            # What is held was meant for the robot before, and for the view as it was.
+            self._inputs.release_all()
+        current.console = changed(self._state(), effect)
+        if isinstance(effect, TurnPage):
+            current.console = current.view.within_page(current.console)
+        self.ask_for_pictures()
+
+    def _do(self, effect: DeedEffect) -> None:
+        match effect:
+            case SuspendEffect():
+                self._suspend()
+            case PaletteEffect():
+                self._inputs.release_all()
+                self._app.push_screen(palette_of(actions_of(self._current.layout), self._act))
+            case AskEffect():
+                self._ask(effect)
+            case ReleaseFirst(keys=keys):
+                self._inputs.keyboard.stop(keys, time.monotonic())
+            case QuitEffect():
+                self.leave_if_sure()
+            case _:
+                self._current.console = ordered(self._current.console, effect, time.monotonic())
+                self._do_outside(effect)
+
+    def _suspend(self) -> None:
+        self._inputs.release_all()
+        if not suspend():
+            self.tell(Outcome(text="Ctrl-Z does nothing here: no shell can resume the console"))
+
+    def _ask(self, effect: AskEffect) -> None:
+        self._inputs.release_all()
+
+        def answered(text: str) -> None:
+            with self.sparing(effect):
+                self.run(effect.answer(text, self._state()))
+
+        stop = self._current.console.input_of("widgetStop", effect.robot)
+        self._app.push_screen(Question(effect.asked, effect.text, answered, stop))
+
+    def _act(self, action: Action) -> None:
+        self.run(self._current.dispatch.act(action, self._state()))
+
+    def _do_outside(
+        self,
+        effect: SendEffect
+        | ControlEffect
+        | MissionEffect
+        | ScreenshotEffect
+        | RecordEffect
+        | ExportEffect
+        | CalibrateEffect
+        | NextLayoutEffect,
     ) -> None:
-        """Do what a widget wants.
-
-        Args:
-            effect: What that is.
-            layout: What is shown.
-            state: What the console knows.
-            cells: What the operator sees; None before the first picture.
-        """
+        """Send, write a file, calibrate or open the next layout."""
+        state = self._state()
         match effect:
             case SendEffect() | ControlEffect() | MissionEffect():
                 self._send(effect)
             case ScreenshotEffect() | RecordEffect() | ExportEffect():
-                self._filing.do(effect, layout, state, cells)
+                self.filing.do(effect, self._current.layout, state, self._pane.cells)
             case CalibrateEffect(joystick=name, control=control):
-                self._joysticks.calibrate(name, control, state.now)
+                self._inputs.joysticks.calibrate(name, control, state.now)
             case NextLayoutEffect():
-                if not self._layouts.next():
-                    self._tell(
-                        user_files.Outcome(text="the console was started with no other layout")
-                    )
+                if not self.layouts.next():
+                    self.tell(Outcome(text="the console was started with no other layout"))
+
+    def _keep_calibrations(self) -> None:
+        joysticks = self._inputs.joysticks
+        if joysticks.unsaved:
+            joysticks.unsaved = False
+            self.filing.keep_calibrations(joysticks.store)
 
     def _send(self, effect: SendEffect | ControlEffect | MissionEffect) -> None:
         link = self._links[effect.robot]
@@ -94,5 +245,5 @@ class Deeds:
             link.mission(effect.action, effect.name)
         else:
             link.send(effect.definition, effect.value)
-        if (outcome := user_files.undelivered(effect, link.state)) is not None:
-            self._tell(outcome)
+        if (outcome := undelivered(effect, link.state)) is not None:
+            self.tell(outcome)

@@ -146,7 +146,7 @@ def test_a_stop_that_was_typed_while_the_console_was_held_up_is_a_stop_and_nothi
     play: Callable[[Script], None],
 ):
     async def script(desk: Desk) -> None:
-        await desk.until(lambda: not desk.console._stalls.deaf(time.monotonic()))
+        await desk.until(lambda: not desk.console.inputs.deaf(time.monotonic()))
         time.sleep(STALL_S + 0.1)  # noqa: ASYNC251 - it is held up
         await desk.press("w", "space")
         await desk.until(lambda: desk.robot.stops)
@@ -166,7 +166,9 @@ def test_keys_of_a_layout_that_the_terminal_does_not_tell_are_named_once(
         for told in (True, False, False):
             desk.console.post_message(ReleasesTold(told=told))
             await desk.until(lambda told=told: desk.console.state.releases_told is told)
-            await desk.console._open(load_layout(path, desk.console._shown_layout.vocabulary))
+            await desk.console.effects.open_layout(
+                load_layout(path, desk.console.current.layout.vocabulary)
+            )
         missed = [text for text in desk.notices if "does not tell kp_8" in text]
         assert len(missed) == 1
         assert desk.notices.index(missed[0]) > desk.notices.index(f"opened {path}")
@@ -180,7 +182,7 @@ def test_an_effect_that_cannot_be_done_is_told_once_and_what_comes_after_it_is_d
     async def script(desk: Desk) -> None:
         nowhere = SendEffect(robot="nobody", definition=STOP, value=Stop(reason="the test"))
         stop = SendEffect(robot="magellan", definition=STOP, value=Stop(reason="the test"))
-        desk.console._execute((nowhere, nowhere, stop))
+        desk.console.effects.run((nowhere, nowhere, stop))
         await desk.until(lambda: desk.robot.stops)
         assert len([text for text in desk.notices if "could not be done" in text]) == 1
 
@@ -209,7 +211,7 @@ def test_a_step_that_fails_ends_no_console_and_leaves_the_others(
 
     async def script(desk: Desk) -> None:
         with monkeypatch.context() as patch:
-            patch.setattr(desk.console._joysticks, "tick", broken)
+            patch.setattr(desk.console.inputs.joysticks, "tick", broken)
             await desk.until(lambda: any("could not be done" in text for text in desk.notices))
             await desk.drive()
         assert len([text for text in desk.notices if "could not be done" in text]) == 1

@@ -79,15 +79,15 @@ def test_with_a_recording_the_console_asks_before_it_ends(
         await desk.press(*keys[:-1])
         assert desk.console.state.leaving == ("the recording ends",)
         assert desk.console.state.held == ()
-        assert not desk.console._leaving
+        assert not desk.console.leaving
         await desk.press("space")
         await desk.until(lambda: desk.robot.stops)
         assert desk.console.state.leaving
         await desk.press("escape")
         assert not desk.console.state.leaving
         await desk.press(*keys)
-        assert desk.console._leaving
-        desk.console._filing.recorder.end()()
+        assert desk.console.leaving
+        desk.console.effects.end_recording()
 
     play(script)
 
@@ -97,7 +97,7 @@ def test_with_a_recording_the_console_asks_before_it_ends(
 def test_where_nothing_is_lost_the_console_ends_at_once(play: Callable[[Script], None], key: str):
     async def script(desk: Desk) -> None:
         await desk.press(key)
-        assert desk.console._leaving
+        assert desk.console.leaving
 
     play(script)
 
@@ -145,7 +145,7 @@ def test_an_answer_that_its_widget_cannot_take_leaves_the_console_running(
 
     async def script(desk: Desk) -> None:
         asked = AskEffect(robot="magellan", asked="Words", text="", answer=answer)
-        desk.console._execute((asked,))
+        desk.console.effects.run((asked,))
         await desk.press("x", "enter")
         await desk.until(lambda: any("could not be done" in text for text in desk.notices))
         await desk.drive()
@@ -197,7 +197,7 @@ def test_the_stop_key_is_a_letter_of_an_answer_and_stops_the_second_time(
             return ()
 
         ask = AskEffect(robot="magellan", asked="Words", text="", answer=answer)
-        desk.console._execute((ask,))
+        desk.console.effects.run((ask,))
         await desk.until(lambda: isinstance(desk.console.focused, Input))
         await desk.press(*"two", "space", "m", "space")
         await desk.commands(2)
@@ -223,9 +223,9 @@ def test_a_gamepad_that_nobody_sees_the_effect_of_only_stops(
             console.post_message(events.AppBlur())
             await desk.until(lambda: not console.app_focus)
         moved = [ControlEvent(name=name, pressed=True) for name in ("q", "f", "w", "space")]
-        monkeypatch.setattr(console._joysticks, "events", lambda _: iter(moved))
-        console._joysticks_moved()
-        assert not console._leaving
+        monkeypatch.setattr(console.inputs.joysticks, "events", lambda _: iter(moved))
+        console.inputs.joysticks_moved()
+        assert not console.leaving
         assert not console.state.full
         await desk.until(lambda: desk.robot.stops)
         assert set(await desk.commands(2)) == {0.0}

@@ -1,0 +1,71 @@
+"""When the view is drawn: by the clock, and as soon as the terminal shows the frame before."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+from typing import Final
+
+from rune_tui.link.robot_links import RobotLinks
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.ui.current_layout import CurrentLayout
+from rune_tui.ui.driver_reports import FrameAnswered
+from rune_tui.ui.input_events import InputEvents
+from rune_tui.ui.painter import Painter
+
+FRAME_S: Final = 1.0 / 30.0
+"""Time between two looks whether there is a frame to draw [s]."""
+
+
+class FrameClock:
+    """Draws one frame at a time, each of the newest state."""
+
+    def __init__(
+        self,
+        current: CurrentLayout,
+        inputs: InputEvents,
+        links: RobotLinks,
+        painter: Painter,
+        state: Callable[[], ConsoleState],
+    ) -> None:
+        """Prepare.
+
+        Args:
+            current: The open layout, whose view is drawn.
+            inputs: Whether a held input needs answers of the terminal.
+            links: Learn which pictures are on the screen.
+            painter: Writes the frames.
+            state: Gives the console's state now.
+        """
+        self._current = current
+        self._inputs = inputs
+        self._links = links
+        self._painter = painter
+        self._state = state
+        self._drawing = False
+
+    async def draw(self) -> None:
+        """Draw if the terminal is ready, in two halves: inputs are handled between them."""
+        if self._drawing or not self._painter.ready(time.monotonic()):
+            return
+        state, view, keyboard = self._state(), self._current.view, self._inputs.keyboard
+        if keyboard.needs_answers or self._current.dispatch.button_held:
+            self._painter.ask(state.now, soon=keyboard.hurries)
+        cells = view.render(state)
+        self._drawing = cells is not None
+        try:
+            await asyncio.sleep(0)
+        finally:
+            self._drawing = False
+        self._painter.paint(state.now, cells, view.urgencies)
+        for name, robot in state.robots.items():
+            if robot.picture is not None:
+                self._links[name].shown(robot.picture.number)
+
+    async def answered(self, event: FrameAnswered) -> None:
+        """The terminal shows a frame; the next need not wait for the clock."""
+        waited = not self._painter.ready(event.when)
+        self._inputs.answered(event.when, self._painter.answered(event.when, event.report))
+        if waited:
+            await self.draw()

@@ -1,0 +1,226 @@
+"""From what the terminal and the joysticks report to control events, and to what they do.
+
+An input counts as held only while somebody can have it in hand. All inputs are released in these
+cases:
+
+| event | why |
+| --- | --- |
+| the console was paused | nobody knows what moved meanwhile |
+| the terminal loses the focus, or its key releases are no longer reported | releases go unseen |
+| text is pasted | it is no driving |
+| a mouse button is held, and the terminal does not answer for 1 s | a release may be lost |
+| a mouse button is held, and the mouse moves with no button down | its release was lost |
+| another layout opens, or another arrangement is taken below a held button | it has moved |
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import time
+from collections.abc import Callable, Iterable
+from typing import Final
+
+from textual import events
+
+from rune_tui.controls.devices import local_devices
+from rune_tui.controls.events import ControlEvent
+from rune_tui.controls.joystick.calibration_store import CalibrationStore
+from rune_tui.controls.joystick_set import Joysticks
+from rune_tui.controls.joystick_sources import Sources
+from rune_tui.controls.keyboard import KeyboardHold, name_of_key, without_shift
+from rune_tui.controls.pause_guard import StallGuard
+from rune_tui.controls.remote_pad.far_pads import FarPads
+from rune_tui.layout.key_notes import untold_keys
+from rune_tui.layout.names import MOUSE, WAY_OUT
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.effects import Effect, Tell
+from rune_tui.terminal.input_stream import KeyMove
+from rune_tui.ui.covered import CoveredApp
+from rune_tui.ui.current_layout import CurrentLayout
+from rune_tui.ui.driver_reports import KeyMoved
+from rune_tui.ui.painter import Painter
+from rune_tui.ui.waking import waker
+
+_UNHEARD_S: Final = 1.0
+"""A held mouse button is released when a terminal that answers is silent for this time [s]."""
+_FOCUSING_S: Final = 0.3
+"""A click at most this long after the terminal got the focus only gave it the focus [s]."""
+
+
+class InputEvents:
+    """Handles each report of the terminal and of joysticks.
+
+    Attributes:
+        keyboard: Which keys are held.
+        joysticks: The joysticks of the open layout.
+    """
+
+    def __init__(
+        self,
+        app: CoveredApp,
+        current: CurrentLayout,
+        painter: Painter,
+        pads: FarPads,
+        state: Callable[[], ConsoleState],
+        execute: Callable[[Iterable[Effect]], None],
+    ) -> None:
+        """Prepare; nothing is held.
+
+        Args:
+            app: Whose inputs these are.
+            current: The open layout, which says what inputs do.
+            painter: Knows whether the terminal answers.
+            pads: Joysticks of other machines.
+            state: Gives the console's state now.
+            execute: Carries out what inputs do.
+        """
+        self._app = app
+        self._current = current
+        self._painter = painter
+        self._state = state
+        self._execute = execute
+        self.keyboard = KeyboardHold(self._drives)
+        self.joysticks = Joysticks(
+            current.layout.joysticks, Sources(local_devices.reader(), pads), CalibrationStore()
+        )
+        self._stalls = StallGuard()
+        self._heard = 0.0
+        self._focused = -math.inf
+
+    def start(self, loop: asyncio.AbstractEventLoop) -> None:
+        """Read joysticks from now on, and handle their events in this loop."""
+        self.joysticks.start(waker(loop, self.joysticks_moved))
+
+    def follow(self) -> None:
+        """Another layout is open."""
+        self.joysticks.follow(self._current.layout.joysticks, time.monotonic())
+
+    def _drives(self, key: str) -> bool:
+        return self._current.dispatch.waits_for_hold(key)
+
+    def key(self, event: events.Key) -> None:
+        """A key went down or repeats."""
+        now = self.time_now()
+        key, fine = self._named(event.key, event.character)
+        stale = self.deaf(now)
+        self._handle(self.keyboard.press(key, now, read=event.time, fine=fine, stale=stale))
+
+    def stop_key(self, event: events.Key) -> str:
+        """The name of a key that stops a robot; empty if it stops none."""
+        name, _ = self._named(event.key, event.character)
+        return name if self._current.dispatch.stops(name) else ""
+
+    def stop(self, name: str) -> None:
+        """Stop the robots that the input of this name stops; it does nothing else."""
+        self._execute(self._current.dispatch.stopping(name, self._state()))
+
+    def _named(self, key: str, character: str | None) -> tuple[str, bool]:
+        """The name of a key, and whether Shift makes it finer; a layout may bind it with Shift."""
+        name, plain = name_of_key(key, character), without_shift(key, character)
+        fine = bool(plain) and (name == plain or not self._current.dispatch.waits_for(name))
+        return (plain, True) if fine else (name, False)
+
+    def key_moved(self, event: KeyMoved) -> None:
+        """A key moved, on a terminal that reports releases."""
+        now = self.time_now()
+        key, fine = event.keypad, False
+        if not (key and self._current.dispatch.waits_for(key)):
+            key, fine = self._named(event.key, event.character)
+        if event.move is KeyMove.RELEASE:
+            self._handle(self.keyboard.up(key, now))
+        elif self._app.covered or key == WAY_OUT:
+            self._app.post_message(events.Key(event.key, event.character))
+        else:
+            repeat, stale = event.move is KeyMove.REPEAT, self.deaf(now)
+            moved = self.keyboard.down(key, now, repeat=repeat, fine=fine, stale=stale)
+            self._handle(moved)
+
+    def deaf(self, now: float) -> bool:
+        """Whether an input that comes now may have been typed while the console was paused."""
+        return self._stalls.deaf(now)
+
+    def name_unreported_keys(self) -> None:
+        """Say, once for each layout, which of its keys this terminal cannot report."""
+        console = self._current.console
+        text = "" if console.releases_told else untold_keys(self._current.layout)
+        if text and all(notice.text != text for notice in console.notices):
+            self._tell(text)
+
+    def mouse(self, event: events.MouseEvent, part: str, *, pressed: bool, value: float) -> None:
+        """A part of the mouse moved; see `MouseApp.mouse`."""
+        dispatch = self._current.dispatch
+        if part == "motion" and dispatch.button_held and not event.button:
+            self.release_all()
+        if self._app.covered:
+            return
+        event.stop()
+        now = self._heard = self.time_now()
+        meant = part and (self._current.console.paged or dispatch.waits_for(MOUSE + part))
+        if not meant or self.deaf(now):
+            return
+        # A cell is two pixels high; terminals do not report which of them the mouse is on.
+        state = self._state()
+        hits = self._current.view.hits(int(event.screen_x), 2 * int(event.screen_y) + 1, state)
+        stray, name = pressed and now - self._focused < _FOCUSING_S, MOUSE + part
+        moved = ControlEvent(name=name, pressed=pressed, value=value, hits=hits, stale=stray)
+        self._execute(dispatch.handle(moved, state))
+
+    def joysticks_moved(self) -> None:
+        """Joysticks have events.
+
+        While a list or a question covers the view, or another window has the focus, they only stop.
+        """
+        now = self.time_now()
+        unseen = self._app.covered or not self._app.app_focus
+        for event in self.joysticks.events(now):
+            dispatch = self._current.dispatch
+            if unseen and event.pressed:
+                self.stop(event.name)
+            elif not unseen and dispatch.waits_for(event.name):
+                self._execute(dispatch.handle(event, self._state()))
+        if unseen or self._current.console.paged:
+            self._handle(self.joysticks.release_all(now))
+
+    def focus(self) -> None:
+        """The terminal is in front again; the click that did this means nothing else."""
+        self._focused = self.time_now()
+
+    def answered(self, now: float, asked: float | None) -> None:
+        """The terminal answers a question that was asked then [s], or an older one (None)."""
+        self.keyboard.heard(now, asked)
+        self._heard = now
+
+    def tick(self, now: float) -> None:
+        """Release what has expired, and say what became of joysticks; 20 times a second."""
+        dispatch = self._current.dispatch
+        self.keyboard.answers = self._painter.answers_itself
+        self._execute(dispatch.handle_all(self.keyboard.expire(now), self._state()))
+        unheard = self._painter.answers and now - self._heard > _UNHEARD_S
+        if self._current.dispatch.button_held and unheard:
+            self.release_all()  # no release comes over a line that is cut
+        for text in self.joysticks.tick(now):
+            self._tell(text)
+
+    def time_now(self) -> float:
+        """The time now [s]; after a pause of the console, or a stop, nothing counts as held."""
+        now = time.monotonic()
+        if self._stalls.stalled(now):
+            self.release_all()
+        self._execute(self._current.dispatch.look(self._state()))
+        return now
+
+    def release_all(self) -> None:
+        """Release all inputs."""
+        now = time.monotonic()
+        self.keyboard.release_all(now)
+        released = self.joysticks.release_all(now)
+        self._execute(self._current.dispatch.released(self._state()))
+        self._handle(released)
+
+    def _tell(self, text: str) -> None:
+        self._execute((Tell.now(self._state(), text),))
+
+    def _handle(self, control_events: Iterable[ControlEvent]) -> None:
+        for event in control_events:
+            self._execute(self._current.dispatch.handle(event, self._state()))
