@@ -1,4 +1,12 @@
-"""Keeps commands out of a module that come from others than the one who has control."""
+"""Admits commands to a module only from the client that has control of the robot.
+
+| state of control | sender | action |
+| --- | --- | --- |
+| not known yet, or free | any | admit |
+| owned | the owner, or a module that the daemon lists | admit |
+| owned | any other | refuse, count; say why at most once per second and sender |
+| the daemon hangs or is gone | any | as before: the last known state stays |
+"""
 
 from __future__ import annotations
 
@@ -15,16 +23,16 @@ from hub.ipc.security.publish_rights import ROBOMON
 
 _logger = logging.getLogger(__name__)
 
-TELL_S = 1.0
-"""A sender is told no more often than this why its commands do not count [s]."""
+REPORT_INTERVAL_S = 1.0
+"""Least time between two refusals that are reported to one sender [s]."""
 _MOST_SENDERS = 256
 
 
 def follow_control(client: Client, learn: Callable[[ControlState], None]) -> None:
-    """Call `learn` with each state of control that comes from the hub's daemon, and no other.
+    """Call `learn` with each state of control that the hub's daemon publishes, and no other.
 
-    The daemon is known by the number that central gave its connection. A state may come before
-    central says that number: the newest one waits for it.
+    The number that central gave to the daemon's connection identifies it. A state may come
+    before central reports that number: then the newest state waits for the number.
     """
     daemon = 0
     waiting: tuple[int, ControlState] | None = None
@@ -50,53 +58,50 @@ def follow_control(client: Client, learn: Callable[[ControlState], None]) -> Non
 
 
 class ControlGate:
-    """Whose commands count now; anybody's until the hub says that somebody has control.
-
-    What it knows holds until it is told something else: were the hub's daemon to hang, nobody else
-    could begin to drive.
+    """Admits or refuses commands; see the table of the module.
 
     Attributes:
-        refused: Commands that were kept out since the module started.
+        refused: Number of commands refused since the module started.
     """
 
     def __init__(
         self, client: Client, changed: Callable[[ControlState, int], None] = lambda *_: None
     ) -> None:
-        """Listen to who has control.
+        """Subscribe to the state of control.
 
         Args:
             client: The module's connection.
-            changed: Called with the new state, and who had control before (0: nobody), when
-                somebody else has it than before.
+            changed: Called when the owner changes, with the new state and the number of the
+                owner before (0: none).
         """
         self._client = client
         self._changed = changed
         self._state = ControlState()
         self._modules: frozenset[int] = frozenset()
-        self._told: dict[int, float] = {}
+        self._reported_at: dict[int, float] = {}
         self.refused = 0
         client.define(CONTROL_REFUSAL)
-        follow_control(client, self._learn)
+        follow_control(client, self._on_state)
 
-    def counts(self, sender: int) -> bool:
-        """Whether commands of this sender, by its number at central, are to be followed."""
+    def obeys(self, sender: int) -> bool:
+        """Whether the gate admits commands of this sender, by its number at central."""
         return self._state.owner in (0, sender) or sender in self._modules
 
     def admits(self, definition: MessageDefinition[Any], reception: MessageInfo) -> bool:
-        """Whether a command is to be followed; if it is not, its sender is told why."""
+        """Whether the module follows a command; if not, the gate reports why to its sender."""
         sender = reception.publisher
-        if self.counts(sender):
+        if self.obeys(sender):
             return True
         self.refused += 1
         now = time.monotonic()
-        if now - self._told.get(sender, -TELL_S) >= TELL_S:
-            if len(self._told) >= _MOST_SENDERS:
-                self._told.clear()
-            self._told[sender] = now
-            self._tell(definition, sender)
+        if now - self._reported_at.get(sender, -REPORT_INTERVAL_S) >= REPORT_INTERVAL_S:
+            if len(self._reported_at) >= _MOST_SENDERS:
+                self._reported_at.clear()
+            self._reported_at[sender] = now
+            self._report(definition, sender)
         return False
 
-    def _tell(self, definition: MessageDefinition[Any], sender: int) -> None:
+    def _report(self, definition: MessageDefinition[Any], sender: int) -> None:
         operator = self._state.operator
         _logger.warning(
             "%s of number %d refused: %s has control", definition.name, sender, operator
@@ -110,7 +115,7 @@ class ControlGate:
         )
         self._client.publish(CONTROL_REFUSAL, refusal)
 
-    def _learn(self, state: ControlState) -> None:
+    def _on_state(self, state: ControlState) -> None:
         before, self._state = self._state.owner, state
         self._modules = frozenset(state.modules.tolist())
         if state.owner != before:

@@ -1,8 +1,18 @@
-"""What every module process does: connect, announce itself, keep alive, obey, loop, stop.
+"""The life of a module process: connect, announce, run the loop, obey common commands, stop.
 
-A module stops on SIGTERM, SIGINT and the common command STOP. Started by a daemon, it also stops
-when the pipe on its standard input ends: the daemon holds the other end, so that no module outlives
-it, however it dies. RESTART has the process execute its own command again.
+| event | action |
+| --- | --- |
+| SIGTERM, SIGINT, common command STOP | stop, exit code 0 |
+| standard input ends, with `--stop-with-stdin` | stop, exit code 0: the daemon is gone |
+| common command RESTART | stop, then execute the own command line again |
+| common command LOG_LEVEL | set the level of the log |
+| another common command but START | announce |
+| a fault in a handler | log it, count it, go on |
+| the hub refuses the connection for good | stop, exit code 0 |
+| no hub at the start | exit code 3 |
+| wrong robot file | exit code 2 |
+
+The daemon holds the other end of standard input. So no module outlives it, however it dies.
 """
 
 from __future__ import annotations
@@ -42,7 +52,7 @@ _LISTEN_S = 0.5
 
 @dataclass(slots=True)
 class _Health:
-    """What the announcement says of the loop."""
+    """State of the loop, for the announcement."""
 
     errors: int = 0
     stopping: bool = False
@@ -56,22 +66,22 @@ def run_module(
     build: Callable[[Client, RobotDescription], Callable[[], None]],
     arguments: Sequence[str] | None = None,
 ) -> int:
-    """Be a module process from start to end.
+    """Run a module process from start to end.
 
     Args:
         name: Name at central.
         purpose: One sentence for --help.
-        abilities: What the module can do on a robot, and what it needs of others.
-        build: Gets the connected client and the robot, subscribes and so on; returns what to call
-            at the end, while the connection still stands.
-        arguments: Command line; default the process's own.
+        abilities: The capabilities that the module provides on a robot, and those that it needs.
+        build: Subscribes and defines, given the client and the robot. Returns a function
+            that is called at the end, before the connection closes.
+        arguments: Command line; default: that of the process.
 
     Returns:
         The exit code: 0 stopped, 2 a wrong robot file, 3 no hub.
     """
     options = _parser(name, purpose).parse_args(arguments)
     start_logging(name, logging.INFO)
-    gc.freeze()  # what was loaded stays: no search for rubbish, and no end, goes through it
+    gc.freeze()  # loaded code stays: the garbage collector skips it, also at the exit
     health = _Health()
     try:
         robot, _ = read_description(options.robot, options.set)
@@ -96,7 +106,7 @@ def run_module(
 def publish_on_request(
     client: Client, definition: MessageDefinition[Any], publish: Callable[[], None]
 ) -> None:
-    """Call `publish` whenever somebody asks for this message to be published now."""
+    """Call `publish` at each request to publish this message now."""
 
     def requested(request: RequestData, reception: MessageInfo) -> None:
         del reception
@@ -119,11 +129,13 @@ def _parser(name: str, purpose: str) -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="TABLE.KEY=VALUE",
-        help="in place of the file's",
+        help="use this value instead of the file's",
     )
     parser.add_argument("--hub", default=DEFAULT_ENDPOINT, help="endpoint of central (%(default)s)")
     parser.add_argument(
-        "--describe", action="store_true", help="say as JSON what it can do there, and end"
+        "--describe",
+        action="store_true",
+        help="print its capabilities on that robot as JSON, and end",
     )
     parser.add_argument(
         "--stop-with-stdin", action="store_true", help="stop when standard input ends"
@@ -174,18 +186,18 @@ def _serve(
     while not health.stopping and not client.closed_by:
         try:
             client.listen(_LISTEN_S)
-        except Exception:  # one bad message must not end the module
+        except Exception:  # a fault in one handler must not end the module
             health.errors += 1
             _logger.exception("the loop goes on after a fault")
     finish()
     announce()
-    _logger.info("begins anew" if health.again else "stopped")
+    _logger.info("restarts" if health.again else "stopped")
 
 
 def _obey(
     client: Client, health: _Health, announce: Callable[[], None], command: CommonCommand
 ) -> None:
-    """Carry out a common command, if it is for us."""
+    """Carry out a common command that addresses this module or all modules."""
     if command.module not in ("", client.name):
         return
     if command.command in (Kind.STOP, Kind.RESTART):
@@ -211,7 +223,7 @@ def _stop_on_signals(client: Client, health: _Health) -> None:
 
 
 def _stop_with_daemon(client: Client, health: _Health, file: int) -> None:
-    """Stop when the pipe that the daemon holds ends."""
+    """Stop when the pipe from the daemon ends."""
 
     def read() -> None:
         if not os.read(file, 4096):

@@ -1,8 +1,21 @@
-"""Which console has control of the robot: a lease that one holds at a time; pure.
+"""The lease of control: at most one console has control of the robot; pure.
 
-Whoever takes a free robot has it until it gives it up, hands it over, falls silent or leaves.
-Others ask, one after the other, and the owner has some seconds to answer each. A robot that becomes
-free while somebody asks for it is theirs.
+| event | FREE | OWNED, by the owner | OWNED, by another console |
+| --- | --- | --- | --- |
+| take | it becomes the owner | it stays the owner | refuse |
+| ask | it becomes the owner | it stays the owner | queue, at most 8; then refuse |
+| take over (needs the right) | it becomes the owner | it stays the owner | it becomes the owner |
+| free (needs the right) | - | drop the queue, FREE | drop the queue, FREE |
+| release | refuse | NEXT | leave the queue |
+| grant | refuse | the first of the queue becomes the owner | refuse |
+| deny | refuse | drop the first of the queue | refuse |
+| connection ends | - | NEXT | leave the queue |
+| silent for `LOST_S` | - | NEXT | leave the queue |
+| owner does not answer for `ANSWER_S` | - | drop the first of the queue | - |
+| this process paused for over 1 s | - | add the pause to all these times | the same |
+
+NEXT: the first of the queue becomes the owner; if the queue is empty, the robot is FREE.
+A console keeps control only while it reports that it has it.
 """
 
 from __future__ import annotations

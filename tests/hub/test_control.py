@@ -91,7 +91,7 @@ class Robot:
 
     def until_owned_by(self, client: Client | None) -> None:
         number = client.number if client else 0
-        self.until(lambda: self.states[-1].owner == number and self.gate.counts(number))
+        self.until(lambda: self.states[-1].owner == number and self.gate.obeys(number))
 
     def send_goal(self, client: Client, number: int) -> None:
         client.define(GOAL_COMMAND)
@@ -181,7 +181,7 @@ def test_modules_of_the_robot_are_followed_whoever_has_control(robot: Robot) -> 
     autonomy.publish(MODULE_INFO, info)
     want(alice, ControlAction.TAKE)
     robot.until_owned_by(alice)
-    robot.until(lambda: robot.gate.counts(autonomy.number))
+    robot.until(lambda: robot.gate.obeys(autonomy.number))
     robot.send_goal(autonomy, 6)
     robot.until(lambda: (autonomy.number, 6) in robot.followed)
     autonomy.close()

@@ -78,7 +78,7 @@ class Autonomy:
 
     def _stick(self, twist: navigation.Twist, reception: MessageInfo) -> None:
         sender = reception.publisher
-        if not twist.neutral and sender != self._client.number and self._gate.counts(sender):
+        if not twist.neutral and sender != self._client.number and self._gate.obeys(sender):
             self._pilot.see_stick(self._clock())
             self._act()
 

@@ -1,4 +1,4 @@
-"""The driver process: passes drive commands to the wheels and reports what the hardware says."""
+"""The driver process: passes drive commands to the hardware and publishes its state."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from hub.robots.registry import kind_of
 from hub.runtime import run_module
 
 _PERIOD = 0.01
-"""Time between two looks at the hardware [s]."""
+"""Time between two steps of the hardware [s]."""
 _STEPS_PER_REPORT = round(1.0 / navigation.DRIVE_STATE.rate_hz / _PERIOD)
 _LONGEST_STEP = 0.25
-"""A longer pause of the process is not simulated through [s]."""
+"""Longest time that the hardware advances in one step; the rest of a pause is left out [s]."""
 
 
 def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
@@ -36,7 +36,7 @@ def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
     clock = time.monotonic
     last = clock()
     steps = 0
-    # Another number for each process: after a crash the wheels count from another place.
+    # Each process has its own number: after a crash the dead reckoning starts at another place.
     odometry = secrets.randbelow(2**32 - 1) + 1
 
     def report() -> None:
@@ -49,8 +49,8 @@ def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
 
     def command(twist: navigation.Twist, reception: MessageInfo) -> None:
         now = clock()
-        obeyed = navigator.obeyed(reception.publisher, now)
-        if obeyed and watchdog.allows(now - reception.age, now, neutral=twist.neutral):
+        obeys = navigator.obeys(reception.publisher, now)
+        if obeys and watchdog.allows(now - reception.age, now, neutral=twist.neutral):
             base.set_velocity(twist.linear.x, twist.angular.z)
             if not twist.neutral:
                 loss.watch.moved(now)
@@ -60,7 +60,7 @@ def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
         now = clock()
         if watchdog.expired(now):
             base.set_velocity(0.0, 0.0)
-        loss.look(now)
+        loss.update(now)
         base.advance(min(now - last, _LONGEST_STEP))
         last = now
         steps += 1
@@ -85,7 +85,7 @@ def numbered(state: navigation.DriveState, odometry: int) -> navigation.DriveSta
 
 
 def abilities(robot: RobotDescription) -> Abilities:
-    """What the driver can do on a robot."""
+    """The abilities of the driver on a robot."""
     simulated = (Capability.SIM_TRUTH,) if robot.simulated else ()
     return Abilities(provides=(Capability.DRV_BASE, *simulated))
 

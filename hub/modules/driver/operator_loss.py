@@ -1,4 +1,11 @@
-"""Has the hardware do what it can when the robot has lost its operator."""
+"""Commands the hardware when the robot has lost its operator.
+
+| base | event | action |
+| --- | --- | --- |
+| can only stand | any | none: the command watchdog stops the wheels |
+| can do more | `OperatorWatch` finds the operator lost | begin the robot file's `left_alone` |
+| can do more | `OperatorWatch` finds an operator again | end it |
+"""
 
 from __future__ import annotations
 
@@ -13,27 +20,27 @@ _logger = logging.getLogger(__name__)
 
 
 class OperatorLoss:
-    """Commands a base that has lost its operator, if the base can do more than stand."""
+    """Begins and ends the action of a base that has lost its operator."""
 
     def __init__(self, base: DriveBase, robot: RobotDescription) -> None:
-        """Prepare.
+        """Check that the base can do what the robot file asks for.
 
         Raises:
-            RobotFileError: The robot file wants what the base cannot do.
+            RobotFileError: The base cannot do it.
         """
-        wanted = robot.left_alone
-        self.watch = OperatorWatch(wanted, robot.surface_after_s)
+        requested = robot.left_alone
+        self.watch = OperatorWatch(requested, robot.surface_after_s)
         self._base = base if isinstance(base, BaseLeftAlone) else None
         self._action: LeftAlone | None = None
-        if self._base is None and wanted is not LeftAlone.STAND:
+        if self._base is None and requested is not LeftAlone.STAND:
             problem = (
-                f"[safety] left_alone is {wanted.value!r}, but the kind {robot.kind!r} can only "
+                f"[safety] left_alone is {requested.value!r}, but the kind {robot.kind!r} can only "
                 f"{LeftAlone.STAND.value}"
             )
             raise RobotFileError(str(robot.path), [problem])
 
-    def look(self, now: float) -> None:
-        """See whether there is something new to do."""
+    def update(self, now: float) -> None:
+        """Begin or end the action, if the watch says so at `now` [s]."""
         action = self.watch.action(now)
         if action is not self._action:
             self._action = action

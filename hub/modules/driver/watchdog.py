@@ -1,23 +1,31 @@
-"""The last stop: the driver halts by itself when navigation falls silent; pure."""
+"""The last stop: the driver halts the wheels when navigation falls silent; pure.
+
+| state | event | action | next state |
+| --- | --- | --- | --- |
+| EXPIRED | fresh neutral command | follow | ALIVE |
+| EXPIRED | other command | refuse | EXPIRED |
+| ALIVE | fresh command | follow | ALIVE |
+| ALIVE | late command: older than 0.3 s | refuse | ALIVE |
+| ALIVE | no fresh command for 0.3 s | wheels stop | EXPIRED |
+
+It starts EXPIRED.
+"""
 
 from __future__ import annotations
 
 SILENCE_S = 0.3
-"""Time without a fresh drive command after which the wheels are told to stop [s]."""
+"""Time without a fresh drive command after which the wheels stop [s]."""
 
 
 class CommandWatchdog:
-    """Knows whether a drive command may be followed.
-
-    After a silence, and at the start, the wheels stand until a neutral command has come.
-    """
+    """Decides whether the driver follows a drive command."""
 
     def __init__(self, silence_s: float = SILENCE_S) -> None:
         self._silence_s = silence_s
         self._deadline = float("-inf")
 
     def allows(self, measured: float, now: float, *, neutral: bool) -> bool:
-        """Whether a command that was given at `measured` may be followed at `now` [s]."""
+        """Whether the driver follows a command that was given at `measured`, at `now` [s]."""
         late = measured + self._silence_s <= now
         if late or (self.expired(now) and not neutral):
             return False
@@ -25,5 +33,5 @@ class CommandWatchdog:
         return True
 
     def expired(self, now: float) -> bool:
-        """Whether there has been no fresh command for too long at `now` [s]."""
+        """Whether no command is fresh at `now` [s], so that the wheels must stand."""
         return now >= self._deadline

@@ -100,7 +100,7 @@ class MissionDesk:
         self.publish()
 
     def _requested(self, command: mission.MissionCommand, reply: Reply[CommonResult]) -> None:
-        if not self._gate.counts(reply.asker):
+        if not self._gate.obeys(reply.asker):
             text = "somebody else has control of the robot; ask for control, or let them do it"
             reply.answer(CommonResult(done=0, text=text))
             return

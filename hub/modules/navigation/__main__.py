@@ -95,7 +95,7 @@ class Navigation:
 
     def _command(self, twist: navigation.Twist, reception: MessageInfo) -> None:
         sender = reception.publisher
-        if not self._gate.counts(sender):
+        if not self._gate.obeys(sender):
             if not twist.neutral:  # idle consoles send neutral all the time
                 self._gate.admits(navigation.VELOCITY_COMMAND, reception)
             return
@@ -127,7 +127,7 @@ class Navigation:
             _logger.warning("the driver began anew: the robot waits for a neutral command")
             if self._newest is not None and _jumped(self._newest[0], state):
                 self._lose_place("the driver began anew and tells another place", now)
-            self._governor.driver_began_anew()
+            self._governor.driver_restarted()
         self._driver = reception.publisher
         before = self._frames.frame.number
         frame = self._frames.reported(state)

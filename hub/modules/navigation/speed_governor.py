@@ -1,14 +1,29 @@
-"""Which velocity the wheels get, given the commands that came and the time; pure.
+"""The velocity of the wheels, from the commands received and the time; pure.
 
-The robot follows fresh commands of one sender at a time. Whoever wants to drive has to have sent a
-neutral command first, and again after every stop, every silence of its own, every hand-over of
-control, and every pause of the driver or of this process: nobody drives off with a stick that was
-left deflected. Neutral commands of those who do not drive change nothing.
+One sender drives at a time. A sender is ARMED for 1 s by each command that it sends; only a neutral
+command arms a sender that is not armed. So a stick that was left deflected never moves the robot.
+FREE stands for WAITING, STANDING, STOPPED and SILENCE: the wheels stand and no sender drives.
+GOING is a task of navigation. It needs no neutral command, because no stick begins it.
 
-A task of navigation's own holds the wheels as a sender does, but needs no neutral command: it is
-begun by an event, not by a stick. It never takes over from somebody who drives; anybody who wants
-to move takes over from it. While the driver is silent, and after this process was away, the wheels
-of a task stand. The task keeps them, and may steer again when everything is fresh.
+| event | FREE | MOVING | GOING |
+| --- | --- | --- | --- |
+| a command is not finite, late, or comes right after a pause | refuse | refuse | refuse |
+| neutral command of the driving sender | - | arm, STANDING | - |
+| neutral command of another sender | arm, STANDING | arm | arm |
+| armed sender commands a motion | MOVING | follow the driving sender, refuse others | MOVING |
+| sender that is not armed does | refuse | refuse | refuse, STANDING |
+| a task begins | GOING | refuse | GOING |
+| the task ends | - | - | STANDING |
+| `stop` | disarm all, STOPPED | disarm all, STOPPED | disarm all, STOPPED |
+| the driver process restarted | disarm all, WAITING | disarm all, WAITING | disarm all, hold |
+| control passes from owner to owner | disarm all, WAITING | as FREE | as FREE |
+| control begins | - | disarm all, WAITING, unless the owner drives | - |
+| control ends | - | disarm all, WAITING | - |
+| no fresh command for 0.3 s | - | disarm the sender, SILENCE | hold |
+| no report of the driver for 0.5 s | refuse motion | disarm all, STOPPED | hold |
+| this process paused for over 0.3 s | - | disarm all, STOPPED | hold |
+
+Hold: the wheels stand and the task stays. It steers again when nothing was missing for 0.2 s.
 """
 
 from __future__ import annotations
@@ -20,13 +35,13 @@ from hub.gcm.navigation import Cause, MotionState
 SILENCE_S = 0.3
 """Time without a fresh command after which the robot is stopped [s]."""
 ARMED_S = 1.0
-"""Time without any command after which a sender has to send neutral again [s]."""
+"""Time without any command after which a sender must send neutral again [s]."""
 DRIVER_SILENCE_S = 0.5
 """Time without a report after which the driver counts as gone [s]."""
 STALL_S = 0.3
-"""A longer pause between two looks means that this process itself was away [s]."""
-DEAF_S = 0.1
-"""How long after such a pause commands are taken for old ones [s]."""
+"""A longer time between two updates means that this process itself paused [s]."""
+IGNORE_S = 0.1
+"""Time after such a pause in which commands count as old [s]."""
 SETTLE_S = 0.2
 """A task steers again when nothing was missing for this time [s]."""
 _MAX_SENDERS = 256
@@ -37,10 +52,10 @@ class SpeedGovernor:
     """Decides on the velocity; every method gets the present monotonic time [s].
 
     Attributes:
-        refused: Commands that were not followed: not finite, old, not from neutral, or from
-            somebody else while one drives.
+        refused: Number of commands refused: not finite, old, from a sender that is not armed, or
+            from a second sender.
         held: Why the wheels of a task stand; NONE: it may steer.
-        stops: Counts how often whoever drives had to become neutral first; 32 bits.
+        stops: Number of times that senders were disarmed; 32 bits.
     """
 
     def __init__(
@@ -61,8 +76,8 @@ class SpeedGovernor:
         self._sender: int | None = None
         self._fresh_until = now
         self._driver_until = now
-        self._looked = now
-        self._deaf_until = now
+        self._updated = now
+        self._ignore_until = now
         self._settled_at = now
         self.refused = 0
         self.held = Cause.NONE
@@ -71,10 +86,10 @@ class SpeedGovernor:
     def command(
         self, sender: int, linear: float, angular: float, measured: float, now: float
     ) -> None:
-        """Somebody wants a velocity [m/s, rad/s], given at `measured`."""
-        self._look(now)
+        """A sender commands a velocity [m/s, rad/s], given at `measured`."""
+        self._update(now)
         usable = math.isfinite(linear) and math.isfinite(angular)
-        if not usable or now < self._deaf_until or measured + self._silence_s <= now:
+        if not usable or now < self._ignore_until or measured + self._silence_s <= now:
             self.refused += 1
         elif linear == 0.0 and angular == 0.0:
             self._neutral(sender, now)
@@ -89,8 +104,8 @@ class SpeedGovernor:
             self.refused += 1
 
     def begin_task(self, now: float) -> str:
-        """A task wants the wheels; returns why it does not get them, empty if it does."""
-        self._look(now)
+        """A task asks for the wheels; returns why it does not get them, or an empty string."""
+        self._update(now)
         if now >= self._driver_until:
             return "the driver does not report"
         if self._sender is not None:
@@ -100,8 +115,8 @@ class SpeedGovernor:
         return ""
 
     def steer(self, linear: float, angular: float, now: float) -> None:
-        """The task wants a velocity [m/s, rad/s]; it has to say so again before long."""
-        self._look(now)
+        """The task commands a velocity [m/s, rad/s]; it must repeat that in time."""
+        self._update(now)
         if self._state is MotionState.GOING and self.held is Cause.NONE:
             self._fresh_until = now + self._silence_s
             self._velocity = self._limited(linear, angular)
@@ -113,49 +128,50 @@ class SpeedGovernor:
 
     @property
     def has_task(self) -> bool:
-        """Whether a task has the wheels, also while they are held."""
+        """Whether a task has the wheels, also while it is held."""
         return self._state is MotionState.GOING
 
     @property
     def driver(self) -> int:
-        """Who sends the commands that are followed; 0: nobody."""
+        """Number of the sender that drives; 0: none."""
         return self._sender or 0
 
     def stop(self) -> None:
-        """Somebody wants the robot to stop: it stands until neutral comes."""
+        """Stop the robot; it stands until a neutral command comes."""
         self._disarm(MotionState.STOPPED)
 
-    def driver_began_anew(self) -> None:
-        """Another driver reports than before: who drives has to send a neutral command first."""
+    def driver_restarted(self) -> None:
+        """Another driver process reports than before: senders must send neutral again."""
         if self.has_task:
             self._armed.clear()
             self._count_stop()
-            self._hold(Cause.DRIVER, self._looked)
+            self._hold(Cause.DRIVER, self._updated)
         else:
             self._disarm(MotionState.WAITING)
 
     def controlled_by(self, owner: int, before: int) -> None:
-        """Somebody else has control than before, by numbers; 0: nobody.
+        """Another client has control than before; see the table.
 
-        The robot stands until the new owner sends neutral, unless that is who drives already. It
-        stands as well when it becomes free while it is driven; a task of its own goes on then.
+        Args:
+            owner: Number of the new owner; 0: none.
+            before: Number of the owner before; 0: none.
         """
         if (owner and before) or self._sender not in (owner, None):
             self._disarm(MotionState.WAITING)
 
     def driver_reported(self, now: float) -> None:
-        """The driver lives."""
-        self._look(now)
+        """The driver sent a report."""
+        self._update(now)
         self._driver_until = now + DRIVER_SILENCE_S
 
     def velocity(self, now: float) -> tuple[float, float]:
-        """What the wheels get now [m/s, rad/s]."""
-        self._look(now)
+        """The velocity of the wheels now [m/s, rad/s]."""
+        self._update(now)
         return self._velocity
 
     def state(self, now: float) -> MotionState:
-        """What is done with commands now."""
-        self._look(now)
+        """The state of motion now, as published."""
+        self._update(now)
         return MotionState.NO_DRIVER if now >= self._driver_until else self._state
 
     def _neutral(self, sender: int, now: float) -> None:
@@ -176,7 +192,7 @@ class SpeedGovernor:
         )
 
     def _disarm(self, state: MotionState) -> None:
-        """Stop; everybody has to send neutral before they drive again."""
+        """Stop; every sender must send neutral before it drives again."""
         self._halt(state)
         self._armed.clear()
         self._count_stop()
@@ -191,19 +207,19 @@ class SpeedGovernor:
         self.held = Cause.NONE
 
     def _hold(self, cause: Cause, now: float) -> None:
-        """The wheels of a task stand."""
+        """Stop the wheels and keep the task."""
         self.held = cause
         self._velocity = (0.0, 0.0)
         self._settled_at = now + SETTLE_S
 
-    def _look(self, now: float) -> None:
-        """See what the time that has gone by has changed."""
-        away = now - self._looked > STALL_S
-        self._looked = now
+    def _update(self, now: float) -> None:
+        """Apply the time limits of the table."""
+        away = now - self._updated > STALL_S
+        self._updated = now
         if away:
-            self._deaf_until = now + DEAF_S
+            self._ignore_until = now + IGNORE_S
         if self.has_task:
-            self._look_at_task(now, away=away)
+            self._update_task(now, away=away)
             return
         if self._sender is None:
             return
@@ -214,11 +230,11 @@ class SpeedGovernor:
             self._halt(MotionState.SILENCE)
             self._count_stop()
 
-    def _look_at_task(self, now: float, *, away: bool) -> None:
-        """Hold the wheels of a task while something is missing, and let it steer again."""
+    def _update_task(self, now: float, *, away: bool) -> None:
+        """Hold a task while something is missing; release it when all is fresh again."""
         silent = now >= self._driver_until
-        if away or (silent and now < self._deaf_until):
-            # Reports that came while this process was away are still on their way to it.
+        if away or (silent and now < self._ignore_until):
+            # Reports that came during the pause are not read yet.
             self._hold(Cause.BUSY, now)
         elif silent:
             self._hold(Cause.DRIVER, now)

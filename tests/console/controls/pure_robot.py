@@ -85,7 +85,7 @@ class Robot:
         age = max(0.0, now - measured)
         if not self.navigates or age > VELOCITY_COMMAND.lifespan_s:
             return
-        if self._gate.counts(sender):
+        if self._gate.obeys(sender):
             speeds = twist.linear.x, twist.angular.z
             self._governor.command(sender, *speeds, now - age, now)
             self._look(now)

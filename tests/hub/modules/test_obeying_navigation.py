@@ -15,7 +15,7 @@ from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.transport.loop import Loop
 from hub.modules.driver import __main__ as driver
-from hub.modules.driver.navigator import TELL_S, Navigator
+from hub.modules.driver.navigator import LOG_INTERVAL_S, Navigator
 from hub.robots.description import read_description
 from tests.support.waiting import until
 
@@ -24,22 +24,22 @@ FORWARD, NEUTRAL = Twist.planar(0.4, 0.0), Twist.planar(0.0, 0.0)
 
 def test_only_the_number_that_central_told_counts() -> None:
     navigator = Navigator()
-    assert not navigator.obeyed(0, 0.0)
-    assert not navigator.obeyed(5, 0.0)
+    assert not navigator.obeys(0, 0.0)
+    assert not navigator.obeys(5, 0.0)
     navigator.connected(5)
-    assert navigator.obeyed(5, 0.0)
-    assert not navigator.obeyed(6, 0.0)
+    assert navigator.obeys(5, 0.0)
+    assert not navigator.obeys(6, 0.0)
     navigator.connected(0)
-    assert not navigator.obeyed(5, 0.0)
-    assert not navigator.obeyed(0, 0.0)
+    assert not navigator.obeys(5, 0.0)
+    assert not navigator.obeys(0, 0.0)
     assert navigator.refused == 5
 
 
 def test_refused_commands_fill_no_log(caplog: pytest.LogCaptureFixture) -> None:
     navigator = Navigator()
     for step in range(1000):
-        navigator.obeyed(7, 0.002 * step)
-    assert len(caplog.records) == round(2.0 / TELL_S)
+        navigator.obeys(7, 0.002 * step)
+    assert len(caplog.records) == round(2.0 / LOG_INTERVAL_S)
     assert "only navigation may send one" in caplog.text
 
 

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from hub.gcm.navigation import Cause, MotionState
 from hub.modules.navigation.speed_governor import (
     ARMED_S,
-    DEAF_S,
     DRIVER_SILENCE_S,
+    IGNORE_S,
     SETTLE_S,
     SILENCE_S,
     STALL_S,
@@ -112,7 +112,7 @@ def test_counts_what_makes_whoever_drives_become_neutral_first() -> None:
     counted = [scene.governor.stops]
     for happens in (
         scene.governor.stop,
-        scene.governor.driver_began_anew,
+        scene.governor.driver_restarted,
         lambda: scene.governor.controlled_by(B, A),
         lambda: scene.hold(A, 0.0, 0.2),
         lambda: (scene.command(A, 0.4), scene.wait(0.5)),  # it falls silent
@@ -212,7 +212,7 @@ def test_what_was_queued_while_navigation_itself_was_away_is_not_followed() -> N
     scene.command(B, 0.0)
     scene.command(B, 0.4)
     assert scene.velocity == (0.0, 0.0)
-    scene.wait(DEAF_S + 0.02)
+    scene.wait(IGNORE_S + 0.02)
     scene.command(B, 0.0)
     scene.command(B, 0.4)
     assert scene.velocity == (0.4, 0.0)
@@ -271,7 +271,7 @@ def test_a_task_goes_on_with_a_driver_that_comes_back_or_began_anew() -> None:
     scene.wait(SETTLE_S + 0.05)
     scene.governor.steer(0.3, 0.2, scene.now)
     assert scene.velocity == (0.3, 0.2)
-    scene.governor.driver_began_anew()
+    scene.governor.driver_restarted()
     assert scene.velocity == (0.0, 0.0)
     scene.wait(SETTLE_S + 0.05)
     scene.governor.steer(0.3, 0.2, scene.now)
@@ -407,7 +407,7 @@ def test_driver_that_began_anew_waits_for_neutral_and_so_does_the_operator() -> 
     scene.governor.command(A, 0.0, 0.0, scene.now, scene.now)
     scene.governor.command(A, 0.3, 0.0, scene.now, scene.now)
     assert scene.governor.state(scene.now) is MotionState.MOVING
-    scene.governor.driver_began_anew()
+    scene.governor.driver_restarted()
     scene.governor.command(A, 0.3, 0.0, scene.now, scene.now)
     assert scene.governor.velocity(scene.now) == (0.0, 0.0)
     assert scene.governor.state(scene.now) is MotionState.WAITING
