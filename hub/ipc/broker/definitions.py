@@ -1,4 +1,4 @@
-"""The messages that are defined at central, and why one is not defined as somebody wants."""
+"""The messages that are defined at central: DEFINE, and what REPORT says of their broadcasts."""
 
 from __future__ import annotations
 
@@ -7,12 +7,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from hub.errors import HubError
-from hub.ipc.broker.peers import Peer
+from hub.ipc.broker.peers import Outgoing, Peer
+from hub.ipc.broker.presence import PresenceReports
 from hub.ipc.broker.quotas import quota_of
 from hub.ipc.broker.traffic import Traffic
 from hub.ipc.formats.codec import compiled
 from hub.ipc.roles import Principal
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import control
+from hub.ipc.wire.control import Change
 from hub.ipc.wire.definition_listing import from_listing
 
 MAX_DEFINITIONS = 4096
@@ -25,7 +28,7 @@ class Definition:
     """A message as it was first defined.
 
     Attributes:
-        entry: What its definer said, and who that was.
+        entry: Its definition, and the name of the definer.
         fingerprint: Of its format.
         traffic: What is known of its broadcasts.
     """
@@ -38,16 +41,21 @@ class Definition:
 class Definitions:
     """All messages that are defined; none is ever taken back."""
 
-    def __init__(self) -> None:
+    def __init__(self, presence: PresenceReports, faults: FaultCounter) -> None:
+        """Start without any.
+
+        Args:
+            presence: Reports new messages.
+            faults: Counts what is refused.
+        """
+        self._presence = presence
+        self._faults = faults
         self._known: dict[str, Definition] = {}
         self._listed = 0
         self._defined_by: Counter[Principal] = Counter()
 
     def __contains__(self, name: str) -> bool:
         return name in self._known
-
-    def __getitem__(self, name: str) -> Definition:
-        return self._known[name]
 
     def __iter__(self) -> Iterator[Definition]:
         return iter(self._known.values())
@@ -56,8 +64,40 @@ class Definitions:
         """The message of this name, if it is defined."""
         return self._known.get(name)
 
-    def define(self, peer: Peer, message: control.Define) -> control.Refused | None:
-        """Define a message; why it cannot be, None if it is defined like that now."""
+    def plane_of(self, name: str) -> str | None:
+        """The plane of the message of this name; None if it is not defined."""
+        known = self._known.get(name)
+        return known.entry.plane if known else None
+
+    def define(self, peer: Peer, message: control.Define) -> list[Outgoing]:
+        """Define a message, or refuse that."""
+        new = message.name not in self._known
+        refusal = self._define(peer, message)
+        if refusal:
+            self._faults.count("refused definition", refusal.text)
+            return [Outgoing(identity=peer.identity, message=refusal)]
+        reports = self._presence.report(Change.DEFINED, peer, message.name) if new else []
+        defined = control.Defined(name=message.name)
+        return [Outgoing(identity=peer.identity, message=defined), *reports]
+
+    def report(self, peer: Peer, message: control.Report, now: float) -> None:
+        """Note what `peer` published and received since its last report.
+
+        Args:
+            peer: The peer.
+            message: Its report.
+            now: The time [s].
+        """
+        for received in message.received:
+            if received.name in self._known:
+                self._known[received.name].traffic.received(received)
+        for published in message.published:
+            if published.name in peer.publishes:
+                traffic = self._known[published.name].traffic
+                traffic.published(peer.publisher, published, now)
+
+    def _define(self, peer: Peer, message: control.Define) -> control.Refused | None:
+        """Define a message; the refusal, or None if it is defined like that now."""
         known = self._known.get(message.name)
         if known is not None:
             text = _difference(peer, known, message)

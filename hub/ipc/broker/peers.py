@@ -1,4 +1,4 @@
-"""Who is connected to central, and what central has to tell them."""
+"""The peers that are connected to central, and the messages that central has for them."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Caller(NamedTuple):
         identity: Of the connection.
         descriptor: File descriptor of the connection; -1 if unknown.
         principal: Whose key it was made with.
-        ports: TCP ports of the planes for who came this way.
+        ports: TCP ports of the planes at the entrance that it used.
         paths: ipc:// paths of the same.
     """
 
@@ -53,18 +53,18 @@ class Peer:
         descriptor: File descriptor of that connection; -1 if unknown.
         name: Its unique name.
         pid: Its process id.
-        principal: Who it is by its key, and so what it may do.
+        principal: Whose key it has, and so what it may do.
         client: Its random number; 0 if it has none.
-        publisher: Number of it in frame headers.
-        heard: When it last said anything [s].
+        publisher: Its number in frame headers.
+        heard: When its last control message came [s].
         handles: Names of the queries it answers.
         publishes: Names of the messages it publishes.
         subscribes: Names of the messages it subscribes to.
-        watches: Whether it is told who comes and goes.
-        follows: Names of the modules of whose connections it is told.
-        near: Whether others of central's neighbourhood reach it directly.
-        doors: Where it can be asked directly, by message name.
-        routed: Whom central told of these doors, and for which message.
+        watches: Whether it gets a PRESENCE for every change.
+        follows: Names of the modules whose connections it gets a PRESENCE for.
+        near: Whether other peers of central's machine and user reach it directly.
+        direct_addresses: Where it takes queries directly, by message name.
+        direct_askers: The peers that have such an address, and for which message.
     """
 
     identity: bytes
@@ -81,63 +81,54 @@ class Peer:
     watches: bool = False
     follows: set[str] = field(default_factory=set)
     near: bool = False
-    doors: dict[str, str] = field(default_factory=dict)
-    routed: set[tuple[Peer, str]] = field(default_factory=set)
+    direct_addresses: dict[str, str] = field(default_factory=dict)
+    direct_askers: set[tuple[Peer, str]] = field(default_factory=set)
 
 
-class PeersByMessage:
-    """Peers by what they do with a message, in the order in which they began."""
-
-    def __init__(self) -> None:
-        self._peers: dict[str, dict[Peer, None]] = {}
-
-    def add(self, name: str, peer: Peer) -> bool:
-        """`peer` does it with the message `name` too; whether that is new."""
-        peers = self._peers.setdefault(name, {})
-        if peer in peers:
-            return False
-        peers[peer] = None
-        return True
-
-    def discard(self, name: str, peer: Peer) -> bool:
-        """`peer` does it no longer; whether it did."""
-        peers = self._peers.get(name, {})
-        if peer not in peers:
-            return False
-        del peers[peer]
-        if not peers:
-            del self._peers[name]
-        return True
-
-    def of(self, name: str) -> Iterator[Peer]:
-        """Who does it with the message `name`."""
-        return iter(self._peers.get(name, ()))
-
-    def count(self, name: str) -> int:
-        """How many do it with the message `name`."""
-        return len(self._peers.get(name, ()))
-
-
-class Numbers:
-    """Peers by their numbers in frame headers; any thread may ask."""
+class Peers:
+    """All connected peers. Any thread may ask for `names` and `numbered`."""
 
     def __init__(self) -> None:
-        self._peers: dict[int, Peer] = {}
+        self._by_identity: dict[bytes, Peer] = {}
+        self._by_name: dict[str, Peer] = {}
+        self._by_number: dict[int, Peer] = {}
 
-    def new(self) -> int:
-        """A number that nobody has and nobody can guess."""
-        while (number := secrets.randbits(32)) == 0 or number in self._peers:
+    def __iter__(self) -> Iterator[Peer]:
+        return iter(self._by_identity.values())
+
+    def __len__(self) -> int:
+        return len(self._by_identity)
+
+    def of(self, identity: bytes) -> Peer | None:
+        """The peer of a control connection; None if there is none."""
+        return self._by_identity.get(identity)
+
+    def named(self, name: str) -> Peer | None:
+        """The peer of this name; None if there is none."""
+        return self._by_name.get(name)
+
+    def numbered(self, number: int) -> Peer | None:
+        """The peer of this number in frame headers; None if there is none."""
+        return self._by_number.get(number)
+
+    def names(self) -> tuple[str, ...]:
+        """The names of all peers."""
+        return tuple(self._by_name)
+
+    def new_number(self) -> int:
+        """A number that no peer has and nobody can guess."""
+        while (number := secrets.randbits(32)) == 0 or number in self._by_number:
             pass
         return number
 
-    def of(self, number: int) -> Peer | None:
-        """Who has this number; None if nobody has."""
-        return self._peers.get(number)
+    def add(self, peer: Peer) -> None:
+        """`peer` is connected now."""
+        self._by_identity[peer.identity] = self._by_name[peer.name] = peer
+        self._by_number[peer.publisher] = peer
 
-    def give(self, peer: Peer) -> None:
-        """`peer` has its number from now on."""
-        self._peers[peer.publisher] = peer
-
-    def forget(self, peer: Peer) -> None:
-        """`peer` is gone."""
-        self._peers.pop(peer.publisher, None)
+    def remove(self, peer: Peer) -> None:
+        """`peer` is connected no longer."""
+        self._by_identity.pop(peer.identity, None)
+        self._by_number.pop(peer.publisher, None)
+        if self._by_name.get(peer.name) is peer:
+            del self._by_name[peer.name]

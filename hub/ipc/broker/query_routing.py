@@ -1,4 +1,4 @@
-"""Queries on their way through central: who is asked, who takes over, and how each of them ends."""
+"""Queries under way through central: their handlers, their successors, and how each one ends."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ class _Route:
     """A query under way.
 
     Attributes:
-        asker: Who wants to know.
-        number: The asker's number of it.
-        handler: Who was asked.
-        query: What was asked, under our number.
+        asker: The peer that waits for the answer.
+        number: The asker's number of the query.
+        handler: The peer that answers.
+        query: The query, under central's number.
         attached: The query's message; None if it has none or is too long to be asked again.
-        deadline: When the asker has stopped waiting [s].
+        deadline: When the asker stops waiting [s].
     """
 
     asker: Peer
@@ -52,30 +52,29 @@ class QueryRouting:
         """Start with none.
 
         Args:
-            candidates: Who could answer, longest connected first.
+            candidates: The peers that could answer, the first that began comes first.
             faults: Where late answers are counted.
         """
         self._candidates = candidates
         self._faults = faults
         self._routes: dict[int, _Route] = {}
         self._busy: Counter[Peer] = Counter()
-        self._owed: dict[Peer, set[int]] = {}
+        self._late: dict[Peer, set[int]] = {}
         self._shares = QueryShares()
         self._last = 0
 
     def ask(self, asker: Peer, query: Asked, attached: Buffer | None, now: float) -> list[Outgoing]:
         """Send a query to the handler with the fewest under way.
 
-        What a handler has let run out since its last answer in time counts as under way. Nobody
-        else is asked the same meanwhile: a slow handler is at work, and what it does would be done
-        twice.
+        Queries that timed out stay in the handler's load until it answers in time again. No other
+        handler gets them meanwhile: the slow one works on them, and the work would be done twice.
         """
         if len(self._routes) >= MAX_QUERIES:
             text = f"{MAX_QUERIES} queries are under way, {query.name[:80]} is one too many"
             return [_failure(asker, query.number, "NoHandlerError", text)]
         handler = self._choose(query)
         if handler is None:
-            return [_failure(asker, query.number, *_nobody(query))]
+            return [_failure(asker, query.number, *_no_handler(query))]
         refusal = self._shares.refusal(asker, handler, now)
         if refusal:
             self._faults.count("query over quota", f"{asker.name}: {refusal}")
@@ -95,29 +94,29 @@ class QueryRouting:
         return [self._send(route, attached)]
 
     def answer(self, handler: Peer, answer: Answer, attached: Buffer | None) -> list[Outgoing]:
-        """Hand an answer on to who asked."""
+        """Send an answer on to the asker."""
         route = self._routes.get(answer.number)
         if route is None or route.handler is not handler:
-            self._owed.get(handler, set()).discard(answer.number)
-            self._faults.count("late answer", f"from {handler.name}, nobody waits for it")
+            self._late.get(handler, set()).discard(answer.number)
+            self._faults.count("late answer", f"from {handler.name}, no peer waits for it")
             return []
         self._end(route)
-        self._owed.pop(handler, None)
+        self._late.pop(handler, None)
         handed_on = replace(answer, number=route.number)
         return [Outgoing(identity=route.asker.identity, message=handed_on, attached=attached)]
 
     def expire(self, now: float) -> None:
-        """Forget what nobody waits for any more; the askers keep their own time."""
+        """Forget the queries whose time has run out; the askers keep their own time."""
         for route in [route for route in self._routes.values() if route.deadline < now]:
             self._end(route)
             detail = f"{route.handler.name} let {route.query.name} run out"
             self._faults.count("unanswered query", detail)
-            owed = self._owed.setdefault(route.handler, set())
-            if len(owed) < MAX_QUERIES:
-                owed.add(route.query.number)
+            late = self._late.setdefault(route.handler, set())
+            if len(late) < MAX_QUERIES:
+                late.add(route.query.number)
 
     def drop(self, peer: Peer, now: float) -> list[Outgoing]:
-        """`peer` is gone: others take over what it was asked, or who asked is told at once."""
+        """`peer` is gone: another handler takes over its queries, or the askers hear so at once."""
         outgoing = []
         for route in list(self._routes.values()):
             if route.asker is peer:
@@ -126,7 +125,7 @@ class QueryRouting:
                 self._end(route)
                 outgoing.append(self._take_over(route, now))
         del self._busy[peer]
-        self._owed.pop(peer, None)
+        self._late.pop(peer, None)
         self._shares.drop(peer)
         return outgoing
 
@@ -141,10 +140,10 @@ class QueryRouting:
         return self._send(replace(route, handler=successor, query=left), route.attached)
 
     def _choose(self, query: Asked) -> Peer | None:
-        def burden(peer: Peer) -> int:
-            return self._busy[peer] + len(self._owed.get(peer, ()))
+        def load(peer: Peer) -> int:
+            return self._busy[peer] + len(self._late.get(peer, ()))
 
-        return min(self._candidates(query), key=burden, default=None)
+        return min(self._candidates(query), key=load, default=None)
 
     def _send(self, route: _Route, attached: Buffer | None) -> Outgoing:
         self._routes[route.query.number] = route
@@ -165,8 +164,8 @@ class QueryRouting:
         self._shares.end(route.asker, route.handler)
 
 
-def _nobody(query: Asked) -> tuple[str, str]:
-    """Error class and sentence for a query that nobody can answer."""
+def _no_handler(query: Asked) -> tuple[str, str]:
+    """Error class and sentence for a query that no peer can answer."""
     if isinstance(query, control.Last):
         return "NoValueError", f"no connected module publishes {query.name[:80]}"
     return "NoHandlerError", f"no connected module answers queries of {query.name[:80]}"

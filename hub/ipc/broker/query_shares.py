@@ -1,4 +1,4 @@
-"""Which share of the queries under way each key and role has, in all and at each handler."""
+"""Limits on the queries under way: of each key, of each role, and at each handler."""
 
 from __future__ import annotations
 

@@ -132,7 +132,7 @@ _ROLES = {role: rank for rank, role in enumerate(Role)}
 
 
 def quota_of(principal: Principal) -> Quota | None:
-    """The quota of who has this key; None for clients of this machine."""
+    """The quota of this key; None for clients of this machine."""
     return None if principal is LOCAL else QUOTAS[principal.role]
 
 

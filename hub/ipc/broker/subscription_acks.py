@@ -1,4 +1,4 @@
-"""Subscriptions that are on their way to the publishers: who has to see each before it stands."""
+"""Subscriptions on their way to the publishers: each stands when all publishers have seen it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from hub.ipc.wire import control
 
 _MAX_UNDER_WAY = 16_384
 _MAX_FAR = _MAX_UNDER_WAY // 2
-"""Of those who have keys, so that they keep no module of the robot waiting."""
+"""Of clients with keys, so that they keep no module of the robot waiting."""
 _MAX_EARLY = 4096
 
 
@@ -26,8 +26,8 @@ class SubscriptionAcks:
     """All subscriptions under way, by token.
 
     A subscription travels to the publishers through ZeroMQ, beside the control messages. Behind it
-    the subscriber sends a mark with a token that goes the same way; who sees the mark has seen the
-    subscription, and says so.
+    the subscriber sends a mark with a token that goes the same way. A publisher that sees the mark
+    has seen the subscription, and sends READY.
     """
 
     def __init__(self) -> None:
@@ -40,7 +40,7 @@ class SubscriptionAcks:
         far = subscriber.principal is not LOCAL
         full = len(self._under_way) >= _MAX_UNDER_WAY or (far and self._far >= _MAX_FAR)
         if full or (far and not token.startswith(f"{subscriber.publisher}.")):
-            return []  # it stands, but nobody will say so: who has a key may guess others' tokens
+            return []  # no SUBSCRIBED follows: a client with a key may guess the tokens of others
         awaited = {subscriber, *publishers} - self._early.pop(token, set())
         self._end(token)
         self._under_way[token] = _Confirmation(subscriber, awaited)

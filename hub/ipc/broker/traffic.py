@@ -13,7 +13,7 @@ _MAX_JUMP = 1 << 24
 _MAX_BYTES = 1 << 40
 _RECENT_REPORTS = 16
 _LATELY_S = 3.0
-"""What a publisher last told counts for so long; it tells every second while it publishes [s]."""
+"""A report counts for this long; a publisher reports every second while it publishes [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ class Traffic:
     _oldest: deque[float] = field(default_factory=lambda: deque(maxlen=_RECENT_REPORTS))
 
     def published(self, publisher: int, entry: control.Published, now: float) -> None:
-        """A publisher told what it has broadcast; nonsense is left out."""
+        """A publisher reports its broadcasts; impossible numbers are left out."""
         if entry.messages > _MAX_JUMP or entry.bytes > _MAX_BYTES:
             return
         if not (0.0 < entry.over_s < math.inf and 0.0 <= entry.silent_s < math.inf):
@@ -60,7 +60,7 @@ class Traffic:
         )
 
     def received(self, entry: control.Received) -> None:
-        """A subscriber told what it has had; nonsense is left out."""
+        """A subscriber reports what it received; impossible numbers are left out."""
         most = max(entry.lost, entry.expired, entry.refused)
         if most > _MAX_JUMP or not 0.0 <= entry.oldest_s < math.inf:
             return
@@ -80,5 +80,5 @@ class Traffic:
 
     @property
     def oldest(self) -> float:
-        """Largest age that subscribers told of lately [s]."""
+        """Largest age in the last reports of subscribers [s]."""
         return max(self._oldest, default=0.0)

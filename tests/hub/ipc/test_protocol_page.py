@@ -10,7 +10,7 @@ import pytest
 
 from hub.gcm.catalog import MESSAGES
 from hub.ipc import endpoints
-from hub.ipc.broker import definitions, listing, query_routing, registry
+from hub.ipc.broker import connections, definitions, listing, message_users, query_routing
 from hub.ipc.formats import grammar as formats
 from hub.ipc.node import connection
 from hub.ipc.transport import sockets
@@ -63,12 +63,12 @@ def test_every_primitive_is_in_the_table_of_formats() -> None:
         f"up to {definition_listing.MAX_FIELDS:,}",
         f"PING every {connection.PING_S:g} s",
         f"not heard central for {connection.LOST_S:g} s",
-        f"silent for {registry.SILENCE_S:g} s",
-        f"| connected clients | {registry.MAX_PEERS} |",
+        f"silent for {connections.SILENCE_S:g} s",
+        f"| connected clients | {connections.MAX_PEERS} |",
         f"| definitions | {definitions.MAX_DEFINITIONS:,}, "
         f"with {definitions.MAX_LISTED:,} characters",
         f"| queries under way | {query_routing.MAX_QUERIES:,} |",
-        f"answers, each | {registry.MAX_NAMES:,} |",
+        f"answers, each | {message_users.MAX_NAMES:,} |",
         f"| time central remembers a query | {query_routing.MAX_QUERY_S:g} s |",
         f"cut at {listing.MAX_NAMES:,} characters",
         "holds {} frames (state), {} (command) or {} (picture)".format(*sockets.QUEUE.values()),

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from hub.errors import NameTakenError, NotAllowedError
-from hub.ipc.broker import definitions, query_routing, registry
+from hub.ipc.broker import connections, definitions, message_users, query_routing
 from hub.ipc.broker.peers import Caller, Outgoing
 from hub.ipc.broker.registry import Registry
 from hub.ipc.formats.codec import compiled
@@ -261,7 +261,7 @@ def test_handler_that_goes_away_ends_the_query_at_once(bench: Bench, how: str) -
     elif how == "unreachable":
         outgoing = bench.registry.unreachable(b"b")
     else:
-        bench.now += registry.SILENCE_S - 0.1
+        bench.now += connections.SILENCE_S - 0.1
         bench.say("a", control.Ping(epoch=1))
         assert bench.registry.expire() == []
         bench.now += 0.2
@@ -328,7 +328,7 @@ def test_unknown_descriptors_drop_nobody(bench: Bench) -> None:
 
 
 def test_peers_beyond_the_limit_are_refused(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(registry, "MAX_PEERS", 2)
+    monkeypatch.setattr(connections, "MAX_PEERS", 2)
     bench.connect("a", "b")
     assert isinstance(bench.answer("c", control.Hello(name="c", pid=1)), Refused)
 
@@ -355,7 +355,7 @@ def test_queries_beyond_the_limit_fail(bench: Bench, monkeypatch: pytest.MonkeyP
 def test_names_beyond_the_limit_and_of_undefined_messages_are_counted(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(registry, "MAX_NAMES", 3)
+    monkeypatch.setattr(message_users, "MAX_NAMES", 3)
     bench.connect("a")
     for number in range(5):
         bench.handles("a", f"M{number}")
@@ -389,7 +389,7 @@ def test_list_of_everything_fits_into_one_frame_at_the_limits(bench: Bench) -> N
     size = len(control_codec.pack(listing))
     entry = listing.peers[0]
     peer = sum(map(len, (entry.handles, entry.publishes, entry.subscribes))) + 200
-    assert size + registry.MAX_PEERS * peer < frames.MAX_FRAME
+    assert size + connections.MAX_PEERS * peer < frames.MAX_FRAME
 
 
 @pytest.mark.parametrize(
@@ -440,7 +440,7 @@ def test_each_kind_of_fault_is_logged_at_most_once_a_minute(
 @pytest.mark.parametrize("name", [*sorted(ROBOT_NAMES), "my own module"])
 def test_names_of_the_robots_modules_are_for_modules(name: str) -> None:
     bench = Bench()
-    bench.registry = registry.Registry(
+    bench.registry = Registry(
         clock=lambda: bench.now,
         faults=bench.faults,
         reserved=frozenset({"my own module"}),

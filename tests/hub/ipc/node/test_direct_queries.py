@@ -47,10 +47,10 @@ def _on_the_short_way(asker: Peer, central: Central) -> None:
     """Ask until central hears nothing of it any more."""
 
     def short() -> bool:
-        before = central._registry._routes._last
+        before = central._registry._queries._routing._last
         for number in range(10):
             _ask(asker, number + 1)
-        return central._registry._routes._last == before
+        return central._registry._queries._routing._last == before
 
     until(short, 5.0)
     assert asker.client._pending_queries.ways()

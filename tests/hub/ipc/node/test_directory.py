@@ -121,9 +121,9 @@ def test_question_is_asked_again_when_central_has_forgotten_who_asks(
     connect: Connect, central: Central
 ) -> None:
     one = connect("one")
-    (peer,) = central._registry._peers.values()
+    (peer,) = central._registry._peers
     forgotten = threading.Event()
-    central._loop.post(lambda: (central._registry._drop(peer, "a test"), forgotten.set()))
+    central._loop.post(lambda: (central._registry.unreachable(peer.identity), forgotten.set()))
     assert forgotten.wait(5.0)
     listing = one.call(lambda: one.client.directory.listing(5.0))
     assert [each.name for each in listing.peers] == ["one"]

@@ -17,7 +17,7 @@ import pytest
 import zmq
 
 from hub.ipc.broker.central import Central
-from hub.ipc.broker.registry import MAX_PEERS
+from hub.ipc.broker.connections import MAX_PEERS
 from hub.ipc.definition import Plane
 from hub.ipc.transport import sockets
 from hub.ipc.transport.clock_sync import this_neighbourhood

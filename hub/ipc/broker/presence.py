@@ -1,0 +1,71 @@
+"""PRESENCE: central reports to peers what other peers do.
+
+A peer watches everything, or follows the connections of some modules.
+"""
+
+from __future__ import annotations
+
+from hub.ipc.broker.peers import Outgoing, Peer, Peers
+from hub.ipc.wire import control
+from hub.ipc.wire.control import Change
+
+MAX_FOLLOWED = 16
+"""Modules that one peer follows."""
+_CONNECTIONS = (Change.CONNECTED, Change.DISCONNECTED)
+_LISTED = (*_CONNECTIONS, Change.DEFINED)
+
+
+class PresenceReports:
+    """Makes the reports of one central.
+
+    Attributes:
+        listed_changes: How many changes a listing shows at once, of all that were reported.
+    """
+
+    def __init__(self, peers: Peers) -> None:
+        """Report to these peers."""
+        self._peers = peers
+        self.listed_changes = 0
+
+    def report(
+        self, change: Change, peer: Peer, message: str = "", count: int = 0
+    ) -> list[Outgoing]:
+        """Report what `peer` did.
+
+        Args:
+            change: What it did.
+            peer: The peer.
+            message: With which message, by name.
+            count: How many peers do the same with that message now.
+        """
+        self.listed_changes += change in _LISTED
+        presence = _presence(change, peer, message, count)
+        of_connection = change in _CONNECTIONS
+        return [
+            Outgoing(identity=other.identity, message=presence)
+            for other in self._peers
+            if other.watches or (of_connection and peer.name in other.follows)
+        ]
+
+    def watch(self, peer: Peer, message: control.Watch) -> list[Outgoing]:
+        """Report every change to `peer`, or the connections of one module."""
+        if not message.module:
+            peer.watches = True
+        elif len(peer.follows) < MAX_FOLLOWED:
+            peer.follows.add(message.module)
+            known = self._peers.named(message.module)
+            if known is not None:
+                presence = _presence(Change.CONNECTED, known)
+                return [Outgoing(identity=peer.identity, message=presence)]
+        return []
+
+
+def _presence(change: Change, peer: Peer, message: str = "", count: int = 0) -> control.Presence:
+    return control.Presence(
+        change=change,
+        module=peer.name,
+        pid=peer.pid,
+        message=message,
+        count=count,
+        publisher=peer.publisher,
+    )
