@@ -1,4 +1,4 @@
-"""The navigation process: follows velocity commands and goals, and says what is known of it."""
+"""The navigation process: follows velocity commands and goals, and publishes the robot's state."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ _HELD = {
     Cause.BUSY: "navigation is too busy to steer",
     Cause.DRIVER: "the driver is silent",
 }
-"""Why a task waits while its wheels are held."""
+"""The reason that a task reports while it is held."""
 _NOT_BEGUN = {MotionState.NO_DRIVER: Cause.DRIVER, MotionState.MOVING: Cause.STICK}
-"""Why a task does not get the wheels, by the state of motion."""
+"""The cause that a refused task reports, by the state of motion."""
 _JUMP, _TURN = 0.3, 0.5
-"""A driver that begins anew farther than this [m, rad] from where the last one was tells another
-place."""
+"""The robot has lost its place if a restarted driver reports a pose farther off than this
+[m, rad]."""
 
 _NOT_TAKEN = ("too old", "out of order", "out of range")
 """Why the client drops a message, as it counts them."""
@@ -52,24 +52,24 @@ _MAP_TIMEOUT = 1.0
 
 
 class Navigation:
-    """Connects operator, pilot, governor and driver."""
+    """Connects the operator, the path follower, the speed governor and the driver."""
 
     def __init__(self, client: Client, robot: RobotDescription) -> None:
         self._client = client
         self._clock = time.monotonic
-        # From another number each time, so that a console notices that navigation began anew.
+        # The count begins at a random number, so that a console notices a restart of navigation.
         self._governor = SpeedGovernor(
             robot.linear_limit, robot.angular_limit, self._clock(), stops=random.getrandbits(32)
         )
         self._pilot = PathFollower(body_of(robot))
         self._frames = FrameMemory(for_pose(robot.name))
-        self._wanted = (0.0, 0.0)
+        self._commanded = (0.0, 0.0)
         self._newest: tuple[navigation.DriveState, float] | None = None
-        self._said: tuple[object, ...] = ()
+        self._published: tuple[object, ...] = ()
         self._driver: int | None = None
         self._asking = False
         self._assistance = Assistance.ON
-        self._gate = ControlGate(client, self._handed_over)
+        self._gate = ControlGate(client, self._on_owner_change)
         client.subscribe(navigation.STOP, self._stop)
         client.subscribe(navigation.VELOCITY_COMMAND, self._command)
         client.subscribe(navigation.DRIVE_STATE, self._report)
@@ -82,14 +82,14 @@ class Navigation:
         )
         publish_on_request(client, navigation.ROBOT_STATE, self._publish_state)
         publish_on_request(client, navigation.NAVIGATION_STATUS, self._publish_status)
-        client.every(_CHECK_PERIOD, self._look)
+        client.every(_CHECK_PERIOD, self._update)
         client.every(_COMMAND_PERIOD, self._drive)
         client.every(_STATE_PERIOD, self._publish_state)
         client.every(_STATUS_PERIOD, self._publish_status)
         client.every(_MAP_PERIOD, self._ask_for_map)
 
     def finish(self) -> None:
-        """Leave the robot standing."""
+        """Stop the robot."""
         self._governor.stop()
         self._drive()
 
@@ -101,32 +101,32 @@ class Navigation:
             return
         now = self._clock()
         self._governor.command(sender, twist.linear.x, twist.angular.z, now - reception.age, now)
-        self._look()
+        self._update()
 
     def _stop(self, message: navigation.Stop, reception: MessageInfo) -> None:
         del reception
         why = f"stopped: {message.reason or 'no reason given'}"
-        self._pilot.errand.end(Task.CANCELLED, why, Cause.STOP, self._clock())
+        self._pilot.task.end(Task.CANCELLED, why, Cause.STOP, self._clock())
         self._governor.stop()
         self._drive()
-        self._look()
+        self._update()
         _logger.warning("stopped: %s", message.reason or "no reason given")
 
-    def _handed_over(self, state: ControlState, before: int) -> None:
-        """Somebody else has control than before."""
+    def _on_owner_change(self, state: ControlState, before: int) -> None:
+        """Another client has control than before."""
         self._governor.controlled_by(state.owner, before)
         if state.owner and before:
             why = f"{state.operator} has control now"
-            self._pilot.errand.end(Task.CANCELLED, why, Cause.CONTROL, self._clock())
+            self._pilot.task.end(Task.CANCELLED, why, Cause.CONTROL, self._clock())
         self._drive()
-        self._look()
+        self._update()
 
     def _report(self, state: navigation.DriveState, reception: MessageInfo) -> None:
         now = self._clock()
         if self._driver not in (None, reception.publisher):
-            _logger.warning("the driver began anew: the robot waits for a neutral command")
-            if self._newest is not None and _jumped(self._newest[0], state):
-                self._lose_place("the driver began anew and tells another place", now)
+            _logger.warning("the driver restarted: the robot waits for a neutral command")
+            if self._newest is not None and _has_jumped(self._newest[0], state):
+                self._lose_place("the driver restarted and reports another place", now)
             self._governor.driver_restarted()
         self._driver = reception.publisher
         before = self._frames.frame.number
@@ -134,15 +134,15 @@ class Navigation:
         if frame is not None:
             if frame.number != before:
                 self._lose_place("the robot has lost its place", now)
-            _logger.info("the robot's place is told in frame %d", frame.number)
+            _logger.info("the robot's pose is in frame %d", frame.number)
             self._pilot.restart(frame.odom)
         self._newest = (state, reception.measured)
         self._governor.driver_reported(now)
         self._pilot.reported(state, now)
 
     def _lose_place(self, why: str, now: float) -> None:
-        """End what leads to a place: places of before mean others now, or nothing."""
-        self._pilot.errand.end(Task.CANCELLED, why, Cause.DRIVER, now)
+        """End the task: coordinates from before the loss are wrong now."""
+        self._pilot.task.end(Task.CANCELLED, why, Cause.DRIVER, now)
         self._governor.end_task()
 
     def _go(self, goal: navigation.GoalCommand, reception: MessageInfo) -> None:
@@ -151,12 +151,12 @@ class Navigation:
         now = self._clock()
         if not goal.points:
             self._pilot.go(goal, reception.publisher, now)
-            self._look()
+            self._update()
             return
         why = self._governor.begin_task(now)
         if why:
             cause = _NOT_BEGUN.get(self._governor.state(now), Cause.BUSY)
-            self._pilot.errand.refuse(goal, reception.publisher, why, cause, now)
+            self._pilot.task.refuse(goal, reception.publisher, why, cause, now)
         else:
             why = self._pilot.go(goal, reception.publisher, now)
         self._begun("a goal", why)
@@ -173,61 +173,61 @@ class Navigation:
         if why:
             _logger.warning("%s is not followed: %s", what, why)
         self._drive()
-        self._look()
+        self._update()
 
     def _assist(self, command: navigation.AssistanceCommand, reception: MessageInfo) -> None:
         if self._gate.admits(navigation.ASSISTANCE_COMMAND, reception):
             self._pilot.assist(command.assistance, self._clock())
-            self._look()
+            self._update()
 
     def _correct(self, landmark: navigation.LandmarkCorrection, reception: MessageInfo) -> None:
         if self._gate.admits(navigation.LANDMARK_CORRECTION, reception):
             _logger.info("landmark: %s", self._pilot.correct(landmark, self._clock()))
 
     def _drive(self) -> None:
-        """Decide on the velocity and tell the driver."""
+        """Decide on the velocity and publish it to the driver."""
         now = self._clock()
-        self._governor.state(now)  # sees what has changed since
+        self._governor.state(now)  # applies its time limits first
         if self._governor.held is not Cause.NONE:
-            self._pilot.errand.hold(self._governor.held, _HELD[self._governor.held], now)
+            self._pilot.task.hold(self._governor.held, _HELD[self._governor.held], now)
         elif self._governor.has_task:
             steered = self._pilot.steered(now)
             if steered is None:
                 self._governor.end_task()
             else:
                 self._governor.steer(*steered, now)
-        self._wanted = given = self._governor.velocity(now)
+        self._commanded = given = self._governor.velocity(now)
         if self._governor.state(now) is MotionState.MOVING:
             given = self._pilot.assisted(given, now)
-        elif not self._pilot.errand.active:
+        elif not self._pilot.task.active:
             self._pilot.held_back = 0.0
         self._client.publish(navigation.DRIVE_COMMAND, navigation.Twist.planar(*given))
 
-    def _look(self) -> None:
-        """See what has changed since, and act on it without waiting for the next cycle."""
+    def _update(self) -> None:
+        """Act on changes of state without waiting for the next cycle."""
         now = self._clock()
         velocity = self._governor.velocity(now)
-        errand = self._pilot.errand
-        if errand.active and not self._governor.has_task:
-            errand.end(Task.CANCELLED, "somebody drives", Cause.STICK, now)
-        elif self._governor.has_task and not errand.active:
+        task = self._pilot.task
+        if task.active and not self._governor.has_task:
+            task.end(Task.CANCELLED, "somebody drives", Cause.STICK, now)
+        elif self._governor.has_task and not task.active:
             self._governor.end_task()
-        if velocity != self._wanted:
+        if velocity != self._commanded:
             self._drive()
-        self._look_at_assistance(now)
+        self._update_assistance(now)
         said = (
-            errand.number,
-            errand.task,
-            errand.cause,
+            task.number,
+            task.state,
+            task.cause,
             self._governor.driver,
-            len(errand.points),
-            errand.route,
+            len(task.points),
+            task.route,
         )
-        if said != self._said:
-            self._said = said
+        if said != self._published:
+            self._published = said
             self._publish_status()
 
-    def _look_at_assistance(self, now: float) -> None:
+    def _update_assistance(self, now: float) -> None:
         assistance = self._pilot.assistance(now)
         if assistance is not self._assistance:
             self._assistance = assistance
@@ -256,13 +256,13 @@ class Navigation:
         try:
             grid = grid_of(message)
         except CodecError as error:
-            _logger.warning("the map is of no use: %s", error)
+            _logger.warning("cannot read the map: %s", error)
             return
         self._pilot.mapped(grid, self._clock())
 
     def _no_map(self, error: HubError) -> None:
         self._asking = False
-        _logger.debug("going without a map: %s", error)
+        _logger.debug("goes on without a map: %s", error)
 
     def _publish_state(self) -> None:
         if self._newest is None:
@@ -278,19 +278,19 @@ class Navigation:
         self._client.publish(navigation.ROBOT_STATE, state, measured=measured)
 
     def _publish_status(self) -> None:
-        said = status(self._pilot.errand, self._governor.driver, self._clock())
+        said = status(self._pilot.task, self._governor.driver, self._clock())
         self._client.publish(navigation.NAVIGATION_STATUS, said)
 
 
-def _jumped(before: DriveState, after: DriveState) -> bool:
-    """Whether the dead reckoning of a driver does not go on where that of another one was."""
+def _has_jumped(before: DriveState, after: DriveState) -> bool:
+    """Whether the dead reckoning of a restarted driver begins elsewhere than the last one ended."""
     way = math.hypot(after.x - before.x, after.y - before.y)
     near = way <= _JUMP and abs(wrapped(after.theta - before.theta)) <= _TURN
     return not near
 
 
 def abilities(robot: RobotDescription) -> Abilities:
-    """What navigation can do on a robot."""
+    """The abilities of navigation on a robot."""
     del robot
     return Abilities(
         provides=(Capability.NAV_MOVE, Capability.NAV_STATE, Capability.NAV_GOAL),

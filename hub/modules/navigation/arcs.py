@@ -1,7 +1,8 @@
-"""How far a round body can go along circular arcs before it meets points; pure geometry.
+"""Free length of circular arcs for a round body among points; pure geometry.
 
-A velocity that is held makes the body drive a circular arc. Where its rim meets a point on the way
-is exact, not sampled: a triangle of the arc's centre, the body's centre and the point tells it.
+At a constant velocity the body drives a circular arc. The contact of its rim with a point is
+exact, not sampled: it follows from the triangle of the arc's centre, the body's centre and the
+point.
 """
 
 from __future__ import annotations
@@ -12,9 +13,9 @@ import numpy.typing as npt
 Floats = npt.NDArray[np.float64]
 
 _LEAST_CURVATURE = 1e-5
-"""Less curved arcs count as this much curved [1/m]: 5 micrometres aside after a metre."""
+"""Least curvature of an arc [1/m]: 5 micrometres aside after a metre."""
 LONGEST = 3.0
-"""Ways of more than half a circle and longer than this [m] count as free."""
+"""Arcs of more than half a circle and longer than this [m] count as free."""
 _LEAST_SPEED = 1e-9
 
 
@@ -26,14 +27,14 @@ def free_ways(
     radius: Floats,
     half_width: Floats,
 ) -> Floats:
-    """How far the body gets on the arc of each velocity before it meets a point.
+    """The free length of the arc of each velocity.
 
-    The body is a disc that is cut off at its sides: what passes beside it farther than
-    `half_width` from the arc does not count. A margin is wanted ahead and not beside, or nobody
-    could drive along a wall that is near.
+    The body is a disc cut off at its sides: points farther than `half_width` from the arc do not
+    count. So the margin is ahead of the body and not beside it, and a robot can drive along a
+    wall.
 
-    Points inside the disc already are met at once by velocities that lead towards them, and never
-    by those that lead away.
+    For points inside the disc the length is 0 if the velocity leads towards them, and they do not
+    count if it leads away.
 
     Args:
         linear: Forward velocity of each arc [m/s], shape (m,); negative backwards, 0 on the spot.
@@ -50,7 +51,7 @@ def free_ways(
     moving = np.flatnonzero(np.abs(linear) > _LEAST_SPEED)
     if not len(moving) or not len(x):
         return ways
-    # Backwards is forwards in a mirror; to the right is to the left in another one.
+    # Mirror the points for backward velocities, and for turns to the right.
     ahead = np.sign(linear[moving])
     curvature = angular[moving] / linear[moving]
     left = np.where(curvature < 0.0, -1.0, 1.0)
@@ -79,18 +80,18 @@ def free_ways(
 def _touching(
     ahead: Floats, left: Floats, turn_radius: Floats, width: Floats, x: Floats, y: Floats
 ) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
-    """Which arcs pass which points nearer than their width; numbers of arcs, ascending, and points.
+    """Pairs of arcs and points nearer than their width; numbers of arcs, ascending, and points.
 
-    A point at distance c from an arc's centre is meant, if |c - r| < w. In squares that is
+    A point at distance c from an arc's centre is near if |c - r| < w. In squares that is
     |s / 2r - y - w^2 / 2r| < w with s = x^2 + y^2: a product of two thin matrices, no root.
     """
     half = 0.5 / turn_radius
     aside = np.stack((half, -left), axis=1) @ np.stack((x * x + y * y, y))
     aside -= (width * width * half)[:, None]
     near = aside < width[:, None]
-    # The centre of a narrow arc lies under the body, and what is near it is met as well.
+    # The centre of a narrow arc lies under the body, so points near it are met too.
     near &= aside > np.where(turn_radius < width, -np.inf, -width)[:, None]
-    # What lies behind is met at the end of more than half a circle.
+    # Points behind the body are met after more than half a circle.
     round_about = (turn_radius * np.pi < LONGEST)[:, None]
     front, back = x > 0.0, x < 0.0
     near &= round_about | np.where((ahead > 0.0)[:, None], front, back)

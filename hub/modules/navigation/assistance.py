@@ -1,28 +1,34 @@
-"""Whether the operator is held back before obstacles, and how long that may be off; pure."""
+"""The switch of assistance, which slows the operator before obstacles; pure.
+
+| state | event | next state |
+| --- | --- | --- |
+| ON | switched off | OFF |
+| OFF | switched on, or no command to move for 10 s | ON |
+"""
 
 from __future__ import annotations
 
 from hub.gcm.navigation import Assistance
 
 LAPSE_S = 10.0
-"""Without a command to move for this long [s] assistance comes back by itself."""
+"""Assistance is on again after this time without a command to move [s]."""
 
 
 class AssistanceSwitch:
-    """Remembers what was switched; every method gets the present monotonic time [s]."""
+    """Keeps the state; every method gets the present monotonic time [s]."""
 
     def __init__(self) -> None:
         self._off_until = float("-inf")
 
     def switch(self, assistance: Assistance, now: float) -> None:
-        """Somebody switches."""
+        """Switch assistance."""
         self._off_until = now + LAPSE_S if assistance is Assistance.OFF else float("-inf")
 
     def moved(self, now: float) -> None:
-        """Somebody drives: while assistance is off, that keeps it off."""
+        """An operator drives: if assistance is off, it stays off."""
         if self.state(now) is Assistance.OFF:
             self._off_until = now + LAPSE_S
 
     def state(self, now: float) -> Assistance:
-        """Whether the operator is held back now."""
+        """Whether assistance is on now."""
         return Assistance.OFF if now < self._off_until else Assistance.ON

@@ -1,9 +1,10 @@
-"""How `odom` lies in `map`, corrected by landmarks whose places are known; pure.
+"""The transform from `odom` to `map`, corrected by landmarks with known places; pure.
 
-One landmark tells the position, if the heading is believed. Two of them, seen soon after each
-other, tell the heading too: the line through their known places and the line through the places
-where they were seen differ by it (two points are the smallest case of the least-squares fit of
-Arun, Huang and Blostein 1987). The newest landmark is met exactly, because drift grows with time.
+One landmark corrects the position; the heading is assumed to be right. Two landmarks seen soon
+after each other correct the heading too. The error of the heading is the angle between two lines:
+through their known places, and through their measured places. This is the smallest case of the
+least-squares fit of Arun, Huang and Blostein (1987). The newest landmark is matched exactly,
+because drift grows with time.
 """
 
 from __future__ import annotations
@@ -15,15 +16,15 @@ from hub.gcm.navigation import LandmarkCorrection
 from hub.pose import Pose, wrapped
 
 LEAST_APART = 1.0
-"""Landmarks nearer to each other than this [m] say too little about the heading."""
+"""Least distance between two landmarks that correct the heading [m]."""
 RECENT_S = 120.0
-"""A landmark seen longer ago than this [s] says nothing about the heading any more."""
+"""Largest age of a landmark that corrects the heading [s]."""
 LARGEST_TURN = math.radians(30.0)
-"""A heading is not corrected by more than this at once [rad]: it is rather a mix-up."""
+"""Largest correction of the heading at once [rad]; more means that landmarks were confused."""
 FARTHEST_SEEN = 20.0
-"""Nobody recognises a landmark from farther than this [m]."""
+"""Landmarks seen from farther away are refused [m]."""
 FARTHEST_PLACE = 1e4
-"""No landmark is farther from the origin of `map` than this [m]."""
+"""Landmarks farther from the origin of `map` are refused [m]."""
 
 _MISFIT = 0.3
 _MISFIT_SHARE = 0.1
@@ -39,7 +40,7 @@ class _Sighting:
 
 
 class PoseCorrection:
-    """Knows how `odom` lies in `map`.
+    """Keeps the transform from `odom` to `map`.
 
     Attributes:
         odom: The origin of `odom` in `map`; the same until the first correction.
@@ -50,7 +51,7 @@ class PoseCorrection:
         self._last: _Sighting | None = None
 
     def restart(self, odom: Pose) -> None:
-        """Begin anew: `odom` lies so in `map`, and no landmark was seen."""
+        """Start again with a given origin of `odom` in `map` and no landmarks."""
         self.odom, self._last = odom, None
 
     def pose(self, x: float, y: float, theta: float) -> Pose:
@@ -58,22 +59,22 @@ class PoseCorrection:
         return self.odom.then(Pose(x=x, y=y, theta=theta))
 
     def shift(self, thought: Pose, real: Pose) -> None:
-        """The robot, thought to be at one pose in `map`, is really at another."""
+        """Move the robot from an assumed pose in `map` to the real one."""
         self.odom = real.then(self.odom.seen_from(thought))
 
     def correct(self, landmark: LandmarkCorrection, robot: Pose, now: float) -> str:
         """Correct by a landmark that is seen now.
 
         Args:
-            landmark: Where it is and where it is seen.
+            landmark: Its known and its measured place.
             robot: The robot's pose in `odom`.
             now: Monotonic time [s].
 
         Returns:
-            What was done, for people.
+            The result, for people.
         """
         if not _plausible(landmark):
-            return "refused: no landmark can be there"
+            return "refused: the place of the landmark is not valid"
         sighting = _Sighting(
             place=(landmark.x, landmark.y),
             seen=robot.outward(landmark.seen_x, landmark.seen_y),
@@ -92,7 +93,7 @@ class PoseCorrection:
         return f"moved by {way:.2f} m and turned by {math.degrees(turn):.1f} degrees"
 
     def _turn(self, sighting: _Sighting) -> float | None:
-        """By how much `odom` has to be turned [rad]; None: that cannot be told."""
+        """The angle by which `odom` must turn [rad]; None: not known."""
         last = self._last
         if last is None or sighting.at - last.at > RECENT_S:
             return None

@@ -1,4 +1,4 @@
-"""Corrects the pose by the map: what was seen lately is laid onto the map of before; pure."""
+"""Corrects the pose by a match of recent points with an older map; pure."""
 
 from __future__ import annotations
 
@@ -13,61 +13,61 @@ from hub.modules.navigation.pose_uncertainty import PoseUncertainty, Spread
 from hub.pose import Pose
 
 YOUNGEST_S = 1.0
-"""What was seen since a younger map is too little to be laid onto it [s]."""
+"""Least age of the map; the points since a younger one are too few [s]."""
 OLDEST_S = 10.0
-"""An older map may be another one by now [s]."""
+"""Largest age of the map; an older one may be outdated [s]."""
 APART_S = 1.0
-"""The same sightings do not count again and again: matches are so far apart [s]."""
+"""Least time between two matches, so that the same points do not count again [s]."""
 BLIND = 0.11
-"""What is nearer to the rim than this [m] infrared sensors cannot measure."""
+"""Infrared sensors cannot measure distances to the rim below this [m]."""
 
 
 class DriftWatch:
-    """Knows what was seen and which maps came, and how far the pose may be off."""
+    """Keeps recent points, recent maps and the uncertainty of the pose."""
 
     def __init__(self, correction: PoseCorrection, radius: float) -> None:
-        """Begin.
+        """Start without points and maps.
 
         Args:
-            correction: What it corrects.
-            radius: The robot's [m].
+            correction: The transform that it corrects.
+            radius: The robot's radius [m].
         """
         self._correction = correction
         self._blind = radius + BLIND
-        self._doubt = PoseUncertainty()
+        self._uncertainty = PoseUncertainty()
         self._sightings = Sightings()
         self._maps: deque[tuple[float, Grid]] = deque()
         self._matched = -math.inf
 
     def restart(self) -> None:
-        """Forget what was seen and mapped: the robot has lost its place."""
-        self._doubt = PoseUncertainty()
+        """Forget points and maps: the robot has lost its place."""
+        self._uncertainty = PoseUncertainty()
         self._sightings = Sightings()
         self._maps.clear()
         self._matched = -math.inf
 
     @property
     def spread(self) -> Spread:
-        """How far the pose may be off in the map."""
-        return self._doubt.whole
+        """The uncertainty of the pose in the map."""
+        return self._uncertainty.whole
 
     def reported(self, drive: DriveState, now: float) -> None:
-        """The hardware has reported; a pose that cannot be is left out."""
+        """Take a report of the hardware; a pose that is not valid is left out."""
         here = Pose(x=drive.x, y=drive.y, theta=drive.theta)
         if not all(abs(each) < FARTHEST for each in (here.x, here.y, here.theta)):
             return
-        self._doubt.moved(here, now)
+        self._uncertainty.moved(here, now)
         self._sightings.scanned(here, drive.sonar, drive.infrared, self._blind, now)
 
     def met_landmark(self) -> None:
-        """A landmark has corrected the pose."""
-        self._doubt.met_landmark()
+        """Note that a landmark corrected the pose."""
+        self._uncertainty.met_landmark()
 
     def mapped(self, grid: Grid | None, odom: Pose, now: float) -> None:
-        """A map has come.
+        """Take a map and match the recent points with an older one.
 
         Args:
-            grid: The map; None: nothing is known.
+            grid: The map; None: no cell is known.
             odom: The robot's pose in `odom`.
             now: Monotonic time [s].
         """
@@ -82,11 +82,11 @@ class DriftWatch:
     def _match(self, came: float, grid: Grid, odom: Pose, now: float) -> None:
         x, y = self._correction.odom.outward(*self._sightings.since(came))
         here = self._correction.pose(odom.x, odom.y, odom.theta)
-        match = drift(grid, x, y, here, self._doubt.spread)
+        match = drift(grid, x, y, here, self._uncertainty.spread)
         if match is None:
             return
         moved = match.moved
         there = Pose(x=here.x + moved.x, y=here.y + moved.y, theta=here.theta + moved.theta)
         self._correction.shift(here, there)
-        self._doubt.matched(match.spread)
+        self._uncertainty.matched(match.spread)
         self._matched = now

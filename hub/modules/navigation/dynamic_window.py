@@ -1,9 +1,8 @@
-"""Which velocity is best of those that can be reached and do not lead into something; pure.
+"""The best velocity that the robot can reach and that leads into no obstacle; pure.
 
-The dynamic window approach (Fox, Burgard and Thrun 1997): of all velocities that the accelerations
-let the robot reach soon, those are admissible from which it can still stop before it meets an
-obstacle on the arc that it would drive. Two choices are made among them: the one nearest to what
-an operator wants, and the one that suits a goal best.
+The dynamic window approach (Fox, Burgard and Thrun 1997). The window holds the velocities that the
+robot can reach soon. A velocity is admissible if the robot can stop on its arc before it meets an
+obstacle. Two methods choose among these: one for an operator's command, one for a goal.
 """
 
 from __future__ import annotations
@@ -22,38 +21,39 @@ Floats = npt.NDArray[np.float64]
 LINEAR_SAMPLES = 8
 ANGULAR_SAMPLES = 31
 WINDOW_S = 0.25
-"""How far ahead the velocities lie that are looked at [s]; Fox, Burgard and Thrun took the same."""
+"""The window holds velocities that the robot reaches in this time [s], as Fox, Burgard and
+Thrun."""
 
 _CREEP = 0.02
-"""Slower than this [m/s] an obstacle ahead is not approached."""
+"""Least velocity towards an obstacle ahead [m/s]."""
 _SET_OFF = 0.06
-"""From standing, less than this [m/s] is not worth it: noise of sensors would make it jerk."""
+"""Least velocity from standing [m/s]; below it, noise of sensors makes the robot jerk."""
 _TURN_WEIGHT = 6.0
 """Weight of a change of the turn rate against one of the forward velocity, both of their limits."""
 _FAR = 1.5
-"""A way that is free for longer than this [m] is as good as any."""
+"""Free arcs longer than this [m] count as equal."""
 _AHEAD_S = 0.6
-"""For how long a velocity is followed to see where it leads [s]."""
+"""Time for which a velocity is simulated to see where it leads [s]."""
 _TURN_FIRST = 1.2
-"""A goal that lies farther aside than this [rad] is turned to on the spot."""
+"""The robot turns on the spot to a goal at a larger bearing than this [rad]."""
 _LEAST_TURN = 0.15
-"""Slower than this [rad/s] nothing is turned to."""
+"""Least turn rate on the spot [rad/s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BodyLimits:
-    """What the window has to know of a robot.
+    """The limits of a robot's body.
 
     Attributes:
         radius: Of the circle in which all of it lies [m].
-        margin: How far it keeps from what is ahead, standing [m].
-        margin_s: How much farther for its speed [m per m/s].
-        side_margin: How far it keeps from what it passes [m].
+        margin: Distance that it keeps from obstacles ahead, at rest [m].
+        margin_s: Additional distance for its speed [m per m/s].
+        side_margin: Distance that it keeps from obstacles beside it [m].
         linear_limit: Largest forward velocity [m/s].
         angular_limit: Largest turn rate [rad/s].
-        linear_braking: How fast its forward velocity surely falls [m/s^2].
-        angular_braking: How fast its turn rate surely falls [rad/s^2].
-        reaction: Time that passes before a choice shows, and until the next one shows [s].
+        linear_braking: Guaranteed deceleration [m/s^2].
+        angular_braking: Guaranteed angular deceleration [rad/s^2].
+        reaction: Time until a choice takes effect, and until the next one does [s].
     """
 
     radius: float
@@ -68,7 +68,7 @@ class BodyLimits:
 
 
 def body_of(robot: RobotDescription) -> BodyLimits:
-    """What the pilot has to know of a robot."""
+    """The limits of a robot's body, from its description."""
     return BodyLimits(
         radius=robot.radius,
         margin=robot.margin,
@@ -81,12 +81,12 @@ def body_of(robot: RobotDescription) -> BodyLimits:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Weights:
-    """How much each wish counts where a goal is looked for; the sum need not be 1.
+    """Weights of the terms of the score; the sum need not be 1.
 
     Attributes:
-        heading: Looking towards the goal.
-        way: A long way that is free.
-        speed: Being fast.
+        heading: Of the heading towards the goal.
+        way: Of the length of the free arc.
+        speed: Of the speed.
     """
 
     heading: float = 1.0
@@ -110,14 +110,14 @@ class DynamicWindow:
     def towards(
         self, now: tuple[float, float], wanted: tuple[float, float], points: tuple[Floats, Floats]
     ) -> tuple[float, float]:
-        """The admissible velocity that is nearest to the wanted one.
+        """The admissible velocity that is nearest to the commanded one.
 
-        It is never faster than wanted and never the other way. Turning on the spot is always
-        admissible: a round body meets nothing by it.
+        It is never faster than the command and never of the other sign. Turning on the spot is
+        always admissible: a round body meets nothing by it.
 
         Args:
             now: The present velocity [m/s, rad/s].
-            wanted: The velocity that the operator wants [m/s, rad/s].
+            wanted: The velocity that the operator commands [m/s, rad/s].
             points: Obstacles in `base_link` [m], x and y of shape (n,) each.
         """
         body = self.body
@@ -146,12 +146,12 @@ class DynamicWindow:
         fastest: float,
         points: tuple[Floats, Floats],
     ) -> tuple[float, float]:
-        """The admissible velocity that serves best to reach a place.
+        """The admissible velocity with the best score for a place.
 
         Args:
             now: The present velocity [m/s, rad/s].
-            carrot: Where to head for, in `base_link` [m].
-            fastest: The forward velocity is not greater than this [m/s].
+            carrot: The point to head for, in `base_link` [m].
+            fastest: Largest forward velocity [m/s].
             points: Obstacles in `base_link` [m], x and y of shape (n,) each.
         """
         bearing = math.atan2(carrot[1], carrot[0])
@@ -169,7 +169,7 @@ class DynamicWindow:
         return float(linear[best]), float(angular[best])
 
     def turn(self, angle: float) -> float:
-        """A turn rate that makes an angle nothing, without overshoot [rad/s]."""
+        """The turn rate that turns by an angle without overshoot [rad/s]."""
         body = self.body
         left = max(abs(angle) - body.reaction * body.angular_limit * 0.5, 0.05)
         rate = min(body.angular_limit, math.sqrt(body.angular_braking * left), 2.5 * abs(angle))
@@ -178,7 +178,7 @@ class DynamicWindow:
     def _score(
         self, linear: Floats, angular: Floats, ways: Floats, carrot: tuple[float, float]
     ) -> Floats:
-        """How good each velocity is, smoothed over the turn rates; shape (m,)."""
+        """The score of each velocity, smoothed over the turn rates; shape (m,)."""
         turned = angular * _AHEAD_S
         half = 0.5 * turned
         chord = linear * _AHEAD_S * np.sinc(half / math.pi)
@@ -212,7 +212,7 @@ class DynamicWindow:
         body = self.body
         x, y = points
         nearest = float(np.sqrt((x * x + y * y).min())) if len(x) else math.inf
-        # Whoever is nearer to something than the margin already must be able to pass it by.
+        # A robot that is nearer to an obstacle than the margin must be able to pass it.
         side = max(body.radius, min(body.radius + body.side_margin, nearest - 0.003))
         speed = np.abs(linear)
         radius = body.radius + body.margin + body.margin_s * speed
@@ -220,22 +220,22 @@ class DynamicWindow:
         return free_ways(linear, angular, x, y, radius, half_width)
 
     def _stopping(self, linear: Floats) -> Floats:
-        """Way until each velocity has been reacted to and braked away [m], shape (m,).
+        """Stopping distance of each velocity, with the reaction time [m], shape (m,).
 
-        On an arc both velocities are braked away in the same time, so the way stays on it; turn
-        rates need no bound of their own, because a round body meets nothing by turning.
+        On an arc both velocities fall to 0 in the same time, so the robot stays on it. Turn
+        rates need no limit of their own, because a round body meets nothing by turning.
         """
         speed = np.abs(linear)
         return speed * self.body.reaction + speed * speed / (2.0 * self.body.linear_braking)
 
     def _reachable(self, now: float, goal: float) -> float:
-        """The fastest velocity towards the goal that is reached within the window [m/s]."""
+        """The largest velocity towards the goal within the window [m/s]."""
         gain = self.body.linear_braking / 2.0 * WINDOW_S
         start = abs(now) if now * goal > 0.0 else 0.0
         return math.copysign(min(start + gain, abs(goal)), goal)
 
     def _samples(self, fastest: float, turning: float, wanted: float) -> tuple[Floats, Floats]:
-        """Velocities from standing to the fastest, each with all turn rates; both shape (m,)."""
+        """Velocities from 0 to the fastest, each with all turn rates; both shape (m,)."""
         limit = self.body.angular_limit
         gain = self.body.angular_braking * WINDOW_S
         low, high = max(-limit, turning - gain), min(limit, turning + gain)

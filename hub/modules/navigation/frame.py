@@ -1,9 +1,9 @@
-"""Which frame `map` is: the same after navigation began anew, another when the place is lost.
+"""The frame of `map`: it survives a restart of navigation, and changes when the place is lost.
 
-| what is remembered | the dead reckoning | the frame |
+| remembered | dead reckoning now | frame |
 | --- | --- | --- |
-| the same dead reckoning | any | as remembered, and how `odom` lies in it |
-| another one, or nothing | at its beginning | new: its origin, or it where it has none |
+| the same dead reckoning | any | the remembered one, with the transform of `odom` |
+| another one, or nothing | at its begin | new: named by its origin, if it has one |
 | another one, or nothing | elsewhere | new and random: it may have been corrected before |
 """
 
@@ -25,7 +25,7 @@ from hub.pose import Pose
 _logger = logging.getLogger(__name__)
 
 AT_BEGINNING = 0.01
-"""Dead reckoning that is no farther from its origin [m, rad] has not been corrected yet."""
+"""Dead reckoning within this of its origin is at its begin [m, rad]."""
 _MAX_BYTES = 1000
 _FARTHEST = 1e6
 _MOST = 2**32 - 1
@@ -33,10 +33,10 @@ _MOST = 2**32 - 1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MapFrame:
-    """How a dead reckoning lies in `map`.
+    """The transform of a dead reckoning to `map`.
 
     Attributes:
-        odometry: Number of the dead reckoning; 0: the driver does not tell.
+        odometry: Number of the dead reckoning; 0: the driver does not report one.
         number: Number of the frame `map`; 0: not known.
         odom: The origin of `odom` in `map`.
     """
@@ -47,7 +47,7 @@ class MapFrame:
 
 
 def chosen(drive: DriveState, remembered: MapFrame) -> MapFrame:
-    """The frame in which a dead reckoning begins that was not heard of before; pure."""
+    """The frame of a dead reckoning that is new; pure."""
     if drive.odometry == 0:
         return MapFrame()
     if drive.odometry == remembered.odometry:
@@ -59,20 +59,20 @@ def chosen(drive: DriveState, remembered: MapFrame) -> MapFrame:
 
 
 class FrameMemory:
-    """Remembers the frame in a file, for this process's successor.
+    """Remembers the frame in a file, for the next process.
 
     Attributes:
         frame: The present one.
     """
 
     def __init__(self, path: Path) -> None:
-        """Read what the process before has left, if anything."""
+        """Read the file of the process before, if there is one."""
         self.frame = MapFrame()
         self._path = path
         self._before = _read(path)
 
     def reported(self, drive: DriveState) -> MapFrame | None:
-        """The driver has reported; returns the new frame if there is one."""
+        """Take a report of the driver; returns the frame if it changed."""
         if drive.odometry == self.frame.odometry:
             return None
         self.frame = chosen(drive, self._before)
@@ -80,7 +80,7 @@ class FrameMemory:
         return self.frame
 
     def corrected(self, odom: Pose) -> None:
-        """`odom` lies so in `map`."""
+        """Remember a new origin of `odom` in `map`."""
         if odom != self.frame.odom:
             self.frame = MapFrame(odometry=self.frame.odometry, number=self.frame.number, odom=odom)
             self._save()
@@ -90,14 +90,14 @@ class FrameMemory:
         self._before = frame
         values = [frame.odometry, frame.number, odom.x, odom.y, odom.theta]
         try:
-            # Not waited for: the robot drives meanwhile, and another boot has other odometry.
+            # No fsync: the robot drives meanwhile, and another boot has another odometry.
             files.replace(self._path, json.dumps(values).encode(), sync=False)
         except OSError as fault:
             _logger.warning("%s cannot be written: %s", self._path, fault.strerror or fault)
 
 
 def _read(path: Path) -> MapFrame:
-    """What a file holds; nothing where it is not ours, or makes no sense."""
+    """The frame in a file; none if another user wrote it, or if it is not valid."""
     with contextlib.suppress(OSError, ValueError, TypeError, OverflowError, RecursionError):
         file = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
         try:

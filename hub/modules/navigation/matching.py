@@ -1,11 +1,13 @@
-"""How far dead reckoning has drifted, told by laying what was seen lately onto the map; pure.
+"""The drift of dead reckoning, from a match of recent points with the map; pure.
 
-Correlative scan matching (E. Olson, Real-Time Correlative Scan Matching, 2009): small turns and
-shifts of the points are tried, each is as likely as the points then lie on walls of the map and as
-dead reckoning errs so, and the mean of all tells how the points have to be moved, their spread how
-well that is known. Sensors with wide cones tell a heading badly, so that the likeliest alone would
-jump about; what dead reckoning knows well, such as the heading on a straight way, stays. So it does
-where the points fit nowhere.
+Correlative scan matching (E. Olson, Real-Time Correlative Scan Matching, 2009). It tries small
+turns and shifts of the points. The likelihood of each is how well the points then lie on walls of
+the map, times how likely such an error of dead reckoning is. The mean of all is the correction;
+their spread is its uncertainty.
+
+The mean is used because sensors with wide cones measure a heading badly: the most likely value
+alone would jump. A part that dead reckoning knows well stays, such as the heading on a straight
+line. The whole pose stays where the points fit nowhere.
 """
 
 from __future__ import annotations
@@ -23,21 +25,21 @@ from hub.modules.navigation.pose_uncertainty import Spread
 from hub.pose import Pose
 
 FEWEST = 40
-"""So many points on known ground it takes."""
+"""Least number of points on known ground."""
 FARTHEST = 1e6
-"""No robot is farther away from where it began; a pose that says so is nonsense [m]."""
+"""Poses farther from the origin than this are not valid [m]."""
 
 _MOST = 300
 _NEAR_WALL = 0.09
 """Standard deviation of points and walls of the map [m]."""
 _CAP = 0.25
-"""Farther from all walls than this [m] all points fit as badly."""
+"""All points farther from all walls than this fit equally badly [m]."""
 _ON_UNKNOWN = 0.2
-"""How well a point fits where the map knows nothing."""
+"""The fit of a point on unknown ground."""
 _EVIDENCE = 100.0
-"""What a fit of all points counts [log-likelihood]: fewer than there are, as they err together."""
+"""Weight of a fit of all points [log-likelihood]; small, because their errors correlate."""
 _REACH = 2.5
-"""So many standard deviations away turns and shifts are tried."""
+"""The search covers this number of standard deviations."""
 _TURNS = np.linspace(-_REACH, _REACH, 11)
 _SHIFT_Y, _SHIFT_X = (
     part.ravel() for part in np.meshgrid(*[np.linspace(-_REACH, _REACH, 9)] * 2, indexing="ij")
@@ -48,12 +50,12 @@ Floats = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Match:
-    """What the map says of the pose.
+    """A correction of the pose.
 
     Attributes:
-        moved: What leads from where the robot is thought to be to where it is: a shift in `map` [m]
-            and a turn about the robot [rad].
-        spread: How far that may be off.
+        moved: From the assumed pose to the real one: a shift in `map` [m] and a turn about the
+            robot [rad].
+        spread: Its uncertainty.
     """
 
     moved: Pose
@@ -61,22 +63,22 @@ class Match:
 
 
 def drift(grid: Grid, x: Floats, y: Floats, robot: Pose, before: Spread) -> Match | None:
-    """How the points have to be moved to lie on the walls of a map.
+    """The correction that lays the points onto the walls of a map.
 
     Args:
         grid: The map; the points must not be part of it.
-        x: Points in `map`, as dead reckoning tells them [m], shape (n,).
-        y: Likewise [m].
+        x: Points in `map`, by dead reckoning [m], shape (n,).
+        y: The same [m].
         robot: The pose around which they turn, in `map`.
-        before: How far the pose may be off.
+        before: The uncertainty of the pose.
 
     Returns:
-        None: the map does not tell, or the pose or its spread is no number.
+        None: the map shows no correction, or the pose or its spread is not finite.
     """
     told = (robot.x, robot.y, robot.theta, before.turn, before.way)
     if not all(abs(each) < FARTHEST for each in told):
         return None
-    near = (np.abs(x) < FARTHEST) & (np.abs(y) < FARTHEST)  # false where it is no number
+    near = (np.abs(x) < FARTHEST) & (np.abs(y) < FARTHEST)  # false for NaN
     x, y = x[near], y[near]
     fits = _fits(grid)
     rows, columns = _cells(grid, x, y)
@@ -101,7 +103,7 @@ def drift(grid: Grid, x: Floats, y: Floats, robot: Pose, before: Spread) -> Matc
 
 
 def _mean(likely: Floats, turns: Floats, shift_x: Floats, shift_y: Floats) -> Match:
-    """Mean and spread of what was tried, shape of `likely` (turns, shifts)."""
+    """Mean and spread of the search, shape of `likely` (turns, shifts)."""
     of_turns, of_shifts = likely.sum(axis=1), likely.sum(axis=0)
     turn = float(of_turns @ turns)
     x, y = float(of_shifts @ shift_x), float(of_shifts @ shift_y)
@@ -125,7 +127,7 @@ def _fits(grid: Grid) -> Floats:
 
 
 def _cells(grid: Grid, x: Floats, y: Floats) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
-    """Rows and columns in the framed map; what lies outside comes into the frame."""
+    """Rows and columns in the framed map; points outside go into the frame."""
     rows = np.floor((y - grid.origin_y) / grid.resolution) + 1.0
     columns = np.floor((x - grid.origin_x) / grid.resolution) + 1.0
     rows = np.clip(rows, 0.0, grid.height_cells + 1.0)
@@ -134,12 +136,12 @@ def _cells(grid: Grid, x: Floats, y: Floats) -> tuple[npt.NDArray[np.intp], npt.
 
 
 class Sightings:
-    """Collects what range sensors meet, in `odom`."""
+    """Collects the points that range sensors measure, in `odom`."""
 
     SONAR_REACH = 3.0
-    """Echoes from farther away than this come from too wide an arc [m]."""
+    """Echoes from farther away are not used: their arc is too wide [m]."""
     KEPT_S = 4.0
-    """Older ones are forgotten [s]: meanwhile dead reckoning has drifted by itself."""
+    """Older points are dropped [s]: dead reckoning has drifted since."""
 
     def __init__(self) -> None:
         self._scans: deque[tuple[float, Floats, Floats]] = deque()
@@ -153,13 +155,13 @@ class Sightings:
         blind: float,
         now: float,
     ) -> None:
-        """Sensors have reported at a pose in `odom`.
+        """Take the ranges measured at a pose in `odom`.
 
         Args:
-            pose: Where.
+            pose: The pose.
             sonar: Ranges [m], shape (16,).
-            infrared: Likewise.
-            blind: Infrared ranges up to this say nothing [m].
+            infrared: The same.
+            blind: Infrared ranges up to this are not valid [m].
             now: Monotonic time [s].
         """
         ranges = np.concatenate((sonar, infrared)).astype(np.float64)
@@ -176,7 +178,7 @@ class Sightings:
             self._scans.append((now, x, y))
 
     def since(self, start: float) -> tuple[Floats, Floats]:
-        """What was seen after that time [s], as far as it is kept [m], shapes (n,)."""
+        """The points measured after that time [s] that are still kept [m], shapes (n,)."""
         scans = [(x, y) for at, x, y in self._scans if at > start]
         if not scans:
             return np.empty(0), np.empty(0)

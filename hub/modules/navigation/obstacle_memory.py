@@ -1,9 +1,9 @@
-"""What range sensors and bumpers have met lately around the robot, in `odom`; pure.
+"""Recent points of range sensors and bumpers around the robot, in `odom`; pure.
 
-Sixteen thin rays and sixteen cones see little at once: a table's leg between two rays is not there
-for one scan, and there in the next. So what was met is remembered, in the cells of a small grid
-that moves along with the robot, until a ray has passed through it several times, until some
-seconds have gone by, or until it is some metres away.
+Sixteen thin rays and sixteen cones see little at once: one scan misses a table's leg between two
+rays, and the next one sees it. So points are remembered, in the cells of a small grid that moves
+with the robot. A point is forgotten when several rays have passed through it, after some seconds,
+or when it is some metres away.
 """
 
 from __future__ import annotations
@@ -24,54 +24,54 @@ RESOLUTION = 0.03
 CELLS = 128
 """Cells along each edge of the grid, which is 3.84 m wide."""
 RAY_S = 20.0
-"""How long what a thin ray has met is remembered [s]: drift of the odometry stays below 10 cm."""
+"""Life of a point of a thin ray [s]: drift of the odometry stays below 10 cm."""
 CONE_S = 2.0
-"""How long what a cone has met is remembered [s]; where in the cone it was is not known."""
+"""Life of a point of a cone [s]; its place within the cone is not known."""
 GUESS_S = 1.0
-"""How long what is only assumed is remembered [s]."""
+"""Life of an assumed point [s]."""
 BUMP_S = 20.0
-"""How long what a bumper has met is remembered [s]."""
+"""Life of a point of a bumper [s]."""
 
 _CLEARED_BY = 3
-"""So many scans have to look through a point before it is forgotten."""
+"""Number of scans through a point after which it is forgotten."""
 _BESIDE = 0.01
-"""A ray that passes a point at this distance [m] would have met it."""
+"""A ray within this distance of a point would have met it [m]."""
 _BESIDE_GUESS = 0.01
-"""What is only assumed is gone where a ray passes this near [m], once."""
+"""The same for an assumed point, which one ray removes [m]."""
 _BEFORE = 0.10
-"""A ray tells nothing about the last piece of its way [m]."""
+"""The last part of a ray clears nothing [m]."""
 _SURE = 0.40
-"""As far from its sensor [m] an infrared ray that meets nothing has met nothing, however dark."""
+"""An infrared ray without a hit is free for this length [m], also before dark surfaces."""
 _CONE_FAR = 1.5
-"""Echoes from farther than this [m] come from too wide an arc to be of use."""
+"""Echoes from farther away are not used: their arc is too wide [m]."""
 _CONE_SPREAD: Floats = np.radians((-9.0, -4.5, 0.0, 4.5, 9.0))
-"""Where on the arc of an echo obstacles are assumed [rad]; its middle part is the likely one."""
+"""Bearings of assumed obstacles on the arc of an echo [rad]; its middle is the likely part."""
 _BLIND = 0.103
-"""What is nearer to the rim than this [m] an infrared sensor cannot tell from what is there."""
+"""An infrared sensor cannot measure distances to the rim below this [m]."""
 _EXPLAINS = 0.12
-"""A memory this far beside a ray [rad] explains what it has met."""
+"""A remembered point within this angle of a ray [rad] explains its hit."""
 _CORNER = 0.8
-"""An edge between two rays is about so much of the nearer range away: a surface that a ray meets at
-45 degrees comes to this at a bearing 18 degrees beside it."""
+"""Distance of an edge between two rays, as a share of the nearer range: a surface that a ray meets
+at 45 degrees has this distance 18 degrees beside the ray."""
 _CORNER_FAR = 0.7
-"""Edges beside rays that meet something farther away than this [m] do not matter yet."""
+"""Edges beside rays with a longer range than this [m] are left out."""
 _RIM = 0.005
-"""What is at the rim is assumed to be this far away from it [m]."""
+"""Assumed distance of a point at the rim from it [m]."""
 _GUESSES = 512
-_SUSPECT_S = 0.1
-"""While the sensors say the same as before, guesses are made anew after this time [s]."""
+_ASSUME_S = 0.1
+"""Guesses are renewed after this time while the ranges do not change [s]."""
 _MOVING = 0.1
-"""From this velocity on [m/s] memory fades as fast as time goes by."""
+"""From this velocity on [m/s] points age in real time."""
 _TURNING = 0.2
 """From this turn rate on [rad/s] too."""
 _STANDING = 0.1
-"""How fast it fades while the robot stands, as a share."""
+"""Share of real time at which points age while the robot stands."""
 _AXES: Floats = np.arange(SENSOR_COUNT, dtype=np.float64) * (2.0 * math.pi / SENSOR_COUNT)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RangeScan:
-    """What the range sensors said at a pose.
+    """The ranges measured at a pose.
 
     Attributes:
         x: Position in `odom` [m].
@@ -104,7 +104,7 @@ class ObstacleMemory:
         self._guessed_y = np.zeros(_GUESSES)
         self._guessed_until = np.full(_GUESSES, -np.inf)
         self._guesses = 0
-        self._suspect_at = -math.inf
+        self._assume_at = -math.inf
         self._time = 0.0
         self._last: tuple[RangeScan, float] | None = None
         self._looked: tuple[RangeScan, float] | None = None
@@ -112,8 +112,8 @@ class ObstacleMemory:
         self._infrared = np.full(SENSOR_COUNT, np.nan, dtype=np.float32)
 
     def scanned(self, scan: RangeScan, now: float) -> None:
-        """Sensors have reported; those that say the same as before have not measured again."""
-        self._let_time_pass(scan, now)
+        """Take a scan; a sensor with the same range as before has not measured again."""
+        self._age(scan, now)
         fresh_infrared = scan.infrared != self._infrared
         fresh_sonar = scan.sonar != self._sonar
         self._sonar[:], self._infrared[:] = scan.sonar, scan.infrared
@@ -130,18 +130,18 @@ class ObstacleMemory:
         blind = scan.infrared <= self._radius + _BLIND
         met = fresh_infrared & np.isfinite(scan.infrared) & ~blind
         self._meet(scan, scan.infrared[met].astype(np.float64), _AXES[met], self._time + RAY_S)
-        if fresh_infrared.any() or fresh_sonar.any() or now >= self._suspect_at:
-            self._suspect_at = now + _SUSPECT_S
-            self._suspect(scan, blind)
+        if fresh_infrared.any() or fresh_sonar.any() or now >= self._assume_at:
+            self._assume_at = now + _ASSUME_S
+            self._assume(scan, blind)
 
     def points(self, x: float, y: float, theta: float, reach: float) -> tuple[Floats, Floats]:
-        """What is remembered around a pose in `odom`, in `base_link` [m]; shapes (n,).
+        """The points around a pose in `odom`, in `base_link` [m]; shapes (n,).
 
         Args:
             x: Position [m].
             y: Position [m].
             theta: Heading [rad].
-            reach: What is farther from there than this [m] is left out.
+            reach: Largest distance of a point from there [m].
         """
         held = np.flatnonzero(self._until > self._time)
         guessed = np.flatnonzero(self._guessed_until > self._time)
@@ -151,7 +151,7 @@ class ObstacleMemory:
         return Pose(x=x, y=y, theta=theta).inward(all_x[near], all_y[near])
 
     def forget(self) -> None:
-        """Begin anew."""
+        """Forget all points."""
         self._until[:] = -np.inf
         self._guessed_until[:] = -np.inf
 
@@ -161,7 +161,7 @@ class ObstacleMemory:
         x = scan.x + ranges * np.cos(directions)
         y = scan.y + ranges * np.sin(directions)
         cells = _cells(x, y)
-        # A cell of the grid stands for many places, one grid apart; the newest one counts.
+        # The grid repeats, so a cell stands for many places; the newest one counts.
         moved = np.hypot(self._x[cells] - x, self._y[cells] - y) > 2.0 * RESOLUTION
         self._until[cells[moved]] = -np.inf
         # Among several points of a cell the one nearest to the robot comes last, so it stays.
@@ -171,13 +171,13 @@ class ObstacleMemory:
         self._until[cells] = np.maximum(self._until[cells], until)
         self._looked_through[cells] = 0
 
-    def _suspect(self, scan: RangeScan, blind: npt.NDArray[np.bool_]) -> None:
-        """Assume points where the sensors leave room for something that they cannot show.
+    def _assume(self, scan: RangeScan, blind: npt.NDArray[np.bool_]) -> None:
+        """Assume points where an obstacle may be that the sensors cannot show.
 
-        An infrared ray that says "nearer than I can measure" is explained by an echo or a memory
-        that is as near; otherwise what it met is taken to be at the rim. And what a ray meets and
-        no sonar hears looks aside, so that it may come nearer between this ray and the next: the
-        edge of a box or the end of a wall, before what the ray has met by about a fifth.
+        An infrared ray can report "too near to measure". An echo or a remembered point that is as
+        near explains it; if there is none, a point is assumed at the rim. If a ray has a hit and no
+        sonar has an echo, the surface is slanted. Then it may come nearer between this ray and
+        the next, as the edge of a box does, by about a fifth.
         """
         near = scan.sonar <= self._radius + _BLIND + 0.02
         unexplained = np.flatnonzero(blind & ~near)
@@ -204,11 +204,11 @@ class ObstacleMemory:
         self._guessed_y[places] = scan.y + ranges * np.sin(bearings + scan.theta)
         self._guessed_until[places] = until
 
-    def _let_time_pass(self, scan: RangeScan, now: float) -> None:
-        """Memory fades with time, but hardly while the robot stands.
+    def _age(self, scan: RangeScan, now: float) -> None:
+        """Let points age, but slowly while the robot stands.
 
-        What it stands before may be seen from nowhere but from where it came: forgotten after some
-        seconds of pushing the stick, it would be run into.
+        The sensors may not see the obstacle before which it stands. If it were forgotten while
+        the operator pushes the stick, the robot would drive into it.
         """
         if self._last is not None:
             before, then = self._last
@@ -219,7 +219,7 @@ class ObstacleMemory:
         self._last = scan, now
 
     def _look_through(self, scan: RangeScan) -> None:
-        """Count the points that infrared rays have passed through, and forget some."""
+        """Count the rays through each point, and forget points with enough of them."""
         held = np.flatnonzero(self._until > self._time)
         through, away = self._passed(scan, self._x[held], self._y[held], _BESIDE)
         seen = held[through]
@@ -232,7 +232,8 @@ class ObstacleMemory:
     def _passed(
         self, scan: RangeScan, x: Floats, y: Floats, beside: float
     ) -> tuple[npt.NDArray[np.bool_], Floats]:
-        """Which points a ray has passed through, this far beside it [m]; and how far they are."""
+        """Whether a ray passed within `beside` [m] of each point, and the distances of the points
+        [m]."""
         to_x, to_y = x - scan.x, y - scan.y
         away = np.hypot(to_x, to_y)
         bearing = np.arctan2(to_y, to_x) - scan.theta
@@ -245,7 +246,7 @@ class ObstacleMemory:
 
 
 def _elsewhere(scan: RangeScan, now: float, before: RangeScan, then: float) -> bool:
-    """Whether a look from here, or now, says something that the look before did not."""
+    """Whether a scan from here, or now, can clear points that the scan before could not."""
     return (
         math.hypot(scan.x - before.x, scan.y - before.y) > 0.01
         or abs(wrapped(scan.theta - before.theta)) > 0.02
@@ -254,7 +255,7 @@ def _elsewhere(scan: RangeScan, now: float, before: RangeScan, then: float) -> b
 
 
 def _cells(x: Floats, y: Floats) -> npt.NDArray[np.int64]:
-    """Which cells of the grid, which repeats itself without end, points lie in; shape (k,)."""
+    """The cells of points in the grid, which repeats; shape (k,)."""
     column = np.floor(x / RESOLUTION).astype(np.int64) % CELLS
     row = np.floor(y / RESOLUTION).astype(np.int64) % CELLS
     return row * CELLS + column

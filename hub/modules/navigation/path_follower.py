@@ -1,7 +1,7 @@
-"""From what the robot reports and what is wanted to what the wheels get; pure.
+"""From the robot's reports and its commands to the velocity of the wheels; pure.
 
-Holds together what has to agree: the obstacles around the robot, its pose in `map`, the task, the
-map, and whether the operator is assisted. Every method gets the present monotonic time [s].
+It keeps the obstacles around the robot, its pose in `map`, the task, the map, and the switch of
+assistance consistent. Every method gets the present monotonic time [s].
 """
 
 from __future__ import annotations
@@ -31,60 +31,60 @@ from hub.modules.navigation.unmapped_obstacles import UnmappedObstacles
 from hub.pose import Pose, each_wrapped
 
 REACH = 0.7
-"""Obstacles farther away than this [m] do not matter to an operator's velocity."""
+"""Obstacles within this distance limit an operator's velocity [m]."""
 GOAL_REACH = 1.8
-"""Obstacles farther away than this [m] do not matter on the way to a goal."""
+"""Obstacles within this distance limit the velocity to a goal [m]."""
 SLOW_DOWN = 0.5
-"""How softly the robot comes to a goal [m/s^2]."""
+"""Deceleration before a goal [m/s^2]."""
 DETOUR = 5.0
-"""So far beyond robot and goal the part of the map reaches that is asked for first [m]."""
-HINDERS = 0.6
-"""What holds the robot up is nearer than this [m], and not farther aside than HINDERS_ASIDE."""
-HINDERS_ASIDE = math.radians(60.0)
+"""The first request for a map reaches this far beyond robot and goal [m]."""
+BLOCKS = 0.6
+"""A point blocks the robot within this distance [m] and within the angle BLOCKS_ASIDE."""
+BLOCKS_ASIDE = math.radians(60.0)
 PLAN_AGAIN_S = 1.0
-"""A way that was left is not planned anew sooner than this [s]."""
+"""Least time before the path is planned again after the robot left it [s]."""
 
 Velocity = tuple[float, float]
 
 
 class PathFollower:
-    """Decides for one robot.
+    """Decides on the velocity of one robot.
 
     Attributes:
-        errand: What it does by itself.
-        correction: How `odom` lies in `map`.
-        held_back: How much of the velocity wanted last was held back, 0 to 1.
+        task: The present task, or the last one.
+        correction: The transform from `odom` to `map`.
+        held_back: The share by which the last command was reduced, 0 to 1.
     """
 
     def __init__(self, body: BodyLimits) -> None:
-        self.errand = NavigationTask()
+        self.task = NavigationTask()
         self.correction = PoseCorrection()
         self.held_back = 0.0
         self._body = body
         self._window = DynamicWindow(body)
         self._obstacles = ObstacleMemory(body.radius)
-        self._hindrances = UnmappedObstacles()
+        self._unmapped = UnmappedObstacles()
         self._drift = DriftWatch(self.correction, body.radius)
         self._switch = AssistanceSwitch()
         self._drive: DriveState | None = None
         self._map: Grid | None = None
-        self._whole = False
+        self._map_is_whole = False
         self._planned_at = -math.inf
         self._planned_for: tuple[float, float] | None = None
 
     @property
     def pose(self) -> Pose:
-        """Where the robot is in `map`; the origin before its first report."""
+        """The robot's pose in `map`; the origin before its first report."""
         drive = self._drive
         return self.correction.odom if drive is None else self.correction.pose(*_odom(drive))
 
     @property
     def spread(self) -> Spread:
-        """How far the pose may be off."""
+        """The uncertainty of the pose."""
         return self._drift.spread
 
     def reported(self, drive: DriveState, now: float) -> None:
-        """The hardware has reported."""
+        """Take a report of the hardware."""
         self._drive = drive
         scan = RangeScan(
             x=drive.x,
@@ -98,15 +98,15 @@ class PathFollower:
         self._drift.reported(drive, now)
 
     def restart(self, odom: Pose) -> None:
-        """Begin anew: the dead reckoning did, and lies so in `map`."""
+        """Start again with a new dead reckoning, given its origin in `map`."""
         self.correction.restart(odom)
         self._drift.restart()
         self._obstacles = ObstacleMemory(self._body.radius)
-        self._hindrances.forget()
+        self._unmapped.forget()
         self._map = None
 
     def assisted(self, wanted: Velocity, now: float) -> Velocity:
-        """What is left of the velocity that an operator wants [m/s, rad/s]."""
+        """The admissible part of the velocity that an operator commands [m/s, rad/s]."""
         if wanted != (0.0, 0.0):
             self._switch.moved(now)
         drive = self._drive
@@ -119,48 +119,48 @@ class PathFollower:
         return given
 
     def steered(self, now: float) -> Velocity | None:
-        """The velocity for the task that is under way [m/s, rad/s]; None: there is none."""
+        """The velocity for the active task [m/s, rad/s]; None: no task is active."""
         self.held_back = 0.0
         drive = self._drive
-        aim = None if drive is None else self.errand.aim(self.pose, now)
+        aim = None if drive is None else self.task.aim(self.pose, now)
         if drive is None or aim is None:
             return None
         if aim.stay:
             return 0.0, 0.0
         if aim.turn is not None:
             return 0.0, self._window.turn(aim.turn)
-        if self.errand.goal != self._planned_for or (
-            self.errand.astray(self.pose) and now - self._planned_at > PLAN_AGAIN_S
+        if self.task.goal != self._planned_for or (
+            self.task.has_left_path(self.pose) and now - self._planned_at > PLAN_AGAIN_S
         ):
             self._plan(now)
         given = self._heading_for(aim, drive)
-        self._look_for_hindrances(aim, drive, given, now)
+        self._check_for_blockage(aim, drive, given, now)
         return given
 
     def go(self, goal: GoalCommand, sender: int, now: float) -> str:
-        """Begin to go to points, or end what is under way if there are none.
+        """Begin to go to points, or end the task if there are none.
 
         Returns:
-            Why not; empty if it is done.
+            Why the goal is refused; empty if it is not.
         """
         why = refusal(goal)
         if not why:
-            self.errand.go(goal, sender, now)
-            # A map from before may be another one by now; the next one is on its way.
-            self._map, self._whole, self._planned_for = None, False, self.errand.goal
+            self.task.go(goal, sender, now)
+            # The old map may be outdated; a new one is requested.
+            self._map, self._map_is_whole, self._planned_for = None, False, self.task.goal
         return why
 
     def turn(self, command: TurnCommand, sender: int, now: float) -> str:
-        """Begin to turn on the spot; returns why not, empty if it does."""
+        """Begin to turn on the spot; returns why that is refused, or an empty string."""
         if not abs(command.angle) <= LARGEST_TURN:
-            return "nobody turns by so much"
-        self.errand.turn(command, sender, self.pose, now)
+            return "the angle is too large"
+        self.task.turn(command, sender, self.pose, now)
         return ""
 
     def correct(self, landmark: LandmarkCorrection, now: float) -> str:
-        """Correct the pose; returns what was done, for people."""
+        """Correct the pose; returns the result, for people."""
         if self._drive is None:
-            return "refused: nobody knows where the robot is"
+            return "refused: the robot's pose is not known"
         x, y, theta = _odom(self._drive)
         before = self.correction.odom
         said = self.correction.correct(landmark, Pose(x=x, y=y, theta=theta), now)
@@ -170,11 +170,11 @@ class PathFollower:
 
     @property
     def window(self) -> MapRequest | None:
-        """Which part of the map is wanted now; None: nothing of it."""
-        goal = self.errand.goal
+        """The part of the map that the task needs now; None: nothing."""
+        goal = self.task.goal
         if goal is None:
             return None
-        if self._whole:
+        if self._map_is_whole:
             return MapRequest()
         here = self.pose
         return MapRequest(
@@ -185,7 +185,7 @@ class PathFollower:
         )
 
     def mapped(self, grid: Grid | None, now: float) -> None:
-        """A map has come; None: there is none."""
+        """Take a map; None: there is none."""
         self._map = None if grid is None else known_part(grid)
         if self._drive is not None:
             x, y, theta = _odom(self._drive)
@@ -193,11 +193,11 @@ class PathFollower:
         self._plan(now)
 
     def assist(self, assistance: Assistance, now: float) -> None:
-        """Somebody switches the holding back."""
+        """Switch assistance."""
         self._switch.switch(assistance, now)
 
     def assistance(self, now: float) -> Assistance:
-        """Whether the operator is held back now."""
+        """Whether assistance is on now."""
         return self._switch.state(now)
 
     def _heading_for(self, aim: Aim, drive: DriveState) -> Velocity:
@@ -206,48 +206,46 @@ class PathFollower:
         fastest = min(aim.limit, math.sqrt(2.0 * SLOW_DOWN * aim.left))
         return self._window.to_goal((drive.linear, drive.angular), carrot, fastest, points)
 
-    def _look_for_hindrances(
-        self, aim: Aim, drive: DriveState, given: Velocity, now: float
-    ) -> None:
-        """Plan anew round what keeps the robot from going where it looks already."""
+    def _check_for_blockage(self, aim: Aim, drive: DriveState, given: Velocity, now: float) -> None:
+        """Plan again round obstacles that block a robot which heads for its path already."""
         bearing = math.atan2(*reversed(self.pose.inward(aim.x, aim.y)))
-        still = given[0] == 0.0 and abs(bearing) < HINDERS_ASIDE / 2.0
-        if not self._hindrances.held(still=still, now=now) or self._map is None:
+        still = given[0] == 0.0 and abs(bearing) < BLOCKS_ASIDE / 2.0
+        if not self._unmapped.blocked(still=still, now=now) or self._map is None:
             return
-        x, y = self._obstacles.points(*_odom(drive), HINDERS)
-        ahead = np.abs(each_wrapped(np.arctan2(y, x) - bearing)) < HINDERS_ASIDE
+        x, y = self._obstacles.points(*_odom(drive), BLOCKS)
+        ahead = np.abs(each_wrapped(np.arctan2(y, x) - bearing)) < BLOCKS_ASIDE
         here = self.pose
-        self._hindrances.note(*here.outward(x[ahead], y[ahead]), now)
+        self._unmapped.note(*here.outward(x[ahead], y[ahead]), now)
         self._plan(now)
-        self.errand.goes_round(here, now)
+        self.task.goes_round(here, now)
 
     def _plan(self, now: float) -> None:
-        """Plan the way to the present point on the map, if there is one."""
-        goal = self.errand.goal
+        """Plan the path to the next point on the map, if there is a map."""
+        goal = self.task.goal
         self._planned_at, self._planned_for = now, goal
         if goal is None or self._map is None:
-            self.errand.planned(None)
+            self.task.planned(None)
             return
         here = self.pose
         radius = self._body.radius + self._body.margin
-        grid = self._hindrances.onto(self._map, now)
+        grid = self._unmapped.onto(self._map, now)
         way = plan(grid, (here.x, here.y), goal, radius=radius)
         if way is None and grid is not self._map:
-            self._hindrances.forget()
+            self._unmapped.forget()
             way = plan(self._map, (here.x, here.y), goal, radius=radius)
         if way is not None:
-            self.errand.planned(way)
-        elif self._whole:
-            self.errand.planned(None, "the map shows no way there")
+            self.task.planned(way)
+        elif self._map_is_whole:
+            self.task.planned(None, "the map shows no way there")
         else:
-            # There may be one around the window; the next map that is asked for is the whole one.
-            self._whole = True
+            # A path may lead round the window; so request the whole map next.
+            self._map_is_whole = True
 
 
 def known_part(grid: Grid) -> Grid | None:
-    """The smallest part of a map that holds all cells that are known; None: there are none.
+    """The smallest part of a map with all known cells; None: no cell is known.
 
-    Planning takes time with every cell, and most of a map is still unknown.
+    Planning takes time for every cell, and most cells of a map are unknown.
     """
     known = ~grid.unknown
     rows, columns = np.flatnonzero(known.any(axis=1)), np.flatnonzero(known.any(axis=0))
@@ -267,7 +265,7 @@ def _odom(drive: DriveState) -> tuple[float, float, float]:
 
 
 def _share_taken(wanted: Velocity, given: Velocity, body: BodyLimits) -> float:
-    """How much of a velocity is taken away, both of their limits counting alike; 0 to 1."""
+    """The share by which a velocity was reduced, 0 to 1; both parts are scaled by their limits."""
     limits = body.linear_limit, body.angular_limit
     taken = math.hypot(
         *((a - b) / limit for a, b, limit in zip(wanted, given, limits, strict=True))

@@ -1,9 +1,9 @@
-"""How far the pose may be off: grows with every turn and way, shrinks with every match; pure.
+"""The uncertainty of the pose: it grows with each motion and shrinks with each match; pure.
 
-The errors of dead reckoning are those of the odometry motion model (Thrun, Burgard and Fox 2005,
-table 5.6): a turn's and a way's errors are shares of themselves, drawn anew all the time, and each
-has a constant share besides, because wheels slip and are not quite as large as they are said to be.
-A straight way hardly changes the heading, and nothing that is seen may turn it there by much.
+The errors of dead reckoning follow the odometry motion model (Thrun, Burgard and Fox 2005, table
+5.6). A turn and a distance each have a random error, drawn at each step, and a constant one, both
+proportional to it: wheels slip, and their diameter is not known exactly. A straight line hardly
+changes the heading, so a match may not turn it much there.
 """
 
 from __future__ import annotations
@@ -14,21 +14,21 @@ from dataclasses import dataclass
 from hub.pose import Pose, wrapped
 
 STEP_S = 0.1
-"""Errors are drawn anew after this time [s]."""
+"""Length of a step of the error model [s]."""
 TURN_ERROR = 0.14
-"""Error of the turn in that time, as a share of it."""
+"""Random error of a turn in one step, as a share of it."""
 WAY_ERROR = 0.2
-"""Error of the way in that time, as a share of it."""
+"""Random error of a distance in one step, as a share of it."""
 SLIP = 0.02
 """Constant error of turns, as a share."""
 LANDMARK_OFF = 0.05
-"""How far off a place is that was just corrected by a landmark [m]."""
+"""Error of the position right after a correction by a landmark [m]."""
 
 _LEAST_TURN = math.radians(0.6)
 _LEAST_WAY = 0.01
 _MOST_TURN = math.radians(6.0)
 _MOST_WAY = 0.12
-"""Further off, the pose is not looked for: too much of the map looks alike."""
+"""Largest spread that a match searches; farther off, too many parts of the map are alike."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,7 +37,7 @@ class Spread:
 
     Attributes:
         turn: Of the heading [rad].
-        way: Of the place, along each axis [m].
+        way: Of the position, along each axis [m].
     """
 
     turn: float
@@ -45,7 +45,7 @@ class Spread:
 
 
 class PoseUncertainty:
-    """Follows how far the pose may be off."""
+    """Tracks the uncertainty of the pose."""
 
     def __init__(self) -> None:
         self._last = Pose()
@@ -56,7 +56,7 @@ class PoseUncertainty:
         self._gone = 0.0
 
     def moved(self, odom: Pose, now: float) -> None:
-        """The wheels tell this pose in `odom`, at a monotonic time [s]."""
+        """Take a pose by dead reckoning in `odom`, at a monotonic time [s]."""
         if now - self._at < STEP_S:
             return
         if math.isfinite(self._at):
@@ -70,23 +70,23 @@ class PoseUncertainty:
 
     @property
     def spread(self) -> Spread:
-        """How far the pose may be off now, as far as it is worth looking for."""
+        """The uncertainty now, limited to what a match searches."""
         whole = self.whole
         return Spread(turn=min(whole.turn, _MOST_TURN), way=min(whole.way, _MOST_WAY))
 
     @property
     def whole(self) -> Spread:
-        """How far the pose may be off now."""
+        """The uncertainty now."""
         turn = self._turn_variance + (SLIP * self._turned) ** 2 + _LEAST_TURN**2
-        # A heading that was off on the way, by a share that grew evenly, has led aside.
+        # An error of the heading that grew evenly along the path shifts the position aside.
         way = self._way_variance + self._gone**2 * turn / 3.0 + _LEAST_WAY**2
         return Spread(turn=math.sqrt(turn), way=math.sqrt(way))
 
     def matched(self, spread: Spread) -> None:
-        """The pose was corrected, and may be off by so much yet."""
+        """Set the uncertainty after a correction of the pose."""
         self._turn_variance, self._way_variance = spread.turn**2, spread.way**2
         self._turned = self._gone = 0.0
 
     def met_landmark(self) -> None:
-        """The place was corrected by a landmark; the heading may be off as before."""
+        """Set the uncertainty after a correction by a landmark; that of the heading stays."""
         self.matched(Spread(turn=self.spread.turn, way=LANDMARK_OFF))

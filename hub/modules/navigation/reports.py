@@ -1,4 +1,4 @@
-"""What navigation says of the robot and of its task, as messages; pure."""
+"""The messages of navigation about the robot and its task; pure."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def robot_state(
     frame: int,
     now: float,
 ) -> RobotState:
-    """What is known of the robot, from what its hardware reports."""
+    """The state of the robot, from a report of its hardware."""
     spread = pilot.spread
     pose = pilot.correction.pose(drive.x, drive.y, drive.theta)
     return RobotState(
@@ -46,23 +46,23 @@ def robot_state(
     )
 
 
-def status(errand: NavigationTask, driver: int, now: float) -> NavigationStatus:
-    """What is done now, or how it ended."""
-    way = errand.route.way if errand.route is not None else ()
-    x, y = errand.place
+def status(task: NavigationTask, driver: int, now: float) -> NavigationStatus:
+    """The state of the task, or how it ended."""
+    way = task.route.way if task.route is not None else ()
+    x, y = task.place
     return NavigationStatus(
-        number=errand.number,
-        task=errand.task,
-        sender=errand.sender,
+        number=task.number,
+        task=task.state,
+        sender=task.sender,
         driver=driver,
-        points_left=len(errand.points),
-        distance_left=errand.distance_left,
-        why=errand.why,
+        points_left=len(task.points),
+        distance_left=task.distance_left,
+        why=task.why,
         count=len(way),
         path=tuple(Point(x=x, y=y) for x, y in way),
-        cause=errand.cause,
+        cause=task.cause,
         x=x,
         y=y,
-        seconds=errand.seconds(now),
-        ended_s=math.nan if errand.active else now - errand.ended,
+        seconds=task.seconds(now),
+        ended_s=math.nan if task.active else now - task.ended,
     )

@@ -1,4 +1,4 @@
-"""A way of straight pieces, and how far along it the robot is; pure."""
+"""A path of straight pieces, and the robot's place on it; pure."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from hub.pose import Pose
 Way = tuple[tuple[float, float], ...]
 
 CARROT = 0.5
-"""So far along the way lies the point that the robot heads for [m]."""
+"""The robot heads for a point this far along the path [m]."""
 OFF = 0.5
-"""Farther from the way than this [m] the robot has left it."""
+"""The robot has left the path at this distance from it [m]."""
 
 
 class Route:
-    """A way in `map`, from where it was planned to the goal.
+    """A path in `map`, from the robot's place at planning to the goal.
 
     Attributes:
         way: Its points [m], at least two.
@@ -26,15 +26,15 @@ class Route:
         self.way = way if len(way) > 1 else (way[0], way[0])
 
     def ahead(self, pose: Pose, carrot: float = CARROT) -> tuple[tuple[float, float], float, float]:
-        """Where to head for.
+        """The point to head for.
 
         Args:
             pose: The robot's in `map`.
-            carrot: How far along the way from the robot's nearest point on it [m].
+            carrot: Distance along the path from its point nearest to the robot [m].
 
         Returns:
-            The point to head for in `map` [m], the length of the way that is left [m], and how far
-            the robot is off the way [m].
+            The point to head for in `map` [m], the length of the path that is left [m], and the
+            robot's distance from the path [m].
         """
         piece, share, off = self._nearest(pose)
         start = _between(self.way[piece], self.way[piece + 1], share)
@@ -43,7 +43,7 @@ class Route:
         return _along(rest, carrot), left + off, off
 
     def _nearest(self, pose: Pose) -> tuple[int, float, float]:
-        """The piece that is nearest, where on it the nearest point is (0 to 1), and how far [m]."""
+        """The nearest piece, the place of its nearest point (0 to 1), and the distance [m]."""
         best = (0, 0.0, math.inf)
         for number, (start, end) in enumerate(pairwise(self.way)):
             along_x, along_y = end[0] - start[0], end[1] - start[1]
@@ -63,7 +63,7 @@ def _between(
 
 
 def _along(way: Way, length: float) -> tuple[float, float]:
-    """The point at some length along a way [m], or its end."""
+    """The point at some length along a path [m], or its end."""
     for start, end in pairwise(way):
         piece = math.dist(start, end)
         if piece >= length > 0.0:

@@ -1,9 +1,14 @@
-"""What navigation does by itself: it goes to points, or it turns; pure.
+"""A task of navigation: go to points, or turn on the spot; pure.
 
-A task is begun by a message and then goes on by itself, also when its sender is gone: a command
-line sends a goal and ends. It ends when it is done, when it makes no headway, or when somebody
-ends it: by a stop, a velocity that is not neutral, or another task. It waits, and goes on by
-itself, where the way is closed and where the wheels are held; both for a limited time.
+A message begins a task. The task does not depend on its sender: a command sends a goal and ends.
+
+| event | action |
+| --- | --- |
+| the last point or the heading is reached | the task ends: done |
+| a stop, a motion command, or another task | the task ends: cancelled |
+| the path is closed | wait, at most for the task's patience; then end |
+| the wheels are held | wait, at most `LONGEST_HOLD_S`; then end |
+| the robot makes headway again | go on |
 """
 
 from __future__ import annotations
@@ -17,34 +22,34 @@ from hub.modules.navigation.route import CARROT, OFF, Route, Way
 from hub.pose import Pose, wrapped
 
 REACHED = 0.1
-"""A point counts as reached from so far off [m]."""
+"""The last point is reached within this distance [m]."""
 PASSED = 0.3
-"""A point that is not the last one counts as reached from so far off [m]."""
+"""Any other point is reached within this distance [m]."""
 TURNED = math.radians(3.0)
-"""A heading counts as reached from so far off [rad]."""
+"""A heading is reached within this angle [rad]."""
 BLOCKED_S = 8.0
-"""Without headway for this long [s] the way counts as closed, whatever the sender's patience."""
+"""After this time without headway [s] the path is closed, for any patience."""
 PATIENCE_S = 30.0
-"""A robot waits for so long where the way is closed, unless its sender says something else [s]."""
+"""Default patience: the time that a robot waits before a closed path [s]."""
 MOST_PATIENCE_S = 600.0
-"""It waits no longer than this [s]."""
+"""Largest patience [s]."""
 MENTION_S = 5.0
-"""Without headway for this long [s] a robot says that it waits."""
+"""After this time without headway [s] a robot reports that it waits."""
 LONGEST_HOLD_S = 60.0
-"""A task whose wheels were held for this time without headway between ends [s]."""
+"""A task ends when it was held for this time without headway between [s]."""
 HEADWAY = 0.1
-"""Coming nearer by this is headway [m, or rad for a turn]."""
+"""Headway: the robot came nearer by this [m, or rad for a turn]."""
 OCCUPIED = 0.4
-"""Who is held up so near to a point [m] finds it occupied."""
+"""A point is occupied if the robot is blocked this near to it [m]."""
 CLOSELY = 0.2
-"""So far along the way lies the point that the robot heads for after it was held up [m]: heading
-for one that is farther off it would cut the corner again."""
+"""After a blockage the robot heads for a point this far along the path [m]; a farther point would
+make it cut the corner again."""
 CLOSELY_S = 5.0
-"""So long it follows its way closely then [s]."""
+"""Time for which it follows the path that closely [s]."""
 MOST_ROUNDS = 3
-"""So often in turn a longer way round something new does not count as a lack of headway."""
+"""Number of longer paths in a row, round something new, that count as headway."""
 MOST_DETOURS = 5
-"""So often on the way to a point a longer way is a detour; after that it is a lack of headway."""
+"""Number of longer paths to one point that are detours; more are a lack of headway."""
 MOST_POINTS = 1000
 """A goal of more points than this is refused."""
 FARTHEST = 1e4
@@ -55,15 +60,15 @@ LARGEST_TURN = 100.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Aim:
-    """What a task wants of the wheels now; either to go to a place, or to turn on the spot.
+    """What a task needs of the wheels now: to go to a place, or to turn on the spot.
 
     Attributes:
         x: Where to head for, in `map` [m].
         y: Where to head for, in `map` [m].
-        left: Length of the way to the point where the robot has to stand [m].
-        turn: By how much to turn on the spot [rad]; None: go.
-        limit: Fastest forward velocity [m/s].
-        stay: Whether to stand, as no way is known.
+        left: Length of the path to the point where the robot must stand [m].
+        turn: Angle to turn on the spot [rad]; None: go.
+        limit: Largest forward velocity [m/s].
+        stay: Whether to stand, because no path is known.
     """
 
     x: float = 0.0
@@ -79,20 +84,20 @@ class NavigationTask:
 
     Attributes:
         number: Counts the tasks.
-        task: What is done, or how it ended.
-        sender: Whose task it is or was.
+        task: The state: what it does, or how it ended.
+        sender: Number of the client that began it.
         why: Why it waits or how it ended, for people.
         cause: The same for programs.
-        place: Where it leads or led to, in `map` [m]; NaN: it is a turn, or there was none.
+        place: Its last point, in `map` [m]; NaN: it is a turn, or there was no task.
         ended: When it ended [s].
         points: Points that are left, in `map` [m].
-        distance_left: Length of the way that is left [m]; NaN: not known.
-        route: The planned way, if there is a plan.
+        distance_left: Length of the path that is left [m]; NaN: not known.
+        route: The planned path; None: there is no plan.
     """
 
     def __init__(self) -> None:
         self.number = 0
-        self.task = Task.NONE
+        self.state = Task.NONE
         self.sender = 0
         self.why = ""
         self.cause = Cause.NONE
@@ -109,9 +114,9 @@ class NavigationTask:
         self._best_at = 0.0
         self._patience = PATIENCE_S
         self._began = 0.0
-        self._seen = 0.0
+        self._updated_at = 0.0
         self._held = 0.0
-        self._hindrance: tuple[Cause, str] | None = None
+        self._held_for: tuple[Cause, str] | None = None
         self._no_way = ""
         self._arrived = False
         self._rounds = self._detours = 0
@@ -119,16 +124,16 @@ class NavigationTask:
 
     @property
     def active(self) -> bool:
-        """Whether it is under way."""
-        return self.task in (Task.GOING, Task.TURNING)
+        """Whether the task is not finished."""
+        return self.state in (Task.GOING, Task.TURNING)
 
     @property
     def goal(self) -> tuple[float, float] | None:
-        """The point that it goes to now, in `map` [m]."""
-        return self.points[0] if self.task is Task.GOING and self.points else None
+        """The next point, in `map` [m]."""
+        return self.points[0] if self.state is Task.GOING and self.points else None
 
     def go(self, goal: GoalCommand, sender: int, now: float) -> None:
-        """Somebody wants the robot at points; none: to stand."""
+        """Begin a task to go to points; without points, end the present task."""
         if not goal.points:
             self.end(Task.CANCELLED, "somebody ended it", Cause.WITHDRAWN, now)
             return
@@ -142,37 +147,37 @@ class NavigationTask:
         self._limit = goal.linear_limit if goal.linear_limit > 0.0 else math.inf
 
     def turn(self, command: TurnCommand, sender: int, pose: Pose, now: float) -> None:
-        """Somebody wants the robot to turn on the spot."""
+        """Begin a task to turn on the spot."""
         self.end(Task.CANCELLED, "another task came", Cause.REPLACED, now)
         self._begin(Task.TURNING, sender, now)
         self._turn_left = command.angle
         self._heading = pose.theta
 
     def refuse(self, goal: GoalCommand, sender: int, why: str, cause: Cause, now: float) -> None:
-        """A goal is not begun; what is under way goes on."""
+        """Record a refused goal; the present task goes on."""
         if goal.points and not self.active:
             self._begin(Task.GOING, sender, now)
             self.place = goal.points[-1].x, goal.points[-1].y
             self.end(Task.CANCELLED, f"not begun: {why}", cause, now)
 
     def end(self, how: Task, why: str, cause: Cause, now: float) -> None:
-        """It ends, if it is under way."""
+        """End the task, if it is active."""
         if self.active:
-            self.task = how
+            self.state = how
             self.why, self.cause = why, cause
             self.route = None
             self.ended = now
 
     def seconds(self, now: float) -> float:
-        """How long it has taken so far, or took in all [s]."""
+        """Time from its begin to now or to its end [s]."""
         return (now if self.active else self.ended) - self._began if self.number else 0.0
 
     def hold(self, cause: Cause, why: str, now: float) -> None:
-        """The wheels are held, which says nothing of the way; this ends what is held too long."""
+        """The wheels are held: wait, and end the task when that takes too long."""
         if not self.active:
             return
-        passed = now - self._seen
-        self._seen = now
+        passed = now - self._updated_at
+        self._updated_at = now
         self._best_at += passed
         self._closely_until += passed
         self._held += passed
@@ -181,29 +186,29 @@ class NavigationTask:
             self.end(Task.CANCELLED, f"gave up after {LONGEST_HOLD_S:.0f} s: {why}", cause, now)
 
     def planned(self, way: Way | None, no_way: str = "") -> None:
-        """There is a new plan for the way to the present point.
+        """Take a new plan for the path to the next point.
 
         Args:
-            way: The way; None: go straight.
-            no_way: Why there is none at all, for people; the robot waits for one then.
+            way: The path; None: go straight.
+            no_way: Why no path exists, for people; then the robot waits for one.
         """
         self.route = None if way is None else Route(way)
         self._no_way = no_way
         if self.route is not None and self._detours < MOST_DETOURS:
             length = sum(math.dist(a, b) for a, b in pairwise(self.route.way))
             if self._best + HEADWAY < length < math.inf:
-                # Headway on a longer way is headway; the time that it has for it stays.
+                # Headway is measured on the new path; the time limit stays.
                 self._best = length
                 self._detours += 1
 
     def goes_round(self, pose: Pose, now: float) -> None:
-        """Something that was not on the map is in the way: headway counts from here on.
+        """An obstacle that was not on the map blocks the path: measure headway from here.
 
-        If it is as near as the goal, nothing leads round it.
+        If the goal is as near as the obstacle, no path leads round it.
         """
         goal = self.goal
         if goal is not None and math.dist(goal, (pose.x, pose.y)) <= OCCUPIED:
-            self._hindrance = (Cause.OCCUPIED, "something stands there")
+            self._held_for = (Cause.OCCUPIED, "something stands there")
             if now - self._best_at > self._patience:
                 self._blocked(now)
         elif self._rounds < MOST_ROUNDS:
@@ -211,16 +216,16 @@ class NavigationTask:
             self._closely_until = now + CLOSELY_S
             self._best, self._best_at = math.inf, now
 
-    def astray(self, pose: Pose) -> bool:
-        """Whether the robot has left its way."""
+    def has_left_path(self, pose: Pose) -> bool:
+        """Whether the robot has left its path."""
         return self.route is not None and self.route.ahead(pose)[2] > OFF
 
     def aim(self, pose: Pose, now: float) -> Aim | None:
-        """What the wheels should do at a pose in `map`; None: stand, nothing is under way."""
-        self._seen = now
-        if self.task is Task.TURNING:
+        """What the wheels do at a pose in `map`; None: stand, no task is active."""
+        self._updated_at = now
+        if self.state is Task.TURNING:
             return self._turning(pose, now)
-        while self.task is Task.GOING:
+        while self.state is Task.GOING:
             x, y = self.points[0]
             away = math.hypot(x - pose.x, y - pose.y)
             if len(self.points) > 1 and away <= PASSED:
@@ -231,13 +236,13 @@ class NavigationTask:
             return self._going(pose, away, now)
         return None
 
-    def _begin(self, task: Task, sender: int, now: float) -> None:
+    def _begin(self, state: Task, sender: int, now: float) -> None:
         self.number += 1
-        self.task, self.sender, self.why, self.cause = task, sender, "", Cause.NONE
+        self.state, self.sender, self.why, self.cause = state, sender, "", Cause.NONE
         self.place, self.ended = (math.nan, math.nan), math.nan
-        self._began = self._seen = now
+        self._began = self._updated_at = now
         self._held = 0.0
-        self._hindrance, self._no_way = None, ""
+        self._held_for, self._no_way = None, ""
         self._patience = 0.0
         self.points, self.route, self.distance_left = (), None, math.nan
         self._theta, self._limit = math.nan, math.inf
@@ -262,18 +267,18 @@ class NavigationTask:
         self.distance_left = left + later
         headway = self._headway(left, now)
         if self._no_way and not headway:
-            self._hindrance = (Cause.CLOSED, self._no_way)
+            self._held_for = (Cause.CLOSED, self._no_way)
         waited = now - self._best_at
         if waited > (self._patience if self._no_way else max(BLOCKED_S, self._patience)):
             self._blocked(now)
             return None
-        self._say_whether_it_waits(waited)
+        self._report_waiting(waited)
         if self._no_way:
             return Aim(stay=True)
         return Aim(x=carrot[0], y=carrot[1], left=left + later, limit=self._limit)
 
     def _arriving(self, pose: Pose, now: float) -> Aim | None:
-        """Turn to the heading that is wanted at the end."""
+        """Turn to the heading of the goal."""
         if not self._arrived:
             self._arrived = True
             self._best, self._best_at = math.inf, now
@@ -282,7 +287,7 @@ class NavigationTask:
         return self._turn_by(turn, "it is there", now)
 
     def _turning(self, pose: Pose, now: float) -> Aim | None:
-        # Sums small differences, so that more than a whole turn can be told from less.
+        # The sum of small differences tells a whole turn from none.
         self._turn_left -= wrapped(pose.theta - self._heading)
         self._heading = pose.theta
         return self._turn_by(self._turn_left, "it has turned", now)
@@ -296,34 +301,34 @@ class NavigationTask:
         if now - self._best_at > BLOCKED_S:
             self.end(Task.BLOCKED, "it does not turn", Cause.CLOSED, now)
             return None
-        self._say_whether_it_waits(0.0)
+        self._report_waiting(0.0)
         return Aim(turn=turn)
 
     def _headway(self, left: float, now: float) -> bool:
-        """Whether it has come nearer since it last did."""
+        """Whether the robot came nearer than ever before."""
         nearer = left < self._best - HEADWAY
         if nearer:
             self._best, self._best_at = left, now
-            self._held, self._hindrance = 0.0, None
+            self._held, self._held_for = 0.0, None
         return nearer
 
-    def _say_whether_it_waits(self, waited: float) -> None:
-        """Tell of a way that is closed, after some seconds without headway or at once."""
-        cause, why = self._hindrance or (Cause.CLOSED, "something is in the way")
+    def _report_waiting(self, waited: float) -> None:
+        """Report a closed path, after some seconds without headway or at once."""
+        cause, why = self._held_for or (Cause.CLOSED, "something is in the way")
         waits = waited > MENTION_S or bool(self._no_way)
         self.cause, self.why = (cause, f"waits: {why}") if waits else (Cause.NONE, "")
 
     def _blocked(self, now: float) -> None:
-        """There is no way, or none any more."""
-        cause, why = self._hindrance or (Cause.CLOSED, "it comes no nearer")
+        """No path exists: wait, and end the task when the patience is over."""
+        cause, why = self._held_for or (Cause.CLOSED, "it comes no nearer")
         self.end(Task.BLOCKED, why, cause, now)
 
 
 def refusal(goal: GoalCommand) -> str:
-    """Why a goal cannot be gone to; empty if it can."""
+    """Why a goal is refused; empty if it is not."""
     if len(goal.points) > MOST_POINTS:
         return f"more than {MOST_POINTS} points"
     for point in goal.points:
         if not (abs(point.x) <= FARTHEST and abs(point.y) <= FARTHEST):
-            return "a point that is nowhere"
+            return "a point with coordinates that are not finite or too far"
     return ""

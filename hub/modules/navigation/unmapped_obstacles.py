@@ -1,7 +1,7 @@
-"""What has held the robot up where the map shows nothing, so that ways lead round it; pure.
+"""Obstacles that blocked the robot and are not on the map, so that paths lead round them; pure.
 
-Sonars do not see smooth walls that they meet at a slant, so a map has holes where walls are. The
-robot sees such a wall when it stands before it, and would stand there until the goal is given up.
+Sonars do not see smooth walls at a slant, so a map has holes in walls. The robot sees such a wall
+when it stands before it. Without this memory it would stand there until the task ends.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ import numpy.typing as npt
 
 from hub.grids.grid import Grid
 
-HELD_S = 1.0
-"""Who looks where it wants to go, and does not go for this time, is held up [s]."""
+BLOCKED_S = 1.0
+"""The robot is blocked if it faces its path and stands for this time [s]."""
 REMEMBERED_S = 45.0
-"""So long a way is planned round what has held the robot up [s]."""
+"""Time for which paths lead round an obstacle [s]."""
 WIDER = 0.05
-"""So much farther a way keeps from what has held the robot up than from what the map shows [m]:
-the ways that the pilot takes at corners are not as sharp as those on the map."""
+"""Additional distance of a path from such an obstacle [m]: the robot does not take corners as
+sharply as a planned path."""
 _MOST = 2000
-"""So many points are remembered; the oldest go first."""
+"""Largest number of points; the oldest are dropped first."""
 _OCCUPIED = 100
 
 Floats = npt.NDArray[np.float64]
@@ -33,35 +33,35 @@ class UnmappedObstacles:
 
     def __init__(self) -> None:
         self._points: Floats = np.empty((0, 3))
-        self._held_since = math.inf
+        self._blocked_since = math.inf
 
-    def held(self, *, still: bool, now: float) -> bool:
-        """Whether the robot is held up now; true once for each HELD_S.
+    def blocked(self, *, still: bool, now: float) -> bool:
+        """Whether the robot is blocked now; true once for each BLOCKED_S.
 
         Args:
-            still: Whether it looks where it wants to go, and does not go.
+            still: Whether it faces its path and stands.
             now: The time.
         """
         if not still:
-            self._held_since = math.inf
+            self._blocked_since = math.inf
             return False
-        self._held_since = min(self._held_since, now)
-        if now - self._held_since < HELD_S:
+        self._blocked_since = min(self._blocked_since, now)
+        if now - self._blocked_since < BLOCKED_S:
             return False
-        self._held_since = now
+        self._blocked_since = now
         return True
 
     def note(self, x: Floats, y: Floats, now: float) -> None:
-        """Remember what is in the way, in `map` [m], shapes (n,)."""
+        """Remember obstacles in `map` [m], shapes (n,)."""
         found = np.stack((x, y, np.full(len(x), now + REMEMBERED_S)), axis=1)
         self._points = np.concatenate((self._points, found))[-_MOST:]
 
     def forget(self) -> None:
-        """Begin anew: where they leave no way, some are gone or were in another place."""
+        """Forget all: if they leave no path, some of them are gone or were elsewhere."""
         self._points = self._points[:0]
 
     def onto(self, grid: Grid, now: float) -> Grid:
-        """A map in which what is remembered is occupied, as far as it lies within."""
+        """The map with the remembered obstacles marked as occupied."""
         self._points = self._points[self._points[:, 2] > now]
         columns = np.floor((self._points[:, 0] - grid.origin_x) / grid.resolution).astype(np.intp)
         rows = np.floor((self._points[:, 1] - grid.origin_y) / grid.resolution).astype(np.intp)

@@ -60,9 +60,9 @@ def errands(draw: st.DrawFn) -> tuple[Grid, tuple[int, int], tuple[int, int]]:
 
 @given(errands(), st.floats(0.0, 0.25))
 def test_a_way_keeps_off_obstacles(
-    errand: tuple[Grid, tuple[int, int], tuple[int, int]], radius: float
+    task: tuple[Grid, tuple[int, int], tuple[int, int]], radius: float
 ) -> None:
-    grid, start, goal = errand
+    grid, start, goal = task
     way = plan(
         grid, grid.centre(*start), grid.centre(*goal), radius=radius, squeeze=1.0, tolerance=0.0
     )
@@ -79,9 +79,9 @@ def test_a_way_keeps_off_obstacles(
 
 @given(errands())
 def test_a_way_costs_hardly_more_than_the_cheapest(
-    errand: tuple[Grid, tuple[int, int], tuple[int, int]],
+    task: tuple[Grid, tuple[int, int], tuple[int, int]],
 ) -> None:
-    grid, start, goal = errand
+    grid, start, goal = task
     caution = Caution(radius=0.1)
     way = plan(
         grid,

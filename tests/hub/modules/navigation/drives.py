@@ -66,7 +66,7 @@ class Drive:
                 self.given = self.pilot.steered(self.now) or (0.0, 0.0)
                 self.robot.set_velocity(*self.given)
             self._advance()
-            if not self.pilot.errand.active:
+            if not self.pilot.task.active:
                 return
 
     def _report(self) -> bool:

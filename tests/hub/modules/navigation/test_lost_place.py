@@ -53,12 +53,12 @@ def test_a_goal_ends_when_its_frame_does(
     navigation._report(AT_ORIGIN, heard(DRIVER))
     goal = GoalCommand(count=1, points=(Point(x=3.0, y=0.0),))
     navigation._go(goal, heard(OPERATOR))
-    errand = navigation._pilot.errand
-    assert errand.active
+    task = navigation._pilot.task
+    assert task.active
     # The driver was started again where its wheels counted from: no jump shows it.
     anew = dataclasses.replace(AT_ORIGIN, odometry=odometry)
     navigation._report(anew, heard(NEXT_DRIVER))
-    assert errand.active is not lost
+    assert task.active is not lost
     if lost:
-        assert (errand.task, errand.cause) == (Task.CANCELLED, Cause.DRIVER)
-        assert errand.why == "the robot has lost its place"
+        assert (task.state, task.cause) == (Task.CANCELLED, Cause.DRIVER)
+        assert task.why == "the robot has lost its place"

@@ -90,7 +90,7 @@ def test_a_goal_is_reached_with_its_heading(place: tuple[float, float]) -> None:
     drive.push(0.0, 0.0, 0.1)
     drive.pilot.go(goal(place, theta=1.0), 7, drive.now)
     drive.carry_out(30.0)
-    assert drive.pilot.errand.task is Task.REACHED
+    assert drive.pilot.task.state is Task.REACHED
     pose = drive.pilot.pose
     assert math.dist((pose.x, pose.y), place) < 0.2
     assert pose.theta == pytest.approx(1.0, abs=0.1)
@@ -101,7 +101,7 @@ def test_a_turn_is_turned() -> None:
     drive.push(0.0, 0.0, 0.1)
     drive.pilot.turn(TurnCommand(angle=-2.0), 7, drive.now)
     drive.carry_out(20.0)
-    assert drive.pilot.errand.task is Task.REACHED
+    assert drive.pilot.task.state is Task.REACHED
     assert drive.pilot.pose.theta == pytest.approx(-2.0, abs=0.1)
 
 
@@ -110,7 +110,7 @@ def test_behind_a_wall_it_is_blocked_without_a_map_and_touches_nothing() -> None
     drive.push(0.0, 0.0, 0.1)
     drive.pilot.go(goal((3.0, 0.0)), 7, drive.now)
     drive.carry_out(60.0)
-    assert drive.pilot.errand.task is Task.BLOCKED
+    assert drive.pilot.task.state is Task.BLOCKED
     assert drive.truth.contacts == 0
 
 
@@ -120,9 +120,9 @@ def test_with_a_map_it_finds_the_way_around() -> None:
     drive.push(0.0, 0.0, 0.1)
     drive.pilot.go(goal((2.5, 0.0)), 7, drive.now)
     drive.pilot.mapped(seen_from(YELLOW, start), drive.now)
-    assert drive.pilot.errand.route is not None
+    assert drive.pilot.task.route is not None
     drive.carry_out(90.0)
-    assert drive.pilot.errand.task is Task.REACHED
+    assert drive.pilot.task.state is Task.REACHED
     assert drive.truth.contacts == 0
 
 
@@ -136,11 +136,11 @@ def test_it_finds_a_way_round_a_wall_that_the_map_does_not_show() -> None:
     whole.cells[:, column - 3 : column + 4] = 0
     drive.pilot.go(goal((1.9, 0.0)), 7, drive.now)
     drive.pilot.mapped(whole, drive.now)
-    route = drive.pilot.errand.route
+    route = drive.pilot.task.route
     assert route is not None
     assert max(abs(y) for _, y in route.way) < 0.5, "through the wall"
     drive.carry_out(60.0)
-    assert drive.pilot.errand.task is Task.REACHED
+    assert drive.pilot.task.state is Task.REACHED
     assert drive.truth.contacts == 0
 
 
@@ -197,13 +197,13 @@ def test_where_the_whole_map_shows_no_way_it_waits_as_long_as_it_has_patience() 
     assert part is not None
     assert part.height > 2.0
     drive.pilot.mapped(grid, drive.now)
-    assert drive.pilot.errand.active
+    assert drive.pilot.task.active
     whole = drive.pilot.window
     assert whole is not None
     assert math.isnan(whole.x)
     drive.pilot.mapped(grid, drive.now)
     drive.carry_out(3.0)
-    assert drive.pilot.errand.why == "waits: the map shows no way there"
+    assert drive.pilot.task.why == "waits: the map shows no way there"
     assert drive.truth.linear == pytest.approx(0.0, abs=0.01)
     cells[around < 9.0] = 0  # who stood in the way has gone
     drive.pilot.mapped(grid, drive.now)
@@ -214,5 +214,5 @@ def test_where_the_whole_map_shows_no_way_it_waits_as_long_as_it_has_patience() 
     for _ in range(2):
         drive.pilot.mapped(grid, drive.now)
     drive.carry_out(1.0)
-    assert drive.pilot.errand.task is Task.BLOCKED
-    assert drive.pilot.errand.why == "the map shows no way there"
+    assert drive.pilot.task.state is Task.BLOCKED
+    assert drive.pilot.task.why == "the map shows no way there"

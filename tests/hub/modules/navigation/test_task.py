@@ -35,221 +35,221 @@ def goal(
 def going(
     *places: tuple[float, float], theta: float = math.nan, patience: float = 0.01
 ) -> NavigationTask:
-    errand = NavigationTask()
-    errand.go(goal(*places, theta=theta, patience=patience), 7, 0.0)
-    return errand
+    task = NavigationTask()
+    task.go(goal(*places, theta=theta, patience=patience), 7, 0.0)
+    return task
 
 
 def test_it_heads_for_the_point_and_reaches_it() -> None:
-    errand = going((2.0, 0.0))
-    aim = errand.aim(Pose(), 0.1)
+    task = going((2.0, 0.0))
+    aim = task.aim(Pose(), 0.1)
     assert aim is not None
     assert (aim.x, aim.y, aim.left) == (2.0, 0.0, 2.0)
-    assert errand.task is Task.GOING
-    assert errand.aim(Pose(x=1.95), 0.2) is None
-    assert errand.task is Task.REACHED
+    assert task.state is Task.GOING
+    assert task.aim(Pose(x=1.95), 0.2) is None
+    assert task.state is Task.REACHED
 
 
 def test_points_are_passed_in_their_order() -> None:
-    errand = going((1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
-    assert errand.aim(Pose(x=0.9), 0.1) is not None
-    assert len(errand.points) == 2
-    assert errand.distance_left == pytest.approx(math.hypot(0.1, 1.0) + 1.0)
+    task = going((1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+    assert task.aim(Pose(x=0.9), 0.1) is not None
+    assert len(task.points) == 2
+    assert task.distance_left == pytest.approx(math.hypot(0.1, 1.0) + 1.0)
 
 
 def test_the_heading_at_the_end_is_turned_to() -> None:
-    errand = going((1.0, 0.0), theta=1.0)
-    aim = errand.aim(Pose(x=1.0), 0.1)
+    task = going((1.0, 0.0), theta=1.0)
+    aim = task.aim(Pose(x=1.0), 0.1)
     assert aim is not None
     assert aim.turn == pytest.approx(1.0)
     # Turning may move it a little; it does not go back to the point for that.
-    assert errand.aim(Pose(x=1.15, theta=0.5), 0.2) is not None
-    assert errand.aim(Pose(x=1.15, theta=1.0), 0.3) is None
-    assert errand.task is Task.REACHED
+    assert task.aim(Pose(x=1.15, theta=0.5), 0.2) is not None
+    assert task.aim(Pose(x=1.15, theta=1.0), 0.3) is None
+    assert task.state is Task.REACHED
 
 
 def test_it_is_blocked_without_headway() -> None:
-    errand = going((2.0, 0.0))
-    errand.aim(Pose(), 0.0)
-    assert errand.aim(Pose(x=0.02), BLOCKED_S - 0.1) is not None
-    assert errand.aim(Pose(x=0.04), BLOCKED_S + 0.1) is None
-    assert errand.task is Task.BLOCKED
-    assert (errand.why, errand.cause) == ("it comes no nearer", Cause.CLOSED)
-    assert errand.place == (2.0, 0.0)
-    assert errand.seconds(99.0) == BLOCKED_S + 0.1
+    task = going((2.0, 0.0))
+    task.aim(Pose(), 0.0)
+    assert task.aim(Pose(x=0.02), BLOCKED_S - 0.1) is not None
+    assert task.aim(Pose(x=0.04), BLOCKED_S + 0.1) is None
+    assert task.state is Task.BLOCKED
+    assert (task.why, task.cause) == ("it comes no nearer", Cause.CLOSED)
+    assert task.place == (2.0, 0.0)
+    assert task.seconds(99.0) == BLOCKED_S + 0.1
 
 
 def test_it_waits_for_a_person_in_the_way_and_says_so_and_goes_on() -> None:
-    errand = going((2.0, 0.0), patience=math.nan)
-    errand.aim(Pose(), 0.0)
-    assert errand.aim(Pose(), MENTION_S + 0.1) is not None
-    assert (errand.task, errand.cause) == (Task.GOING, Cause.CLOSED)
-    assert errand.why == "waits: something is in the way"
-    assert errand.aim(Pose(), PATIENCE_S - 0.1) is not None
-    assert errand.aim(Pose(x=0.2), PATIENCE_S) is not None
-    assert (errand.why, errand.cause) == ("", Cause.NONE)
-    assert errand.aim(Pose(x=0.2), 2.0 * PATIENCE_S - 0.1) is not None
-    assert errand.aim(Pose(x=0.2), 2.0 * PATIENCE_S + 0.1) is None
-    assert errand.task is Task.BLOCKED
+    task = going((2.0, 0.0), patience=math.nan)
+    task.aim(Pose(), 0.0)
+    assert task.aim(Pose(), MENTION_S + 0.1) is not None
+    assert (task.state, task.cause) == (Task.GOING, Cause.CLOSED)
+    assert task.why == "waits: something is in the way"
+    assert task.aim(Pose(), PATIENCE_S - 0.1) is not None
+    assert task.aim(Pose(x=0.2), PATIENCE_S) is not None
+    assert (task.why, task.cause) == ("", Cause.NONE)
+    assert task.aim(Pose(x=0.2), 2.0 * PATIENCE_S - 0.1) is not None
+    assert task.aim(Pose(x=0.2), 2.0 * PATIENCE_S + 0.1) is None
+    assert task.state is Task.BLOCKED
 
 
 def test_nobody_waits_for_ever() -> None:
     for patience, most in ((0.0, PATIENCE_S), (1e9, MOST_PATIENCE_S), (math.inf, MOST_PATIENCE_S)):
-        errand = going((2.0, 0.0), patience=patience)
-        errand.aim(Pose(), 0.0)
-        assert errand.aim(Pose(), most - 0.1) is not None
-        assert errand.aim(Pose(), most + 0.1) is None
+        task = going((2.0, 0.0), patience=patience)
+        task.aim(Pose(), 0.0)
+        assert task.aim(Pose(), most - 0.1) is not None
+        assert task.aim(Pose(), most + 0.1) is None
 
 
 def test_it_stands_where_the_map_shows_no_way_and_goes_on_when_it_does() -> None:
-    errand = going((2.0, 0.0), patience=20.0)
-    errand.aim(Pose(), 0.0)
-    errand.planned(None, "the map shows no way there")
-    aim = errand.aim(Pose(), 1.0)
+    task = going((2.0, 0.0), patience=20.0)
+    task.aim(Pose(), 0.0)
+    task.planned(None, "the map shows no way there")
+    aim = task.aim(Pose(), 1.0)
     assert aim is not None
     assert aim.stay
-    assert errand.why == "waits: the map shows no way there"
-    errand.planned(((0.0, 0.0), (2.0, 0.0)))
-    aim = errand.aim(Pose(), 2.0)
+    assert task.why == "waits: the map shows no way there"
+    task.planned(((0.0, 0.0), (2.0, 0.0)))
+    aim = task.aim(Pose(), 2.0)
     assert aim is not None
     assert not aim.stay
-    assert errand.why == ""
-    errand.planned(None, "the map shows no way there")
-    assert errand.aim(Pose(), 20.1) is None
-    assert (errand.task, errand.why) == (Task.BLOCKED, "the map shows no way there")
+    assert task.why == ""
+    task.planned(None, "the map shows no way there")
+    assert task.aim(Pose(), 20.1) is None
+    assert (task.state, task.why) == (Task.BLOCKED, "the map shows no way there")
 
 
 def test_headway_on_a_longer_way_is_headway_but_not_for_ever() -> None:
-    errand = going((9.0, 0.0))
-    errand.planned(((0.0, 0.0), (9.0, 0.0)))
+    task = going((9.0, 0.0))
+    task.planned(((0.0, 0.0), (9.0, 0.0)))
     now, length = 0.0, 9.0
     for _ in range(MOST_DETOURS):
-        assert errand.aim(Pose(), now) is not None
+        assert task.aim(Pose(), now) is not None
         length += 5.0
-        errand.planned(((0.0, 0.0), (9.0 - length, 0.0), (9.0, 0.0)))
+        task.planned(((0.0, 0.0), (9.0 - length, 0.0), (9.0, 0.0)))
         now += BLOCKED_S - 1.0
-        assert errand.aim(Pose(x=-0.5), now) is not None, "it has gone half a metre of it"
+        assert task.aim(Pose(x=-0.5), now) is not None, "it has gone half a metre of it"
         now += 1.5
-    while errand.task is Task.GOING and now < 1000.0:
+    while task.state is Task.GOING and now < 1000.0:
         length += 5.0
-        errand.planned(((0.0, 0.0), (9.0 - length, 0.0), (9.0, 0.0)))
-        errand.aim(Pose(), now)
+        task.planned(((0.0, 0.0), (9.0 - length, 0.0), (9.0, 0.0)))
+        task.aim(Pose(), now)
         now += 1.0
-    assert errand.task is Task.BLOCKED
+    assert task.state is Task.BLOCKED
 
 
 def test_held_wheels_are_no_lack_of_headway_but_not_for_ever() -> None:
-    errand = going((2.0, 0.0))
-    errand.aim(Pose(), 0.0)
+    task = going((2.0, 0.0))
+    task.aim(Pose(), 0.0)
     now = 0.0
     while now < LONGEST_HOLD_S - 1.0:
         now += 0.5
-        errand.hold(Cause.BUSY, "too busy", now)
-    assert (errand.task, errand.cause, errand.why) == (Task.GOING, Cause.BUSY, "waits: too busy")
-    assert errand.aim(Pose(), now + 1.0) is not None
-    assert (errand.cause, errand.why) == (Cause.NONE, "")
+        task.hold(Cause.BUSY, "too busy", now)
+    assert (task.state, task.cause, task.why) == (Task.GOING, Cause.BUSY, "waits: too busy")
+    assert task.aim(Pose(), now + 1.0) is not None
+    assert (task.cause, task.why) == (Cause.NONE, "")
     for _ in range(5):
         now += 0.5
-        errand.hold(Cause.BUSY, "too busy", now)
-    assert (errand.task, errand.cause) == (Task.CANCELLED, Cause.BUSY)
-    assert errand.why == "gave up after 60 s: too busy"
+        task.hold(Cause.BUSY, "too busy", now)
+    assert (task.state, task.cause) == (Task.CANCELLED, Cause.BUSY)
+    assert task.why == "gave up after 60 s: too busy"
 
 
 def test_headway_between_two_holds_begins_a_new_minute() -> None:
-    errand = going((9.0, 0.0))
-    errand.aim(Pose(), 0.0)
+    task = going((9.0, 0.0))
+    task.aim(Pose(), 0.0)
     now = 0.0
     for part in range(1, 4):
         for _ in range(100):
             now += 0.5
-            errand.hold(Cause.DRIVER, "silent", now)
-        assert errand.aim(Pose(x=float(part)), now) is not None
-    assert errand.task is Task.GOING
+            task.hold(Cause.DRIVER, "silent", now)
+        assert task.aim(Pose(x=float(part)), now) is not None
+    assert task.state is Task.GOING
 
 
 def test_a_goal_that_is_not_begun_says_so_and_disturbs_nothing() -> None:
-    errand = NavigationTask()
-    errand.refuse(goal((2.0, 0.0)), 7, "somebody drives", Cause.STICK, 1.0)
-    assert (errand.number, errand.task, errand.sender) == (1, Task.CANCELLED, 7)
-    assert (errand.why, errand.cause) == ("not begun: somebody drives", Cause.STICK)
-    assert errand.seconds(9.0) == 0.0
-    errand.go(goal((1.0, 0.0)), 7, 2.0)
-    errand.refuse(goal((2.0, 0.0)), 8, "somebody drives", Cause.STICK, 3.0)
-    assert (errand.number, errand.task, errand.place) == (2, Task.GOING, (1.0, 0.0))
+    task = NavigationTask()
+    task.refuse(goal((2.0, 0.0)), 7, "somebody drives", Cause.STICK, 1.0)
+    assert (task.number, task.state, task.sender) == (1, Task.CANCELLED, 7)
+    assert (task.why, task.cause) == ("not begun: somebody drives", Cause.STICK)
+    assert task.seconds(9.0) == 0.0
+    task.go(goal((1.0, 0.0)), 7, 2.0)
+    task.refuse(goal((2.0, 0.0)), 8, "somebody drives", Cause.STICK, 3.0)
+    assert (task.number, task.state, task.place) == (2, Task.GOING, (1.0, 0.0))
 
 
 def test_with_headway_it_is_not_blocked() -> None:
-    errand = going((20.0, 0.0))
+    task = going((20.0, 0.0))
     for second in range(60):
-        assert errand.aim(Pose(x=0.2 * second), float(second)) is not None
+        assert task.aim(Pose(x=0.2 * second), float(second)) is not None
 
 
 def test_a_way_round_something_new_counts_anew_but_not_for_ever() -> None:
-    errand = going((2.0, 0.0))
-    errand.aim(Pose(), 0.0)
+    task = going((2.0, 0.0))
+    task.aim(Pose(), 0.0)
     for number in range(1, MOST_ROUNDS + 1):
         now = number * (BLOCKED_S - 1.0)
-        errand.goes_round(Pose(), now)
-        assert errand.aim(Pose(), now + 0.5) is not None
-    errand.goes_round(Pose(), now + BLOCKED_S - 1.0)
-    assert errand.aim(Pose(), now + BLOCKED_S + 1.0) is None
-    assert errand.task is Task.BLOCKED
+        task.goes_round(Pose(), now)
+        assert task.aim(Pose(), now + 0.5) is not None
+    task.goes_round(Pose(), now + BLOCKED_S - 1.0)
+    assert task.aim(Pose(), now + BLOCKED_S + 1.0) is None
+    assert task.state is Task.BLOCKED
 
 
 def test_who_has_no_patience_does_not_wait_where_something_stands() -> None:
-    errand = going((2.0, 0.0))
-    errand.goes_round(Pose(x=2.0 - 0.9 * OCCUPIED), 1.0)
-    assert (errand.task, errand.cause) == (Task.BLOCKED, Cause.OCCUPIED)
+    task = going((2.0, 0.0))
+    task.goes_round(Pose(x=2.0 - 0.9 * OCCUPIED), 1.0)
+    assert (task.state, task.cause) == (Task.BLOCKED, Cause.OCCUPIED)
 
 
 def test_who_has_patience_waits_until_the_place_is_free() -> None:
-    errand = going((2.0, 0.0), patience=20.0)
+    task = going((2.0, 0.0), patience=20.0)
     here = Pose(x=2.0 - 0.9 * OCCUPIED)
-    errand.aim(here, 1.0)
-    errand.goes_round(here, 2.0)
-    assert errand.aim(here, 10.0) is not None
-    assert errand.why == "waits: something stands there"
-    assert errand.aim(here, 21.1) is None
-    assert (errand.task, errand.cause) == (Task.BLOCKED, Cause.OCCUPIED)
+    task.aim(here, 1.0)
+    task.goes_round(here, 2.0)
+    assert task.aim(here, 10.0) is not None
+    assert task.why == "waits: something stands there"
+    assert task.aim(here, 21.1) is None
+    assert (task.state, task.cause) == (Task.BLOCKED, Cause.OCCUPIED)
 
 
 def test_who_was_held_up_follows_its_way_closely() -> None:
-    errand = going((2.0, 0.0))
-    errand.planned(((0.0, 0.0), (2.0, 0.0)))
-    errand.goes_round(Pose(), 1.0)
-    aim = errand.aim(Pose(), 1.1)
+    task = going((2.0, 0.0))
+    task.planned(((0.0, 0.0), (2.0, 0.0)))
+    task.goes_round(Pose(), 1.0)
+    aim = task.aim(Pose(), 1.1)
     assert aim is not None
     assert aim.x == pytest.approx(CLOSELY)
-    aim = errand.aim(Pose(), 1.1 + CLOSELY_S)
+    aim = task.aim(Pose(), 1.1 + CLOSELY_S)
     assert aim is not None
     assert aim.x > CLOSELY + 0.1
 
 
 def test_more_than_a_whole_turn_is_turned() -> None:
-    errand = NavigationTask()
-    errand.turn(TurnCommand(angle=7.0), 7, Pose(), 0.0)
+    task = NavigationTask()
+    task.turn(TurnCommand(angle=7.0), 7, Pose(), 0.0)
     turned, now = 0.0, 0.0
-    while errand.aim(Pose(theta=math.remainder(turned, 2.0 * math.pi)), now) is not None:
+    while task.aim(Pose(theta=math.remainder(turned, 2.0 * math.pi)), now) is not None:
         turned, now = turned + 0.05, now + 0.05
-    assert errand.task is Task.REACHED
+    assert task.state is Task.REACHED
     assert turned == pytest.approx(7.0, abs=0.1)
 
 
 def test_no_points_end_it_and_every_task_has_its_number() -> None:
-    errand = going((2.0, 0.0))
-    errand.go(goal(), 8, 1.0)
-    assert errand.task is Task.CANCELLED
-    assert errand.number == 1
-    errand.go(goal((1.0, 0.0)), 8, 1.0)
-    assert (errand.number, errand.sender) == (2, 8)
+    task = going((2.0, 0.0))
+    task.go(goal(), 8, 1.0)
+    assert task.state is Task.CANCELLED
+    assert task.number == 1
+    task.go(goal((1.0, 0.0)), 8, 1.0)
+    assert (task.number, task.sender) == (2, 8)
 
 
 def test_what_has_ended_stays_as_it_ended() -> None:
-    errand = going((2.0, 0.0))
-    errand.aim(Pose(x=2.0), 0.1)
-    errand.end(Task.CANCELLED, "too late", Cause.STOP, 1.0)
-    assert errand.cause is Cause.NONE
-    assert errand.task is Task.REACHED
+    task = going((2.0, 0.0))
+    task.aim(Pose(x=2.0), 0.1)
+    task.end(Task.CANCELLED, "too late", Cause.STOP, 1.0)
+    assert task.cause is Cause.NONE
+    assert task.state is Task.REACHED
 
 
 @pytest.mark.parametrize("wrong", [math.nan, math.inf, -1e30])
