@@ -8,7 +8,7 @@
 | common command LOG_LEVEL | set the level of the log |
 | another common command but START | announce |
 | a fault in a handler | log it, count it, go on |
-| the hub refuses the connection for good | stop, exit code 0 |
+| an operator disconnects the module | stop, exit code 0 |
 | no hub at the start | exit code 3 |
 | wrong robot file | exit code 2 |
 

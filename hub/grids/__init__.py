@@ -1,1 +1,1 @@
-"""Grid maps as arrays: what is near, which way leads somewhere, where the map ends; pure."""
+"""Grid maps as arrays: clearance, path planning, reachable ground, frontiers; pure."""

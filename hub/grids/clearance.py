@@ -1,8 +1,8 @@
-"""How far every cell is from the nearest occupied one.
+"""The distance of every cell to the nearest occupied one.
 
 Source: P. Felzenszwalb, D. Huttenlocher, Distance Transforms of Sampled Functions, 2012: the
-square of the distance is separable, columns first, then rows. What is farther than a cap is not
-told apart, so that whole rows have to be shifted a few times only.
+square of the distance is separable, columns first, then rows. Distances are capped, so whole rows
+are shifted a few times only.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy.typing as npt
 from hub.grids.grid import Mask
 
 MOST_CELLS = 180
-"""The farthest cap [cells]: the sum of two squares has to fit 16 bits."""
+"""Largest cap [cells]: the sum of two squares must fit 16 bits."""
 
 
 def clearance(occupied: Mask, resolution: float, cap: float) -> npt.NDArray[np.float32]:
@@ -24,10 +24,10 @@ def clearance(occupied: Mask, resolution: float, cap: float) -> npt.NDArray[np.f
     Args:
         occupied: Which cells are occupied, shape (height, width).
         resolution: Edge of a cell [m].
-        cap: Larger distances are given as this one [m]; at most 180 cells count.
+        cap: Largest distance [m], at most 180 cells.
 
     Returns:
-        Distances [m], shape (height, width), exact below the cap. There is nothing outside.
+        Distances [m], shape (height, width), exact below the cap. Cells outside count as free.
     """
     reach = max(1, min(math.ceil(cap / resolution), MOST_CELLS))
     columns = _down_the_columns(occupied, reach)
@@ -45,7 +45,7 @@ def clearance(occupied: Mask, resolution: float, cap: float) -> npt.NDArray[np.f
 
 
 def _down_the_columns(occupied: Mask, reach: int) -> npt.NDArray[np.uint16]:
-    """Cells to the nearest occupied one of the same column, `reach` at most."""
+    """Cells to the nearest occupied one of the same column, at most `reach`."""
     height = occupied.shape[0]
     rows = np.arange(height, dtype=np.int32)[:, None]
     above = np.where(occupied, rows, np.int32(-reach))

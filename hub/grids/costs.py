@@ -1,4 +1,4 @@
-"""What it costs a round robot to cross the cells of a map, and how it gets out of a tight place."""
+"""The cost for a round robot to cross each cell of a map."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ from hub.grids.grid import Grid
 from hub.grids.wavefront import Cell, Costs
 
 TIGHT = 10.0
-"""What a cell costs that is nearer to an obstacle than the radius, where it may be crossed."""
+"""Cost of a cell that is nearer to an obstacle than the radius, if it may be crossed."""
 SQUEEZE = 0.5
-"""How much of the radius is left where the map makes things narrower than they are.
+"""Share of the radius to keep free in a tight place.
 
-Sonars and drifting odometry thicken what they see; what is really there the robot sees on the way.
+Sonars and drifting odometry make walls of a map thicker. The robot sees the real ones on the way.
 """
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Caution:
-    """How a way keeps off obstacles and the unknown.
+    """How a path avoids obstacles and the unknown.
 
     Attributes:
         radius: Of the robot [m]: its middle never comes nearer to an occupied cell's middle.
-        comfort: Distance beyond the radius from which on obstacles cost nothing [m].
-        nearness: What a cell at the radius costs more, in widths of a cell; falls to 0 with the
+        comfort: Obstacles farther than this beyond the radius cost nothing [m].
+        nearness: Additional cost of a cell at the radius, in widths of a cell; falls to 0 with the
             square of the distance that is left to `comfort`.
-        squeeze: Cells that are nearer than the radius, but not nearer than this [m], cost TIGHT.
-        unknown: What a cell that is not known to be free costs more; inf: it cannot be crossed.
+        squeeze: Cells between this distance [m] and the radius cost TIGHT.
+        unknown: Additional cost of a cell not known to be free; inf: it cannot be crossed.
     """
 
     radius: float
@@ -42,15 +42,15 @@ class Caution:
 
 
 def crossing(grid: Grid, start: Cell, caution: Caution) -> Costs:
-    """What it costs to cross each cell by its own width, 1 at least; inf: it cannot be crossed.
+    """The cost to cross each cell, per width of a cell, at least 1; inf: it cannot be crossed.
 
-    Where the robot starts nearer to an obstacle than its radius, the cells around it that are not
-    nearer still may be crossed too, so that it can get out.
+    A robot may start nearer to an obstacle than its radius. Then it may cross the cells around it
+    that are not nearer still, so that it can get out.
 
     Args:
         grid: The map.
         start: Row and column where the robot is, within the grid.
-        caution: How to keep off obstacles.
+        caution: How to avoid obstacles.
 
     Returns:
         Factors, shape (height, width).
@@ -72,7 +72,7 @@ def crossing(grid: Grid, start: Cell, caution: Caution) -> Costs:
 def _let_out(
     factors: Costs, distance: npt.NDArray[np.float32], start: Cell, radius_cells: float
 ) -> None:
-    """Open the cells within the robot's radius around the start that are no tighter than it."""
+    """Open the cells within the robot's radius around the start that are not tighter than it."""
     reach = math.ceil(radius_cells) + 1
     rows = slice(max(start[0] - reach, 0), start[0] + reach + 1)
     columns = slice(max(start[1] - reach, 0), start[1] + reach + 1)

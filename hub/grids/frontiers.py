@@ -18,7 +18,7 @@ from hub.grids.reach import ways
 from hub.grids.wavefront import Costs
 
 SOLID_CELLS = 4
-"""So many of the 9 cells around an unknown one have to be unknown; fewer are specks."""
+"""Least number of unknown cells among the 9 around an unknown one; fewer are specks."""
 
 ROOM = 0.75
 """Unknown ground counts where this share of the radius is clear of obstacles."""
@@ -33,12 +33,12 @@ class Frontier:
     """Free cells side by side that border on the unknown.
 
     Attributes:
-        x: Where the robot can stand to look into it, in `map` [m].
-        y: Where the robot can stand to look into it, in `map` [m].
-        length: How many cells, times their width [m].
-        distance: Way of the robot to that place [m]; inf: it cannot be reached, and x and y are
-            the middle of the frontier's cell that is nearest to its centre of gravity.
-        gain: Unknown ground near behind it where the robot may be able to stand [m^2].
+        x: A place from which the robot sees it, in `map` [m].
+        y: The same [m].
+        length: Number of cells, times their width [m].
+        distance: Length of the robot's path to that place [m]; inf: it cannot be reached, and x and
+            y are the middle of the frontier's cell nearest to its centre of gravity.
+        gain: Unknown ground close behind it where the robot may be able to stand [m^2].
     """
 
     x: float
@@ -62,15 +62,15 @@ def frontiers(
 
     Args:
         grid: The map.
-        start: Where the robot is [m].
+        start: The robot's place [m].
         radius: The robot's, with the margin it must keep [m].
-        reach: A frontier counts as reached from so far off, beyond the radius [m].
-        squeeze: Places that keep only this share of the radius are passed at ten times the way.
+        reach: A frontier is reached within this distance, beyond the radius [m].
+        squeeze: Places that keep only this share of the radius free cost ten times as much.
         shortest: Shorter frontiers are left out [m].
-        in_sight: Whether occupied cells hide a frontier from where the robot can stand.
+        in_sight: Whether occupied cells hide a frontier from the robot.
 
     Returns:
-        None of them if the robot is outside the map.
+        The frontiers; none if the robot is outside the map.
     """
     if not (all(map(math.isfinite, start)) and grid.contains(*grid.cell(*start))):
         return ()
@@ -93,7 +93,7 @@ def frontiers(
 
 
 def edge_cells(grid: Grid) -> Mask:
-    """Free cells beside unknown ones that are no mere specks, shape (height, width)."""
+    """Free cells beside unknown ones, without specks, shape (height, width)."""
     unknown = np.pad(grid.unknown, 2, constant_values=True)
     count = unknown.astype(np.uint8)
     count[1:-1] = count[:-2] + count[1:-1] + count[2:]
@@ -104,7 +104,7 @@ def edge_cells(grid: Grid) -> Mask:
 
 
 def groups(cells: Numbers, shape: tuple[int, int]) -> Numbers:
-    """Which group each cell belongs to; cells that touch at a side or a corner are in one.
+    """The group of each cell; cells that touch at a side or a corner are in one group.
 
     Args:
         cells: Rows and columns, shape (count, 2), in reading order, at least one.
@@ -140,11 +140,10 @@ _AHEAD = ((0, 0), (1, 0), (1, 1), (1, 2))
 def _standing_places(
     costs: Costs, opaque_cells: Mask, edge: Numbers, reach_cells: float
 ) -> tuple[Numbers, npt.NDArray[np.float64]]:
-    """For each cell of the edge, the nearest place from which it is in sight, and the way there.
+    """For each cell of the edge, the nearest place that sees it, and the path length there.
 
     Returns:
-        Rows and columns, shape (count, 2), and ways [cells], shape (count,); inf where there is no
-        such place.
+        Rows and columns, shape (count, 2), and path lengths [cells], shape (count,); inf: no place.
     """
     reach = math.ceil(reach_cells)
     span = np.arange(-reach, reach + 1)
@@ -174,7 +173,7 @@ def _standing_places(
 
 
 def _between(rows: int, columns: int, stride: int) -> Numbers:
-    """Offsets of the cells on the straight line to one that is so far off, without both ends."""
+    """Offsets of the cells on the straight line to a cell at this offset, without both ends."""
     steps = max(abs(rows), abs(columns))
     parts = np.arange(1, steps) / max(steps, 1)
     offsets: Numbers = (np.rint(parts * rows) * stride + np.rint(parts * columns)).astype(np.intp)
@@ -182,14 +181,14 @@ def _between(rows: int, columns: int, stride: int) -> Numbers:
 
 
 class _Ground:
-    """Unknown ground in which the robot may be able to stand, as far as the map tells."""
+    """Unknown ground in which the robot may be able to stand."""
 
     def __init__(self, grid: Grid, room: float) -> None:
-        """Look at a map.
+        """Find the unknown ground of a map.
 
         Args:
             grid: The map; beyond it nothing is known.
-            room: How far the robot's middle keeps from obstacles [m].
+            room: Distance of the robot's middle from obstacles [m].
         """
         self._reach = math.ceil(GAIN_REACH / grid.resolution)
         self._cell = grid.resolution**2
@@ -199,7 +198,7 @@ class _Ground:
         self._frame = frame
 
     def behind(self, edge: Numbers) -> float:
-        """How much of it can be come to from a frontier's cells within GAIN_REACH [m^2]."""
+        """The area of it that is connected to a frontier's cells within GAIN_REACH [m^2]."""
         low = edge.min(axis=0)
         high = edge.max(axis=0) + 2 * self._frame + 1
         ground = self._open[low[0] : high[0], low[1] : high[1]]
@@ -208,7 +207,7 @@ class _Ground:
         come[rows, columns] = True
         beside = come = _wider(_wider(come)) & ground
         for step in range(self._reach):
-            # Every other step takes the corners as well: the reach is nearly round.
+            # Every other step includes the corners: the reach is nearly round.
             wider = (_wider(come) if step % 2 else _beside(come)) & ground
             if np.array_equal(wider, come):
                 break

@@ -1,4 +1,4 @@
-"""A grid map as an array, and how its cells lie in the frame `map`."""
+"""A grid map as an array, and the places of its cells in the frame `map`."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ UNKNOWN = -1
 MOST_FREE = 45
 """A cell up to this is free: it was seen free more often than occupied."""
 LEAST_OCCUPIED = 65
-"""A cell from this on is occupied, as ROS's map_server has it; between the two it is uncertain."""
+"""A cell from this on is occupied, as in ROS's map_server; between the two it is uncertain."""
 MAX_CELLS = 1 << 22
-"""Cells of the largest grid that is worked on: 100 m by 100 m at 5 cm."""
+"""Largest number of cells of a grid: 100 m by 100 m at 5 cm."""
 
 _FARTHEST = 1e6
-"""No origin lies farther out [m]."""
+"""Largest coordinate of an origin [m]."""
 _FINEST, _COARSEST = 0.001, 10.0
 
 Mask = npt.NDArray[np.bool_]
@@ -84,15 +84,15 @@ class Grid:
         )
 
     def contains(self, row: int, column: int) -> bool:
-        """Whether there is such a cell."""
+        """Whether the grid has this cell."""
         return 0 <= row < self.height_cells and 0 <= column < self.width_cells
 
     def covering(self, points: tuple[tuple[float, float], ...], border: float) -> Grid | None:
-        """This grid, with unknown cells added so that all points lie within it.
+        """This grid, extended by unknown cells so that it holds all points.
 
         Args:
             points: Finite points [m].
-            border: How far the grid reaches beyond each of them [m].
+            border: Distance from each point to the edge of the grid [m].
 
         Returns:
             None if it would have more than MAX_CELLS cells.

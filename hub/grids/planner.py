@@ -1,4 +1,4 @@
-"""The way of a round robot over a grid map."""
+"""Plans the path of a round robot on a grid map."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from hub.grids.wavefront import Cell, Costs, spread, way_back
 Way = tuple[tuple[float, float], ...]
 
 _BORDER = 1.0
-"""Unknown ground around start and goal where the map does not reach so far [m]."""
+"""Width of the unknown ground to add around start and goal [m]."""
 _DEARER = 1.02
 """A straight line may cost this much more than the cells it replaces."""
 
@@ -32,25 +32,26 @@ def plan(
     squeeze: float = SQUEEZE,
     tolerance: float = 0.3,
 ) -> Way | None:
-    """The cheapest way, pulled straight where that costs next to nothing.
+    """The cheapest path, with straight lines where they cost hardly more.
 
     Args:
         grid: The map; ground outside it is unknown.
-        start: Where the robot is [m].
-        goal: Where it should go [m].
+        start: The robot's place [m].
+        goal: The place to reach [m].
         radius: The robot's, with the margin it must keep [m].
-        comfort: Distance beyond the radius from which on obstacles cost nothing [m].
-        nearness: What going along at the radius costs more than going in the open.
-        unknown_cost: What going through the unknown costs more; inf: it is not done. By default as
-            much as a tight place: a door that noise makes narrow comes before a way round the map.
-        squeeze: If no way over known ground leads to the goal, places that keep only this share of
-            the radius are passed at ten times the way.
-        tolerance: If none does either, the reachable place that is nearest to it will do,
-            this far away at most [m].
+        comfort: Obstacles farther than this beyond the radius cost nothing [m].
+        nearness: Additional cost of a path at the radius, against one in the open.
+        unknown_cost: Additional cost of unknown ground; inf: it is not crossed. The default is the
+            cost of a tight place: a door that noise makes narrow is better than a path round the
+            map.
+        squeeze: If no path over known ground leads to the goal, places that keep only this share of
+            the radius free may be crossed at ten times the cost.
+        tolerance: If none does either, the path ends at the nearest reachable place, at most this
+            far from the goal [m].
 
     Returns:
-        Points in `map` [m], the start first, and the goal last, or what stands in for it; None if
-        there is no way, or a point is not finite or too far outside the map.
+        Points in `map` [m] from the start to the goal, or to its substitute. None: there is no
+        path, or a point is not finite or too far outside the map.
     """
     if not all(map(math.isfinite, (*start, *goal))):
         return None

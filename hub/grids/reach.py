@@ -1,4 +1,4 @@
-"""Where the robot can get to on a map, and how much ground it can stand on there."""
+"""Reachable cells of a map, and the area on which the robot can stand."""
 
 from __future__ import annotations
 
@@ -15,16 +15,17 @@ from hub.grids.wavefront import Costs, spread
 def ways(
     grid: Grid, start: tuple[float, float], *, radius: float, squeeze: float = SQUEEZE
 ) -> Costs:
-    """Length of the way to each free cell where the robot can stay.
+    """Length of the path to each free cell where the robot can stay.
 
     Args:
         grid: The map.
-        start: Where the robot is, within the map [m].
+        start: The robot's place, within the map [m].
         radius: The robot's, with the margin it must keep [m].
-        squeeze: Places that keep only this share of the radius are passed at ten times the way.
+        squeeze: Places that keep only this share of the radius free cost ten times as much.
 
     Returns:
-        Lengths [cells], shape (height, width); inf: it cannot get there, or cannot stay there.
+        Lengths [cells], shape (height, width); inf: the robot cannot go there, or cannot stay
+        there.
     """
     first = grid.cell(*start)
     keeps = squeeze * radius
@@ -36,14 +37,14 @@ def ways(
 
 
 def standing_ground(grid: Grid, lengths: Costs, room: float) -> float:
-    """Free ground that the robot can get to and fits on.
+    """The area of free ground that the robot can reach and fits on.
 
     Strips along the unknown do not count: sensors that look through a wall make them.
 
     Args:
         grid: The map.
-        lengths: What `ways` returned for it.
-        room: So far around the robot's middle all has to be free [m].
+        lengths: The result of `ways` for it.
+        room: Radius around the robot's middle that must be free [m].
 
     Returns:
         Its area [m^2].

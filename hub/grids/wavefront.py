@@ -1,8 +1,8 @@
-"""The cost of the cheapest way from one cell to all others.
+"""The cost of the cheapest path from one cell to all others.
 
-Dijkstra's algorithm, many cells at once: no step costs less than 1, so all cells whose cost is
-below the least one plus 1 are final and can be left together (the bound of D. Crauser et al., A
-Parallelization of Dijkstra's Shortest Path Algorithm, 1998). It is as exact as one cell at a time.
+Dijkstra's algorithm, many cells at once. No step costs less than 1, so all cells with a cost below
+the least one plus 1 are final and are expanded together (the bound of D. Crauser et al., A
+Parallelization of Dijkstra's Shortest Path Algorithm, 1998). The result is exact.
 """
 
 from __future__ import annotations
@@ -17,18 +17,18 @@ _DIAGONAL = 2.0**0.5
 
 
 def spread(factors: Costs, start: Cell, *, until: Cell | None = None) -> Costs:
-    """Cost of the cheapest way from `start`, over the sides and corners of cells.
+    """Cost of the cheapest path from `start`, over the sides and corners of cells.
 
     Args:
-        factors: What it costs to cross a cell by its own width, at least 1; inf: it cannot be
-            crossed. A step costs its length [cells] times the mean of the two cells' factors. Shape
-            (height, width).
+        factors: Cost of each cell per its width, at least 1; inf: it cannot be crossed. A step
+        costs its length [cells] times the mean of the two cells' factors. Shape (height,
+        width).
         start: Row and column; its factor is finite.
         until: Stop when this cell's cost is final.
 
     Returns:
-        Costs [cells], inf where no way leads, shape (height, width); with `until` those that are
-        greater than its own are not final.
+        Costs [cells], inf: no path, shape (height, width). With `until`, costs greater than its own
+        are not final.
     """
     height, width = factors.shape
     stride = width + 2
@@ -46,7 +46,7 @@ def spread(factors: Costs, start: Cell, *, until: Cell | None = None) -> Costs:
         costs = cost[waiting]
         final = costs < costs.min() + 1.0
         now, waiting = waiting[final], waiting[~final]
-        # A cell waits once for each time it was improved: keep it once.
+        # A cell is queued each time its cost falls: keep one entry.
         order = np.arange(now.size)
         number[now] = order
         now = now[(number[now] == order) & ~left[now]]
@@ -61,11 +61,11 @@ def spread(factors: Costs, start: Cell, *, until: Cell | None = None) -> Costs:
 
 
 def way_back(factors: Costs, costs: Costs, end: Cell) -> list[Cell]:
-    """The cheapest way to `end`, as cells from the start on.
+    """The cheapest path to `end`, as cells from the start.
 
     Args:
         factors: As for `spread`.
-        costs: What `spread` returned.
+        costs: The result of `spread`.
         end: Row and column; its cost is finite.
     """
     height, width = factors.shape

@@ -1,4 +1,14 @@
-"""What a robot does that has lost its operator; pure."""
+"""The action of a robot that has lost its operator; pure.
+
+| state | event | next state |
+| --- | --- | --- |
+| OPERATED | control ends: the robot has no owner any more | LOST |
+| LOST | a motion command, also of a task | LOST, and its time starts again |
+| LOST | a console takes control | OPERATED |
+
+It starts as OPERATED: a robot that nobody operated yet has lost nobody. While LOST, the action
+is that of the robot file; SURFACE begins after `surface_after_s`, with STAND before.
+"""
 
 from __future__ import annotations
 
@@ -6,16 +16,16 @@ import enum
 import math
 
 SURFACE_AFTER_S = 10.0
-"""A robot that surfaces keeps still for so long before [s]."""
+"""Default time that a robot stands before it surfaces [s]."""
 
 
 class LeftAlone(enum.Enum):
-    """What to do where nobody has control any more, as robot files name it.
+    """The action of a robot without an operator, as robot files name it.
 
     Attributes:
-        STAND: Wheels stand; whatever floats keeps neutral.
-        HOLD_HEIGHT: What flies stays as high as it is.
-        SURFACE: What dives keeps neutral for a while, and then comes up.
+        STAND: Stop the wheels or thrusters.
+        HOLD_HEIGHT: A flying robot keeps its height.
+        SURFACE: A diving robot stops for a while, then comes up.
     """
 
     STAND = "stand"
@@ -24,20 +34,16 @@ class LeftAlone(enum.Enum):
 
 
 class OperatorWatch:
-    """Knows since when a robot has had no operator; every method gets the monotonic time [s].
-
-    A robot that nobody has operated yet has lost nobody. While a task of its own goes on, a robot
-    without an operator does not count as left alone: that begins when the task has ended.
-    """
+    """Keeps the time since which a robot has no operator; methods get the monotonic time [s]."""
 
     def __init__(self, wanted: LeftAlone, surface_after_s: float = SURFACE_AFTER_S) -> None:
-        self._wanted = wanted
+        self._action = wanted
         self._surface_after_s = surface_after_s
         self._owner = 0
         self._since = math.inf
 
     def controlled_by(self, owner: int, now: float) -> None:
-        """Who has control, by number; 0: nobody."""
+        """Take the number of the owner of control; 0: none."""
         if owner:
             self._since = math.inf
         elif self._owner:
@@ -45,14 +51,14 @@ class OperatorWatch:
         self._owner = owner
 
     def moved(self, now: float) -> None:
-        """Somebody moves it all the same."""
+        """Take a motion command, which postpones the action."""
         if self._since < math.inf:
             self._since = now
 
     def action(self, now: float) -> LeftAlone | None:
-        """What to do now; None: it is not left alone."""
+        """The action now; None: the robot has an operator."""
         if self._since == math.inf:
             return None
-        if self._wanted is LeftAlone.SURFACE and now - self._since < self._surface_after_s:
+        if self._action is LeftAlone.SURFACE and now - self._since < self._surface_after_s:
             return LeftAlone.STAND
-        return self._wanted
+        return self._action

@@ -1,1 +1,1 @@
-"""Occupancy grid and interest points: made, answered for, saved."""
+"""Makes, serves and saves the occupancy grid and the interest points."""

@@ -1,4 +1,4 @@
-"""The mapping process: makes the map, answers for it, and keeps the mission."""
+"""The mapping process: makes the map, answers requests for it, and keeps the mission."""
 
 from __future__ import annotations
 
@@ -29,21 +29,21 @@ from hub.runtime import run_module
 _logger = logging.getLogger(__name__)
 
 SAVE_S = 10.0
-"""A map that has changed is saved so often [s]."""
+"""Time between two saves of a map that changes [s]."""
 MARKED_S = 0.5
-"""So soon after a mark the map is saved [s]; several marks at once need one map."""
+"""Delay from a mark to a save of the map [s]; several marks at once need one save."""
 ORDERS_PER_S, ORDERS_AT_ONCE = 0.2, 20.0
-"""Maps that are saved, loaded or cleared, on average and in one burst [1/s]; each takes disk."""
+"""Largest rate of orders to save, load or clear maps, and their largest burst [1/s]."""
 _LOOK_S = 0.25
 _REST = 20.0
-"""After a mission could not be taken up, mapping waits so many times as long as that took."""
+"""After a mission could not be resumed, mapping waits this multiple of the time that it took."""
 
 
 class Mapping:
     """Connects the map and the mission with the bus."""
 
     def __init__(self, client: Client, robot: RobotDescription) -> None:
-        """Take up the mission that runs, subscribe and answer."""
+        """Resume the running mission, subscribe, and answer requests."""
         self._client = client
         self._robot = robot
         self._grid = OccupancyGrid(robot.map_resolution, robot.map_size)
@@ -64,24 +64,24 @@ class Mapping:
             client,
             self._keeper,
             robot,
-            begun=self._begin_anew,
+            begun=self._start_map,
             marked=self._marked,
             ending=self._save,
         )
         client.subscribe(navigation.ROBOT_STATE, self._state)
         client.respond(mapping.MAP_REQUEST, mapping.MAP, self._map)
         client.respond(mapping.MAP_COMMAND, COMMON_RESULT, self._command)
-        client.every(_LOOK_S, self._look)
+        client.every(_LOOK_S, self._update)
 
     def finish(self) -> None:
-        """Save what is not saved yet, and say what was left out."""
+        """Save the rest, and log what was left out."""
         self._save()
         self._keeper.close()
         if self._grid.outside:
             _logger.warning("%d scans were made outside of the map", self._grid.outside)
 
     def _open(self) -> None:
-        """Take up the mission that was running when this robot's mapping ended."""
+        """Resume the mission that ran when this robot's mapping ended."""
         begin = time.monotonic()
         kept = self._keeper.open()
         now = time.monotonic()
@@ -95,8 +95,8 @@ class Mapping:
         book = self._keeper.book
         _logger.info("mission %s goes on with %d marks", book.name, len(book.points.points))
 
-    def _look(self) -> None:
-        """Save the map when it is time to."""
+    def _update(self) -> None:
+        """Save the map when it is due."""
         unknown = not self._keeper.opened and self._keeper.book.begun is None
         if unknown and time.monotonic() >= self._open_again:
             self._open()
@@ -104,14 +104,14 @@ class Mapping:
             self._save()
 
     def _save(self) -> None:
-        """Save the map as it is now."""
+        """Save the map now."""
         self._changed = False
         self._saved = time.monotonic()
         if self._keeper.book.running:
             self._keeper.save_map(self._grid.kept())
 
     def _marked(self, point: mapping.InterestPoint) -> None:
-        """Have the map saved soon, as it was when a point was marked."""
+        """Schedule a save of the map after a mark."""
         del point
         self._changed = True
         self._saved = min(self._saved, time.monotonic() - SAVE_S + MARKED_S)
@@ -121,7 +121,7 @@ class Mapping:
             _logger.warning(
                 "the robot has lost its place: sheet %d begins", self._keeper.book.sheet
             )
-            self._begin_anew()
+            self._start_map()
             self._desk.publish()
         self._keeper.trace(state.x, state.y, state.theta)
         scan = self._scans.scan(state, reception.measured)
@@ -167,10 +167,10 @@ class Mapping:
         return CommonResult(done=1, text=text)
 
     def _carry_out(self, command: mapping.MapCommand) -> str:
-        """Do it, and say what was done.
+        """Carry out an order; returns the result, for people.
 
         Raises:
-            MapFileError: It cannot be done; nothing has changed.
+            MapFileError: The order failed; nothing has changed.
         """
         if not self._orders.take(1.0, time.monotonic()):
             text = "too many orders to save, load or clear maps; wait some seconds and try again"
@@ -187,20 +187,20 @@ class Mapping:
         return self._load(picture, points, f"map {name} of {folder}")
 
     def _clear(self) -> str:
-        """Begin a new sheet with the marks there are."""
+        """Begin a new sheet; the marks stay."""
         self._save()
         self._keeper.begin_sheet("the map was cleared", carries=True)
-        self._begin_anew()
+        self._start_map()
         self._desk.publish()
         return f"the map is empty; {self._keeper.points.count} points are kept"
 
     def _load(
         self, picture: GridPicture, points: tuple[mapping.InterestPoint, ...], what: str
     ) -> str:
-        """Begin a new sheet with what a file has; marks of the sheet before stay on it."""
+        """Begin a new sheet with the map and points of a file; the old marks stay."""
         self._save()
         self._keeper.begin_sheet(f"{what} was loaded")
-        self._begin_anew()
+        self._start_map()
         lost = self._grid.paint(picture, LOADED)
         try:
             for point in points:
@@ -212,15 +212,15 @@ class Mapping:
         outside = f"; {lost} cells lie outside of this robot's map" if lost else ""
         return f"{what} and {len(points)} points are loaded{outside}"
 
-    def _begin_anew(self) -> None:
-        """Forget the map, as another mission or another sheet begins."""
+    def _start_map(self) -> None:
+        """Clear the map for a new mission or a new sheet."""
         self._grid.clear()
         self._scans = ScanSelector()
         self._changed = True
 
 
 def default_name(robot: RobotDescription) -> str:
-    """What a map is called that nobody names: as the robot, where that can be a file's name."""
+    """The default name of a map: that of the robot, if it is a valid file name."""
     try:
         return storage.checked_name(robot.name)
     except MapFileError:
@@ -228,7 +228,7 @@ def default_name(robot: RobotDescription) -> str:
 
 
 def abilities(robot: RobotDescription) -> Abilities:
-    """What mapping can do on a robot.
+    """The abilities of mapping on a robot.
 
     Raises:
         RobotFileError: Its map would have too many cells.

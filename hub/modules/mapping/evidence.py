@@ -1,11 +1,11 @@
-"""What a scan of range sensors says of the cells around the robot; pure.
+"""The evidence of a scan of range sensors for the cells around the robot; pure.
 
 The inverse sensor model is that of Thrun, Burgard and Fox (2005, table 9.2) in log-odds, with the
-weights of Moravec and Elfes (1985): evidence falls with the angle from a sensor's axis and with
-the range, and where on its arc an echo came from is shared out by what is believed of the cells.
-Smooth walls send a sonar's beam away, so that an echo may come from farther off while a wall is in
-the cone: what lies at or behind a wall that is known already is hardly believed to be free, and
-never to be where the echo came from.
+weights of Moravec and Elfes (1985). Evidence falls with the angle from a sensor's axis and with
+the range. The evidence of an echo is shared among the cells of its arc by their occupancy so far.
+
+Smooth walls reflect a sonar's beam away, so an echo may come from behind a wall in the cone. So
+cells at or behind a known wall get little evidence for free, and none for occupied.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ Indices = npt.NDArray[np.intp]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SensorModel:
-    """How ranges of one ring of sensors become evidence.
+    """The sensor model of one ring of sensors.
 
     Attributes:
-        cone: Opening angle within which a range says something [rad].
-        least_width: A cone that is narrower than this counts as this wide [m].
-        farthest: What is farther from the centre than this is left alone [m].
-        depth: Thickness of the arc on which an echo may have come [m].
-        occupied: Log-odds of an echo on the axis, near by.
+        cone: Opening angle within which a range is evidence [rad].
+        least_width: Least width of a cone [m].
+        farthest: Cells farther from the centre get no evidence [m].
+        depth: Thickness of the arc of an echo [m].
+        occupied: Log-odds of an echo on the axis, at a short range.
         free: Log-odds of the space before it, negative.
-        silent: How far the cone counts as free where nothing came back [m]; 0: not at all.
+        silent: Length of the cone that is free without an echo [m]; 0: none.
     """
 
     cone: float
@@ -54,7 +54,7 @@ SONAR = SensorModel(
     free=-0.4,
     silent=1.0,
 )
-"""No echo says little: a wall at more than 25 degrees of incidence gives none either."""
+"""No echo is weak evidence: a wall at more than 25 degrees of incidence gives none."""
 INFRARED = SensorModel(
     cone=math.radians(4.0),
     least_width=0.06,
@@ -64,30 +64,30 @@ INFRARED = SensorModel(
     free=-0.5,
     silent=0.0,
 )
-"""Nothing seen says nothing: dark surfaces are not seen at all."""
+"""No hit is no evidence: dark surfaces give none."""
 
 WALL = 1.0
 """From these log-odds on a cell counts as a known wall."""
 BEHIND_WALL = 0.2
-"""How much of the evidence for free space counts in the cone of a sensor from a wall on."""
+"""Share of the evidence for free space that counts from a known wall on."""
 HIDDEN = 0.2
 """An echo comes from no cell that is farther than this behind a wall in the same direction [m]."""
 
 _SECTOR = 2.0 * math.pi / SENSOR_COUNT
 _DIRECTIONS = 128
-"""Directions that are told apart when it is asked what walls hide; a power of two."""
+"""Number of directions in the search for hidden cells; a power of two."""
 _LEAST_DEPTH_CELLS = 1.4
 _NOTHING = 1e-6
 
 
 class Evidence:
-    """Computes what scans of one ring of sensors add; what is large is made once.
+    """Computes the evidence of scans of one ring of sensors; large arrays are allocated once.
 
-    Cells are counted from the robot's own, the nearest first, so that a scan that reaches not far
-    costs little. Each cell belongs to the sensor whose axis is nearest; cones hardly overlap.
+    Cells are ordered by their distance from the robot's cell, so a short scan costs little. Each
+    cell belongs to the sensor with the nearest axis; cones hardly overlap.
 
     Attributes:
-        reach_cells: No cell is farther than this from the robot's, along rows or columns.
+        reach_cells: Largest distance of a cell from the robot's, along rows or columns.
     """
 
     def __init__(self, model: SensorModel, resolution: float) -> None:
@@ -118,25 +118,24 @@ class Evidence:
         self._direction: Indices = np.empty(count, np.intp)
 
     def offsets(self, width_cells: int) -> Indices:
-        """Where each cell is from the robot's in a flat grid of this width, shape (cells,)."""
+        """Offset of each cell from the robot's in a flat grid of this width, shape (cells,)."""
         return (self._rows * width_cells + self._columns).astype(np.intp)
 
     def change(
         self, ranges: Floats, x: float, y: float, theta: float, flat: Floats, cells: Indices
     ) -> Floats:
-        """What a scan adds to the log-odds.
+        """The change of the log-odds by a scan.
 
         Args:
-            ranges: From the robot's centre [m], shape (16,); inf: nothing came back; NaN: says
-                nothing.
-            x: Of the robot from the middle of its cell [m].
-            y: Likewise [m].
+            ranges: From the robot's centre [m], shape (16,); inf: no echo; NaN: no evidence.
+            x: The robot's place in its cell, from the cell's middle [m].
+            y: The same [m].
             theta: Heading [rad].
             flat: The log-odds so far, of the whole grid.
-            cells: Where in it the cells are, shape (cells,).
+            cells: Indices of the cells in it, shape (cells,).
 
         Returns:
-            What to add, for the first so many of `cells`; the others are out of reach. Valid until
+            The change for the first cells of `cells`; the others are out of reach. Valid until
             the next call.
         """
         model = self._model
@@ -154,7 +153,7 @@ class Evidence:
         return change
 
     def _look(self, count: int, x: float, y: float, theta: float) -> None:
-        """See how cells lie: their range, their sensor, and how much its ranges say of them."""
+        """Compute the range, the sensor and the weight of each cell."""
         model = self._model
         away, angle, weight = self._away[:count], self._angle[:count], self._weight[:count]
         fade, sensor = self._fade[:count], self._sensor[:count]
@@ -186,7 +185,7 @@ class Evidence:
         np.maximum(fade, np.float32(0.0), out=fade)
 
     def _free(self, count: int, ends: Floats, walls: Indices, change: Floats) -> None:
-        """Space that the beams went through."""
+        """Evidence for the free space of the beams."""
         away, weight = self._away[:count], self._weight[:count]
         sensor, limit = self._sensor[:count], self._angle[:count]
         np.multiply(weight, self._fade[:count], out=change)
@@ -202,7 +201,7 @@ class Evidence:
     def _occupied(
         self, count: int, echoes: Floats, before: Floats, walls: Indices, change: Floats
     ) -> None:
-        """Arcs from which echoes came; the likeliest cell of each gets all of its evidence."""
+        """Evidence for the arcs of the echoes; the likeliest cell of each arc gets all of it."""
         away, weight = self._away[:count], self._weight[:count]
         sensor, beyond = self._sensor[:count], self._angle[:count]
         np.take(echoes, sensor, out=beyond, mode="clip")

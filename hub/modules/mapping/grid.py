@@ -1,4 +1,4 @@
-"""The occupancy grid: log-odds of cells in `map`, and the pictures others get of it; pure."""
+"""The occupancy grid: log-odds of cells in `map`, and grids of occupancy made from it; pure."""
 
 from __future__ import annotations
 
@@ -13,33 +13,33 @@ from hub.missions.log_odds import LogOdds
 from hub.modules.mapping.evidence import INFRARED, SONAR, Evidence, Floats
 
 LEAST, MOST = -2.0, 3.5
-"""Bounds of the log-odds, so that what has changed is learnt anew within some scans."""
+"""Bounds of the log-odds, so that some scans are enough to learn a change."""
 LOADED = 1.5
-"""What free (minus) and occupied (plus) cells of a loaded map begin with [log-odds]."""
+"""Start value of free (minus) and occupied (plus) cells of a loaded map [log-odds]."""
 KNOWN = 0.1
-"""Less evidence than this [log-odds], one way or the other, leaves a cell unknown."""
+"""A cell with less evidence than this, for either side, is unknown [log-odds]."""
 BORDER = 0.5
 """Unknown cells around what is known in a picture of the whole map [m]."""
 MAX_EDGE_CELLS = math.isqrt(MAX_CELLS)
 
 _PERCENT = 100.0
 _ALIGNED = 1e-3
-"""Cells of two grids that are shifted by a smaller part of a cell lie on each other."""
+"""Two grids are aligned if their shift is a smaller part of a cell."""
 _STEP = 5
 """Shown occupancies are multiples of this [percent]: coded maps are a quarter shorter."""
 
 
 class OccupancyGrid:
-    """A square of cells, fixed in `map`, its origin (where the robot started) in the middle.
+    """A square of cells, fixed in `map`, with the origin (the robot's start) in the middle.
 
-    Around it lies a frame of cells as wide as sensors reach, which nobody sees: so the cells around
-    a robot that is within the square are always there. What is beyond the square is not mapped.
+    A hidden frame of cells, as wide as sensors reach, surrounds it. So all cells around a robot
+    within the square exist. Nothing beyond the square is mapped.
 
     Attributes:
         resolution: Edge of a cell [m].
         edge_cells: Cells along each side of the square.
         low: Least x and y of the square [m].
-        outside: Scans that were left out because the robot was not within the square.
+        outside: Number of scans left out because the robot was outside of the square.
     """
 
     def __init__(self, resolution: float, size: float) -> None:
@@ -76,14 +76,14 @@ class OccupancyGrid:
         """Add a scan.
 
         Args:
-            x: Position of the robot in `map` when it was made [m].
-            y: Likewise [m].
+            x: Position of the robot in `map` at the scan [m].
+            y: The same [m].
             theta: Heading in `map` [rad].
-            sonar: Ranges from the centre [m], shape (16,); inf: no echo; NaN: says nothing.
-            infrared: Likewise; inf: nothing seen.
+            sonar: Ranges from the centre [m], shape (16,); inf: no echo; NaN: no evidence.
+            infrared: The same; inf: no hit.
 
         Returns:
-            Whether it was used; not if the robot was outside of the square, or nobody knows where.
+            Whether it was used: the robot is within the square and its heading is finite.
         """
         within = self.low <= x < -self.low and self.low <= y < -self.low
         if not (within and math.isfinite(theta)):

@@ -1,4 +1,4 @@
-"""The mission on the bus: who marks, begins and ends, and what everybody is told of it."""
+"""The mission on the bus: orders to mark, begin and end, and the messages about it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _logger = logging.getLogger(__name__)
 _POINTS_PERIOD = 1.0 / mapping.INTEREST_POINTS.rate_hz
 _STATE_PERIOD = 1.0 / mission.MISSION_STATE.rate_hz
 _ORDERS_PER_S, _ORDERS_AT_ONCE = 0.5, 20.0
-"""Missions that are begun, named or ended, on average and in one burst [1/s]."""
+"""Largest rate of orders to begin, name or end missions, and their largest burst [1/s]."""
 _TOO_MANY = "too many orders to begin, name or end missions; wait some seconds and try again"
 
 
@@ -47,7 +47,7 @@ class MissionDesk:
         Args:
             client: The module's connection.
             keeper: Keeps the mission; opened already.
-            robot: What the robot file says.
+            robot: The robot's description.
             begun: Called when another mission has begun after one that was ended.
             marked: Called with each point that was marked or changed.
             ending: Called before a mission ends.
@@ -57,25 +57,25 @@ class MissionDesk:
         self._begun, self._marked, self._ending = begun, marked, ending
         self._fault = ""
         self._orders = Bucket(_ORDERS_PER_S, _ORDERS_AT_ONCE)
-        self._gate = ControlGate(client, self._handed_over)
+        self._gate = ControlGate(client, self._on_owner_change)
         client.subscribe(mapping.POINT_COMMAND, self._point)
         client.respond_later(mission.MISSION_COMMAND, COMMON_RESULT, self._requested)
         client.define(mapping.INTEREST_POINTS, mapping.POINT_REFUSAL, mission.MISSION_STATE)
         publish_on_request(client, mapping.INTEREST_POINTS, self.publish_points)
         publish_on_request(client, mission.MISSION_STATE, self.publish_state)
         client.every(_POINTS_PERIOD, self.publish_points)
-        client.every(_STATE_PERIOD, self._look)
+        client.every(_STATE_PERIOD, self._update)
 
     def publish_points(self) -> None:
-        """Tell all which points there are."""
+        """Publish the points."""
         self._client.publish(mapping.INTEREST_POINTS, self._keeper.points)
 
     def publish_state(self) -> None:
-        """Tell all how the mission stands."""
+        """Publish the state of the mission."""
         self._client.publish(mission.MISSION_STATE, self._keeper.state)
 
     def publish(self) -> None:
-        """Tell all of both; the points come last, as they confirm marks."""
+        """Publish both; the points come last, because they confirm marks."""
         self.publish_state()
         self.publish_points()
 
@@ -133,14 +133,14 @@ class MissionDesk:
         return f"mission {name} is ended; its {count} marks and its map are in {where}"
 
     def _begin(self, name: str, by: str) -> None:
-        """Begin a mission: with the map there is, unless that is of a mission that was ended."""
+        """Begin a mission; it keeps the present map, unless that belongs to an ended mission."""
         ended = self._keeper.book.ended
         self._keeper.begin(name, by)
         if ended is not None:
             self._begun()
 
-    def _handed_over(self, state: ControlState, before: int) -> None:
-        """Somebody else has control than before."""
+    def _on_owner_change(self, state: ControlState, before: int) -> None:
+        """Another client has control than before."""
         if not state.owner:
             return
         keeper = self._keeper
@@ -151,8 +151,8 @@ class MissionDesk:
             _logger.info("mission %s begins: %s has control", keeper.book.name, state.operator)
         self.publish()
 
-    def _look(self) -> None:
-        """Try again what failed, and tell how the mission stands."""
+    def _update(self) -> None:
+        """Retry failed writes, and publish the state of the mission if it changed."""
         before = self._keeper.unkept
         self._keeper.look()
         if self._keeper.fault != self._fault:

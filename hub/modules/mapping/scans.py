@@ -1,4 +1,4 @@
-"""Which reports of the robot bring a new scan, and where the robot was when it was made; pure."""
+"""New scans in the robot's reports, and the robot's pose at each of them; pure."""
 
 from __future__ import annotations
 
@@ -11,27 +11,27 @@ from hub.gcm.navigation import RobotState
 from hub.modules.mapping.evidence import Floats
 
 LONGEST_LAG = 0.2
-"""A scan is at most this much older than the report that brings it [s]."""
+"""Largest age of a scan in a report [s]."""
 FASTEST = 100.0
-"""Velocities beyond this [m/s or rad/s] are no velocities."""
+"""Larger velocities are not valid [m/s or rad/s]."""
 SAME_PLACE = 0.05
-"""Scans from places nearer to each other than this [m] are made from the same place."""
+"""Scans nearer to each other than this come from the same place [m]."""
 SAME_HEADING = math.radians(5.0)
-"""Likewise for the heading [rad]."""
+"""The same for the heading [rad]."""
 SCANS_A_PLACE = 2
-"""So many scans from one place count: a sonar makes the same mistake again and again."""
+"""Largest number of scans used from one place: a sonar repeats its errors."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Scan:
-    """Ranges, and where they were measured.
+    """Ranges, and the pose at which they were measured.
 
     Attributes:
         x: Position in `map` [m].
         y: Position in `map` [m].
         theta: Heading in `map` [rad].
         sonar: Range of each sonar from the centre [m], shape (16,); inf: no echo; NaN: not new.
-        infrared: Likewise.
+        infrared: The same.
     """
 
     x: float
@@ -42,11 +42,11 @@ class Scan:
 
 
 class ScanSelector:
-    """Picks the scans that are new evidence out of the reports.
+    """Picks the new scans out of the reports.
 
-    Reports come more often than scans, and repeat the last one: only ranges that differ from those
-    reported before are new, since noise makes equal ranges unlikely. A sensor to which nothing came
-    back again is taken to say so anew when another of its ring is new, or the robot has moved on.
+    Reports come more often than scans, and repeat the last one. Only ranges that differ from the
+    report before are new: noise makes equal ranges unlikely. No echo counts as new when another
+    sensor of the ring is new, or when the robot has moved.
     """
 
     def __init__(self) -> None:
@@ -84,14 +84,14 @@ class ScanSelector:
         return Scan(x=x, y=y, theta=theta, sonar=sonar, infrared=infrared)
 
     def _moved(self, x: float, y: float, theta: float) -> bool:
-        """Whether this is another place than that of the scan before."""
+        """Whether the robot is at another place than at the scan before."""
         place_x, place_y, heading = self._place
         turned = abs(math.remainder(theta - heading, 2.0 * math.pi))
         return math.hypot(x - place_x, y - place_y) > SAME_PLACE or turned > SAME_HEADING
 
 
 def _new_ranges(now: Floats, before: Floats | None, *, moved: bool) -> Floats:
-    """The ranges that were measured anew; NaN where they were not."""
+    """The new ranges; NaN for the others."""
     if before is None:
         return now
     new = now != before
@@ -100,11 +100,11 @@ def _new_ranges(now: Floats, before: Floats | None, *, moved: bool) -> Floats:
 
 
 def _back(state: RobotState, seconds: float) -> tuple[float, float, float]:
-    """Where the robot was a moment ago [m, m, rad].
+    """The robot's pose at the scan [m, m, rad].
 
-    The scan was made at some time since the report before, so half of that time ago is the best
-    guess. The velocities tell the way; the pose before would not, when a landmark has just
-    corrected it.
+    The scan was made at some time since the report before; half of that time is the best
+    guess. The velocities give the motion since. The pose before does not: a landmark may
+    just have corrected it.
     """
     if not (abs(state.linear) <= FASTEST and abs(state.angular) <= FASTEST):
         return state.x, state.y, state.theta

@@ -232,8 +232,7 @@ class ObstacleMemory:
     def _passed(
         self, scan: RangeScan, x: Floats, y: Floats, beside: float
     ) -> tuple[npt.NDArray[np.bool_], Floats]:
-        """Whether a ray passed within `beside` [m] of each point, and the distances of the points
-        [m]."""
+        """Whether a ray passed each point within `beside` [m], and the points' distances [m]."""
         to_x, to_y = x - scan.x, y - scan.y
         away = np.hypot(to_x, to_y)
         bearing = np.arctan2(to_y, to_x) - scan.theta

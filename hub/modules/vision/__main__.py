@@ -1,4 +1,4 @@
-"""The vision process: answers image requests, moves the camera, and sees in the dark."""
+"""The vision process: answers image requests, moves the camera, and switches night mode."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Vision:
         client.every(_STATE_PERIOD, self._publish_state)
 
     def finish(self) -> None:
-        """Leave the camera dark and free."""
+        """Switch the headlight off and close the camera."""
         self._camera.set_headlight(0.0)
         self._camera.close()
 
@@ -81,7 +81,7 @@ class Vision:
         reply.answer(image, measured=picture.measured)
 
     def _state(self, measured: float) -> vision.CameraState:
-        """Where the camera looks, on a robot where it was at `measured` [s]."""
+        """The state of the camera, with the robot's pose at `measured` [s]."""
         place = self._poses.at(measured)
         stamp = time.time() - (self._clock() - measured)
         return dataclasses.replace(
@@ -117,12 +117,12 @@ class Vision:
 
 
 def _simulated(robot: RobotDescription) -> bool:
-    """Whether the camera is a simulated one, which has to be told where it is."""
+    """Whether the camera is simulated, so that it needs the robot's pose."""
     return robot.simulated and robot.camera_source == ROBOTS_OWN
 
 
 def abilities(robot: RobotDescription) -> Abilities:
-    """What vision can do on a robot."""
+    """The abilities of vision on a robot."""
     head = (Capability.VIS_PTZ,) if camera_moves(robot) else ()
     needs = (Capability.SIM_TRUTH,) if _simulated(robot) else ()
     return Abilities(provides=(Capability.VIS_VID, *head, Capability.VIS_NIGHT), needs=needs)

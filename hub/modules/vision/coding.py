@@ -18,7 +18,7 @@ _INSTALL = (
     "pip install 'robot-user-nexus[camera]', or ask for coding RLE"
 )
 _OPTIONS: Final[Mapping[ImageCoding, Mapping[str, Any]]] = {
-    # A table of code words made for this picture: a fifth to two fifths fewer bytes for 0.05 ms.
+    # A code table of its own makes the picture 20 to 40 % smaller, for 0.05 ms.
     ImageCoding.JPEG: {"optimize": True},
     # The usual 4 takes twice the time of 2 for 8 % fewer bytes.
     ImageCoding.WEBP: {"method": 2},
@@ -34,7 +34,7 @@ def code(pixels: npt.NDArray[np.uint8], coding: ImageCoding, quality: int) -> np
         quality: 1 to 100, as in `ImageRequest`.
 
     Raises:
-        HandlerFailedError: It cannot be coded like this on this robot.
+        HandlerFailedError: This robot cannot code pictures like this.
     """
     if coding in _OPTIONS:
         return _file(pixels, coding, quality)
@@ -52,7 +52,7 @@ def _file(
 
         picture = Image.fromarray(np.ascontiguousarray(pixels))
         picture.save(file, coding.name, quality=quality, **_OPTIONS[coding])
-    except (ImportError, KeyError) as error:  # no Pillow, or one that was built without this coding
+    except (ImportError, KeyError) as error:  # Pillow is missing, or was built without this coding
         why = "Pillow is missing" if isinstance(error, ImportError) else "Pillow cannot do it"
         raise HandlerFailedError(_INSTALL.format(coding.name, why)) from error
     return np.frombuffer(file.getbuffer(), np.uint8)

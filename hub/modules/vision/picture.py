@@ -1,4 +1,4 @@
-"""Turning what the camera gives into what was asked for; pure."""
+"""Converts pictures of the camera into the requested form; pure."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from hub.gcm.vision import ImageKind
 _GREY_WEIGHTS = np.array([77, 150, 29], np.uint16)
 """Rec. 601 luma weights of red, green and blue, in 256ths."""
 _LEAP = 4
-"""Brightness is taken from one pixel in so many, along both sides."""
+"""Brightness is measured at one pixel in this many, along both sides."""
 
 
 def prepare(pixels: npt.NDArray[np.uint8], kind: ImageKind) -> npt.NDArray[np.uint8]:
-    """The picture in the colours wanted.
+    """The picture in the requested colours.
 
     Args:
         pixels: Red, green, blue, shape (height, width, 3).
-        kind: Colours wanted.
+        kind: The requested colours.
 
     Returns:
         Shape (height, width, 3) in colour, (height, width) in grey.
@@ -40,7 +40,7 @@ def brightness(pixels: npt.NDArray[np.uint8]) -> float:
 
 
 def brightened(pixels: npt.NDArray[np.uint8], gain: float) -> npt.NDArray[np.uint8]:
-    """The picture with every value, and so its noise, times `gain`; white stays white."""
+    """The picture times `gain`, limited to white."""
     if gain == 1.0:
         return pixels
     table = np.minimum(np.rint(np.arange(256) * gain), 255).astype(np.uint8)

@@ -1,4 +1,4 @@
-"""Where the robot was when a picture was taken; pure."""
+"""The robot's pose at the time of a picture; pure."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ _KEPT_S = 5.0
 """Older poses are forgotten [s]; no picture takes that long."""
 _MOST = 1000
 AHEAD_S = 0.5
-"""So long after the newest pose it is carried on with its velocity [s]; then it is not known."""
+"""Longest time to extrapolate the newest pose with its velocity [s]; later it is not known."""
 GAP_S = 1.0
-"""Between two poses farther apart than this, the pose is not known [s]."""
+"""Largest time between two poses to interpolate [s]."""
 
 
 UNKNOWN = Pose(x=math.nan, y=math.nan, theta=math.nan)
-"""What is told of a place that is not known."""
+"""A pose that is not known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,11 +40,11 @@ class PoseHistory:
         self._entries: deque[_Entry] = deque(maxlen=_MOST)
 
     def add(self, state: RobotState, measured: float) -> None:
-        """The robot says where it was at `measured` [s]; what is not finite is ignored."""
+        """Add the robot's pose at `measured` [s]; a pose that is not finite is ignored."""
         values = (measured, state.x, state.y, state.theta, state.linear, state.angular)
         if not all(map(math.isfinite, values)):
             return
-        # What comes late, as from a second navigation, would put the past into disorder.
+        # A late pose, as from a second navigation, would break the order.
         if self._entries and measured <= self._entries[-1].measured:
             return
         self._entries.append(_Entry(*values))
@@ -52,7 +52,7 @@ class PoseHistory:
             self._entries.popleft()
 
     def at(self, time: float) -> Pose:
-        """Where the robot was in `map` at a time on the same clock [s]; NaN: not known."""
+        """The robot's pose in `map` at a time on the same clock [s]; NaN: not known."""
         after = None
         for entry in reversed(self._entries):
             if entry.measured <= time:
@@ -62,7 +62,7 @@ class PoseHistory:
 
 
 def _carried_on(entry: _Entry, time: float) -> Pose:
-    """Along the circle that its velocities make, as Thrun, Probabilistic Robotics, 5.3."""
+    """Extrapolated along the circle of its velocities (Thrun, Probabilistic Robotics, 5.3)."""
     ahead = time - entry.measured
     if ahead > AHEAD_S:
         return UNKNOWN
