@@ -14,9 +14,11 @@ from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Twist
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.actions import Action
 from rune_tui.layout.names import JOYSTICK, MOUSE
+from rune_tui.layout.rules import Purpose
 from rune_tui.layout.spec import CHOSEN, EventSpec, LayoutSpec
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.control import Standing, is_lost, refusal, refused, standing, taking
+from rune_tui.model.control import refusal, refused, taking
+from rune_tui.model.control_changes import ControlChanges
 from rune_tui.model.effects import (
     AskToLeave,
     ControlEffect,
@@ -38,11 +40,8 @@ from rune_tui.model.effects import (
 )
 from rune_tui.model.own_keys import own_effect
 from rune_tui.model.page import scrolled, turned
-from rune_tui.model.robot_state import RobotState
-from rune_tui.widgets.control import TakeControl
-from rune_tui.widgets.quit import Quit
-from rune_tui.widgets.speed import SetSpeed, StopRobot
-from rune_tui.widgets.widget import Widget
+from rune_tui.widgets.driving import DrivingWidgets
+from rune_tui.widgets.widget import TakingWidget, Widget, commanded
 
 _logger = logging.getLogger(__name__)
 
@@ -78,19 +77,17 @@ class _Listener:
 class Dispatch:
     """All widgets of a layout, by the inputs that wake them.
 
-    Only one of a robot's speed widgets speaks at a time, the one whose key was pressed or whose
-    stick left neutral last; two that spoke at once would contradict each other 20 times a second.
-    After a stop, a robot's other widgets forget what is held.
-
-    A widget that fails, as somebody else's may, is told of once; if it drives, its robot is told to
-    stand, and the widget rests until its next press.
-
-    What only the operator may send who has control is not sent while somebody else has it; what
-    drives a free robot takes control of it. When control changes, what is held counts no more.
-
-    While a page covers the view, only the keys of the stop, the page, the quit, the list of actions
-    and the way back to the shell count. Of keys
-    that may have been typed while the console was away, those of stop, help and quit count.
+    | case | what happens |
+    | --- | --- |
+    | two driving widgets of a robot | the one used last drives, see `DrivingWidgets` |
+    | a stop | the robot's other widgets forget what is held |
+    | a widget fails | the operator reads it once, and it rests until its next press |
+    | a widget fails that drives | its robot gets zero speed as well |
+    | another operator has control | what only the owner may send is not sent |
+    | a new press drives a free robot | control is taken |
+    | control changes | what is held no longer counts |
+    | a page covers the view | keys of the stop, the page, the quit, the list and the shell count |
+    | a key is stale | the keys of the stop, the help and the quit count |
 
     The caller executes the effects in order. Before it ends, and whenever it can no longer see
     the keys, it also executes those of `released`.
@@ -99,11 +96,9 @@ class Dispatch:
     def __init__(self, layout: LayoutSpec) -> None:
         self._widgets: list[Widget] = []
         self._by_input: defaultdict[str, list[_Listener]] = defaultdict(list)
-        self._driving: dict[str, SetSpeed] = {}
         self._buttons: set[str] = set()
         self._failed: set[int] = set()
-        self._standings: dict[str, Standing] = {}
-        self._stops: dict[str, int] = {}
+        self._changes = ControlChanges()
         owners = [(viewport.robot, viewport.widgets) for viewport in layout.view.viewports]
         kinds = layout.vocabulary.widgets
         for robot, specs in (("", layout.view.widgets), *owners):
@@ -113,6 +108,7 @@ class Dispatch:
                 for event_spec in spec.events:
                     listener = _Listener(widget=widget, spec=event_spec, viewport=spec.viewport)
                     self._by_input[event_spec.name].append(listener)
+        self._driving = DrivingWidgets(self._widgets)
 
     @property
     def button_held(self) -> bool:
@@ -129,12 +125,12 @@ class Dispatch:
 
     def stops(self, name: str) -> bool:
         """Whether an input of this name stops a robot."""
-        return any(isinstance(each.widget, StopRobot) for each in self._by_input.get(name, ()))
+        return bool(_of(self._by_input.get(name, ()), Purpose.STOP))
 
     def stopping(self, name: str, state: ConsoleState) -> tuple[Effect, ...]:
         """The stops of a key that means nothing else now."""
         event = ControlEvent(name=name, pressed=True)
-        stops = [each for each in self._listeners(event) if isinstance(each.widget, StopRobot)]
+        stops = _of(self._listeners(event), Purpose.STOP)
         return (*self.look(state), *self._woken(event, stops, state))
 
     def handle(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
@@ -183,7 +179,7 @@ class Dispatch:
         ]
         if not event.pressed:
             return self._woken(event, safe, state)
-        stops = [each for each in safe if isinstance(each.widget, StopRobot)]
+        stops = _of(safe, Purpose.STOP)
         stopping = self._woken(event, stops, state)
         if event.name == _WHEEL:
             page = scrolled(state.page, round(-_WHEEL_LINES * event.value))
@@ -213,7 +209,7 @@ class Dispatch:
         """
         if event.name == _YES and not self.stops(_YES):
             return (QuitEffect(),)
-        safe = [each for each in listeners if isinstance(each.widget, Quit | StopRobot)]
+        safe = _of(listeners, Purpose.QUIT, Purpose.STOP)
         if safe:
             return self._woken(event, safe, state)
         stay = AskToLeave(reasons=())
@@ -246,8 +242,7 @@ class Dispatch:
             widget = listener.widget
             if event.pressed and not event.repeat:
                 self._failed.discard(id(widget))
-                if isinstance(widget, SetSpeed) and widget.heeds(listener.spec, state):
-                    self._take_over(widget, state)
+                self._driving.pressed(widget, listener.spec, state)
             elif id(widget) in self._failed:
                 continue
             ask = partial(widget.handle, event, listener.spec, state)
@@ -298,23 +293,8 @@ class Dispatch:
 
         To be done before keys are taken for presses or repeats.
         """
-        effects: list[Effect] = []
-        for name, robot in state.robots.items():
-            now = standing(robot)
-            before = self._standings.get(name, Standing.UNKNOWN)
-            self._standings[name] = now
-            if is_lost(before, now) or self._was_stopped(robot):
-                effects += self._stop(name, state)
-        return effects
-
-    def _was_stopped(self, robot: RobotState) -> bool:
-        """Whether the robot says that it was stopped since it was asked last."""
-        if robot.navigation is None:
-            return False
-        now = robot.navigation.value.stops
-        before = self._stops.get(robot.name, now)
-        self._stops[robot.name] = now
-        return now != before
+        stopped = self._changes.look(state.robots.values())
+        return [effect for name in stopped for effect in self._stop(name, state)]
 
     def _stop(self, robot: str, state: ConsoleState) -> list[Effect]:
         """What drives a robot is let go, and its keys must be released before they drive."""
@@ -322,7 +302,7 @@ class Dispatch:
             name
             for name, listeners in self._by_input.items()
             for each in listeners
-            if each.widget.rule.held and _commanded(each.widget, state) == robot
+            if each.widget.rule.held and commanded(each.widget, state) == robot
         )
         return [*self._release(robot, state), ReleaseFirst(keys=keys)]
 
@@ -331,9 +311,10 @@ class Dispatch:
     ) -> list[Effect]:
         """What a widget wants done, if this console may; `fresh`: because of a new press."""
         by_hand = frozenset(
-            _commanded(each, state)
+            commanded(each, state)
             for each in self._widgets
-            if isinstance(each, TakeControl) and not each.by_driving
+            if each.rule.purpose is Purpose.TAKE_CONTROL
+            and not cast("TakingWidget", each).takes_by_driving()
         )
         robot = refused(asked, state, by_hand)
         if robot is None:
@@ -348,13 +329,13 @@ class Dispatch:
         which the caller does at once if it lets nothing through before they are.
         """
         self._buttons.clear()
-        robots = dict.fromkeys(_commanded(widget, state) for widget in self._widgets)
+        robots = dict.fromkeys(commanded(widget, state) for widget in self._widgets)
         return tuple(effect for robot in robots for effect in self._release(robot, state))
 
     def _release(self, robot: str, state: ConsoleState) -> list[Effect]:
         effects: list[Effect] = []
         for widget in self._widgets:
-            if _commanded(widget, state) == robot and not self._silent(widget, state):
+            if commanded(widget, state) == robot and not self._silent(widget, state):
                 effects += self._asked(widget, partial(widget.release, state), state)
         return effects
 
@@ -368,7 +349,7 @@ class Dispatch:
             name = type(widget).__name__
             _logger.exception("the widget %s failed", name)
         self._failed.add(id(widget))
-        robot = _commanded(widget, state)
+        robot = commanded(widget, state)
         text = f"{name} failed; the log says why"
         told: list[Effect] = [Tell.now(state, text, robot=robot, alarm=True)]
         if robot and VELOCITY_COMMAND.name in widget.rule.sends:
@@ -376,36 +357,13 @@ class Dispatch:
             told.append(SendEffect(robot=robot, definition=VELOCITY_COMMAND, value=rest))
         return told
 
-    def _take_over(self, widget: SetSpeed, state: ConsoleState) -> None:
-        driving = self._speaker(widget.robot, state)
-        if driving is not widget:
-            if driving is not None:
-                driving.forget()
-            self._driving[_commanded(widget, state)] = widget
-
-    def _speaker(self, robot: str, state: ConsoleState) -> SetSpeed | None:
-        """The speed widget that speaks to a robot; the layout's first, until another is used."""
-        robot = _named(robot, state)
-        driving = self._driving.get(robot)
-        if driving is not None and _commanded(driving, state) == robot:
-            return driving
-        speeds = (widget for widget in self._widgets if isinstance(widget, SetSpeed))
-        return next((speed for speed in speeds if _commanded(speed, state) == robot), None)
-
     def _silent(self, widget: Widget, state: ConsoleState) -> bool:
-        if id(widget) in self._failed:
-            return True
-        return isinstance(widget, SetSpeed) and self._speaker(widget.robot, state) is not widget
+        return id(widget) in self._failed or self._driving.is_silent(widget, state)
 
 
-def _named(robot: str, state: ConsoleState) -> str:
-    """Who is meant; still `CHOSEN` while nobody is chosen."""
-    return (state.chosen or CHOSEN) if robot == CHOSEN else robot
-
-
-def _commanded(widget: Widget, state: ConsoleState) -> str:
-    """Whom a widget commands now."""
-    return _named(widget.robot, state)
+def _of(listeners: Iterable[_Listener], *purposes: Purpose) -> list[_Listener]:
+    """Those whose widgets have one of these purposes."""
+    return [each for each in listeners if each.widget.rule.purpose in purposes]
 
 
 def _addressed(effect: Effect, state: ConsoleState) -> tuple[Effect, ...]:

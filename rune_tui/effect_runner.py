@@ -11,6 +11,7 @@ from functools import partial
 from rune_tui.files.file_writer import Filing
 from rune_tui.files.user_files import Outcome, undelivered
 from rune_tui.layout.actions import Action, actions_of
+from rune_tui.layout.rules import Purpose
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.layout.watching import LayoutSource
 from rune_tui.link.robot_links import RobotLinks
@@ -201,7 +202,7 @@ class EffectRunner:
             with self.sparing(effect):
                 self.run(effect.answer(text, self._state()))
 
-        stop = self._current.console.input_of("widgetStop", effect.robot)
+        stop = self._current.console.input_of(Purpose.STOP, effect.robot)
         self._app.push_screen(Question(effect.asked, effect.text, answered, stop))
 
     def _act(self, action: Action) -> None:

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import logging
-import math
 import time
-from collections.abc import Callable, Hashable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from typing import cast
 
 import numpy as np
@@ -16,24 +14,20 @@ from rune_tui.compositor.blend import Layer, compose, tinted, urgencies_of
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.contrast import make_legible
 from rune_tui.controls.events import Hit
-from rune_tui.layout.placing import Area, Placed, arrangement_for, filled, placed
+from rune_tui.drawn_viewport import DrawnViewport, is_shown
+from rune_tui.layout.placing import Placed, arrangement_for, filled, placed
 from rune_tui.layout.rules import Vocabulary
-from rune_tui.layout.spec import CHOSEN, LayoutSpec, PlaceSpec, ViewportSpec
+from rune_tui.layout.spec import CHOSEN, LayoutSpec, ViewportSpec
 from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.leaving import question
-from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import DARK, Theme
 from rune_tui.overlays.banner_layer import BannerLayer
 from rune_tui.overlays.page_layer import PageLayer
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgencies, Urgency
-from rune_tui.visualizers.maps.range_data import RangeData
 from rune_tui.visualizers.parts.notice import write_notice
-from rune_tui.visualizers.video.camera_image import CameraImage
-from rune_tui.visualizers.visualizer import Locating, Overlaying, Picturing, Visualizer
-from rune_tui.visualizers.words.event_log import EventLog
-from rune_tui.visualizers.words.label import Label
-from rune_tui.visualizers.words.title import titled, with_title
+from rune_tui.visualizers.visualizer import Picturing, Visualizer
+from rune_tui.visualizers.words.title import with_title
 from rune_tui.visualizers.words.troubles import TOLD_S, banner_of
 
 _logger = logging.getLogger(__name__)
@@ -45,144 +39,6 @@ _INVISIBLE = 255
 _COMPLAINT_ROWS = 4
 MIN_PICTURE = (16, 12)
 """Smallest picture worth asking for, width and height [pixels]."""
-
-SLOW_S = 0.25
-"""A drawing that takes more of the processor's time holds up the hands [s]."""
-_REST = 10.0
-"""How many times as long as such a drawing took its viewport rests."""
-
-
-@dataclass(slots=True, kw_only=True)
-class _Pane:
-    """A viewport, its visualizer, and what was drawn last."""
-
-    spec: ViewportSpec
-    visualizer: Visualizer
-    how: PlaceSpec
-    place: Area
-    head: Area | None
-    spent: Callable[[], float]
-    fine: bool = False
-    rests_until: float = -math.inf
-    layer: Layer | None = None
-    over: Layer | None = None
-    over_zpos: int | None = None
-    markable: bool = False
-    titled: tuple[tuple[str, bool], Layer] | None = None
-    source: Hashable = None
-    drawn_of: RobotState | None = None
-    failed: bool = False
-    lost: bool = False
-
-    def visible(self, state: ConsoleState) -> bool:
-        """Whether it is to be seen."""
-        return is_shown(self.how, state) or state.full == self.spec.name
-
-    def refresh(self, state: ConsoleState) -> bool:
-        """Draw again if that would show something else; whether it did."""
-        if not self.visible(state):
-            gone, self.layer, self.over = self.layer is not None, None, None
-            return gone
-        robot = self.robot(state)
-        if robot is None or (self.layer is not None and state.now < self.rests_until):
-            return False
-        began = self.spent()
-        try:
-            source = self.visualizer.source(robot, state)
-            if self.layer is not None and source == self.source:
-                return False
-            canvas, over = self._drawn(robot, state), self._drawn_over(robot, state)
-            self.failed = False
-        except Exception:  # a fault in one picture must not take the others from the operator
-            if self.failed:
-                return False
-            self.failed = True
-            function = self.spec.visualizer.function if self.spec.visualizer else ""
-            _logger.exception("viewport %s: %s failed", self.spec.name, function)
-            source, over = object(), None
-            canvas = Canvas.blank(self.place.width, self.place.height)
-            write_notice(canvas, f"{function} failed; the log says why", state.theme)
-        self._rest_after(self.spent() - began, canvas, state)
-        self.source = source
-        self.drawn_of = robot
-        self.layer = Layer(
-            canvas=canvas,
-            x=self.place.x,
-            y=self.place.y,
-            zpos=self.how.zpos,
-            transparency=self.how.transparency,
-            urgency=getattr(self.visualizer, "urgency", Urgency.OTHER),
-        )
-        self.over = None
-        if over is not None and self.over_zpos is not None:
-            self.over = dataclasses.replace(self.layer, canvas=over, zpos=self.over_zpos)
-        return True
-
-    def _rest_after(self, took: float, canvas: Canvas, state: ConsoleState) -> None:
-        """Rest after a drawing that took too long [s], and say so on it; never what is vital."""
-        if took > SLOW_S and not self.visualizer.rule.vital:
-            self.rests_until = state.now + _REST * took
-            canvas.text(
-                0, 0, f"slow: drawn every {(1.0 + _REST) * took:.0f} s", state.theme.alarm_ink
-            )
-
-    def layers(self, state: ConsoleState) -> Iterator[Layer]:
-        """What it shows, and its title, which is marked where its robot is the chosen one."""
-        if self.layer is None:
-            return
-        yield self.layer
-        if (head := self.head) is not None:
-            look = state.theme.name, self.markable and self.spec.robot == state.chosen
-            if self.titled is None or self.titled[0] != look:
-                row = titled(head, self.spec.title, state.theme, marked=look[1])
-                self.titled = look, Layer(canvas=row, x=head.x, y=head.y, zpos=self.how.zpos)
-            yield self.titled[1]
-
-    def robot(self, state: ConsoleState) -> RobotState | None:
-        """The robot that it shows."""
-        return state.robot(self.spec.robot)
-
-    def hit(self, x: int, y: int, state: ConsoleState) -> Hit | None:
-        """Where in it a pixel of the terminal lies, if it does and somebody can see it."""
-        place, robot = self.place, self.drawn_of
-        across, down = x - place.x, y - place.y
-        inside = 0 <= across < place.width and 0 <= down < place.height
-        if not inside or not self.visible(state):
-            return None
-        shown, in_picture = None, None
-        pixel, size = (across + 0.5, down + 0.5), (place.width, place.height)
-        try:
-            if robot is not None and isinstance(self.visualizer, Locating):
-                shown = self.visualizer.locate(pixel, size, robot, state)
-            if robot is not None and isinstance(self.visualizer, Picturing):
-                in_picture = self.visualizer.in_picture(pixel, size, robot, state)
-        except Exception:  # as above; then no place is known there
-            if not self.lost:
-                _logger.exception("viewport %s cannot tell what was clicked", self.spec.name)
-            self.lost = True
-        if shown is not None and not shown.sayable:
-            shown = None
-        return Hit(
-            viewport=self.spec.name,
-            x=pixel[0] / place.width,
-            y=pixel[1] / place.height,
-            place=shown,
-            robot=robot.name if robot is not None else "",
-            in_picture=in_picture,
-        )
-
-    def _drawn(self, robot: RobotState, state: ConsoleState) -> Canvas:
-        canvas = Canvas.blank(self.place.width, self.place.height, fine=self.fine)
-        self.visualizer.draw(canvas, robot, state)
-        return canvas
-
-    def _drawn_over(self, robot: RobotState, state: ConsoleState) -> Canvas | None:
-        """What the ranges over it must not cover; None if there is nothing."""
-        if self.over_zpos is None or not isinstance(self.visualizer, Overlaying):
-            return None
-        canvas = Canvas.blank(self.place.width, self.place.height)
-        self.visualizer.draw_over(canvas, robot, state)
-        return canvas if canvas.glyphs.any() or canvas.pixels.any() else None
 
 
 class View:
@@ -216,7 +72,7 @@ class View:
         self._said: tuple[str, str, str, Notice | None] = ("", "", "", None)
         self._columns = 0
         self._rows = 0
-        self._panes: list[_Pane] = []
+        self._panes: list[DrawnViewport] = []
         # Some remember what they have seen, so they outlive the size of the terminal.
         self._visualizers: dict[str, Visualizer] = {}
         self._viewports = {each.name: each for each in self._spec.viewports if each.visualizer}
@@ -260,9 +116,9 @@ class View:
             shown = self._visualizer(viewport)
             title = "" if self._full else viewport.title
             head, area = with_title(place.area, title)
-            fine = self.fine and isinstance(shown, CameraImage)
+            fine = self.fine and shown.rule.pictures
             self._panes.append(
-                _Pane(
+                DrawnViewport(
                     spec=viewport,
                     visualizer=shown,
                     how=place.spec,
@@ -273,9 +129,9 @@ class View:
                     markable=self._choice,
                 )
             )
-        ranges = [each for each in self._panes if isinstance(each.visualizer, RangeData)]
+        over = [each for each in self._panes if each.visualizer.rule.above]
         for pane in self._panes:
-            above = [each.how.zpos for each in ranges if each.place.meets(pane.place)]
+            above = [each.how.zpos for each in over if each.place.meets(pane.place)]
             pane.over_zpos = max([pane.how.zpos, *above]) if above else None
         return self._arrangement is not before
 
@@ -370,9 +226,10 @@ class View:
         sizes: dict[str, tuple[int, int]] = {}
         for pane in self._panes:
             robot, shown = pane.robot(state), pane.visualizer
-            if isinstance(shown, CameraImage) and robot is not None and pane.visible(state):
+            if shown.rule.pictures and robot is not None and pane.visible(state):
                 across = 2 if pane.fine else 1
-                size = shown.picture_size(across * pane.place.width, across * pane.place.height)
+                width, height = across * pane.place.width, across * pane.place.height
+                size = cast("Picturing", shown).picture_size(width, height)
                 sizes[robot.name] = max(size, sizes.get(robot.name, MIN_PICTURE))
         self._sizes = sizes
         return sizes
@@ -409,7 +266,7 @@ class View:
             for pane in self._panes
             if pane.place.width == self._columns
             and pane.place.height == 2
-            and (isinstance(pane.visualizer, Label) or pane.visualizer.rule.vital)
+            and (pane.visualizer.rule.heads or pane.visualizer.rule.vital)
         }
         return next(row for row in range(len(lines) + 1) if row not in lines)
 
@@ -447,9 +304,7 @@ class View:
             or state.now - newest.when > TOLD_S
         ):
             return None
-        logged = any(
-            isinstance(pane.visualizer, EventLog) and pane.visible(state) for pane in self._panes
-        )
+        logged = any(pane.visualizer.rule.logs and pane.visible(state) for pane in self._panes)
         return None if logged else newest
 
     def _told(self, notice: Notice, state: ConsoleState) -> Layer:
@@ -484,11 +339,6 @@ class View:
 def _asked(state: ConsoleState) -> str:
     """What the operator is asked to do with a joystick now."""
     return next((each.prompt for each in state.joysticks.values() if each.prompt), "")
-
-
-def is_shown(place: PlaceSpec, state: ConsoleState) -> bool:
-    """Whether a viewport is shown: as the operator wants it, else as its arrangement says."""
-    return state.shown.get(place.viewport, place.visible)
 
 
 def _made(viewport: ViewportSpec, vocabulary: Vocabulary) -> Visualizer:

@@ -13,6 +13,7 @@ from rune_tui.layout.rules import (
     HandlerRule,
     NumberOption,
     Option,
+    Purpose,
     Section,
     TextOption,
 )
@@ -69,16 +70,17 @@ def actions_of(layout: LayoutSpec) -> tuple[Action, ...]:
     return tuple(sorted(merged.values(), key=lambda action: robots.index(action.robot)))
 
 
-def inputs_of(layout: LayoutSpec) -> dict[tuple[str, str], str]:
-    """The first input of each handler, in words, by the handler and the robot it is for."""
+def inputs_of(layout: LayoutSpec) -> dict[tuple[Purpose, str], str]:
+    """The first input of each purpose, in words, by the purpose and the robot it is for."""
     owners = [("", layout.view.widgets)]
     owners += [(viewport.robot, viewport.widgets) for viewport in layout.view.viewports]
-    found: dict[tuple[str, str], str] = {}
+    found: dict[tuple[Purpose, str], str] = {}
     for robot, widgets in owners:
         for widget in widgets:
-            for event in widget.events[:1]:
-                said, _ = next(ways(event, layout.joysticks))
-                found.setdefault((widget.handler, robot), said)
+            purpose = layout.vocabulary.widgets[widget.handler].rule.purpose
+            if purpose is not None and widget.events:
+                said, _ = next(ways(widget.events[0], layout.joysticks))
+                found.setdefault((purpose, robot), said)
     return found
 
 

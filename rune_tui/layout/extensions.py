@@ -20,7 +20,7 @@ from typing import Any
 from hub.gcm.catalog import BY_NAME
 from rune_tui.layout.files import named_file
 from rune_tui.layout.grammar import Mistake, Node, Rules, quoted
-from rune_tui.layout.rules import HandlerRule, VisualizerRule, Vocabulary
+from rune_tui.layout.rules import HandlerRule, Purpose, VisualizerRule, Vocabulary
 
 _logger = logging.getLogger(__name__)
 
@@ -30,6 +30,11 @@ _METHODS = {
     "VISUALIZERS": ("from_spec", "draw", "source"),
     "WIDGETS": ("from_spec", "handle", "tick", "release"),
 }
+_PURPOSE_METHODS: Mapping[Purpose, tuple[str, ...]] = {
+    Purpose.DRIVE: ("accepts", "forget"),
+    Purpose.TAKE_CONTROL: ("takes_by_driving",),
+}
+_PICTURE_METHODS = ("picture_size", "in_picture")
 _LONGEST_REASON = 200
 
 
@@ -145,11 +150,19 @@ def _lack(table: str, found: object) -> str:
     rule = getattr(found, "rule", None)
     if not isinstance(rule, VisualizerRule | HandlerRule) or not isinstance(rule, _RULES[table]):
         return f"has no attribute rule that is a {_RULES[table].__name__}"
-    missing = [name for name in _METHODS[table] if not callable(getattr(found, name, None))]
+    methods = (*_METHODS[table], *_methods_of(rule))
+    missing = [name for name in methods if not callable(getattr(found, name, None))]
     if missing:
         return f"has no method {missing[0]}"
     unknown = [name for name in _messages(rule) if name not in BY_NAME]
     return f"names a message {quoted(unknown[0])}, which is not known" if unknown else ""
+
+
+def _methods_of(rule: VisualizerRule | HandlerRule) -> tuple[str, ...]:
+    """The methods that the flags of a rule promise."""
+    if isinstance(rule, HandlerRule):
+        return _PURPOSE_METHODS.get(rule.purpose, ()) if rule.purpose else ()
+    return _PICTURE_METHODS if rule.pictures else ()
 
 
 def _messages(rule: VisualizerRule | HandlerRule) -> tuple[str, ...]:

@@ -27,6 +27,31 @@ class Section(enum.Enum):
     SESSION = "Session"
 
 
+class Purpose(enum.Enum):
+    """What a widget does that the rest of the console has to know of, whatever its handler's name.
+
+    Attributes:
+        DRIVE: Commands velocities all the time. Only one of a robot's such widgets acts at a time;
+            it is a `DrivingWidget`.
+        STOP: Stops a robot. Its keys stop whatever covers the view.
+        QUIT: Ends the console. Its keys answer the question whether to end.
+        TAKE_CONTROL: Takes control of a robot. It is a `TakingWidget`.
+        RELEASE_CONTROL: Gives up control.
+        GRANT_CONTROL: Hands control to the console that asks for it.
+        DENY_CONTROL: Keeps control though another console asks for it.
+        MISSION: Begins, names or ends a mission.
+    """
+
+    DRIVE = enum.auto()
+    STOP = enum.auto()
+    QUIT = enum.auto()
+    TAKE_CONTROL = enum.auto()
+    RELEASE_CONTROL = enum.auto()
+    GRANT_CONTROL = enum.auto()
+    DENY_CONTROL = enum.auto()
+    MISSION = enum.auto()
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NumberOption:
     """A number that a layout may give.
@@ -183,6 +208,10 @@ class VisualizerRule:
         options: Its other options, by name.
         vital: Whether it shows what keeps people and robots safe: its drawing never rests, and it
             stays to be seen while another viewport fills the view.
+        pictures: Whether it shows the camera's pictures; it is a `Picturing`.
+        above: Whether what lies below it must not be hidden by it: an `Overlaying` is drawn again.
+        logs: Whether it lists notices, so that they need not pass over the view.
+        heads: Whether nothing covers a row of it at the upper edge.
     """
 
     meaning: str
@@ -194,6 +223,10 @@ class VisualizerRule:
     option: NumberOption | None = None
     options: Mapping[str, Option] = field(default_factory=dict)
     vital: bool = False
+    pictures: bool = False
+    above: bool = False
+    logs: bool = False
+    heads: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -217,6 +250,7 @@ class HandlerRule:
         section: Where the help lists it; None: with the robot if it commands one, else the screen.
         says: What its inputs do, in a few plain words, by control. In braces stand `direction` and
             names of options, for their values. Empty: made of its meaning.
+        purpose: What the rest of the console has to know of it; None for most.
     """
 
     meaning: str
@@ -232,6 +266,7 @@ class HandlerRule:
     under_help: bool = False
     section: Section | None = None
     says: Mapping[str, str] = field(default_factory=dict)
+    purpose: Purpose | None = None
 
 
 class RuledVisualizer(Protocol):

@@ -11,6 +11,7 @@ from typing import Self
 from hub.gcm.mapping import PointKind
 from hub.gcm.vision import ImageCoding, ImageKind
 from rune_tui.layout.actions import inputs_of
+from rune_tui.layout.rules import Purpose
 from rune_tui.layout.spec import CHOSEN, LayoutSpec
 from rune_tui.model.display_state import DisplayState
 from rune_tui.model.joystick_state import JoystickState
@@ -133,7 +134,7 @@ class ConsoleState:
         trouble: What is wrong with the layout as it was saved last; drawn over everything.
         display: How the picture reaches the operator's eyes; None without a terminal.
         pixel_height: Height of a pixel, half a cell of the terminal, over its width.
-        inputs: Which input wakes a handler first, in words, by the handler and its robot.
+        inputs: The first input of each purpose of a widget, in words, by purpose and robot.
         joysticks: All that is known of the layout's joysticks, by name.
         unconfirmed: How many marks a widget has sent that no robot has confirmed, by the widget and
             the robot.
@@ -172,7 +173,7 @@ class ConsoleState:
     trouble: str = ""
     display: DisplayState | None = None
     pixel_height: float = 1.0
-    inputs: Mapping[tuple[str, str], str] = field(default_factory=dict)
+    inputs: Mapping[tuple[Purpose, str], str] = field(default_factory=dict)
     joysticks: Mapping[str, JoystickState] = field(default_factory=dict)
     unconfirmed: Mapping[tuple[int, str], int] = field(default_factory=dict)
     overdue: Mapping[tuple[int, str], int] = field(default_factory=dict)
@@ -225,10 +226,10 @@ class ConsoleState:
         """How many marks this robot should have confirmed long ago."""
         return sum(count for (_, whose), count in self.overdue.items() if whose == robot)
 
-    def input_of(self, handler: str, robot: str) -> str:
-        """The input that wakes a handler for a robot, in words; empty if none does."""
-        chosen = self.inputs.get((handler, CHOSEN), "") if robot == self.chosen else ""
-        return self.inputs.get((handler, robot), chosen)
+    def input_of(self, purpose: Purpose, robot: str) -> str:
+        """The input that does this for a robot, in words; empty if none does."""
+        chosen = self.inputs.get((purpose, CHOSEN), "") if robot == self.chosen else ""
+        return self.inputs.get((purpose, robot), chosen)
 
     def notice(self, text: str, *, robot: str = "", alarm: bool = False) -> Notice:
         """Something that happens now, for the operator to read."""

@@ -9,11 +9,12 @@ from typing import TypeGuard
 
 from hub.gcm.control import CONTROL_STATE, DRIVING, RESTRICTED, ControlAction, ControlState
 from hub.gcm.navigation import Twist
+from rune_tui.layout.rules import Purpose
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import ControlEffect, Effect, SendEffect, Tell
 from rune_tui.model.robot_state import LinkPhase, RobotState
 
-_ANSWERS = (("widgetGrantControl", "hands it over"), ("widgetDenyControl", "keeps it"))
+_ANSWERS = ((Purpose.GRANT_CONTROL, "hands it over"), (Purpose.DENY_CONTROL, "keeps it"))
 
 
 class Standing(enum.Enum):
@@ -76,15 +77,15 @@ def owner_words(robot: RobotState) -> str:
 
 def to_take(robot: RobotState, state: ConsoleState) -> str:
     """Which key takes control or asks for it, for people; empty if none does."""
-    key = state.input_of("widgetTakeControl", robot.name) if robot.link.may_command else ""
+    key = state.input_of(Purpose.TAKE_CONTROL, robot.name) if robot.link.may_command else ""
     does = "take it" if standing(robot) is Standing.FREE else "ask"
     return f"press {key} to {does}" if key else ""
 
 
 def answer_keys(robot: RobotState, state: ConsoleState) -> Iterator[str]:
     """Which keys answer who asks, in words."""
-    for handler, does in _ANSWERS:
-        if key := state.input_of(handler, robot.name):
+    for purpose, does in _ANSWERS:
+        if key := state.input_of(purpose, robot.name):
             yield f"{key} {does}"
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from hub.gcm.mission import MISSION_STATE, MissionState
+from rune_tui.layout.rules import Purpose
 from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.robot_state import RobotState
 
@@ -36,7 +37,7 @@ class MissionWatch:
                 text = f"mission {now.name} runs, {_marks(now)}"
                 yield state.notice(text, robot=robot.name)
             before = now
-        key = state.input_of("widgetMission", robot.name)
+        key = state.input_of(Purpose.MISSION, robot.name)
         for text, alarm in _changes(before, now, key):
             yield state.notice(text, robot=robot.name, alarm=alarm)
 

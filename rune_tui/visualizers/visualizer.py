@@ -83,6 +83,9 @@ class Overlaying(Protocol):
 class Picturing(Protocol):
     """A visualizer that shows the camera's picture, and can tell where in it a pixel is."""
 
+    def picture_size(self, width: int, height: int) -> tuple[int, int]:
+        """Width and height of the picture that fits a viewport of this size best [pixels]."""
+
     def in_picture(
         self,
         pixel: tuple[float, float],

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from hub.gcm.control import CONTROL_STATE, ControlAction
-from rune_tui.layout.rules import ChoiceOption, HandlerRule, Section
+from rune_tui.layout.rules import ChoiceOption, HandlerRule, Purpose, Section
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.control import Standing, asks, control_of, owner_words, standing
 from rune_tui.model.effects import ControlEffect, Effect, Tell
@@ -19,6 +19,7 @@ class TakeControl(OrderWidget):
     """Takes control of a robot, or asks who has it."""
 
     rule: ClassVar = HandlerRule(
+        purpose=Purpose.TAKE_CONTROL,
         section=Section.ROBOT,
         says={"": "Take control, or ask for it"},
         meaning=(
@@ -36,8 +37,7 @@ class TakeControl(OrderWidget):
         uses=_USES,
     )
 
-    @property
-    def by_driving(self) -> bool:
+    def takes_by_driving(self) -> bool:
         """Whether keys that drive take control as well."""
         return self.spec.options.word("driving") == "takes"
 
@@ -74,6 +74,7 @@ class ReleaseControl(OrderWidget):
     """Gives up control."""
 
     rule: ClassVar = HandlerRule(
+        purpose=Purpose.RELEASE_CONTROL,
         section=Section.ROBOT,
         says={"": "Give up control"},
         meaning="Gives up control of the robot, or no longer asks for it.",
@@ -106,6 +107,7 @@ class GrantControl(_AnswerRequest):
 
     action: ClassVar = ControlAction.GRANT
     rule: ClassVar = HandlerRule(
+        purpose=Purpose.GRANT_CONTROL,
         section=Section.ROBOT,
         says={"": "Hand control to who asks for it"},
         meaning="Hands control of the robot to who asks for it; the robot stands then.",
@@ -118,6 +120,7 @@ class DenyControl(_AnswerRequest):
 
     action: ClassVar = ControlAction.DENY
     rule: ClassVar = HandlerRule(
+        purpose=Purpose.DENY_CONTROL,
         section=Section.ROBOT,
         says={"": "Keep control from who asks for it"},
         meaning="Keeps control of the robot from who asks for it.",

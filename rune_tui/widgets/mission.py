@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Final
 
 from hub.gcm.mission import MISSION_COMMAND, MISSION_STATE, MissionAction, MissionState
-from rune_tui.layout.rules import ChoiceOption, HandlerRule, Section
+from rune_tui.layout.rules import ChoiceOption, HandlerRule, Purpose, Section
 from rune_tui.layout.spec import WidgetSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import AskEffect, Effect, MissionEffect, Tell
@@ -42,6 +42,7 @@ class Mission(OrderWidget):
     """Asks for the name of a mission to begin; of one that runs, for another name or its end."""
 
     rule: ClassVar = HandlerRule(
+        purpose=Purpose.MISSION,
         section=Section.MARK,
         says={"": "{do}"},
         meaning=(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from rune_tui.controls.events import ControlEvent
-from rune_tui.layout.rules import HandlerRule, Section
+from rune_tui.layout.rules import HandlerRule, Purpose, Section
 from rune_tui.layout.spec import EventSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, QuitEffect
@@ -16,6 +16,7 @@ class Quit(PressWidget):
     """Ends the console."""
 
     rule: ClassVar = HandlerRule(
+        purpose=Purpose.QUIT,
         section=Section.SESSION,
         says={"": "Quit"},
         meaning=(

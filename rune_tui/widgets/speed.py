@@ -22,7 +22,7 @@ from typing import ClassVar, Final, Self
 from hub.gcm.navigation import ROBOT_STATE, STOP, VELOCITY_COMMAND, Stop, Twist
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.names import joystick_input
-from rune_tui.layout.rules import HandlerRule, NumberOption, Section
+from rune_tui.layout.rules import HandlerRule, NumberOption, Purpose, Section
 from rune_tui.layout.spec import ControlKind, EventSpec, WidgetSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, SendEffect
@@ -71,6 +71,7 @@ class SetSpeed:
     """
 
     rule: ClassVar = HandlerRule(
+        purpose=Purpose.DRIVE,
         section=Section.DRIVE,
         says={
             "translate": "Drive {direction}",
@@ -189,8 +190,8 @@ class SetSpeed:
         self._held.clear()
         self._steps.clear()
 
-    def heeds(self, event_spec: EventSpec, state: ConsoleState) -> bool:
-        """Whether it would count if this input left neutral now."""
+    def accepts(self, event_spec: EventSpec, state: ConsoleState) -> bool:
+        """Whether this input would drive if it left neutral now."""
         if event_spec.kind is not ControlKind.AXIS:
             return True
         if self._guarded and not self._holds(_ENABLE):
@@ -252,7 +253,7 @@ class SetSpeed:
         self, event: ControlEvent, event_spec: EventSpec, state: ConsoleState
     ) -> tuple[Effect, ...]:
         known, now = event_spec in self._held, state.now
-        if not known and (event.repeat or not self.heeds(event_spec, state)):
+        if not known and (event.repeat or not self.accepts(event_spec, state)):
             self._waiting.add(event_spec)
             return ()
         if not event.repeat:
@@ -313,6 +314,7 @@ class StopRobot(PressWidget):
     """Stops a robot; dispatch then releases the robot's other widgets."""
 
     rule: ClassVar = HandlerRule(
+        purpose=Purpose.STOP,
         section=Section.DRIVE,
         says={"": "Stop"},
         meaning=(

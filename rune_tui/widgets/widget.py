@@ -7,7 +7,7 @@ from typing import ClassVar, Protocol, Self
 
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.rules import HandlerRule
-from rune_tui.layout.spec import EventSpec, WidgetSpec
+from rune_tui.layout.spec import CHOSEN, EventSpec, WidgetSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect
 from rune_tui.model.robot_state import RobotState
@@ -38,6 +38,28 @@ class Widget(Protocol):
 
     def release(self, state: ConsoleState) -> tuple[Effect, ...]:
         """Forget what is held and leave the robot at rest, whatever was sent before."""
+
+
+class DrivingWidget(Widget, Protocol):
+    """A widget with the purpose `DRIVE`."""
+
+    def accepts(self, event_spec: EventSpec, state: ConsoleState) -> bool:
+        """Whether an input would drive if it left neutral now."""
+
+    def forget(self) -> None:
+        """Nothing is held any longer; axes must be neutral before they drive."""
+
+
+class TakingWidget(Widget, Protocol):
+    """A widget with the purpose `TAKE_CONTROL`."""
+
+    def takes_by_driving(self) -> bool:
+        """Whether keys that drive take control as well."""
+
+
+def commanded(widget: Widget, state: ConsoleState) -> str:
+    """The robot that a widget commands now; still `CHOSEN` while none is chosen."""
+    return (state.chosen or CHOSEN) if widget.robot == CHOSEN else widget.robot
 
 
 class PressWidget(ABC):

@@ -111,6 +111,7 @@ class RangeData:
     close_m: float = CLOSE_M
 
     rule: ClassVar = VisualizerRule(
+        above=True,
         meaning="the robot, a pie for each range sensor, and rings at whole distances",
         message="GCM_RobotState",
         others=(ROBOT_DESCRIPTION.name,),

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from hub.gcm.autonomy import DrivingMode
 from hub.gcm.control import WARNED_S, ControlState
+from rune_tui.layout.rules import Purpose
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.control import (
     Standing,
@@ -85,5 +86,5 @@ def _silence(control: ControlState) -> Iterator[Part]:
 def _hint(robot: RobotState, state: ConsoleState) -> str:
     if standing(robot) is not Standing.MINE:
         return "" if asks(robot) else to_take(robot, state)
-    key = state.input_of("widgetReleaseControl", robot.name)
+    key = state.input_of(Purpose.RELEASE_CONTROL, robot.name)
     return f"press {key} to give it up" if key else ""

@@ -54,6 +54,7 @@ class CameraImage:
     aside_deg: float = _ASIDE_DEG
 
     rule: ClassVar = VisualizerRule(
+        pictures=True,
         meaning="the camera's picture",
         message="GCM_Common_Image",
         option=NumberOption(

@@ -35,6 +35,7 @@ class EventLog:
     of_all: bool
 
     rule: ClassVar = VisualizerRule(
+        logs=True,
         meaning="what happened: notices with their time, alarms marked by an exclamation mark",
         options={
             "newest": ChoiceOption(

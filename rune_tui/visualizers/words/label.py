@@ -31,7 +31,10 @@ class Label:
     font: Font | None = None
 
     rule: ClassVar = VisualizerRule(
-        meaning="its `text`, in letters of the terminal or of a `font`", text=True, font=True
+        heads=True,
+        meaning="its `text`, in letters of the terminal or of a `font`",
+        text=True,
+        font=True,
     )
     whole_cells: ClassVar[bool] = True
 

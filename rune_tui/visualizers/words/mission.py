@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from hub.gcm.mission import MISSION_STATE, MissionState
-from rune_tui.layout.rules import VisualizerRule
+from rune_tui.layout.rules import Purpose, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.mission import OLD_S, mission_of
@@ -64,7 +64,7 @@ class VisualizeMission:
 
 
 def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
-    key = state.input_of("widgetMission", robot.name)
+    key = state.input_of(Purpose.MISSION, robot.name)
     return tuple(_rows(mission_of(robot), state.overdue_marks(robot.name), key))
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from hub.gcm.body import RobotBody
 from hub.gcm.navigation import SENSOR_COUNT, MotionState
 from hub.gcm.navigation import RobotState as NavigationState
+from rune_tui.layout.rules import Purpose
 from rune_tui.model.body import rim
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.doing import doing_of
@@ -87,7 +88,7 @@ def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
 
 def _stop_key(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     """The key that stops the robot, while no line of keys is in sight."""
-    key = state.input_of("widgetStop", robot.name)
+    key = state.input_of(Purpose.STOP, robot.name)
     if key and (state.full or state.paged):
         yield Part(f"{key[:1].upper()}{key[1:]} STOP", 10)
 

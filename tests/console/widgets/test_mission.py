@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from hub.gcm.mission import MISSION_STATE, MissionAction, MissionState
+from rune_tui.layout.rules import Purpose
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import AskEffect, Effect, MissionEffect, Tell
 from rune_tui.model.leaving import reasons_to_stay
@@ -115,7 +116,7 @@ def test_ending_says_what_is_not_confirmed() -> None:
 
 
 def test_which_key_begins_another_mission_is_said() -> None:
-    state = on(ENDED, inputs={("widgetMission", "magellan"): "M"})
+    state = on(ENDED, inputs={(Purpose.MISSION, "magellan"): "M"})
     watch = MissionWatch()
     list(watch.look(on(RUNS).robots["magellan"], on(RUNS)))
     (notice,) = watch.look(state.robots["magellan"], state)

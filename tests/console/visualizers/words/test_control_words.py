@@ -8,15 +8,18 @@ import pytest
 
 from hub.gcm.autonomy import DrivingMode
 from hub.gcm.control import CONTROL_STATE, ControlState
+from rune_tui.layout.rules import Purpose
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.model.theme import DARK
 from tests.console.visualizers.conftest import NOW, Made, made_by, words
 
 ME, BOB = 7, 8
-HANDLERS = ("TakeControl", "ReleaseControl", "GrantControl", "DenyControl")
 INPUTS = {
-    (f"widget{handler}", "magellan"): key for handler, key in zip(HANDLERS, "TCYO", strict=True)
+    (Purpose.TAKE_CONTROL, "magellan"): "T",
+    (Purpose.RELEASE_CONTROL, "magellan"): "C",
+    (Purpose.GRANT_CONTROL, "magellan"): "Y",
+    (Purpose.DENY_CONTROL, "magellan"): "O",
 }
 STATE = ConsoleState(now=NOW, inputs=INPUTS)
 ASKED: dict[str, Any] = {

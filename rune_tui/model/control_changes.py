@@ -1,0 +1,36 @@
+"""Which robots changed hands or were stopped, so that what is held must not drive them on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from rune_tui.model.control import Standing, is_lost, standing
+from rune_tui.model.robot_state import RobotState
+
+
+class ControlChanges:
+    """Remembers what each robot said of control and of stops."""
+
+    def __init__(self) -> None:
+        self._standings: dict[str, Standing] = {}
+        self._stops: dict[str, int] = {}
+
+    def look(self, robots: Iterable[RobotState]) -> list[str]:
+        """Names of those that were stopped, or changed hands, since the last look."""
+        return [
+            robot.name for robot in robots if self._changed_hands(robot) or self._stopped(robot)
+        ]
+
+    def _changed_hands(self, robot: RobotState) -> bool:
+        now = standing(robot)
+        before = self._standings.get(robot.name, Standing.UNKNOWN)
+        self._standings[robot.name] = now
+        return is_lost(before, now)
+
+    def _stopped(self, robot: RobotState) -> bool:
+        if robot.navigation is None:
+            return False
+        now = robot.navigation.value.stops
+        before = self._stops.get(robot.name, now)
+        self._stops[robot.name] = now
+        return now != before

@@ -1,0 +1,68 @@
+"""What a rule promises of a class: purposes and flags that need further methods."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rune_tui.errors import LayoutError
+from rune_tui.layout.loader import load_layout
+from rune_tui.startup.opening import BUILT_IN
+
+LAYOUT = """<rune>
+  <extension file="own.py"/>
+  <robot name="magellan"/>
+  <view xsize="40" ysize="20">
+    <viewport name="a" xpos="0" ypos="0" xsize="40" ysize="20">
+      <visualizer function="visualizeLink"/>
+    </viewport>
+  </view>
+</rune>
+"""
+WIDGET = """
+from rune_tui.layout.rules import HandlerRule, Purpose
+from rune_tui.widgets.widget import PressWidget
+
+class Own(PressWidget):
+    rule = HandlerRule(meaning="own", purpose=Purpose.{purpose})
+
+    def press(self, event, event_spec, state):
+        return ()
+
+WIDGETS = {{"widgetOwn": Own}}
+"""
+VISUALIZER = """
+from rune_tui.layout.rules import VisualizerRule
+
+class Own:
+    rule = VisualizerRule(meaning="own", pictures=True)
+    from_spec = draw = source = print
+
+VISUALIZERS = {"visualizeOwn": Own}
+"""
+
+
+@pytest.mark.parametrize(
+    ("code", "method"),
+    [
+        (WIDGET.format(purpose="DRIVE"), "accepts"),
+        (WIDGET.format(purpose="TAKE_CONTROL"), "takes_by_driving"),
+        (VISUALIZER, "picture_size"),
+    ],
+)
+def test_a_class_without_the_methods_of_its_rule_is_refused(
+    tmp_path: Path, code: str, method: str
+) -> None:
+    (tmp_path / "own.py").write_text(code)
+    path = tmp_path / "layout.xml"
+    path.write_text(LAYOUT)
+    with pytest.raises(LayoutError, match=f"has no method {method}"):
+        load_layout(path, BUILT_IN)
+
+
+def test_a_widget_with_the_purpose_stop_needs_no_more(tmp_path: Path) -> None:
+    (tmp_path / "own.py").write_text(WIDGET.format(purpose="STOP"))
+    path = tmp_path / "layout.xml"
+    path.write_text(LAYOUT)
+    assert load_layout(path, BUILT_IN).vocabulary.widgets["widgetOwn"].rule.purpose
