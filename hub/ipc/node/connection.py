@@ -1,4 +1,14 @@
-"""A client's control connection: saying hello, staying alive, coming back when central was lost."""
+"""A client's control connection: HELLO, signs of life, and the return after central was lost.
+
+| control message | what the connection does |
+| --- | --- |
+| WELCOME | it is connected; if central is new, the session starts anew |
+| PONG | it notes the hub's time |
+| STRANGER (central does not know the client) | it is lost, and says HELLO |
+| CLOSE of this client | it is lost for good |
+| REFUSED before WELCOME | it says HELLO once more, then it reports the refusal |
+| any other | the session gets it |
+"""
 
 from __future__ import annotations
 
@@ -7,6 +17,7 @@ import logging
 import math
 import os
 import secrets
+from collections.abc import Callable
 from typing import Any, Protocol
 
 import zmq
@@ -30,51 +41,51 @@ PING_S = 0.5
 LOST_S = 1.5
 """Central has not answered for this long: the connection counts as lost [s]."""
 _QUEUE = 10_000
-"""Control messages under way; a client that comes back says all it does at once."""
+"""Control messages under way; a client that comes back sends all that it does at once."""
 _WATCHED = zmq.EVENT_HANDSHAKE_SUCCEEDED | zmq.EVENT_HANDSHAKE_FAILED_AUTH | zmq.EVENT_DISCONNECTED
 _SECOND_HELLO_S = 0.2
-"""Who was refused asks once more, so soon, before it takes the answer [s]."""
+"""Retry HELLO once after this delay, then report the refusal [s]."""
 _STAY_S = 2.0
-"""How long one way of connecting is tried [s]."""
+"""How long one socket tries to connect before a new one does [s]."""
 _SHORTEST_S, _LONGEST_S = 0.25, 1.5
 """How long one attempt may take [s].
 
-On a link that was dead the first packet after it healed counts, so attempts are as short as the
-round trip that was seen before allows; where it was never seen, and now and then, they are long.
+After a dead link heals, the next attempt connects. So an attempt is as short as the last known
+round trip allows. Where none is known, and every `_LONG_EACH` attempts, it is long.
 """
 _LONG_EACH = 6
 
 
 class ConnectionOwner(Protocol):
-    """Whoever wants to know what happens to a connection."""
+    """What a connection reports to."""
 
     def welcomed(self, message: control.Welcome, *, anew: bool, same_run: bool) -> None:
-        """Central knows us.
+        """Central knows this client.
 
         Args:
-            message: What it says.
-            anew: It did not know us before; what was agreed is void.
-            same_run: It was not started again; other clients' numbers are what they were.
+            message: Its answer to HELLO.
+            anew: Central did not know this client before, so it knows none of its messages.
+            same_run: Central was not started again, so other clients keep their numbers.
         """
 
     def lost(self, why: str) -> None:
-        """Central is gone, or does not know us any more."""
+        """Central is gone, or does not know this client any more."""
 
-    def told(self, message: Any, attached: bytes | None) -> None:
-        """Another control message came."""
+    def on_control_message(self, message: Any, attached: bytes | None) -> None:
+        """A control message came that is not about the connection."""
 
 
 class Connection:
     """The control connection of one client.
 
     Attributes:
-        client: Our random number.
-        publisher: Our number at central; 0 while it does not know us.
+        client: The client's random number.
+        publisher: Its number at central; 0 while central does not know it.
         hub_time: The hub's clock.
-        near: Whether central last took us for a neighbour, on its machine and of its user.
-        keys: What we show central if it is on another machine.
-        refusal: Why central refused our key, or twice to connect us; None if it did not.
-        closed: Who had central disconnect us, if somebody did.
+        near: Whether central is on the same machine, run by the same user.
+        keys: The keys for a central on another machine.
+        refusal: Why central refused the key, or the connection twice; None if it did not.
+        closed: The client that had central close this connection; empty if none.
     """
 
     def __init__(
@@ -109,14 +120,21 @@ class Connection:
         self._heard = -math.inf
         self._next_ping = 0.0
         self._attempt = 0
+        self._actions: dict[type, Callable[[Any], bool]] = {
+            control.Welcome: self._on_welcome,
+            control.Pong: self._on_pong,
+            control.UnknownPeer: self._on_unknown,
+            control.Close: self._on_close,
+            control.Refused: self._on_refused,
+        }
         self._open()
 
     def may_connect(self, plane: Plane) -> bool:
-        """Whether we may connect to where the messages of a plane go in."""
+        """Whether this client may connect to where the messages of a plane go in."""
         return self.keys is None or may_connect(self.keys.role, f"{plane.value} in")
 
     def demand_right(self, definition: MessageDefinition[Any]) -> None:
-        """Refuse a message that our key, or our name, does not let us publish.
+        """Refuse a message that this client's key or name does not let it publish.
 
         Raises:
             NotAllowedError: The text says who may.
@@ -126,29 +144,29 @@ class Connection:
 
     @property
     def alive(self) -> bool:
-        """Whether central knows us and has answered lately."""
+        """Whether central knows this client and has answered lately."""
         return self.publisher > 0 and self._clock() - self._heard < LOST_S
 
     def due(self, otherwise: float) -> float:
-        """When we want to speak again [s]."""
+        """When the next PING or HELLO is due [s]."""
         return min(otherwise, self._next_ping)
 
     def send(self, message: Any, attached: bytes | None = None) -> bool:
         """Send a control message; False if there is no connection now."""
-        told = self._channel.send(message, attached)
-        if not told and self.publisher:
+        sent = self._channel.send(message, attached)
+        if not sent and self.publisher:
             self._faults.count("not sent", "there is no connection to central now")
-        return told
+        return sent
 
     def turn(self) -> None:
-        """Say what is due."""
+        """Send the PING or HELLO that is due."""
         if self._clock() >= self._next_ping:
             self._keep_alive()
 
     def addresses(self, message: control.Welcome) -> list[str]:
-        """Where each plane goes in and comes out, as we reach it."""
+        """Where each plane goes in and comes out, as this client reaches it."""
         if self._endpoint.startswith("ipc://"):
-            # Beside the file that we know, which a tunnel may have put elsewhere than central's.
+            # Beside the known file: a tunnel may have put it elsewhere than central's.
             return [f"{self._endpoint}.{number}" for number in range(1, 1 + len(message.paths))]
         host = self._endpoint.rpartition(":")[0]
         return [f"{host}:{port}" for port in message.ports]
@@ -161,25 +179,25 @@ class Connection:
         self._open()
 
     def close(self) -> None:
-        """Say goodbye."""
+        """Send BYE and close."""
         if self.publisher:
             self.send(control.Bye())
         linger_ms, self.publisher = 200 if self.publisher else 0, 0
         self._channel.close(linger_ms)
 
     def _open(self) -> None:
-        patience = _LONGEST_S
+        longest = _LONGEST_S
         if self._attempt % _LONG_EACH and self._joined != (0, 0):
-            patience = min(_LONGEST_S, max(_SHORTEST_S, 4 * self.hub_time.round_trip))
+            longest = min(_LONGEST_S, max(_SHORTEST_S, 4 * self.hub_time.round_trip))
         self._attempt += 1
         made = sockets.make(self._context, zmq.DEALER, _QUEUE, self.keys)
-        made.connect_timeout = int(patience * 1e3)
+        made.connect_timeout = int(longest * 1e3)
         made.reconnect_ivl_max = 100
         self._channel = ControlChannel(
             made,
-            told=self._told,
+            on_message=self._on_control_message,
             events=_WATCHED,
-            happened=self._happened,
+            on_event=self._on_event,
             loop=self._loop,
             faults=self._faults,
             address=self._endpoint,
@@ -215,8 +233,8 @@ class Connection:
             )
         )
 
-    def _happened(self, event: int) -> None:
-        """Something with the connection itself: a central that comes back is greeted at once."""
+    def _on_event(self, event: int) -> None:
+        """The socket connected, disconnected or was refused; HELLO follows at once."""
         if event == zmq.EVENT_DISCONNECTED:
             self._lose("the connection ended")
         elif event == zmq.EVENT_HANDSHAKE_FAILED_AUTH and self.keys is not None:
@@ -233,31 +251,36 @@ class Connection:
             self.publisher = 0
             self._owner.lost(f"the hub at {self._endpoint} is gone: {why}")
 
-    def _told(self, message: Any, attached: bytes | None) -> None:
+    def _on_control_message(self, message: Any, attached: bytes | None) -> None:
         self._heard = self._clock()
-        if isinstance(message, control.Welcome):
-            self._welcome(message)
-        elif isinstance(message, control.Pong):
-            self.hub_time.note(message.sent, message.hub_time, self._heard)
-        elif isinstance(message, control.UnknownPeer):
-            self._lose("it was started again")
-            self._hello()
-        elif isinstance(message, control.Close) and message.name == self._name:
-            self.closed = message.by
-            _logger.warning("%s had the hub disconnect %s", message.by, self._name)
-            self._lose(f"{message.by} had it disconnect {self._name}")
-        elif isinstance(message, control.Refused) and not self.publisher:
-            self._refuse(message)
-        else:
-            self._owner.told(message, attached)
+        action = self._actions.get(type(message))
+        if action is None or not action(message):
+            self._owner.on_control_message(message, attached)
 
-    def _welcome(self, message: control.Welcome) -> None:
+    def _on_pong(self, message: control.Pong) -> bool:
+        self.hub_time.note(message.sent, message.hub_time, self._heard)
+        return True
+
+    def _on_unknown(self, _: control.UnknownPeer) -> bool:
+        self._lose("it was started again")
+        self._hello()
+        return True
+
+    def _on_close(self, message: control.Close) -> bool:
+        if message.name != self._name:
+            return False
+        self.closed = message.by
+        _logger.warning("%s had the hub disconnect %s", message.by, self._name)
+        self._lose(f"{message.by} had it disconnect {self._name}")
+        return True
+
+    def _on_welcome(self, message: control.Welcome) -> bool:
         places = zip(message.ports, message.paths, strict=True)
         if not all(
             0 <= port < 65536 and len(path) <= 107 and "*" not in path for port, path in places
         ):
             self._faults.count("malformed control frame", "a WELCOME with impossible ports")
-            return
+            return True
         self.refusal, self._refused = None, math.inf
         self.publisher = message.publisher
         self.near = message.near
@@ -269,17 +292,21 @@ class Connection:
             self.hub_time.begin(message.machine)
         self.hub_time.note(message.sent, message.hub_time, self._heard)
         self._owner.welcomed(message, anew=anew, same_run=same_run)
+        return True
 
-    def _refuse(self, message: control.Refused) -> None:
+    def _on_refused(self, message: control.Refused) -> bool:
+        if self.publisher:
+            return False
         kind = getattr(hub.errors, message.error, None)
         if not (isinstance(kind, type) and issubclass(kind, HubError)):
             kind = hub.errors.CentralUnreachableError
         now = self._clock()
         self._refused = min(self._refused, now)
         if now - self._refused < _SECOND_HELLO_S:
-            # The goodbye of who had the name before may still be under way.
+            # The BYE of the client that had the name before may still be under way.
             self._next_ping = min(self._next_ping, self._refused + _SECOND_HELLO_S)
-            return
-        with contextlib.suppress(TypeError):  # an error of ours that takes more than a sentence
+            return True
+        with contextlib.suppress(TypeError):  # an error that takes more than a sentence
             self.refusal = kind(message.text)
         self._faults.count("refused by central", message.text)
+        return True

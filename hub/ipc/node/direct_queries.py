@@ -1,7 +1,8 @@
-"""The short way of queries between two modules of one machine, past central.
+"""Direct queries between two modules of one machine, past central.
 
-Central still says who answers what. Whoever answers alone has a socket of its own; central tells
-those who ask, and their next queries go there. When the way ends, everything goes through central.
+Central knows which module answers a query. If there is only one, central sends its address to the
+clients that ask, and their next queries go there. When that connection ends, queries go through
+central again.
 """
 
 from __future__ import annotations
@@ -24,11 +25,11 @@ _QUEUE = 1000
 _BATCH = 64
 
 Asked = Callable[[control.Query, bytes, bytes], None]
-"""Gets a query, its message, and whom to answer."""
+"""Gets a query, its message, and the identity of the asker."""
 
 
 class DirectResponder:
-    """Where queries come in at who answers them.
+    """Where a module takes queries directly.
 
     Attributes:
         address: Where others connect.
@@ -64,7 +65,7 @@ class DirectResponder:
         self._file = loop.register(self._socket, self._receive)
 
     def answer(self, asker: bytes, message: Any, attached: bytes | None) -> None:
-        """Send an answer; if the asker is gone, or we are, nobody misses it."""
+        """Send an answer; it is dropped if the asker is gone or this is closed."""
         if self._socket.closed:
             return
         packed = control_codec.pack(message)
@@ -74,7 +75,7 @@ class DirectResponder:
             sockets.send_parts(self._send, parts)
 
     def close(self) -> None:
-        """Close; who asks notices at once."""
+        """Close; the askers notice at once."""
         self._loop.unregister(self._file)
         self._socket.close(0)
 
@@ -97,10 +98,10 @@ class DirectResponder:
 
 
 class DirectRequester:
-    """The way to one module that answers.
+    """A direct connection to one module that answers.
 
     Attributes:
-        address: Its door.
+        address: Where it takes queries.
         names: The messages that it answers.
     """
 
@@ -117,9 +118,9 @@ class DirectRequester:
         """Connect.
 
         Args:
-            address: The door.
+            address: Where the module takes queries.
             answered: Gets what comes back.
-            lost: Called when the way has ended.
+            lost: Called when the connection has ended.
             context: The client's.
             loop: Serves it.
             faults: Counts what is malformed.
@@ -131,9 +132,9 @@ class DirectRequester:
         made.reconnect_ivl = -1
         self._channel = ControlChannel(
             made,
-            told=self._told,
+            on_message=self._on_message,
             events=zmq.EVENT_DISCONNECTED,
-            happened=lambda _: lost(self),
+            on_event=lambda _: lost(self),
             loop=loop,
             faults=faults,
             address=address,
@@ -147,6 +148,6 @@ class DirectRequester:
         """Close."""
         self._channel.close()
 
-    def _told(self, message: Any, attached: bytes | None) -> None:
+    def _on_message(self, message: Any, attached: bytes | None) -> None:
         if isinstance(message, (control.Response, control.Failure)):
             self._answered(message, attached)

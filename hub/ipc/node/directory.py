@@ -10,7 +10,7 @@ from hub.ipc.node.connection import Connection
 from hub.ipc.wire import control
 
 
-class _Waits(Protocol):
+class _Wait(Protocol):
     def __call__(self, done: Callable[[], object], timeout: float, why: str) -> None:
         """Serve until it is `done`; CentralUnreachableError if it is not within `timeout` [s]."""
 
@@ -19,14 +19,14 @@ class Directory:
     """Central's view, for one client."""
 
     def __init__(
-        self, connection: Connection, wait: _Waits, attend: Callable[[], None], endpoint: str
+        self, connection: Connection, wait: _Wait, attend: Callable[[], None], endpoint: str
     ) -> None:
         """Ask nothing yet.
 
         Args:
-            connection: Where central is asked.
+            connection: To central.
             wait: Serves the client until something is done.
-            attend: To be called before a question.
+            attend: To be called before each request.
             endpoint: Where central is.
         """
         self._connection = connection
@@ -39,6 +39,12 @@ class Directory:
         self._closings: dict[str, control.Close | control.Refused] = {}
         self._watchers: list[Callable[[control.Presence], None]] = []
         self._followed: dict[str, Callable[[int], None]] = {}
+        self._actions: dict[type, Callable[[Any], bool]] = {
+            control.Presence: self._on_presence,
+            control.Listing: self._on_listing,
+            control.Close: self._on_close,
+            control.Refused: self._on_refused,
+        }
 
     def listing(self, timeout: float) -> control.Listing:
         """All that central knows: modules, messages, who does what with them, what was dropped.
@@ -70,7 +76,7 @@ class Directory:
     def watch(self, handler: Callable[[control.Presence], None]) -> None:
         """Call `handler` when a module comes or goes, defines, publishes, subscribes or answers.
 
-        Of those that are there already `listing` tells.
+        `listing` has those that are connected already.
         """
         self._watchers.append(handler)
         self.ask_again()
@@ -78,17 +84,17 @@ class Directory:
     def follow(self, module: str, learn: Callable[[int], None]) -> None:
         """Call `learn` with the number of the module of this name; 0 while it is not connected.
 
-        It is the number that central gave that connection. What stands in frames may say anything.
+        Central gave that connection the number. A number in a frame may be forged.
         """
         self._followed[module] = learn
         self._ask_for(module)
 
     def ask_again(self) -> None:
-        """Central knows us anew, and not what we had asked."""
+        """Central is new: send all requests again that are still open."""
         if self._watchers and self._connection.publisher:
             self._connection.send(control.Watch())
         for module, learn in self._followed.items():
-            learn(0)  # central tells at once if it is there
+            learn(0)  # central reports at once if it is connected
             self._ask_for(module)
         if self._asked is not None:
             self._connection.send(self._asked)
@@ -98,7 +104,7 @@ class Directory:
 
         Raises:
             UnknownModuleError: There is none.
-            NotAllowedError: Our key does not let us close modules.
+            NotAllowedError: This client's key does not let it close modules.
             CentralUnreachableError: Central did not answer within `timeout` [s].
         """
         self._attend()
@@ -130,27 +136,32 @@ class Directory:
         finally:
             self._asked = None
 
-    def told(self, message: Any) -> bool:
-        """A control message came; whether it was meant for us."""
-        if isinstance(message, control.Presence):
-            self._note(message)
-            for watcher in self._watchers:
-                watcher(message)
-        elif isinstance(message, control.Listing):
-            self._listings.append(message)
-        elif isinstance(message, control.Close):
-            self._closings[message.name] = message
-        elif isinstance(message, control.Refused) and (
-            message.error == UnknownModuleError.__name__ or message.subject == self._closing
-        ):
-            self._closings[message.subject] = message
-        else:
-            return False
-        return True
+    def on_control_message(self, message: Any) -> bool:
+        """A control message came; whether it was for the directory."""
+        action = self._actions.get(type(message))
+        return action is not None and action(message)
 
-    def _note(self, presence: control.Presence) -> None:
+    def _on_presence(self, presence: control.Presence) -> bool:
         learn = self._followed.get(presence.module)
         if learn is not None and presence.change is control.Change.CONNECTED:
             learn(presence.publisher)
         elif learn is not None and presence.change is control.Change.DISCONNECTED:
             learn(0)
+        for watcher in self._watchers:
+            watcher(presence)
+        return True
+
+    def _on_listing(self, listing: control.Listing) -> bool:
+        self._listings.append(listing)
+        return True
+
+    def _on_close(self, close: control.Close) -> bool:
+        self._closings[close.name] = close
+        return True
+
+    def _on_refused(self, refused: control.Refused) -> bool:
+        unknown = refused.error == UnknownModuleError.__name__
+        if not (unknown or refused.subject == self._closing):
+            return False
+        self._closings[refused.subject] = refused
+        return True

@@ -34,10 +34,10 @@ class PendingQuery:
         deadline: When it has taken so long [s].
         answered: Called with the answer.
         failed: Called with the error.
-        unsent: Whether it could not even be sent.
-        frame: The message of a query that went the direct way.
-        way: That way.
-        orphaned: Whether that way has ended, and it was asked again.
+        unsent: Whether it could not be sent.
+        frame: The message of a query that was sent directly.
+        requester: Where it was sent directly; None if it went through central.
+        sent_again: Whether that connection ended, and it was sent again through central.
     """
 
     name: str
@@ -48,8 +48,8 @@ class PendingQuery:
     failed: Callable[[QueryError], None]
     unsent: bool = False
     frame: bytes | None = None
-    way: DirectRequester | None = None
-    orphaned: bool = False
+    requester: DirectRequester | None = None
+    sent_again: bool = False
 
 
 class PendingQueries:
@@ -60,14 +60,14 @@ class PendingQueries:
         self._clock = clock
         self._waiting: dict[int, PendingQuery] = {}
         self._last = 0
-        self._ways: dict[str, DirectRequester] = {}
-        # Nothing ends by time before this [s]: so most turns need not look at every question.
+        self._requesters: dict[str, DirectRequester] = {}
+        # No query times out before this [s], so most turns need not look at every query.
         self._earliest = math.inf
 
     def ask(self, pending: PendingQuery, frame: bytes | None) -> None:
         """Ask with a message's frame, or without one for the last value of the message.
 
-        It is not kept for a central that is away: who asks is told so at the next `expire`.
+        It does not wait for a lost central: it fails at the next `expire`.
         """
         self._last = number = self._last % 0xFFFF_FFFF + 1
         self._waiting[number] = pending
@@ -78,9 +78,9 @@ class PendingQueries:
             self._ask_central(pending, last, None)
             return
         query = control.Query(number=number, name=pending.name, timeout_s=pending.timeout)
-        way = self._ways.get(pending.name)
-        if way is not None and way.ask(query, frame):
-            pending.way, pending.frame = way, frame
+        requester = self._requesters.get(pending.name)
+        if requester is not None and requester.ask(query, frame):
+            pending.requester, pending.frame = requester, frame
         else:
             self._ask_central(pending, query, frame)
 
@@ -102,7 +102,7 @@ class PendingQueries:
         return answers[0]
 
     def ask_last(self, name: str, timeout: float, answered: Callable[[frames.Frame], None]) -> None:
-        """Ask for the last value of a message; if there is none, what comes next will do."""
+        """Ask for the last value of a message; without one, nothing is called."""
         self._ask_for_frame(name, None, timeout, answered, lambda _: None)
 
     def _ask_for_frame(
@@ -113,7 +113,7 @@ class PendingQueries:
         answered: Callable[[frames.Frame], None],
         failed: Callable[[QueryError], None],
     ) -> None:
-        """Ask, and hand on the answer's frame as it is."""
+        """Ask, and pass the answer's frame on as it is."""
         pending = PendingQuery(
             name=name,
             read=lambda answer: answer,
@@ -131,36 +131,40 @@ class PendingQueries:
             pending.unsent, pending.deadline = True, -math.inf
             self._earliest = -math.inf
 
-    def follow(self, name: str, way: DirectRequester | None) -> DirectRequester | None:
-        """Ask for this name on this way from now on, or through central; the way it went before."""
-        if way is not None and self._ways.get(name) is way:
+    def use_requester(self, name: str, requester: DirectRequester | None) -> DirectRequester | None:
+        """Send queries of this name by `requester` from now on; None: through central.
+
+        Returns:
+            The requester before that, if it is another one.
+        """
+        if requester is not None and self._requesters.get(name) is requester:
             return None
-        before = self._ways.pop(name, None)
+        before = self._requesters.pop(name, None)
         if before is not None:
             before.names.discard(name)
-            self._ask_again(before, name)
-        if way is not None:
-            self._ways[name] = way
-            way.names.add(name)
+            self._send_again(before, name)
+        if requester is not None:
+            self._requesters[name] = requester
+            requester.names.add(name)
         return before
 
-    def ways(self) -> set[DirectRequester]:
-        """All direct ways in use."""
-        return set(self._ways.values())
+    def requesters(self) -> set[DirectRequester]:
+        """All direct connections in use."""
+        return set(self._requesters.values())
 
-    def _ask_again(self, way: DirectRequester, name: str) -> None:
-        """What went a way that has ended is asked through central."""
+    def _send_again(self, requester: DirectRequester, name: str) -> None:
+        """Send through central what `requester` had sent."""
         now = self._clock()
         for number, pending in self._waiting.items():
-            if pending.way is way and pending.name == name:
-                pending.way, pending.orphaned = None, True
+            if pending.requester is requester and pending.name == name:
+                pending.requester, pending.sent_again = None, True
                 query = control.Query(
                     number=number, name=name, timeout_s=max(pending.deadline - now, 1e-3)
                 )
                 self._ask_central(pending, query, pending.frame)
 
     def due(self, otherwise: float) -> float:
-        """When to look for those whose time has run out [s], not later than `otherwise`."""
+        """When the next query times out [s], at most `otherwise`."""
         return min(otherwise, self._earliest)
 
     def expire(self, now: float, endpoint: str) -> None:
@@ -171,7 +175,7 @@ class PendingQueries:
         for _, number in sorted(overdue):
             pending = self._waiting.pop(number, None)
             if pending is None:
-                continue  # what another was told made us listen, and so ended this one too
+                continue  # the callback of another query listened, and so ended this one
             if pending.unsent:
                 text = f"the query {pending.name} was not sent: no hub answers at {endpoint}"
                 pending.failed(QueryError(text))
@@ -181,7 +185,7 @@ class PendingQueries:
         self._earliest = min((each.deadline for each in self._waiting.values()), default=math.inf)
 
     def end_all(self, why: str) -> None:
-        """Central does not know, or not any more, what we asked it."""
+        """Central is gone, and with it all queries."""
         for number in list(self._waiting):
             pending = self._waiting.pop(number, None)
             if pending is not None:
@@ -194,7 +198,7 @@ class PendingQueries:
         attached: bytes | None,
         received: Callable[[frames.Frame], MessageInfo],
     ) -> bool:
-        """What central says of a query; False if nobody waits for it any more."""
+        """An answer or an error came; False if no query waits for it any more."""
         pending = self._waiting.pop(message.number, None)
         if pending is None:
             return False
@@ -203,8 +207,8 @@ class PendingQueries:
         if isinstance(message, control.Failure) or attached is None:
             text = message.text if isinstance(message, control.Failure) else "an empty answer"
             kind = getattr(hub.errors, getattr(message, "error", ""), HandlerFailedError)
-            if pending.orphaned and kind is NoHandlerError:
-                kind = HandlerDiedError  # it was there when we asked
+            if pending.sent_again and kind is NoHandlerError:
+                kind = HandlerDiedError  # it was connected when the query was sent
             valid = isinstance(kind, type) and issubclass(kind, QueryError)
             pending.failed(kind(text) if valid else HandlerFailedError(text))
             return True

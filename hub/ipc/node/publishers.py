@@ -1,18 +1,14 @@
-"""The sending side of a client's broadcasts: its publishers and the sockets they share.
+"""All messages that a client publishes, and its sockets to central.
 
-The sockets are of the kind that sees the subscriptions of the other side (XPUB). So a publisher
-knows whether anybody wants its message and in which way, holds back what it is given until the way
-to those who have subscribed is open, and central is told when a new subscription has arrived here.
+The sockets show the subscriptions of the other side (XPUB). So a publisher knows whether anybody
+wants its message, and central hears when a new subscription has arrived here.
 
-What is published in a burst is sent together: when enough has gathered, when the module listens, or
-after a millisecond or two by a thread of its own. Therefore the sockets are used under a lock.
+    Client.publish -> Publisher -> SendQueue -> DirectSockets, and the sockets to central
 """
 
 from __future__ import annotations
 
 import functools
-import threading
-import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -20,8 +16,9 @@ import zmq
 
 from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.node.connection import Connection
-from hub.ipc.node.direct_deliveries import DirectDeliveries, Take
-from hub.ipc.node.publisher import BATCH_S, Batch, Publisher
+from hub.ipc.node.direct_sockets import DirectSockets
+from hub.ipc.node.publisher import Publisher
+from hub.ipc.node.send_queue import SendQueue
 from hub.ipc.transport import sockets
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.handshakes import Handshakes
@@ -34,20 +31,12 @@ _MARK = b"~"
 
 
 def mark(topic: bytes, token: str) -> bytes:
-    """What a subscriber subscribes to behind a topic itself; nobody publishes it."""
+    """What a subscriber subscribes to behind the topic itself; no client publishes it."""
     return _MARK + topic + token.encode("ascii")
 
 
 class Publishers:
-    """All publishers of one client.
-
-    Attributes:
-        connection: Where central is told.
-        clock: Monotonic time [s].
-        faults: Where failures are counted.
-        near: Whether we are a neighbour of others.
-        batch: What waits to be sent.
-    """
+    """All publishers of one client."""
 
     def __init__(
         self,
@@ -58,21 +47,18 @@ class Publishers:
         handshakes: Handshakes,
     ) -> None:
         self._handshakes = handshakes
-        self.connection = connection
-        self.clock = loop.clock
-        self.faults = faults
-        self.near = False
-        self._deliveries = DirectDeliveries(context, faults)
+        self._connection = connection
+        self._clock = loop.clock
+        self._faults = faults
+        self._queue = SendQueue(self._send_to_central, faults)
+        self._direct_sockets = DirectSockets(context, faults)
         self._context = context
         self._loop = loop
-        self.batch = Batch()
         self._sockets: dict[Plane, sockets.Socket] = {}
         self._files: dict[Plane, int] = {}
         self._sends: dict[Plane, Callable[[bytes, int], Any]] = {}
-        self._filters: set[bytes] = set()
         self._marks: dict[bytes, set[str]] = {}
         self._publishers: dict[str, Publisher] = {}
-        self._courier = _FlushThread(self.batch, self.flush)
 
     @property
     def used(self) -> bool:
@@ -82,35 +68,37 @@ class Publishers:
     @property
     def pending(self) -> bool:
         """Whether messages of a burst wait to be sent."""
-        return bool(self.batch.runs)
+        return self._queue.pending
 
     @property
     def holding(self) -> bool:
-        """Whether a publisher holds messages until its way is open."""
+        """Whether a publisher holds messages back."""
         return any(publisher.holding for publisher in self._publishers.values())
 
     def of(self, definition: MessageDefinition[Any]) -> Publisher:
-        """The publisher of a message that is defined; central is told when it is new.
+        """The publisher of a message that is defined; a new one is advertised at central.
 
         Raises:
             NotAllowedError: Our key, or our name, does not let us publish it.
         """
         publisher = self._publishers.get(definition.name)
         if publisher is None:
-            self.connection.demand_right(definition)
-            publisher = self._publishers[definition.name] = Publisher(definition, self)
-            if self.connection.publisher:
+            self._connection.demand_right(definition)
+            publisher = Publisher(
+                definition, self._connection, self._queue, clock=self._clock, faults=self._faults
+            )
+            self._publishers[definition.name] = publisher
+            if self._connection.publisher:
                 publisher.begin()
                 self._advertise(publisher)
         return publisher
 
-    def connect(self, addresses: Sequence[str], *, near: bool) -> None:
-        """Connect where each plane goes in, at a central that does not know us."""
-        self.near = near
+    def connect(self, addresses: Sequence[str]) -> None:
+        """Connect to where each plane goes in, at a new central."""
         for plane, address in zip(sockets.PLANES, addresses, strict=True):
-            if not self.connection.may_connect(plane):
+            if not self._connection.may_connect(plane):
                 continue
-            socket = sockets.make_plane(self._context, zmq.XPUB, plane, self.connection.keys)
+            socket = sockets.make_plane(self._context, zmq.XPUB, plane, self._connection.keys)
             self._handshakes.begin(socket)
             sockets.connect(socket, address)
             self._sockets[plane] = socket
@@ -122,7 +110,7 @@ class Publishers:
             publisher.begin()
 
     def advertise_all(self) -> None:
-        """Tell central, which knows the definitions now, what we publish."""
+        """Advertise all messages at central, which knows the definitions now."""
         for publisher in self._publishers.values():
             self._advertise(publisher)
 
@@ -132,144 +120,103 @@ class Publishers:
             publisher.end()
         for file in self._files.values():
             self._loop.unregister(file)
-        with self.batch.lock:
-            self.batch.runs.clear()
-            self.batch.count = 0
-            self._deliveries.close(linger_ms)
+        with self._queue.lock:
+            self._queue.clear_locked()
+            self._queue.topics.clear()
+            self._direct_sockets.close(linger_ms)
             for socket in self._sockets.values():
                 self._handshakes.end(socket)
                 socket.close(linger_ms)
             self._sockets.clear()
             self._sends.clear()
         self._files.clear()
-        self._filters.clear()
         self._marks.clear()
 
     def close(self) -> None:
         """Send what waits, and free everything."""
-        self.flush()
-        self._courier.close()
+        self._queue.close()
         self.disconnect(linger_ms=100)
         for publisher in self._publishers.values():
             publisher.close()
 
     def advertised(self, message: control.Advertised) -> None:
-        """Central has noted what we publish."""
+        """Central answers ADVERTISE."""
         publisher = self._publishers.get(message.name)
         if publisher is not None:
-            publisher.advertised(subscribed=message.subscribed, now=self.clock())
+            publisher.advertised(subscribed=message.subscribed, now=self._clock())
 
     def subscriber(self, message: control.Subscriber) -> None:
-        """Central tells of a neighbour that subscribes, or does so no longer."""
+        """A client on this machine subscribes, or does so no longer."""
         publisher = self._publishers.get(message.name)
-        noted = False
-        with self.batch.lock:
-            if self.batch.runs:
-                self.send_batch()
+        added = False
+        with self._queue.lock:
+            self._queue.flush_locked()
             if not message.inbox:
-                self._deliveries.forget(message.name, message.subscriber)
+                self._direct_sockets.remove(message.name, message.subscriber)
             elif publisher is not None:
-                noted = self._deliveries.note(message, publisher.definition.plane)
-            # Also if there is no way to the subscriber: there may have been one before.
+                added = self._direct_sockets.add(message, publisher.definition.plane)
+            # Also without a socket to the subscriber: there may have been one before.
             for each in self._publishers.values() if not message.name else [publisher]:
                 if each is not None:
-                    each.takers = self._deliveries.takers(each.definition.name)
-        if noted and message.token:
-            self.connection.send(control.Ready(token=message.token))
+                    direct = self._direct_sockets.receivers(each.definition.name)
+                    each.direct, each.direct_in_ring = direct
+        if added and message.token:
+            self._connection.send(control.Ready(token=message.token))
 
     def reports(self) -> tuple[control.Published, ...]:
         """What was published by each publisher since the last time."""
-        now = self.clock()
+        now = self._clock()
         made = (publisher.report(now) for publisher in self._publishers.values())
         return tuple(report for report in made if report is not None)
 
     def last(self, name: str) -> bytes | None:
-        """The last message of this name, as a frame; it does not overtake what waits to be sent."""
+        """The last message of this name, as a frame; all that waits leaves before it."""
         self.flush()
         publisher = self._publishers.get(name)
         return None if publisher is None else publisher.last()
 
-    def send(self, publisher: Publisher, frame: bytes, *, place: bool = False) -> None:
-        """Send behind what waits to all who want a publisher's message itself, or its place."""
-        with self.batch.lock:
-            if self.batch.runs:
-                self.send_batch()
-            for take in publisher.takers.in_ring if place else publisher.takers.whole:
-                self._hand(take, frame)
-            if not place and publisher.topic in self._filters:
-                self._send(publisher, frame)
-
     def flush(self) -> None:
-        """Send what waits; any thread may call this."""
-        with self.batch.lock:
-            if self.batch.runs:
-                self.send_batch()
+        """Send all that waits; any thread may call this."""
+        self._queue.flush()
 
     def is_wanted(self, topic: bytes) -> bool:
         """Whether somebody at central subscribes to the topic."""
-        return topic in self._filters
+        return topic in self._queue.topics
 
     def check(self) -> None:
-        """Let nobody wait for ever; to be called every second or so."""
-        self._look()
-        with self.batch.lock:
-            self._deliveries.tidy()
-            unreached = self._deliveries.unreached
-        for message in unreached:  # perhaps there are descriptors again
+        """Try again what could not be done; to be called every second or so."""
+        self._check_open()
+        with self._queue.lock:
+            self._direct_sockets.close_unused()
+            unreached = self._direct_sockets.unreached
+        for message in unreached:  # perhaps this process has descriptors again
             self.subscriber(message)
         for publisher in self._publishers.values():
-            if publisher.unanswered and self.connection.publisher:
-                self._advertise(publisher)  # perhaps somebody has defined the message by now
+            if publisher.unanswered and self._connection.publisher:
+                self._advertise(publisher)  # perhaps the message is defined now
 
-    def send_batch(self) -> None:
-        """Send what waits; the lock is held."""
-        runs, self.batch.runs, self.batch.count = self.batch.runs, [], 0
-        trains: dict[Take, list[bytes]] = {}
-        before: tuple[Take, ...] = ()
-        loading: list[list[bytes]] = []
-        for publisher, first, items in runs:
-            frame, takers, topic = publisher.run(first, items)
-            if takers is not before:
-                before, loading = takers, [trains.setdefault(take, []) for take in takers]
-            for train in loading:
-                train.append(frame)
-            if topic in self._filters:
-                self._send(publisher, frame)
-        for take, whole in trains.items():
-            self._hand(take, whole[0] if len(whole) == 1 else frames.train(whole))
-
-    def call_courier(self) -> None:
-        """Have what waits sent in a moment."""
-        self._courier.call()
-
-    def _hand(self, take: Take, frame: bytes) -> None:
-        try:
-            take(frame, sockets.NOBLOCK)
-        except zmq.Again:
-            self.faults.count("queue full", "a subscriber on this machine is behind")
-
-    def _send(self, publisher: Publisher, frame: bytes) -> None:
-        plane = publisher.definition.plane
+    def _send_to_central(self, frame: bytes, topic: bytes, plane: Plane) -> None:
+        """Send a frame; the lock of the queue is held."""
         send = self._sends.get(plane)
         if send is None:
             return
         try:
             send(frame, sockets.NOBLOCK)
         except zmq.Again:
-            name = publisher.definition.name
-            self.faults.count("not sent", f"{name}: no connection to central")
+            name = topic.strip(b"!\0").decode("ascii")
+            self._faults.count("not sent", f"{name}: no connection to central")
         self._loop.touch(self._files[plane])
 
-    def _look(self) -> None:
-        now = self.clock()
+    def _check_open(self) -> None:
+        now = self._clock()
         for publisher in self._publishers.values():
-            publisher.look(now)
+            publisher.check_open(now)
 
     def _advertise(self, publisher: Publisher) -> None:
         name = publisher.definition.name
-        self.connection.send(control.Advertise(name=name))
+        self._connection.send(control.Advertise(name=name))
         for token in self._marks.get(publisher.topic[:-1], ()):
-            self.connection.send(control.Ready(token=token))
+            self._connection.send(control.Ready(token=token))
 
     def _receive(self, socket: sockets.Socket) -> bool:
         """Take the subscriptions that have come."""
@@ -279,18 +226,18 @@ class Publishers:
             if topic[:1] == _MARK:
                 self._marked(topic, on=on)
             elif not on:
-                self._filters.discard(topic)
-            elif len(self._filters) < _MAX_FILTERS:
-                self._filters.add(topic)
+                self._queue.topics.discard(topic)
+            elif len(self._queue.topics) < _MAX_FILTERS:
+                self._queue.topics.add(topic)
             else:
-                self.faults.count("too many subscriptions", "one more is not noted")
+                self._faults.count("too many subscriptions", "one more is ignored")
         if came:
-            self._look()
+            self._check_open()
         return len(came) == _AT_ONCE
 
     def _subscriptions(self, socket: sockets.Socket) -> list[bytes]:
         came: list[bytes] = []
-        with self.batch.lock:
+        with self._queue.lock:
             if not socket.closed and sockets.readable(socket):
                 try:
                     while len(came) < _AT_ONCE:
@@ -310,41 +257,7 @@ class Publishers:
         if len(self._marks) < _MAX_FILTERS:
             self._marks.setdefault(wanted, set()).add(token)
         publisher = self._publishers.get(wanted.removeprefix(frames.FAR).decode("ascii", "replace"))
-        # What a neighbour subscribes to at central is not what we send; it has an inbox for that.
+        # A subscriber on this machine has an inbox; its subscription at central is for others.
         sent = publisher is not None and publisher.topic[:-1] == wanted
-        if sent or token.startswith(f"{self.connection.publisher}."):
-            self.connection.send(control.Ready(token=token))
-
-
-class _FlushThread:
-    """A thread that sends what waits, a moment after it was called."""
-
-    def __init__(self, batch: Batch, flush: Callable[[], None]) -> None:
-        self._batch = batch
-        self._flush = flush
-        self._wake = threading.Event()
-        self._closed = False
-        self._thread: threading.Thread | None = None
-
-    def call(self) -> None:
-        """Come in a moment."""
-        self._batch.called = True
-        if self._thread is None:
-            self._thread = threading.Thread(target=self._run, name="rune-courier", daemon=True)
-            self._thread.start()
-        self._wake.set()
-
-    def close(self) -> None:
-        """Never come again."""
-        self._closed = True
-        self._wake.set()
-        if self._thread is not None:
-            self._thread.join()
-
-    def _run(self) -> None:
-        while not self._closed:
-            self._wake.wait()
-            self._wake.clear()
-            time.sleep(BATCH_S)
-            self._batch.called = False  # before it looks: what comes from now on calls again
-            self._flush()
+        if sent or token.startswith(f"{self._connection.publisher}."):
+            self._connection.send(control.Ready(token=token))

@@ -78,14 +78,14 @@ class ReceiveQueue:
         self._topics: dict[bytes, Subscription] = {}
         self._waits = 0
         self._opened: list[_Opened] = []
-        self._carriages: deque[bytes] = deque()
+        self._bundled: deque[bytes] = deque()
         self._queues: dict[int, deque[_Opened]] = {0: deque()}
         self._rings = shared_ring.Readers()
 
     @property
     def pending(self) -> bool:
         """Whether messages were taken from the sockets and not handed on yet."""
-        return self._waits > 0 or bool(self._opened) or bool(self._carriages)
+        return self._waits > 0 or bool(self._opened) or bool(self._bundled)
 
     def add(self, subscription: Subscription) -> None:
         """Take the frames of this message, or do so by another priority than before."""
@@ -125,8 +125,8 @@ class ReceiveQueue:
         """Hand on what was begun: a handler that raised or listened itself has left it so."""
         while self._opened:
             self._hand_out(self._opened[-1])
-        while self._carriages:
-            self._take_frame(self._carriages.popleft())
+        while self._bundled:
+            self._take_frame(self._bundled.popleft())
 
     def take(self, socket: sockets.Socket) -> bool:
         """Take a batch from a socket; whether there may be more.
@@ -142,8 +142,8 @@ class ReceiveQueue:
                 raw = receive(zmq.NOBLOCK)
             except zmq.Again:
                 return False
-            if frames.is_train(raw):
-                self._take_train(raw)
+            if frames.is_bundle(raw):
+                self._take_bundle(raw)
             else:
                 self._take_frame(raw)
             if self._clock() > end:
@@ -158,7 +158,7 @@ class ReceiveQueue:
                 raw = socket.recv(zmq.NOBLOCK)
             except zmq.Again:
                 return
-            for each in self._taken_apart(raw) if frames.is_train(raw) else [raw]:
+            for each in self._taken_apart(raw) if frames.is_bundle(raw) else [raw]:
                 subscription = self._topics.get(each[: each.find(b"\0")])
                 if (
                     subscription is not None
@@ -167,13 +167,13 @@ class ReceiveQueue:
                 ):
                     self._put(subscription, received)
 
-    def _take_train(self, raw: bytes) -> None:
-        self._carriages += self._taken_apart(raw)
+    def _take_bundle(self, raw: bytes) -> None:
+        self._bundled += self._taken_apart(raw)
         self._finish()
 
-    def _taken_apart(self, train: bytes) -> list[bytes]:
+    def _taken_apart(self, bundle: bytes) -> list[bytes]:
         try:
-            return frames.carriages(train)
+            return frames.split_bundle(bundle)
         except FrameError as error:
             self._faults.count("malformed frame", str(error))
             return []

@@ -1,4 +1,4 @@
-"""A client's answers to queries: now, or later."""
+"""The queries that a client answers, at once or later."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ Pack = Callable[[MessageDefinition[Any], Any, float], bytes]
 
 
 class Reply(Generic[R]):
-    """An answer that is owed; it is given once, at any time before the query's time has run out.
+    """Answers one query, once, at any time before the query's time has run out.
 
     Attributes:
-        asker: Who asked: its number at central, as in frame headers.
+        asker: The asker's number at central, as in frame headers.
     """
 
     def __init__(self, asker: int, respond: Callable[[R, float | None], None], fail: Fail) -> None:
@@ -31,12 +31,12 @@ class Reply(Generic[R]):
         self._fail = fail
 
     def answer(self, value: R, *, measured: float | None = None) -> None:
-        """This is it; a second answer is dropped by central.
+        """Answer; central drops a second answer.
 
         Args:
             value: The answer.
             measured: When its content was measured, on the monotonic clock [s]; default when the
-                question came.
+                query came.
 
         Raises:
             CodecError: The value does not fit the format; the query has ended with that error.
@@ -48,7 +48,7 @@ class Reply(Generic[R]):
             raise
 
     def fail(self, why: str) -> None:
-        """There will be none."""
+        """Answer with an error."""
         self._fail("HandlerFailedError", why)
 
 
@@ -58,7 +58,7 @@ _Responder = Callable[[frames.Frame, int, float, SendControl], None]
 
 
 class Responders:
-    """What one client answers."""
+    """All queries that one client answers."""
 
     def __init__(
         self,
@@ -83,7 +83,7 @@ class Responders:
         self._last = last
         self._clock = clock
         self._responders: dict[str, _Responder] = {}
-        self._door: DirectResponder | None = None
+        self._direct_responder: DirectResponder | None = None
 
     def add(
         self,
@@ -110,25 +110,25 @@ class Responders:
             self._announce(name, on=False)
 
     def announce_all(self) -> None:
-        """Tell central, which knows the definitions now, what we answer."""
+        """Announce all at central, which knows the definitions now."""
         for name in self._responders:
             self._announce(name, on=True)
 
-    def open_door(self, door: DirectResponder | None) -> None:
-        """Let others on this machine ask us there, or nowhere but through central."""
-        self._door = door
+    def use_direct_responder(self, direct_responder: DirectResponder | None) -> None:
+        """Take queries there too, or only through central."""
+        self._direct_responder = direct_responder
 
     def answer(self, query: control.Query, attached: bytes | None) -> None:
         """A query has come from central."""
         self._answer(query, attached, self._connection.send)
 
     def answer_directly(self, query: control.Query, attached: bytes, asker: bytes) -> None:
-        """A query has come in at our door."""
-        if self._door is not None:
-            self._answer(query, attached, functools.partial(self._door.answer, asker))
+        """A query came from a client on this machine."""
+        if self._direct_responder is not None:
+            self._answer(query, attached, functools.partial(self._direct_responder.answer, asker))
 
     def _answer(self, query: control.Query, attached: bytes | None, send: SendControl) -> None:
-        asked = self._clock()  # what the answer says was measured from now on, not when it is sent
+        asked = self._clock()  # the answer was measured now, whenever it is sent
         responder = self._responders.get(query.name)
         try:
             if responder is None or attached is None:
@@ -142,8 +142,8 @@ class Responders:
             _fail(send, query.number, "HandlerFailedError", text)
             raise
 
-    def tell_last(self, query: control.Last) -> None:
-        """Somebody wants the last value that we published."""
+    def answer_last(self, query: control.Last) -> None:
+        """Answer with the last value that this client published."""
         frame = self._last(query.name)
         if frame is None:
             text = f"{self._name} has published no {query.name} yet"
@@ -153,11 +153,11 @@ class Responders:
 
     def _announce(self, name: str, *, on: bool) -> None:
         if self._connection.publisher:
-            address = self._door.address if self._door else ""
+            address = self._direct_responder.address if self._direct_responder else ""
             self._connection.send(control.Handle(name=name, on=on, address=address))
 
 
 def _fail(send: SendControl, number: int, error: str, text: str) -> None:
-    """Say that there will be no answer, in a text that can be sent whatever is in it."""
-    sayable = text.replace("\0", "?").encode(errors="replace").decode()
-    send(control.Failure(number=number, error=error, text=sayable), None)
+    """Send an error; characters that cannot be sent are replaced."""
+    text = text.replace("\0", "?").encode(errors="replace").decode()
+    send(control.Failure(number=number, error=error, text=text), None)

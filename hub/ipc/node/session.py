@@ -1,8 +1,9 @@
-"""What happens on a client's side of a connection, and in which order its parts hear of it."""
+"""The parts of a client, and in which order they act when the connection changes."""
 
 from __future__ import annotations
 
 import collections
+from collections.abc import Callable
 from typing import Any
 
 from hub.errors import CodecError, HubError, NotAllowedError, RedefinedMessageError
@@ -27,7 +28,7 @@ _CHECK_S = 1.0
 _LAST_S = 2.0
 _REPORT_ENTRIES = 1000
 _HANDSHAKE_S = 0.5
-"""How long who leaves waits for handshakes that are under way [s]."""
+"""How long `close` waits for handshakes that are under way [s]."""
 
 
 class Session:
@@ -83,20 +84,34 @@ class Session:
         )
         self._context = context
         self._loop = loop
-        self._door: DirectResponder | None = None
-        self._way_in: tuple[list[str], bool, bool] | None = None
-        self._lasts: set[str] = set()
+        self._direct_responder: DirectResponder | None = None
+        self._plane_addresses: tuple[list[str], bool, bool] | None = None
+        self._last_names: set[str] = set()
+        self._frame_actions: dict[type, Callable[[Any, bytes | None], object]] = {
+            control.Query: self.responders.answer,
+            control.Response: self._on_answer,
+            control.Failure: self._on_answer,
+        }
+        self._actions: dict[type, Callable[[Any], object]] = {
+            control.Last: self.responders.answer_last,
+            control.DirectRoute: self._on_direct_route,
+            control.Defined: self._on_defined,
+            control.Advertised: self.publishers.advertised,
+            control.Subscribed: self.subscriptions.subscribed,
+            control.Subscriber: self.publishers.subscriber,
+            control.Refused: self._on_refused,
+        }
 
     @property
     def defined(self) -> bool:
-        """Whether central has confirmed all our definitions."""
+        """Whether central has confirmed all definitions of this client."""
         return self._confirmed.issuperset(self._definitions)
 
     def define(self, definition: MessageDefinition[Any]) -> None:
         """Make a message known at central.
 
         Raises:
-            RedefinedMessageError: We have defined it with another format ourselves.
+            RedefinedMessageError: This client has defined it with another format.
         """
         known = self._definitions.get(definition.name)
         if known is not None and known.fingerprint != definition.fingerprint:
@@ -114,7 +129,7 @@ class Session:
         return self.subscriptions.receive_queue.pending or self.publishers.pending
 
     def due(self, otherwise: float) -> float:
-        """When we want to be served even if nothing comes [s]."""
+        """When work is due even if nothing comes [s]."""
         wake = min(otherwise, self.connection.due(otherwise), self._next_check)
         return self.pending_queries.due(wake)
 
@@ -129,7 +144,7 @@ class Session:
             self._check(now)
 
     def neglected(self, time: float) -> None:
-        """We did not listen for long: what lies in the sockets is old, but events are events."""
+        """The loop stood still for `time` [s]: drop what is old in the sockets, but keep events."""
         if time > LOST_S and self.connection.publisher:
             self.subscriptions.take_events()
             self.connection.start_over(f"{self._name} did not listen for {time:.1f} s")
@@ -137,26 +152,26 @@ class Session:
             self.subscriptions.drop_pictures()
 
     def welcomed(self, message: control.Welcome, *, anew: bool, same_run: bool) -> None:
-        """Central knows us."""
+        """Central knows this client."""
         if anew:
-            # Central knew us no more: what lies in the old connections is from before that.
+            # What waits in the old connections is from before central forgot this client.
             self._confirmed.clear()
             self.refused.clear()
             addresses = self.connection.addresses(message)
             if message.near:
-                # Neighbours connect to us, and ZeroMQ ends a process that has no descriptor left.
+                # Other clients connect to this one. ZeroMQ ends a process without free descriptors.
                 file_descriptors.allow_many()
             self._leave_planes()
-            self._way_in = (addresses, message.near, same_run)
+            self._plane_addresses = (addresses, message.near, same_run)
             if self.publishers.used or self.subscriptions.used:
                 self.enter_planes()
-            self._open_door(near=message.near)
+            self._open_direct_responder(near=message.near)
         for definition in self._definitions.values():
             self.connection.send(definition_listing.to_listing(definition))
         if anew:
             self.publishers.advertise_all()
             self.subscriptions.subscribe_all()
-            for name in self._lasts:
+            for name in self._last_names:
                 self.pending_queries.ask_last(name, _LAST_S, self.subscriptions.accept)
             self.responders.announce_all()
             if self.directory is not None:
@@ -164,117 +179,114 @@ class Session:
 
     def ask_last(self, name: str) -> None:
         """Have the last value of a message handed on, now and whenever central is new."""
-        self._lasts.add(name)
+        self._last_names.add(name)
         if self.connection.publisher:
             self.pending_queries.ask_last(name, _LAST_S, self.subscriptions.accept)
 
     def enter_planes(self) -> None:
-        """Connect to where broadcasts go in and come out, unless we have.
+        """Connect to where broadcasts go in and come out, unless that is done.
 
-        Not before something is published or subscribed to: who only asks needs no broadcasts, and
-        would often leave in the middle of these handshakes.
+        This waits until something is published or subscribed to. A client that only asks needs no
+        broadcasts, and would often leave in the middle of these handshakes.
         """
-        if self._way_in is not None:
-            addresses, near, same_run = self._way_in
-            self._way_in = None
-            self.publishers.connect(addresses[0::2], near=near)
+        if self._plane_addresses is not None:
+            addresses, near, same_run = self._plane_addresses
+            self._plane_addresses = None
+            self.publishers.connect(addresses[0::2])
             self.subscriptions.connect(addresses[1::2], near=near, same_run=same_run)
 
     def _leave_planes(self) -> None:
-        self._way_in = None
+        self._plane_addresses = None
         self.publishers.disconnect()
         self.subscriptions.disconnect()
 
     def lost(self, why: str) -> None:
-        """Central is gone; nothing may wait for it, because it would be old when it comes."""
+        """Central is gone: nothing waits for its return, because it would be old by then."""
         self._confirmed.clear()
         self._leave_planes()
-        self._close_ways()
+        self._close_direct_requesters()
         self.pending_queries.end_all(why)
 
     def close(self) -> None:
         """Free everything."""
-        self._way_in = None
+        self._plane_addresses = None
         if self.connection.publisher:
             self._handshakes.wait(_HANDSHAKE_S)
-        self._close_ways()
-        self._open_door(near=False)
+        self._close_direct_requesters()
+        self._open_direct_responder(near=False)
         self.publishers.close()
         self.subscriptions.disconnect()
         self.connection.close()
 
-    def told(self, message: Any, attached: bytes | None) -> None:
+    def on_control_message(self, message: Any, attached: bytes | None) -> None:
         """A control message came that is not about the connection."""
-        if isinstance(message, control.Query):
-            self.responders.answer(message, attached)
-        elif isinstance(message, (control.Response, control.Failure)):
-            if not self.pending_queries.conclude(message, attached, self._reception):
-                self._faults.count("late answer", "nobody waits for it any more")
-        else:
-            self._told_rarely(message)
+        kind = type(message)
+        if kind in self._frame_actions:
+            self._frame_actions[kind](message, attached)
+        elif kind in self._actions:
+            self._actions[kind](message)
+        elif self.directory is not None:
+            self.directory.on_control_message(message)
 
-    def _told_rarely(self, message: Any) -> None:
-        if isinstance(message, control.Last):
-            self.responders.tell_last(message)
-        elif isinstance(message, control.DirectRoute):
-            self._route(message)
-        elif isinstance(message, control.Defined):
-            self._confirmed.add(message.name)
-        elif isinstance(message, control.Advertised):
-            self.publishers.advertised(message)
-        elif isinstance(message, control.Subscribed):
-            self.subscriptions.subscribed(message)
-        elif isinstance(message, control.Subscriber):
-            self.publishers.subscriber(message)
-        elif self.directory is not None and self.directory.told(message):
+    def _on_answer(
+        self, message: control.Response | control.Failure, attached: bytes | None
+    ) -> None:
+        if not self.pending_queries.conclude(message, attached, self._message_info):
+            self._faults.count("late answer", "no query waits for it any more")
+
+    def _on_defined(self, message: control.Defined) -> None:
+        self._confirmed.add(message.name)
+
+    def _on_refused(self, message: control.Refused) -> None:
+        if self.directory is not None and self.directory.on_control_message(message):
             return
-        elif isinstance(message, control.Refused):
-            kind = NotAllowedError if message.error == "NotAllowedError" else RedefinedMessageError
-            self.refused[message.subject] = kind(message.text)
-            self._faults.count("refused by central", message.text)
+        kind = NotAllowedError if message.error == "NotAllowedError" else RedefinedMessageError
+        self.refused[message.subject] = kind(message.text)
+        self._faults.count("refused by central", message.text)
 
-    def _open_door(self, *, near: bool) -> None:
-        """Be asked directly as a neighbour, and only then."""
-        if near and self._door is None:
-            self._door = DirectResponder(
+    def _open_direct_responder(self, *, near: bool) -> None:
+        """Take queries directly if central is on this machine, and only then."""
+        if near and self._direct_responder is None:
+            self._direct_responder = DirectResponder(
                 self.connection.client,
                 self.responders.answer_directly,
                 context=self._context,
                 loop=self._loop,
                 faults=self._faults,
             )
-        elif not near and self._door is not None:
-            self._door.close()
-            self._door = None
-        self.responders.open_door(self._door)
+        elif not near and self._direct_responder is not None:
+            self._direct_responder.close()
+            self._direct_responder = None
+        self.responders.use_direct_responder(self._direct_responder)
 
-    def _route(self, message: control.DirectRoute) -> None:
-        """Central says where queries of a name may go, or that they may no longer."""
-        way = next((w for w in self.pending_queries.ways() if w.address == message.address), None)
-        if way is None and endpoints.is_direct_address(message.address):
-            way = DirectRequester(
+    def _on_direct_route(self, message: control.DirectRoute) -> None:
+        """Central says where queries of a name go directly; without an address, through central."""
+        known = self.pending_queries.requesters()
+        requester = next((each for each in known if each.address == message.address), None)
+        if requester is None and endpoints.is_direct_address(message.address):
+            requester = DirectRequester(
                 message.address,
-                answered=self.told,
-                lost=self._way_lost,
+                answered=self.on_control_message,
+                lost=self._direct_requester_lost,
                 context=self._context,
                 loop=self._loop,
                 faults=self._faults,
             )
-        before = self.pending_queries.follow(message.name, way)
+        before = self.pending_queries.use_requester(message.name, requester)
         if before is not None and not before.names:
             before.close()
 
-    def _way_lost(self, way: DirectRequester) -> None:
-        for name in tuple(way.names):
-            self.pending_queries.follow(name, None)
-        way.close()
+    def _direct_requester_lost(self, requester: DirectRequester) -> None:
+        for name in tuple(requester.names):
+            self.pending_queries.use_requester(name, None)
+        requester.close()
 
-    def _close_ways(self) -> None:
-        for way in self.pending_queries.ways():
-            self._way_lost(way)
+    def _close_direct_requesters(self) -> None:
+        for requester in self.pending_queries.requesters():
+            self._direct_requester_lost(requester)
 
     def _check(self, now: float) -> None:
-        """What is to be done every second or so."""
+        """Do the work of every second or so."""
         self._next_check = now + _CHECK_S
         self._handshakes.look()
         self.publishers.check()
@@ -313,7 +325,7 @@ class Session:
             raise CodecError(text)
         return frame
 
-    def _reception(self, frame: frames.Frame) -> MessageInfo:
+    def _message_info(self, frame: frames.Frame) -> MessageInfo:
         now = self._clock()
         measured = min(now, frame.stamp_ns * 1e-9 - self.connection.hub_time.offset)
         return MessageInfo(frame.publisher, frame.sequence, 0, now - measured, measured)

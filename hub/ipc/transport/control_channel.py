@@ -1,4 +1,4 @@
-"""A client's end of a conversation in control messages, with central or with a neighbour."""
+"""A client's end of a connection for control messages, to central or to another client."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from hub.ipc.wire import control_codec
 
 _BATCH = 256
 _TURN_S = 0.02
-"""What comes is served for so long before timers have their turn: each may take its time [s]."""
+"""After this long, timers have their turn before more messages are served [s]."""
 
 
 class ControlChannel:
@@ -25,9 +25,9 @@ class ControlChannel:
         self,
         socket: sockets.Socket,
         *,
-        told: Callable[[Any, bytes | None], None],
+        on_message: Callable[[Any, bytes | None], None],
         events: int,
-        happened: Callable[[int], None],
+        on_event: Callable[[int], None],
         loop: Loop,
         faults: FaultCounter,
         address: str,
@@ -36,19 +36,19 @@ class ControlChannel:
 
         Args:
             socket: The socket.
-            told: Gets each control message and the message frame that goes with it.
-            events: What of the connection itself is of interest: `zmq.EVENT_...` together.
-            happened: Gets each of these.
+            on_message: Gets each control message and the message frame that goes with it.
+            events: Which events of the connection are reported: `zmq.EVENT_...` together.
+            on_event: Gets each of these.
             loop: Serves it.
             faults: Counts what is malformed.
             address: Where to.
         """
         self._socket = socket
-        self._told = told
-        self._happened = happened
+        self._on_message = on_message
+        self._on_event = on_event
         self._loop = loop
         self._faults = faults
-        self._send = sockets.sender(socket)
+        self._send_part = sockets.sender(socket)
         self._monitor = socket.get_monitor_socket(events)
         sockets.connect(socket, address)
         self._file = loop.register(socket, self._receive)
@@ -61,7 +61,9 @@ class ControlChannel:
         packed = control_codec.pack(message)
         self._loop.touch(self._file)
         try:
-            sockets.send_parts(self._send, [packed] if attached is None else [packed, attached])
+            sockets.send_parts(
+                self._send_part, [packed] if attached is None else [packed, attached]
+            )
         except zmq.Again:
             return False
         return True
@@ -80,7 +82,7 @@ class ControlChannel:
                 raw = self._monitor.recv_multipart(zmq.NOBLOCK)
             except zmq.Again:
                 break
-            self._happened(sockets.parse_event(raw)[0])
+            self._on_event(sockets.parse_event(raw)[0])
         return False
 
     def _receive(self) -> bool:
@@ -96,7 +98,7 @@ class ControlChannel:
             except (FrameError, CodecError) as error:
                 self._faults.count("malformed control frame", str(error))
                 continue
-            self._told(message, parts[1] if len(parts) > 1 else None)
+            self._on_message(message, parts[1] if len(parts) > 1 else None)
             if socket.closed:
                 return False
             if not sockets.readable(socket):

@@ -12,7 +12,7 @@ The topic is the message's name; `!` and the name if its publisher reaches nobod
 payload may lie in a ring of shared memory instead; then the topic is `@` and the name, and what is
 sent is a descriptor of the place.
 
-What goes directly to a neighbour needs no topic of its own: a train is one ZeroMQ frame with
+What goes directly to a neighbour needs no topic of its own: a bundle is one ZeroMQ frame with
 several of these frames in it, behind a `*`.
 """
 
@@ -45,7 +45,7 @@ _HEADER = struct.Struct("<HHIQQqI")
 _ITEM = struct.Struct("<qI")
 _COUNT = struct.Struct("<I")
 HEADER_SIZE = _HEADER.size
-_TRAIN = b"*"
+_BUNDLE = b"*"
 _LITTLE_ENDIAN = ENCAPSULATION["<"]
 MAX_TOPIC = MAX_NAME_LENGTH + 1
 
@@ -214,32 +214,32 @@ def items(payload: memoryview) -> list[tuple[int, memoryview]]:
     return found
 
 
-def train(whole: Sequence[bytes]) -> bytes:
-    """Several frames, first to last, as one that goes to a neighbour."""
-    parts = [_TRAIN]
+def bundle(whole: Sequence[bytes]) -> bytes:
+    """Several frames, first to last, as one that goes directly to one subscriber."""
+    parts = [_BUNDLE]
     for frame in whole:
         parts += (_COUNT.pack(len(frame)), frame)
     return b"".join(parts)
 
 
-def is_train(raw: bytes) -> bool:
+def is_bundle(raw: bytes) -> bool:
     """Whether these are several frames."""
-    return raw[:1] == _TRAIN
+    return raw[:1] == _BUNDLE
 
 
-def carriages(raw: bytes) -> list[bytes]:
-    """The frames of a train.
+def split_bundle(raw: bytes) -> list[bytes]:
+    """The frames of a bundle.
 
     Raises:
         FrameError: It is damaged.
     """
-    found, at, length = [], len(_TRAIN), len(raw)
+    found, at, length = [], len(_BUNDLE), len(raw)
     while at + _COUNT.size <= length:
         start = at + _COUNT.size
         at = start + _COUNT.unpack_from(raw, at)[0]
         found.append(raw[start:at])
     if at != length:
-        text = f"a train of {length} bytes ends inside a frame"
+        text = f"a bundle of {length} bytes ends inside a frame"
         raise FrameError(text)
     return found
 

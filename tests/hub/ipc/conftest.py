@@ -100,9 +100,9 @@ class Peer:
             self.publish(each, Number(value=-1))
         self.call(lambda: self.client.wait_published(5.0))
 
-    def takers(self, definition: MessageDefinition[Any]) -> int:
+    def direct(self, definition: MessageDefinition[Any]) -> int:
         """How many neighbours take a message of ours."""
-        return len(self.client._publishers.of(definition).takers.whole)
+        return len(self.client._publishers.of(definition).direct)
 
     def close(self) -> None:
         self._stop.set()

@@ -60,7 +60,7 @@ def test_what_goes_to_neighbours_alone_is_not_sent_to_central(make: Make) -> Non
     one.publish(v.LOG, Number(value=1))
     until(lambda: received, 5.0)
     publisher = one.client._publishers.of(v.LOG)
-    assert len(publisher.takers.whole) == 1
+    assert len(publisher.direct) == 1
     assert not one.client._publishers.is_wanted(publisher.topic)
 
 
@@ -124,12 +124,12 @@ def test_unsubscribed_and_departed_neighbours_get_no_more(make: Make) -> None:
     one.publish(v.LOG, Number(value=1))
     until(lambda: received and too, 5.0)
     other.call(lambda: other.client.unsubscribe(v.LOG))
-    until(lambda: one.takers(v.LOG) == 1, 5.0)
+    until(lambda: one.direct(v.LOG) == 1, 5.0)
     third.close()
-    until(lambda: one.takers(v.LOG) == 0, 5.0)
+    until(lambda: one.direct(v.LOG) == 0, 5.0)
     one.publish(v.LOG, Number(value=2))
     assert values(received) == values(too) == [1]
-    until(lambda: not one.client._publishers._deliveries._ways, 10.0, "a way stayed open")
+    until(lambda: not one.client._publishers._direct_sockets, 10.0, "a way stayed open")
 
 
 def test_nothing_is_lost_while_subscribers_come_and_go(make: Make) -> None:
@@ -229,7 +229,7 @@ def test_who_subscribes_again_gets_everything_in_order(make: Make) -> None:
     one.call(lambda: publish(0))
     for step, takers in zip(steps, (0, 1), strict=False):
         step.set()
-        until(lambda takers=takers: one.takers(v.LOG) == takers, 5.0)
+        until(lambda takers=takers: one.direct(v.LOG) == takers, 5.0)
     one.call(lambda: publish(200))
     steps[2].set()
     until(lambda: received[-1:] == [399], 5.0)

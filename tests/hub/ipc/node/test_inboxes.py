@@ -48,7 +48,7 @@ def test_rubbish_in_an_inbox_is_counted_and_harms_nobody(make: Make) -> None:
     for _ in range(200):
         raw = randomness.randbytes(randomness.randint(0, 200))
         for each in (raw, topic + raw, b"*" + raw, b"@" + topic + raw, b"!" + topic + raw,
-                     frames.train([raw, topic + raw])):  # fmt: skip
+                     frames.bundle([raw, topic + raw])):  # fmt: skip
             rogue.send(each)
     rogue.send_multipart([b"x"] * 1000)
     counts = other.client.faults.counts
@@ -88,7 +88,7 @@ def test_publisher_connects_to_nothing_but_inboxes(make: Make, inbox: str) -> No
     one.publish(v.LOG, Number(value=1))
     wrong = Subscriber(name="T_Log", subscriber=1, inbox=inbox)
     one.call(lambda: one.client._publishers.subscriber(wrong))
-    assert one.takers(v.LOG) == 0
+    assert one.direct(v.LOG) == 0
     assert one.client.faults.counts["malformed control frame"] == 1
 
 
@@ -141,7 +141,7 @@ def test_publisher_that_finds_no_way_to_a_subscriber_publishes_to_the_others(mak
     number = third.client._connection.publisher
     nowhere = Subscriber(name="T_Log", subscriber=number, inbox="ipc:///nowhere")
     one.call(lambda: one.client._publishers.subscriber(nowhere))
-    assert one.takers(v.LOG) == 1
+    assert one.direct(v.LOG) == 1
     one.call(lambda: one.client._publishers.subscriber(Subscriber(name="", subscriber=number)))
     one.publish(v.LOG, Number(value=1))
     until(lambda: values(received) == [-1, 1], 5.0)

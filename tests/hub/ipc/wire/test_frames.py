@@ -170,14 +170,14 @@ def test_topic_of_a_descriptor_carries_descriptors_alone() -> None:
 def test_frames_of_a_train_come_back_and_a_damaged_one_is_refused(
     whole: list[bytes], cut: int
 ) -> None:
-    raw = frames.train(whole)
-    assert frames.is_train(raw)
-    assert frames.carriages(raw) == whole
+    raw = frames.bundle(whole)
+    assert frames.is_bundle(raw)
+    assert frames.split_bundle(raw) == whole
     if raw[:-cut] and raw[:-cut] != b"*":
         with contextlib.suppress(FrameError):
-            assert frames.carriages(raw[:-cut]) == whole[: len(frames.carriages(raw[:-cut]))]
+            assert frames.split_bundle(raw[:-cut]) == whole[: len(frames.split_bundle(raw[:-cut]))]
     with pytest.raises(FrameError, match="ends inside a frame"):
-        frames.carriages(raw + b"\xff" * 4)
+        frames.split_bundle(raw + b"\xff" * 4)
 
 
 @pytest.mark.parametrize("kind", [b"", frames.FAR])

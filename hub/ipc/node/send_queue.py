@@ -1,0 +1,175 @@
+"""The queue in front of a client's sockets: messages of a burst leave it together.
+
+| a message comes | it leaves |
+| --- | --- |
+| alone | at once |
+| in a burst | with those that follow, when enough have come or the module listens |
+| in a burst, while the module is busy | after `WAIT_S`, by a thread of the queue |
+
+The lock of the queue also guards the sockets behind it, because two threads send.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import zmq
+
+from hub.ipc.definition import Plane
+from hub.ipc.transport import sockets
+from hub.ipc.transport.fault_counter import FaultCounter
+from hub.ipc.wire import frames
+
+WAIT_S = 0.5e-3
+"""How long a message of a burst may wait for more while its module is busy elsewhere [s]."""
+
+Send = Callable[[bytes, int], Any]
+"""Sends a frame to one subscriber; the number is of flags."""
+Combine = Callable[[int, Sequence[bytes]], tuple[bytes, tuple[Send, ...], bytes, Plane]]
+"""(number of the first message, messages) -> one frame for them, the subscribers on this machine
+that get it, its topic for all others (empty: it is not for them), and its plane."""
+
+
+class SendQueue:
+    """Sends the frames of one client, in the order in which they were published.
+
+    Attributes:
+        lock: Guards the queue and the sockets.
+        topics: What subscribers at central want.
+        previous: When the last message was published, whether it waits or not [s].
+        latest: Its publisher. The next frame of another publisher is a frame of its own: that is
+            cheaper than a batch of one.
+    """
+
+    def __init__(
+        self, send_to_central: Callable[[bytes, bytes, Plane], None], faults: FaultCounter
+    ) -> None:
+        """Start empty.
+
+        Args:
+            send_to_central: Sends a frame under a topic on a plane.
+            faults: Counts what could not be sent.
+        """
+        self.lock = threading.Lock()
+        self.topics: set[bytes] = set()
+        self.previous = 0.0
+        self.latest: object = None
+        self._send_to_central = send_to_central
+        self._faults = faults
+        # Each: how to combine, the number of the first (0: a whole frame), the messages.
+        self._runs: list[tuple[Combine, int, list[bytes]]] = []
+        self._count = 0
+        self._since = 0.0
+        self._wake = threading.Event()
+        self._woken = False
+        self._closed = False
+        self._thread: threading.Thread | None = None
+
+    @property
+    def pending(self) -> bool:
+        """Whether messages wait."""
+        return bool(self._runs)
+
+    def send(self, frame: bytes, direct: tuple[Send, ...], topic: bytes, plane: Plane) -> None:
+        """Send a frame at once, behind all that waits.
+
+        Args:
+            frame: The frame.
+            direct: The subscribers on this machine that get it.
+            topic: For all other subscribers; empty if it is not for them.
+            plane: Its plane.
+        """
+        with self.lock:
+            if self._runs:
+                self._send_waiting()
+            for send in direct:
+                self._send_directly(send, frame)
+            if topic in self.topics:
+                self._send_to_central(frame, topic, plane)
+
+    def add(self, combine: Combine, number: int, message: bytes, now: float, limit: int) -> None:
+        """Let a message of a burst wait for more.
+
+        Args:
+            combine: Makes one frame of consecutive messages of the same publisher.
+            number: Its sequence number; 0 if the message is a whole frame.
+            message: The message.
+            now: The time [s].
+            limit: All are sent when this many wait.
+        """
+        with self.lock:
+            runs = self._runs
+            if number and runs and runs[-1][0] is combine and runs[-1][1]:
+                runs[-1][2].append(message)
+            else:
+                if not runs:
+                    self._since = now
+                    if not self._woken:
+                        self._wake_thread()
+                runs.append((combine, number, [message]))
+            self._count += 1
+            if self._count >= limit or now - self._since > WAIT_S:
+                self._send_waiting()
+
+    def flush(self) -> None:
+        """Send all that waits; any thread may call this."""
+        with self.lock:
+            self.flush_locked()
+
+    def flush_locked(self) -> None:
+        """Send all that waits; the caller holds the lock."""
+        if self._runs:
+            self._send_waiting()
+
+    def clear_locked(self) -> None:
+        """Forget all that waits; the caller holds the lock."""
+        self._runs.clear()
+        self._count = 0
+
+    def close(self) -> None:
+        """Send all that waits and end the thread."""
+        self.flush()
+        self._closed = True
+        self._wake.set()
+        if self._thread is not None:
+            self._thread.join()
+
+    def _send_waiting(self) -> None:
+        runs, self._runs, self._count = self._runs, [], 0
+        bundles: dict[Send, list[bytes]] = {}
+        before: tuple[Send, ...] = ()
+        open_bundles: list[list[bytes]] = []
+        for combine, number, messages in runs:
+            frame, direct, topic, plane = combine(number, messages)
+            if direct is not before:
+                before, open_bundles = direct, [bundles.setdefault(send, []) for send in direct]
+            for bundle in open_bundles:
+                bundle.append(frame)
+            if topic in self.topics:
+                self._send_to_central(frame, topic, plane)
+        for send, whole in bundles.items():
+            self._send_directly(send, whole[0] if len(whole) == 1 else frames.bundle(whole))
+
+    def _send_directly(self, send: Send, frame: bytes) -> None:
+        try:
+            send(frame, sockets.NOBLOCK)
+        except zmq.Again:
+            self._faults.count("queue full", "a subscriber on this machine is behind")
+
+    def _wake_thread(self) -> None:
+        self._woken = True
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._run, name="rune-flush", daemon=True)
+            self._thread.start()
+        self._wake.set()
+
+    def _run(self) -> None:
+        while not self._closed:
+            self._wake.wait()
+            self._wake.clear()
+            time.sleep(WAIT_S)
+            self._woken = False  # before the flush: a message that comes now wakes it again
+            self.flush()
