@@ -349,11 +349,17 @@ SITUATIONS: Final[dict[str, Situation]] = {
 }
 
 
+@functools.cache
+def shipped(name: str) -> LayoutSpec:
+    """A layout of Rune, opened once."""
+    return open_layout(ROOT / "layouts" / f"{name}.xml")
+
+
 def scene(
     layout: LayoutSpec, situation: Situation, size: tuple[int, int], theme: Theme = DARK
 ) -> Cells:
     """What a console of this size [cells] shows."""
-    view = View(layout)
+    view = View(layout, spent=lambda: 0.0)
     view.resize(*size)
     state = dataclasses.replace(
         ConsoleState.at_start(layout, NOW, "ada"),
@@ -368,7 +374,7 @@ def scene(
 def main() -> None:
     folder, name = Path(sys.argv[1]), (*sys.argv[2:], "search")[0]
     folder.mkdir(exist_ok=True)
-    layout = open_layout(ROOT / "layouts" / f"{name}.xml")
+    layout = shipped(name)
     for title, situation in SITUATIONS.items():
         for size in SIZES:
             cells = scene(layout, situation, size)

@@ -31,9 +31,9 @@ from rune_tui.model.change_notifier import ChangeNotifier
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import SendEffect, StateEffect, changed
 from rune_tui.model.robot_state import LinkPhase, LinkState, Received, RobotState
-from rune_tui.startup.opening import open_layout
 from rune_tui.view import View
 from rune_tui.visualizers.words.status_words import status_parts
+from tests.console.situations import shipped
 from tests.console.test_layout_snapshots import robot as usual
 from tests.console.test_layout_snapshots import room
 from tests.support import extremes
@@ -107,7 +107,7 @@ def inputs(dispatch: Dispatch, random: Random) -> Iterator[ControlEvent]:
 @pytest.mark.parametrize("name", LAYOUTS)
 def test_layout_takes_whatever_robots_say(name: str, caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level(logging.WARNING)
-    layout, random = open_layout(ROOT / "layouts" / f"{name}.xml"), Random(3)
+    layout, random = shipped(name), Random(3)
     view, dispatch, watch = View(layout, lambda: 0.0), Dispatch(layout), ChangeNotifier()
     view.resize(*SIZE)
     robots = Robots(layout, random)

@@ -25,8 +25,8 @@ from rune_tui.model.robot_state import (
     Received,
     RobotState,
 )
-from rune_tui.startup.opening import open_layout
 from rune_tui.view import View
+from tests.console.situations import shipped
 from tests.console.states import described, renamed, rendered, robot_of
 from tests.support.messages import camera_state, robot_state
 
@@ -148,7 +148,7 @@ LOST = RobotState(
 @pytest.mark.parametrize("layout", sorted(path.stem for path in (ROOT / "layouts").glob("*.xml")))
 @pytest.mark.parametrize("state", ["live", "stale", "lost"])
 def test_layout_looks_as_it_did(layout: str, size: tuple[int, int], state: str) -> None:
-    opened = open_layout(ROOT / "layouts" / f"{layout}.xml")
+    opened = shipped(layout)
     view = View(opened, spent=lambda: 0.0)
     view.resize(*size)
     shown = {"live": robot(0.05), "stale": robot(4.2), "lost": LOST}[state]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
 from itertools import combinations
 from pathlib import Path
 from typing import cast
@@ -19,9 +20,9 @@ from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import AskEffect, StateEffect, changed
 from rune_tui.model.theme import LEAST_CONTRAST, THEMES, Theme
-from rune_tui.startup.opening import BUILT_IN, open_layout
+from rune_tui.startup.opening import BUILT_IN
 from rune_tui.view import View
-from tests.console.situations import NOW, ROOT, SITUATIONS, scene
+from tests.console.situations import NOW, ROOT, SITUATIONS, scene, shipped
 from tests.console.test_contrast import least_contrast
 
 LAYOUTS = sorted((ROOT / "layouts").glob("*.xml"))
@@ -30,7 +31,6 @@ LINES = {"visualizeStatus", "visualizeLabel"}
 """Lines with a ground of their own, which part what is above them from what is below."""
 
 each_layout = pytest.mark.parametrize("path", LAYOUTS, ids=lambda path: path.stem)
-each_size = pytest.mark.parametrize("size", SIZES, ids=lambda size: f"{size[0]}")
 
 
 def drawn_of(layout: LayoutSpec, name: str) -> str:
@@ -50,12 +50,18 @@ def panes(layout: LayoutSpec, size: tuple[int, int]) -> list[Placed]:
     return [each for each in there if each.spec.visible and drawn_of(layout, each.spec.viewport)]
 
 
-@each_size
+def pairs(layout: LayoutSpec) -> Iterator[tuple[tuple[int, int], Placed, Placed]]:
+    """Every two panes at each size."""
+    for size in SIZES:
+        for one, other in combinations(panes(layout, size), 2):
+            yield size, one, other
+
+
 @each_layout
-def test_no_pane_touches_another(path: Path, size: tuple[int, int]) -> None:
-    layout = open_layout(path)
+def test_no_pane_touches_another(path: Path) -> None:
+    layout = shipped(path.stem)
     titled = {each.name for each in layout.view.viewports if each.title}
-    for one, other in combinations(panes(layout, size), 2):
+    for size, one, other in pairs(layout):
         if one.spec.zpos != other.spec.zpos or one.area.meets(other.area):
             continue
         if not one.area.touches(other.area):
@@ -69,21 +75,20 @@ def test_no_pane_touches_another(path: Path, size: tuple[int, int]) -> None:
         assert parted or gauges or drawn & LINES, pair
 
 
-@each_size
 @each_layout
-def test_lines_of_two_robots_do_not_run_into_each_other(path: Path, size: tuple[int, int]) -> None:
-    layout = open_layout(path)
+def test_lines_of_two_robots_do_not_run_into_each_other(path: Path) -> None:
+    layout = shipped(path.stem)
     robots = {each.name: each.robot for each in layout.view.viewports}
-    for one, other in combinations(panes(layout, size), 2):
+    for size, one, other in pairs(layout):
         if robots[one.spec.viewport] == robots[other.spec.viewport]:
             continue
         if drawn_of(layout, one.spec.viewport) == drawn_of(layout, other.spec.viewport):
-            assert not one.area.touches(other.area)
+            assert not one.area.touches(other.area), size
 
 
 @each_layout
 def test_forty_columns_by_twelve_rows_show_video_control_and_stop(path: Path) -> None:
-    layout = open_layout(path)
+    layout = shipped(path.stem)
     there = panes(layout, (40, 12))
     cameras = [
         each for each in there if drawn_of(layout, each.spec.viewport) == "visualizeCameraImage"
@@ -108,7 +113,7 @@ def all_widgets(layout: LayoutSpec) -> list:
 @pytest.mark.parametrize("theme", THEMES.values(), ids=lambda theme: theme.name)
 @each_layout
 def test_every_text_stands_out(path: Path, theme: Theme) -> None:
-    layout = open_layout(path)
+    layout = shipped(path.stem)
     for size in SIZES:
         cells = scene(layout, SITUATIONS["low-battery"], size, theme)
         for depth in ColourDepth:
@@ -117,7 +122,7 @@ def test_every_text_stands_out(path: Path, theme: Theme) -> None:
 
 @each_layout
 def test_what_is_behind_everything_is_the_themes(path: Path) -> None:
-    layout = open_layout(path)
+    layout = shipped(path.stem)
     assert layout.view.background is None
     light = scene(layout, SITUATIONS["lost-link"], (160, 48), THEMES["light"])
     dark = scene(layout, SITUATIONS["lost-link"], (160, 48))
@@ -140,7 +145,7 @@ SLOWS = {"]", "[", "1", "2", "3", "4"}
 
 @each_layout
 def test_the_keys_that_an_operator_expects_are_in_every_layout(path: Path) -> None:
-    layout = open_layout(path)
+    layout = shipped(path.stem)
     bound = {(w.handler, event.name) for w in all_widgets(layout) for event in w.events}
     assert COMMON.items() <= bound
     assert not any(name in {"ctrl+e", "ctrl+p"} for _, name in bound)
@@ -161,7 +166,7 @@ def test_the_keys_that_an_operator_expects_are_in_every_layout(path: Path) -> No
 @pytest.mark.parametrize("name", ["two-robots", "land-sea-air"])
 @pytest.mark.parametrize("size", [(40, 12), *SIZES], ids=lambda size: f"{size[0]}")
 def test_the_title_of_the_chosen_robot_is_marked(name: str, size: tuple[int, int]) -> None:
-    layout = open_layout(ROOT / "layouts" / f"{name}.xml")
+    layout = shipped(name)
     view, dispatch = View(layout), Dispatch(layout)
     view.resize(*size)
     state = ConsoleState.at_start(layout, NOW, "ada")

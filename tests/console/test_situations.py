@@ -12,11 +12,10 @@ import pytest
 
 from rune_tui.compositor.picture import plain_text
 from rune_tui.model.theme import DARK
-from rune_tui.startup.opening import open_layout
-from tests.console.situations import ROOT, SITUATIONS, scene
+from tests.console.situations import ROOT, SITUATIONS, scene, shipped
 
 SNAPSHOTS = ROOT / "tests" / "golden" / "situations"
-SEARCH = open_layout(ROOT / "layouts" / "search.xml")
+SEARCH = shipped("search")
 ALARMS = {
     "near-wall": "CLOSE 0.08 m ahead",
     "stale-picture": "PICTURE 4.2 s OLD",

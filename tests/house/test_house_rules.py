@@ -6,28 +6,25 @@ import ast
 import tomllib
 from pathlib import Path
 
-import pytest
-
 ROOT = Path(__file__).parents[2]
 SOURCES = sorted(p for package in ("hub", "rune_tui") for p in (ROOT / package).rglob("*.py"))
 MAX_LINES = 500
 VAGUE = {"util", "utils", "helper", "helpers", "misc", "core", "base", "types", "manager"}
 
 
-def _name(path: Path) -> str:
-    return str(path.relative_to(ROOT))
+def test_files_are_small_and_named_for_what_they_hold() -> None:
+    lines = {path: len(path.read_text().splitlines()) for path in SOURCES}
+    assert {path: count for path, count in lines.items() if count > MAX_LINES} == {}
+    assert [path for path in SOURCES if path.stem.strip("_") in VAGUE] == []
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=_name)
-def test_file_is_small_and_named_for_what_it_holds(path: Path) -> None:
-    assert len(path.read_text().splitlines()) <= MAX_LINES
-    assert path.stem.strip("_") not in VAGUE
-
-
-@pytest.mark.parametrize("path", [p for p in SOURCES if p.name == "__init__.py"], ids=_name)
-def test_package_init_holds_only_a_docstring(path: Path) -> None:
-    body = ast.parse(path.read_text()).body
-    assert [type(node) for node in body] == [ast.Expr]
+def test_package_inits_hold_only_a_docstring() -> None:
+    bodies = {
+        path: [type(node) for node in ast.parse(path.read_text()).body]
+        for path in SOURCES
+        if path.name == "__init__.py"
+    }
+    assert {path: body for path, body in bodies.items() if body != [ast.Expr]} == {}
 
 
 def test_every_dependency_is_bounded_and_has_its_reason_beside_it() -> None:

@@ -1,4 +1,4 @@
-"""The stale stick, a thousand times each: hands, console, link, robot and wheels on one clock.
+"""The stale stick, many times each: hands, console, link, robot and wheels on one clock.
 
 `tests/system/test_stale_stick.py` does the same to real processes, fewer times.
 """
@@ -15,8 +15,9 @@ from rune_tui.layout.spec import LayoutSpec
 from rune_tui.startup.opening import open_layout
 from tests.console.controls.hands_to_wheels import Console, World
 from tests.console.controls.pure_agent import PadAgent
+from tests.support.repetitions import repetitions
 
-TIMES = 1000
+TIMES = repetitions(50, 1000)
 TOLD_S = 0.35
 REST_S = 0.7
 INSISTED_S = 0.2

@@ -84,11 +84,18 @@ def robots(draw: st.DrawFn) -> RobotState:
 
 
 @pytest.mark.filterwarnings("ignore:.*encountered in:RuntimeWarning")
-@pytest.mark.parametrize("function", VISUALIZERS)
 @given(robot=robots(), size=st.sampled_from(SIZES))
-def test_every_visualizer_draws_whatever_is_taken(
-    function: str, robot: RobotState, size: tuple[int, int]
-) -> None:
+def test_every_visualizer_draws_whatever_is_taken(robot: RobotState, size: tuple[int, int]) -> None:
+    for function in VISUALIZERS:
+        try:
+            draw(function, robot, size)
+        except Exception as error:
+            error.add_note(f"by {function}")
+            raise
+
+
+def draw(function: str, robot: RobotState, size: tuple[int, int]) -> None:
+    """Draw it, and look at what was drawn."""
     visualizer, state = made_by(function), ConsoleState(now=NOW)
     canvas = Canvas.blank(*size)
     hash(visualizer.source(robot, state))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
@@ -21,16 +23,17 @@ def test_every_name_makes_its_visualizer() -> None:
         assert isinstance(kind.from_spec(visualizer_spec(name)), kind)
 
 
+SIZES = ((1, 1), (1, 2), (2, 1), (3, 5), (20, 7), (40, 2), (2, 40), (120, 40))
+
+
 @pytest.mark.parametrize("name", sorted(VISUALIZERS))
-@pytest.mark.parametrize(
-    "size", [(1, 1), (1, 2), (2, 1), (3, 5), (20, 7), (40, 2), (2, 40), (120, 40)]
-)
-def test_every_visualizer_draws_on_any_canvas_with_and_without_data(made, draw, name, size) -> None:
+def test_every_visualizer_draws_on_any_canvas_with_and_without_data(made, draw, name) -> None:
     text = {"text": "words"} if VISUALIZERS[name].rule.text else {}
     known = {definition.name: made.received(v) for definition, v in everything().items()}
-    for phase in LinkPhase:
-        draw(name, made.robot(messages=known, link=made.link(phase)), size, **text)
-    draw(name, made.robot(picture=None, navigation=None, camera=None), size, **text)
+    robots = [made.robot(messages=known, link=made.link(phase)) for phase in LinkPhase]
+    robots.append(made.robot(picture=None, navigation=None, camera=None))
+    for robot, size in itertools.product(robots, SIZES):
+        draw(name, robot, size, **text)
 
 
 @pytest.mark.parametrize(

@@ -36,7 +36,7 @@ def test_a_reader_that_paused_with_a_full_queue_lives_on() -> None:
         address = f"tcp://127.0.0.1:{port}"
         reader = subprocess.Popen([sys.executable, "-c", SLOW_READER, address])
         while reader.poll() is None:
-            for _ in range(50):
+            for _ in range(5):
                 sender.send(bytes(20_000))
             sender.poll(20)
     assert reader.returncode == 0

@@ -49,10 +49,9 @@ def test_frame_comes_back_as_it_was(
     assert bytes(back.payload) == payload
 
 
-@pytest.mark.parametrize("length", range(1, 65))
-def test_members_start_at_a_multiple_of_eight_after_any_name(length: int) -> None:
-    raw = _frame("n" * length)
-    assert (raw.index(b"abcd")) % 8 == 0
+def test_members_start_at_a_multiple_of_eight_after_any_name() -> None:
+    starts = {length: _frame("n" * length).index(b"abcd") for length in range(1, 65)}
+    assert {length: start for length, start in starts.items() if start % 8} == {}
 
 
 def test_frame_has_the_documented_layout() -> None:
