@@ -61,6 +61,7 @@ def test_hundred_thousand_bad_connections(
     _attack(make_rig, tell, count=CONNECTIONS, at_most_s=AT_MOST_S, timed=True)
 
 
+@pytest.mark.soak
 def test_thousand_bad_connections(make_rig: Callable[..., Rig], tell: Callable[..., None]) -> None:
     _attack(make_rig, tell, count=1000, at_most_s=5.0, timed=False)
 
@@ -110,7 +111,8 @@ def test_three_hundred_thousand_subscriptions_of_one_peer(
     _flood(make_rig, tell, transport=transport, count=300_000, rounds=5, timed=True)
 
 
-@pytest.mark.parametrize("transport", ["tcp", pytest.param("ipc", marks=pytest.mark.soak)])
+@pytest.mark.soak
+@pytest.mark.parametrize("transport", ["tcp", "ipc"])
 def test_flood_of_subscriptions_is_ended_and_good_ones_are_not(
     make_rig: Callable[..., Rig], tell: Callable[..., None], transport: str
 ) -> None:

@@ -109,6 +109,7 @@ def test_five_thousand_bad_frames_to_a_client(
     _attack_client(make_rig, tell, 5_000, 2.0)
 
 
+@pytest.mark.soak
 def test_ten_thousand_bad_frames_to_central(
     make_rig: Callable[..., Rig], tell: Callable[..., None]
 ) -> None:

@@ -179,6 +179,7 @@ def test_central_is_killed_and_started_again_under_load(
     _check(make_rig, tell, transport, ROUNDS)
 
 
+@pytest.mark.soak
 def test_central_is_killed_twice_under_load(
     make_rig: Callable[..., Rig], tell: Callable[..., None]
 ) -> None:

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import io
+import os
 import subprocess
 import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import pytest
 
-from hub import cli
+import hub.cli
+import rune_tui.cli
 
 
 def run(module: str, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -29,16 +34,30 @@ def run(module: str, *arguments: str) -> subprocess.CompletedProcess[str]:
 
 def rune_hub(*arguments: str) -> subprocess.CompletedProcess[str]:
     """`rune-hub ...` in this process, because starting another takes most of the time."""
-    said, complained = io.StringIO(), io.StringIO()
-    with (
-        contextlib.redirect_stdout(said),
-        contextlib.redirect_stderr(complained),
-        pytest.MonkeyPatch.context() as patch,
-    ):
-        patch.setattr(cli, "start_logging", lambda *_: None)
-        patch.setattr(cli, "_leave", _interrupted)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(hub.cli, "start_logging", lambda *_: None)
+        patch.setattr(hub.cli, "_leave", _interrupted)
+        return _ended(hub.cli.main, arguments)
+
+
+def rune(*arguments: str) -> subprocess.CompletedProcess[str]:
+    """`rune ...` in this process, with nothing on its standard input."""
+    thresholds = gc.get_threshold()
+    with Path(os.devnull).open() as nothing, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "stdin", nothing)
         try:
-            code = cli.main(arguments)
+            return _ended(rune_tui.cli.main, arguments)
+        finally:
+            gc.set_threshold(*thresholds)
+
+
+def _ended(
+    main: Callable[[Sequence[str]], int], arguments: Sequence[str]
+) -> subprocess.CompletedProcess[str]:
+    said, complained = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(complained):
+        try:
+            code = main(arguments)
         except SystemExit as end:  # of a command that cannot be understood
             code = int(end.code or 0)
     return subprocess.CompletedProcess(arguments, code, said.getvalue(), complained.getvalue())

@@ -20,7 +20,9 @@ from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.roles import Role
 from hub.ipc.security.keyring import Keyring, default_folder
-from tests.support.command_line import rune_hub
+from rune_tui.commands.arguments import parser
+from rune_tui.startup.opening import open_layout
+from tests.support.command_line import rune, rune_hub
 from tests.support.waiting import until
 from tests.system.harness import ConsoleProcess, HubProcess
 from tests.system.ssh_server import SshServer, missing
@@ -100,7 +102,7 @@ def test_commands_of_missions_work(
 
 
 @pytest.mark.parametrize("command", named(BY_ITSELF))
-def test_command_works(command: str, tmp_path: Path) -> None:
+def test_command_works(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     words = shlex.split(command)
     if words[0] == "make":
         targets = re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
@@ -112,15 +114,19 @@ def test_command_works(command: str, tmp_path: Path) -> None:
     elif words[:2] == ["rune", "pad"]:
         _goes_in_by_a_key(words, tmp_path)
     elif words[:2] in (["rune", "demo"], ["rune", "run"]):
-        _shows_a_picture(words)
+        _can_be_opened(words)
     elif words[:2] == ["rune", "terminal"]:
         with closing(ConsoleProcess(words[1:])) as asking:
             assert asking.wait_ended() == 0
             assert "acknowledges  yes" in asking.text
+    elif "--demo" in words:
+        _succeeds(words, tmp_path)
     else:
         if words[:3] == ["rune-hub", "keys", "remove"]:
             Keyring(default_folder()).make(words[3], Role.OBSERVE)
-        _succeeds(words, tmp_path)
+        monkeypatch.chdir(tmp_path)
+        done = (rune if words[0] == "rune" else rune_hub)(*_arguments(words))
+        assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.parametrize("command", named(ON_A_HUB))
@@ -138,7 +144,10 @@ def test_command_works_on_a_hub(
     else:
         assert words[:2] == ["rune", "run"]
         words[words.index("--hub") + 1] = lasting_hub.endpoint
-        _shows_a_picture(words)
+        if "--set" in words:  # one for all; the others differ in what is read
+            _shows_a_picture(words)
+        else:
+            _can_be_opened(words)
 
 
 def _starts_and_ends(words: list[str], folder: Path) -> None:
@@ -161,6 +170,13 @@ def _arguments(words: list[str]) -> list[str]:
     return [str(ROOT / word) if word.endswith(".xml") else word for word in words[1:]]
 
 
+def _can_be_opened(words: list[str]) -> None:
+    """The command is understood, and its layouts are good; consoles run in other tests."""
+    options = parser().parse_args(_arguments(words))
+    for layout in getattr(options, "layouts", None) or [options.layout]:
+        open_layout(layout, dict(options.set))
+
+
 def _shows_a_picture(words: list[str]) -> None:
     arguments = _arguments(words)
     with closing(ConsoleProcess(arguments)) as console:
@@ -179,9 +195,10 @@ def _goes_through_ssh(
         words[place] = server.target
         # The robot's hub has another port here than the usual one.
         words[place + 1 : place + 1] = [*(["--hub"] if words[1] != "pad" else []), hub.endpoint]
-        if words[1] == "run":
-            _shows_a_picture(words)
-        elif words[1] == "pad":
+        if words[1] == "run":  # `test_ssh` has a console drive through it
+            _can_be_opened(words)
+            return
+        if words[1] == "pad":
             _connects_until_ended(words)
         else:
             _succeeds(words, folder)

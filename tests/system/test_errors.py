@@ -8,7 +8,7 @@ from subprocess import CompletedProcess
 
 import pytest
 
-from tests.support.command_line import run, rune_hub
+from tests.support.command_line import run, rune, rune_hub
 from tests.system.harness import ConsoleProcess, HubProcess, in_soak
 
 
@@ -32,11 +32,11 @@ def test_wrong_layout() -> None:
 
 def test_wrong_layout_is_refused_by_run_and_shot_as_well(tmp_path: Path) -> None:
     path = str(Path(__file__).with_name("wrong_layout.xml"))
-    assert run("rune_tui", "shot", path, "-o", str(tmp_path / "x.png")).returncode == 2
+    assert rune("shot", path, "-o", str(tmp_path / "x.png")).returncode == 2
 
 
 def test_unknown_option_of_rune_gets_a_hint() -> None:
-    said = complaint(run("rune_tui", "shot", "search", "--siez", "80x24", "-o", "x.png"), 2)
+    said = complaint(rune("shot", "search", "--siez", "80x24", "-o", "x.png"), 2)
     assert said == "rune shot: '--siez' is no option here; did you mean --size?\n"
 
 
@@ -72,32 +72,32 @@ def test_wrong_usage_of_rune_hub_is_one_sentence_with_advice(arguments: str, sai
     ],
 )
 def test_wrong_usage_of_rune_is_one_sentence_with_advice(arguments: str, said: str) -> None:
-    complained = complaint(run("rune_tui", *arguments.split()), 2)
+    complained = complaint(rune(*arguments.split()), 2)
     assert said in complained
     assert len(complained.splitlines()) == 1
 
 
 def test_missing_layout() -> None:
-    said = complaint(run("rune_tui", "check", "/nowhere/layout.xml"), 2)
+    said = complaint(rune("check", "/nowhere/layout.xml"), 2)
     assert "/nowhere/layout.xml" in said
 
 
 def test_run_without_a_terminal() -> None:
-    said = complaint(run("rune_tui", "run", "demo"), 2)
+    said = complaint(rune("run", "demo"), 2)
     assert "terminal" in said
 
 
 def test_missing_hub(tmp_path: Path) -> None:
     picture = tmp_path / "lost.txt"
     arguments = ("--hub", "127.0.0.1:1", "--seconds", "0.5", "-o", str(picture))
-    said = complaint(run("rune_tui", "shot", "minimal", *arguments), 3)
+    said = complaint(rune("shot", "minimal", *arguments), 3)
     assert "no hub answered at tcp://127.0.0.1:1, so" in said
     assert not picture.exists()
 
 
 @pytest.mark.parametrize("command", ["list", *in_soak("modules", "status")])
 def test_missing_hub_for_looking_into_it(command: str) -> None:
-    said = complaint(run("hub", command, "--hub", "tcp://127.0.0.1:1"), 3)
+    said = complaint(rune_hub(command, "--hub", "tcp://127.0.0.1:1"), 3)
     assert said.startswith(
         "rune-hub: no hub answers at tcp://127.0.0.1:1; is rune-hub running there?"
     )
@@ -118,7 +118,7 @@ def test_busy_port(hub: HubProcess) -> None:
 def test_wrong_robot_file(tmp_path: Path) -> None:
     robot = tmp_path / "robot.toml"
     robot.write_text('nam = "x"\n[modules.driver]\nrum = "hub.modules.driver"\n')
-    said = complaint(run("hub", "run", str(robot)), 2)
+    said = complaint(rune_hub("run", str(robot)), 2)
     assert "did you mean 'name'" in said
     assert "did you mean 'run'" in said
 
@@ -129,7 +129,7 @@ def test_unknown_message(hub: HubProcess) -> None:
 
 
 def test_picture_of_an_unknown_kind(tmp_path: Path) -> None:
-    said = complaint(run("rune_tui", "shot", "minimal", "-o", str(tmp_path / "x.bmp")), 2)
+    said = complaint(rune("shot", "minimal", "-o", str(tmp_path / "x.bmp")), 2)
     assert ".png" in said
 
 
