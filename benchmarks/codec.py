@@ -63,7 +63,6 @@ def image(data: npt.NDArray[np.uint8]) -> vision.Image:
         width_px=160,
         height_px=120,
         channels=3,
-        length=len(data),
         data=data,
     )
 

@@ -35,7 +35,7 @@ def main() -> None:
                 number=number % MARKS + 1 if known else 0,
                 version=number // MARKS if known else 0,
                 kind=PointKind.VICTIM, x=float(number), y=1.0, by="Ada", note=f"{number}",
-                length=len(picture), thumbnail=picture,
+                thumbnail=picture,
             )  # fmt: skip
             began = time.monotonic()
             keeper.mark(point, "Ada")

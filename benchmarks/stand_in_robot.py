@@ -154,6 +154,5 @@ def coded(pixels: npt.NDArray[np.uint8], camera: vision.CameraState, quality: in
         width_px=pixels.shape[1],
         height_px=pixels.shape[0],
         channels=3,
-        length=len(data),
         data=data,
     )

@@ -18,6 +18,7 @@ from hub.gcm.fields import (
 from hub.gcm.navigation import MOST_POINTS, Point
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.formats.ranges import Most
+from hub.ipc.formats.wire_types import Counted
 
 
 class Behaviour(enum.IntEnum):
@@ -46,18 +47,15 @@ class AutonomyCommand:
 
     Attributes:
         behaviour: What.
-        count: Number of points.
         points: Where to in `map`: one for GO, some for FOLLOW, else none.
     """
 
     behaviour: Behaviour = Behaviour.HOLD
-    count: int = 0
-    points: Annotated[tuple[Point, ...], Most(MOST_POINTS)] = ()
+    points: Annotated[tuple[Point, ...], Counted(), Most(MOST_POINTS)] = ()
 
 
 AUTONOMY_COMMAND = MessageDefinition(
     name="GCM_Autonomy_Command",
-    format="{{enum:5},int,<{double,double}:2>}",
     type=AutonomyCommand,
     keep=Keep.ALL,
     plane=Plane.COMMAND,
@@ -139,8 +137,6 @@ class AutonomyState:
 
 AUTONOMY_STATE = MessageDefinition(
     name="GCM_AutonomyState",
-    format="{{enum:5},{enum:2},double,double,double,string,{enum:8},{enum:5},"
-    "double,double,double,double,uint,uint}",
     type=AutonomyState,
     rate_hz=2.0,
 )

@@ -6,12 +6,14 @@ Positions are in `base_link` (ROS REP 103): x forward, y left, the origin where 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, TypeAlias
 
 from hub.gcm.fields import Length, Metres, Name
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats.ranges import Most
+from hub.ipc.formats.wire_types import FLOAT32, Counted
 
+Metres32: TypeAlias = Annotated[Metres, FLOAT32]
 MOST_CORNERS = 32
 """Corners of a footprint at most."""
 
@@ -26,9 +28,9 @@ class Point32:
         z: Up [m].
     """
 
-    x: Metres
-    y: Metres
-    z: Metres = 0.0
+    x: Metres32
+    y: Metres32
+    z: Metres32 = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,21 +41,18 @@ class RobotBody:
         name: The robot's own name, from its robot file.
         kind: Its kind, such as "simulated-magellan".
         radius: Of the circle around the origin in which all of it lies [m].
-        count: Number of corners.
-        footprint: Corners of the ground that it covers, counter-clockwise, shape (count,); none:
+        footprint: Corners of the ground that it covers, counter-clockwise, shape (n,); none:
             the circle.
     """
 
     name: Name
     kind: Name
     radius: Length
-    count: int = 0
-    footprint: Annotated[tuple[Point32, ...], Most(MOST_CORNERS)] = ()
+    footprint: Annotated[tuple[Point32, ...], Counted(), Most(MOST_CORNERS)] = ()
 
 
 ROBOT_DESCRIPTION = MessageDefinition(
     name="GCM_RobotDescription",
-    format="{string,string,double,int,<{float,float,float}:4>}",
     type=RobotBody,
 )
 

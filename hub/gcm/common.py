@@ -46,7 +46,6 @@ class CommonCommand:
 
 COMMON_COMMAND = MessageDefinition(
     name="GCM_Common_Command",
-    format="{string,{enum:5},string}",
     type=CommonCommand,
     keep=Keep.ALL,
     plane=Plane.COMMAND,
@@ -67,7 +66,6 @@ class RequestData:
 
 REQUEST_DATA = MessageDefinition(
     name="GCM_Common_RequestData",
-    format="{string}",
     type=RequestData,
     keep=Keep.ALL,
     plane=Plane.COMMAND,
@@ -88,8 +86,6 @@ class CommonResult:
     text: Sentence
 
 
-COMMON_RESULT = MessageDefinition(
-    name="GCM_Common_Result", format="{ubyte,string}", type=CommonResult
-)
+COMMON_RESULT = MessageDefinition(name="GCM_Common_Result", type=CommonResult)
 
 MESSAGES = (COMMON_COMMAND, REQUEST_DATA, COMMON_RESULT)

@@ -80,7 +80,6 @@ class ControlRequest:
 
 CONTROL_REQUEST = MessageDefinition(
     name="GCM_Control_Request",
-    format="{{enum:6},string}",
     type=ControlRequest,
     plane=Plane.COMMAND,
 )
@@ -99,7 +98,6 @@ class ConsoleHeartbeat:
 
 CONSOLE_HEARTBEAT = MessageDefinition(
     name="GCM_Console_Heartbeat",
-    format="{ubyte}",
     type=ConsoleHeartbeat,
     plane=Plane.COMMAND,
     rate_hz=HEARTBEAT_HZ,
@@ -125,8 +123,7 @@ class ControlState:
         commander: Who moves the robot now.
         commander_name: Who that is, for people; empty if nobody does.
         why: How control came to be as it is, for people.
-        count: Number of modules.
-        modules: Numbers of the robot's own modules, whose commands always count, shape (count,).
+        modules: Numbers of the robot's own modules, whose commands always count, shape (n,).
     """
 
     owner: Number = 0
@@ -142,14 +139,11 @@ class ControlState:
     commander: DrivingMode = DrivingMode.NOBODY
     commander_name: Name = ""
     why: Sentence = ""
-    count: int = 0
     modules: Numbers = field(default_factory=lambda: np.zeros(0, np.uint32))
 
 
 CONTROL_STATE = MessageDefinition(
     name="GCM_Control_State",
-    format="{uint,string,string,double,double,uint,string,string,double,int,{enum:2},string,"
-    "string,int,<uint:14>}",
     type=ControlState,
     rate_hz=1.0,
 )
@@ -176,7 +170,6 @@ class ControlRefusal:
 
 CONTROL_REFUSAL = MessageDefinition(
     name="GCM_Control_Refusal",
-    format="{uint,string,uint,string,uint}",
     type=ControlRefusal,
     keep=Keep.ALL,
 )

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.ipc.formats.ranges import Most, Range, Text
+from hub.ipc.formats.wire_types import Counted, Uint8, Uint32
 
 FARTHEST_M: Final = 1e6
 """No place is farther than this from the origin along one axis [m]."""
@@ -48,9 +49,9 @@ Share: TypeAlias = Annotated[float, Range(0.0, 1.0, nearest=True)]
 """A part of a whole, 0 to 1."""
 ShareIfKnown: TypeAlias = Annotated[float, Range(0.0, 1.0, nan=True)]
 
-Flag: TypeAlias = Annotated[int, Range(0, 1)]
+Flag: TypeAlias = Annotated[Uint8, Range(0, 1)]
 """1 for yes, 0 for no."""
-Number: TypeAlias = Annotated[int, Range(0, 0xFFFF_FFFF)]
+Number: TypeAlias = Annotated[Uint32, Range(0, 0xFFFF_FFFF)]
 """A number at central, or a count that never ends."""
 Count: TypeAlias = Annotated[int, Range(0, 1_000_000)]
 """How many."""
@@ -69,7 +70,7 @@ Ranges: TypeAlias = Annotated[
     npt.NDArray[np.float32], Range(0.0, 1000.0, unit="m", nan=True, infinite=True)
 ]
 """What range sensors measure [m]; infinite: nothing is there, NaN: there is no sensor."""
-Numbers: TypeAlias = Annotated[npt.NDArray[np.uint32], Most(MOST_REPORTS)]
+Numbers: TypeAlias = Annotated[npt.NDArray[np.uint32], Counted(), Most(MOST_REPORTS)]
 """Numbers at central."""
-Octets: TypeAlias = Annotated[npt.NDArray[np.uint8], Most(1 << 26)]
+Octets: TypeAlias = Annotated[npt.NDArray[np.uint8], Counted("length", "uint"), Most(1 << 26)]
 """A file or a picture."""

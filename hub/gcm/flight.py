@@ -30,9 +30,7 @@ class Attitude:
     yaw: RadiansIfKnown = math.nan
 
 
-ATTITUDE = MessageDefinition(
-    name="GCM_Attitude", format="{double,double,double,double}", type=Attitude, rate_hz=20.0
-)
+ATTITUDE = MessageDefinition(name="GCM_Attitude", type=Attitude, rate_hz=20.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,8 +53,6 @@ class Altitude:
     climb: SpeedIfKnown = math.nan
 
 
-ALTITUDE = MessageDefinition(
-    name="GCM_Altitude", format="{double,double,double,double,double}", type=Altitude, rate_hz=10.0
-)
+ALTITUDE = MessageDefinition(name="GCM_Altitude", type=Altitude, rate_hz=10.0)
 
 MESSAGES = (ATTITUDE, ALTITUDE)

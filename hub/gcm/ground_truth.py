@@ -39,7 +39,6 @@ class GroundTruth:
 
 GROUND_TRUTH = MessageDefinition(
     name="SIM_GroundTruth",
-    format="{double,double,double,double,double,double,double,double,uint,ubyte}",
     type=GroundTruth,
     rate_hz=50.0,
 )

@@ -40,7 +40,7 @@ def encode(cells: _Map) -> _Coded:
         cells: Shape (height, width), for instance -1 unknown to 100 occupied.
 
     Returns:
-        Coded bytes, shape (length,).
+        Coded bytes, shape (n,).
 
     Raises:
         CodecError: The cells are no map.

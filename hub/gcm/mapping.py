@@ -21,6 +21,7 @@ from hub.gcm.fields import (
 )
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.formats.ranges import Most, Range
+from hub.ipc.formats.wire_types import Counted
 
 MOST_CELLS = 1 << 13
 """Longest side of a map [cells]; at 5 cm a cell it is 400 m."""
@@ -43,9 +44,7 @@ class MapRequest:
     height: Length = 10.0
 
 
-MAP_REQUEST = MessageDefinition(
-    name="GCM_Map_Request", format="{double,double,double,double}", type=MapRequest
-)
+MAP_REQUEST = MessageDefinition(name="GCM_Map_Request", type=MapRequest)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,8 +58,7 @@ class Map:
         height_cells: Cells along y.
         origin_x: Lower left corner of cell (0, 0) in `map` [m].
         origin_y: Lower left corner of cell (0, 0) in `map` [m].
-        length: Bytes of `data`.
-        data: The coded cells, shape (length,); decoded: shape (height, width), row 0 at the lowest
+        data: The coded cells, shape (n,); decoded: shape (height, width), row 0 at the lowest
             y; -1 unknown, 0 free to 100 occupied.
     """
 
@@ -70,13 +68,11 @@ class Map:
     height_cells: Annotated[int, Range(1, MOST_CELLS)]
     origin_x: Metres
     origin_y: Metres
-    length: int
     data: Octets
 
 
 MAP = MessageDefinition(
     name="GCM_Common_Map",
-    format="{double,double,int,int,double,double,uint,<ubyte:7>}",
     type=Map,
 )
 
@@ -106,8 +102,7 @@ class InterestPoint:
         stamp: When it was marked [s since the epoch].
         by: Who marked it.
         note: The operator's words.
-        length: Bytes of `thumbnail`.
-        thumbnail: A small picture of it as JPEG; none if empty. Shape (length,).
+        thumbnail: A small picture of it as JPEG; none if empty. Shape (n,).
         version: How often it was marked or changed, from 1. Who changes it sends the version that
             is changed; 0 for a new point.
         kept: 1 if it is on the robot's disk, 0 if it is in memory only.
@@ -123,17 +118,10 @@ class InterestPoint:
     stamp: Stamp = 0.0
     by: Name = ""
     note: Sentence = ""
-    length: int = 0
     thumbnail: Octets
     version: Number = 0
     kept: Flag = 0
     height: Metres = 0.0
-
-
-_POINT = (
-    "{uint,{enum:1},double,double,double,double,double,string,string,uint,<ubyte:10>,uint,ubyte,"
-    "double}"
-)
 
 
 class PointAction(enum.IntEnum):
@@ -163,7 +151,6 @@ class PointCommand:
 
 POINT_COMMAND = MessageDefinition(
     name="GCM_Point_Command",
-    format="{{enum:1}," + _POINT + "}",
     type=PointCommand,
     keep=Keep.ALL,
     plane=Plane.COMMAND,
@@ -175,17 +162,14 @@ class InterestPoints:
     """All interest points; when they change, on request, and every few seconds.
 
     Attributes:
-        count: How many.
         points: In the order of their numbers.
     """
 
-    count: int
-    points: Annotated[tuple[InterestPoint, ...], Most(MOST_REPORTS)]
+    points: Annotated[tuple[InterestPoint, ...], Counted(), Most(MOST_REPORTS)]
 
 
 INTEREST_POINTS = MessageDefinition(
     name="GCM_InterestPoints",
-    format="{int,<" + _POINT + ":1>}",
     type=InterestPoints,
     rate_hz=0.2,
 )
@@ -206,9 +190,7 @@ class PointRefusal:
     text: Sentence
 
 
-POINT_REFUSAL = MessageDefinition(
-    name="GCM_Point_Refusal", format="{uint,uint,string}", type=PointRefusal, keep=Keep.ALL
-)
+POINT_REFUSAL = MessageDefinition(name="GCM_Point_Refusal", type=PointRefusal, keep=Keep.ALL)
 
 
 class MapOrder(enum.IntEnum):
@@ -240,7 +222,6 @@ class MapCommand:
 
 MAP_COMMAND = MessageDefinition(
     name="GCM_Map_Command",
-    format="{{enum:2},string}",
     type=MapCommand,
     plane=Plane.COMMAND,
 )

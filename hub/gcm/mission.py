@@ -9,8 +9,10 @@ from typing import Annotated, TypeAlias
 from hub.gcm.fields import Count, Flag, Name, Number, Seconds, Sentence, Stamp
 from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.formats.ranges import Range
+from hub.ipc.formats.wire_types import FLOAT32, Wire
 
-Megabytes: TypeAlias = Annotated[float, Range(0.0, 1e12, unit="MB", nearest=True)]
+Megabytes: TypeAlias = Annotated[float, Range(0.0, 1e12, unit="MB", nearest=True), FLOAT32]
+MarkCount: TypeAlias = Annotated[Count, Wire("uint")]
 
 
 class MissionAction(enum.IntEnum):
@@ -44,7 +46,6 @@ class MissionCommand:
 
 MISSION_COMMAND = MessageDefinition(
     name="GCM_Mission_Command",
-    format="{{enum:2},string,string}",
     type=MissionCommand,
     plane=Plane.COMMAND,
 )
@@ -79,9 +80,9 @@ class MissionState:
     begun: Stamp = 0.0
     running_s: Seconds = 0.0
     sheet: Number = 1
-    marks: Count = 0
-    earlier: Count = 0
-    unkept: Count = 0
+    marks: MarkCount = 0
+    earlier: MarkCount = 0
+    unkept: MarkCount = 0
     map_age_s: Annotated[float, Range(0.0, 1e9, unit="s", nan=True)] = float("nan")
     size_mb: Megabytes = 0.0
     free_mb: Megabytes = 0.0
@@ -91,8 +92,6 @@ class MissionState:
 
 MISSION_STATE = MessageDefinition(
     name="GCM_MissionState",
-    format="{string,string,string,ubyte,double,double,uint,uint,uint,uint,double,float,float,"
-    "string,string}",
     type=MissionState,
     rate_hz=1.0,
 )

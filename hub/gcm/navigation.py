@@ -34,6 +34,7 @@ from hub.gcm.ground_truth import GROUND_TRUTH as GROUND_TRUTH  # noqa: PLC0414 f
 from hub.gcm.ground_truth import GroundTruth as GroundTruth  # noqa: PLC0414 for others
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.formats.ranges import Most, Range
+from hub.ipc.formats.wire_types import FLOAT32, Counted, Fixed
 
 MOST_POINTS = 1000
 """Points of the longest way."""
@@ -87,11 +88,8 @@ class Twist:
         return all(part.x == part.y == part.z == 0.0 for part in parts)
 
 
-_TWIST = "{{double,double,double},{double,double,double}}"
-
 VELOCITY_COMMAND = MessageDefinition(
     name="GCM_Velocity_Command",
-    format=_TWIST,
     type=Twist,
     plane=Plane.COMMAND,
     rate_hz=20.0,
@@ -102,7 +100,6 @@ VELOCITY_COMMAND = MessageDefinition(
 
 DRIVE_COMMAND = MessageDefinition(
     name="GCM_Drive_Command",
-    format=_TWIST,
     type=Twist,
     plane=Plane.COMMAND,
     rate_hz=20.0,
@@ -176,16 +173,11 @@ class Measured:
     angular: TurnRate
     commanded_linear: Speed
     commanded_angular: TurnRate
-    sonar: Ranges
-    infrared: Ranges
+    sonar: Annotated[Ranges, Fixed(SENSOR_COUNT)]
+    infrared: Annotated[Ranges, Fixed(SENSOR_COUNT)]
     bumpers: Number
-    battery_voltage: Annotated[float, Range(-1000.0, 1000.0, unit="V", nan=True)]
-    battery_fraction: ShareIfKnown
-
-
-_MEASURED = (
-    "double,double,double,double,double,double,double,double,[float:16],[float:16],uint,float,float"
-)
+    battery_voltage: Annotated[float, Range(-1000.0, 1000.0, unit="V", nan=True), FLOAT32]
+    battery_fraction: Annotated[ShareIfKnown, FLOAT32]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -209,16 +201,15 @@ class RobotState(Measured):
     motion: MotionState
     refused: Number
     assistance: Assistance = Assistance.ON
-    held_back: Share = 0.0
+    held_back: Annotated[Share, FLOAT32] = 0.0
     frame: Number = 0
-    position_off: LengthIfKnown = math.nan
-    heading_off: RadiansIfKnown = math.nan
+    position_off: Annotated[LengthIfKnown, FLOAT32] = math.nan
+    heading_off: Annotated[RadiansIfKnown, FLOAT32] = math.nan
     stops: Number = 0
 
 
 ROBOT_STATE = MessageDefinition(
     name="GCM_RobotState",
-    format=f"{{{_MEASURED},{{enum:6}},uint,{{enum:1}},float,uint,float,float,uint}}",
     type=RobotState,
     rate_hz=20.0,
 )
@@ -241,7 +232,6 @@ class DriveState(Measured):
 
 DRIVE_STATE = MessageDefinition(
     name="GCM_DriveState",
-    format=f"{{{_MEASURED},uint,uint}}",
     type=DriveState,
     rate_hz=50.0,
 )
@@ -260,7 +250,6 @@ class Stop:
 
 STOP = MessageDefinition(
     name="GCM_Stop",
-    format="{string}",
     type=Stop,
     keep=Keep.ALL,
     plane=Plane.COMMAND,
@@ -286,15 +275,13 @@ class GoalCommand:
     """Go to points, one after the other; no points: stand and forget them.
 
     Attributes:
-        count: Number of points.
         points: Where to, in `map`.
         theta: Heading at the last one in `map` [rad]; NaN: any.
         linear_limit: Fastest [m/s]; NaN: the robot's own limit.
         patience: How long the robot waits where the way is closed, 600 at most [s]; 0 or NaN: 30.
     """
 
-    count: int = 0
-    points: Annotated[tuple[Point, ...], Most(MOST_POINTS)] = ()
+    points: Annotated[tuple[Point, ...], Counted(), Most(MOST_POINTS)] = ()
     theta: RadiansIfKnown = float("nan")
     linear_limit: Annotated[float, Range(0.0, 100.0, unit="m/s", nan=True)] = float("nan")
     patience: Annotated[float, Range(0.0, 1e6, unit="s", nan=True)] = float("nan")
@@ -302,7 +289,6 @@ class GoalCommand:
 
 GOAL_COMMAND = MessageDefinition(
     name="GCM_Goal_Command",
-    format="{int,<{double,double}:1>,double,double,double}",
     type=GoalCommand,
     keep=Keep.ALL,
     plane=Plane.COMMAND,
@@ -323,7 +309,6 @@ class TurnCommand:
 
 TURN_COMMAND = MessageDefinition(
     name="GCM_Turn_Command",
-    format="{double}",
     type=TurnCommand,
     keep=Keep.ALL,
     plane=Plane.COMMAND,
@@ -340,7 +325,6 @@ class AssistanceCommand:
 
 ASSISTANCE_COMMAND = MessageDefinition(
     name="GCM_Assistance_Command",
-    format="{{enum:1}}",
     type=AssistanceCommand,
     keep=Keep.ALL,
     plane=Plane.COMMAND,
@@ -367,7 +351,6 @@ class LandmarkCorrection:
 
 LANDMARK_CORRECTION = MessageDefinition(
     name="GCM_Landmark_Correction",
-    format="{double,double,double,double}",
     type=LandmarkCorrection,
     keep=Keep.ALL,
     plane=Plane.COMMAND,
@@ -435,7 +418,6 @@ class NavigationStatus:
         points_left: Points not yet reached.
         distance_left: Length of the way that is left [m]; NaN: not known.
         why: Why it waits or how it ended, for people; empty while it goes on.
-        count: Points of `path`.
         path: The planned way in `map`, from the robot to the goal; none if it has no map.
         cause: The same as `why`, for programs.
         x: Where the task leads or led to in `map` [m]; NaN: it is a turn, or there was none.
@@ -451,8 +433,7 @@ class NavigationStatus:
     points_left: Count
     distance_left: LengthIfKnown
     why: Sentence
-    count: int
-    path: Annotated[tuple[Point, ...], Most(MOST_POINTS)]
+    path: Annotated[tuple[Point, ...], Counted(), Most(MOST_POINTS)]
     cause: Cause = Cause.NONE
     x: MetresIfKnown = float("nan")
     y: MetresIfKnown = float("nan")
@@ -462,8 +443,6 @@ class NavigationStatus:
 
 NAVIGATION_STATUS = MessageDefinition(
     name="GCM_NavigationStatus",
-    format="{uint,{enum:5},uint,uint,int,double,string,int,<{double,double}:8>,{enum:9},"
-    "double,double,double,double}",
     type=NavigationStatus,
     rate_hz=2.0,
 )

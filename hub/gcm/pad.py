@@ -11,6 +11,7 @@ import numpy.typing as npt
 from hub.gcm.fields import Flag, Name, Number, Numbers, Octets, Sentence
 from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.formats.ranges import Most
+from hub.ipc.formats.wire_types import Counted, Wire
 
 STATE_HZ = 50.0
 """How often a pad that is being used says its state [Hz]."""
@@ -28,7 +29,7 @@ NO_VALUE = -(1 << 31)
 """Of an axis or a hat that has none: nothing has come yet, or a hat's centre."""
 
 
-_Values = Annotated[npt.NDArray[np.int32], Most(MOST_CONTROLS)]
+_Values = Annotated[npt.NDArray[np.int32], Counted(), Most(MOST_CONTROLS)]
 
 
 def _no_bytes() -> npt.NDArray[np.uint8]:
@@ -57,26 +58,23 @@ class PadDevice:
         serial: Its serial number; empty if it tells none.
         port: Where at that machine it is plugged in; empty if that is not known.
         bus: As Linux counts: 3 for USB, 5 for Bluetooth, 0 if it is not known.
-        count: Length of its report descriptor [bytes].
-        descriptor: The report descriptor, from which follows what controls it has, shape (count,).
+        descriptor: The report descriptor, from which follows what controls it has, shape (n,).
     """
 
     session: Number
     operator: Name = ""
     machine: Name = ""
     name: Sentence = ""
-    vid: Number = 0
-    pid: Number = 0
+    vid: Annotated[Number, Wire("ushort")] = 0
+    pid: Annotated[Number, Wire("ushort")] = 0
     serial: Sentence = ""
     port: Sentence = ""
-    bus: Number = 0
-    count: int = 0
-    descriptor: Octets = field(default_factory=_no_bytes)
+    bus: Annotated[Number, Wire("ubyte")] = 0
+    descriptor: Annotated[Octets, Counted()] = field(default_factory=_no_bytes)
 
 
 PAD_DEVICE = MessageDefinition(
     name="GCM_Pad_Device",
-    format="{uint,string,string,string,ushort,ushort,string,string,ubyte,int,<ubyte:10>}",
     type=PadDevice,
     plane=Plane.COMMAND,
     rate_hz=DEVICE_HZ,
@@ -91,24 +89,21 @@ class PadState:
     Attributes:
         session: Which `PadDevice` it is of.
         active: 1 while something is moved or was in the last second: then the next state follows
-            within 20 ms; else 0, and it follows within 200 ms. Where `count` is 0: 1 if the sender
-            waits for the device and says so again every 2 s, 0 if it ends.
-        count: How many controls; 0: the device is gone, or its sender ends.
-        values: One for each control of the descriptor, in its order, shape (count,). An axis, a
-            hat: the newest raw number [device units] or `NO_VALUE`. A button: how often it went
-            down or up, modulo 2^31, so that it is down when that is odd. A ball: the sum of its
-            counts, modulo 2^32.
+            within 20 ms; else 0, and it follows within 200 ms. Where `values` is empty: 1 if the
+            sender waits for the device and says so again every 2 s, 0 if it ends.
+        values: One for each control of the descriptor, in its order, shape (n,); empty: the device
+            is gone, or its sender ends. An axis, a hat: the newest raw number [device units] or
+            `NO_VALUE`. A button: how often it went down or up, modulo 2^31, so that it is down
+            when that is odd. A ball: the sum of its counts, modulo 2^32.
     """
 
     session: Number
     active: Flag = 0
-    count: int = 0
     values: _Values = field(default_factory=_no_values)
 
 
 PAD_STATE = MessageDefinition(
     name="GCM_Pad_State",
-    format="{uint,ubyte,int,<int:3>}",
     type=PadState,
     plane=Plane.COMMAND,
     rate_hz=STATE_HZ,
@@ -122,18 +117,15 @@ class PadConsole:
 
     Attributes:
         operator: Who sits there; pads for others it leaves out.
-        count: How many it uses.
-        taken: The numbers at central of their senders, shape (count,).
+        taken: The numbers at central of their senders, shape (n,).
     """
 
     operator: Name = ""
-    count: int = 0
     taken: Numbers = field(default_factory=_no_numbers)
 
 
 PAD_CONSOLE = MessageDefinition(
     name="GCM_Pad_Console",
-    format="{string,int,<uint:2>}",
     type=PadConsole,
     plane=Plane.COMMAND,
     rate_hz=CONSOLE_HZ,

@@ -34,7 +34,7 @@ def encode(pixels: _Pixels, *, quality: int = 100) -> _Pixels:
         quality: 100 is exact; less keeps 8 down to 3 bits a channel, which makes longer runs.
 
     Returns:
-        Coded bytes, shape (length,).
+        Coded bytes, shape (n,).
 
     Raises:
         CodecError: The pixels are no picture of that kind.

@@ -22,6 +22,7 @@ from hub.gcm.fields import (
 )
 from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.formats.ranges import Most, Range
+from hub.ipc.formats.wire_types import FLOAT32, Counted
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,7 +48,6 @@ class ModuleInfo:
 
 MODULE_INFO = MessageDefinition(
     name="GCM_ModuleInfo",
-    format="{string,int,string,string,string,uint}",
     type=ModuleInfo,
     rate_hz=1.0,
 )
@@ -116,9 +116,9 @@ class ModuleReport:
     asked: Flag
     always: Flag
     starts: Annotated[int, Range(0, 0x7FFF_FFFF)]
-    processor: Annotated[float, Range(0.0, 1e4, nan=True)]
-    memory_mb: Annotated[float, Range(0.0, 1e9, unit="MB", nan=True)]
-    age_s: Seconds
+    processor: Annotated[float, Range(0.0, 1e4, nan=True), FLOAT32]
+    memory_mb: Annotated[float, Range(0.0, 1e9, unit="MB", nan=True), FLOAT32]
+    age_s: Annotated[Seconds, FLOAT32]
     why: Sentence
 
 
@@ -128,19 +128,15 @@ class ModuleReports:
 
     Attributes:
         robot: Name of the robot.
-        count: Number of modules.
         modules: One each, in the order of the robot file.
     """
 
     robot: Name
-    count: int
-    modules: Annotated[tuple[ModuleReport, ...], Most(MOST_REPORTS)]
+    modules: Annotated[tuple[ModuleReport, ...], Counted(), Most(MOST_REPORTS)]
 
 
 MODULE_REPORTS = MessageDefinition(
     name="GCM_Variable_ModuleInfo",
-    format="{string,int,<{string,{enum:5},int,string,string,ubyte,ubyte,int,float,float,float,"
-    "string}:2>}",
     type=ModuleReports,
     rate_hz=1.0,
 )
@@ -187,20 +183,17 @@ class CapabilityReports:
 
     Attributes:
         robot: Name of the robot.
-        count: Number of capabilities.
         capabilities: One each, in alphabetical order.
         undeclared: Number of modules that have not said yet what they can do.
     """
 
     robot: Name
-    count: int
-    capabilities: Annotated[tuple[CapabilityReport, ...], Most(MOST_REPORTS)]
+    capabilities: Annotated[tuple[CapabilityReport, ...], Counted(), Most(MOST_REPORTS)]
     undeclared: Count = 0
 
 
 CAPABILITY_REPORTS = MessageDefinition(
     name="GCM_Common_Capabilities",
-    format="{string,int,<{string,{enum:3},string,string,string}:2>,int}",
     type=CapabilityReports,
     rate_hz=1.0,
 )
@@ -227,7 +220,6 @@ class CapabilityWants:
 
 CAPABILITY_WANTS = MessageDefinition(
     name="GCM_Capability_Wants",
-    format="{string,string,double}",
     type=CapabilityWants,
     plane=Plane.COMMAND,
     rate_hz=1.0,
@@ -258,7 +250,6 @@ class ModuleCommand:
 
 MODULE_COMMAND = MessageDefinition(
     name="GCM_Module_Command",
-    format="{string,{enum:2}}",
     type=ModuleCommand,
     plane=Plane.COMMAND,
 )
@@ -294,8 +285,8 @@ class LogLines:
     text: Lines
 
 
-LOG_REQUEST = MessageDefinition(name="GCM_Log_Request", format="{string,uint,int}", type=LogRequest)
-LOG_LINES = MessageDefinition(name="GCM_Log", format="{uint,uint,string}", type=LogLines)
+LOG_REQUEST = MessageDefinition(name="GCM_Log_Request", type=LogRequest)
+LOG_LINES = MessageDefinition(name="GCM_Log", type=LogLines)
 
 MESSAGES = (
     MODULE_INFO,

@@ -19,6 +19,7 @@ from hub.gcm.fields import (
 )
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.formats.ranges import Range
+from hub.ipc.formats.wire_types import FLOAT32
 
 FieldOfView: TypeAlias = Annotated[float, Range(1e-6, 3.1, unit="rad")]
 """What a flat picture can show from one edge to the other [rad]."""
@@ -69,9 +70,7 @@ class ImageRequest:
     coding: ImageCoding = ImageCoding.RLE
 
 
-IMAGE_REQUEST = MessageDefinition(
-    name="GCM_Image_Request", format="{{enum:1},int,int,int,{enum:3}}", type=ImageRequest
-)
+IMAGE_REQUEST = MessageDefinition(name="GCM_Image_Request", type=ImageRequest)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,18 +110,11 @@ class CameraState:
     robot_x: MetresIfKnown = math.nan
     robot_y: MetresIfKnown = math.nan
     robot_theta: RadiansIfKnown = math.nan
-    gain: Annotated[float, Range(0.0, 1e6)] = 1.0
-    headlight: ShareIfKnown = math.nan
+    gain: Annotated[float, Range(0.0, 1e6), FLOAT32] = 1.0
+    headlight: Annotated[ShareIfKnown, FLOAT32] = math.nan
 
 
-_CAMERA_STATE = (
-    "{double,double,double,double,double,double,double,double,double,double,ubyte,"
-    "double,double,double,float,float}"
-)
-
-CAMERA_STATE = MessageDefinition(
-    name="GCM_CameraState", format=_CAMERA_STATE, type=CameraState, rate_hz=10.0
-)
+CAMERA_STATE = MessageDefinition(name="GCM_CameraState", type=CameraState, rate_hz=10.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -135,8 +127,7 @@ class Image:
         width_px: Width of the picture.
         height_px: Height of the picture.
         channels: 1 for grey, 3 for red, green, blue.
-        length: Bytes of `data`.
-        data: The coded picture, shape (length,).
+        data: The coded picture, shape (n,).
     """
 
     camera: CameraState
@@ -144,13 +135,11 @@ class Image:
     width_px: Annotated[int, Range(1, 1 << 16)]
     height_px: Annotated[int, Range(1, 1 << 16)]
     channels: Annotated[int, Range(1, 3)]
-    length: int
     data: Octets
 
 
 IMAGE = MessageDefinition(
     name="GCM_Common_Image",
-    format="{" + _CAMERA_STATE + ",{enum:3},int,int,int,uint,<ubyte:6>}",
     type=Image,
 )
 
@@ -188,7 +177,6 @@ class CameraCommand:
 
 CAMERA_COMMAND = MessageDefinition(
     name="GCM_Camera_Command",
-    format="{{enum:2},double,double,double}",
     type=CameraCommand,
     keep=Keep.ALL,
     plane=Plane.COMMAND,
@@ -206,12 +194,11 @@ class NightCommand:
     """
 
     on: Flag = 0
-    headlight: ShareIfKnown = math.nan
+    headlight: Annotated[ShareIfKnown, FLOAT32] = math.nan
 
 
 NIGHT_COMMAND = MessageDefinition(
     name="GCM_Night_Command",
-    format="{ubyte,float}",
     type=NightCommand,
     keep=Keep.ALL,
     plane=Plane.COMMAND,

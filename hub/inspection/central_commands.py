@@ -70,7 +70,7 @@ def log(client: Client, names: Sequence[str], *, with_data: bool, count: int) ->
                 f"{how.age * 1e3:.1f} ms old, {how.missed} missed"
             )
             if with_data:
-                for line in value_text.lines(value, definition.tree):
+                for line in value_text.lines(value, definition.record):
                     put(f"    {line}")
 
         return write

@@ -69,7 +69,7 @@ def list_all(client: Client, *, as_json: bool) -> int:
     for peer in peers:
         answers = f", answers {peer.handles}" if peer.handles else ""
         put(f"  {peer.name} (pid {peer.pid}, heard {peer.silent_s:.1f} s ago{answers})")
-    put(f"{listing.definition_count} messages")
+    put(f"{len(listing.definitions)} messages")
     for entry in sorted(listing.definitions, key=lambda entry: entry.name):
         length = "fixed" if from_listing(entry).fixed_length else "variable"
         seen = f"{entry.messages} seen, {entry.bytes} bytes"
@@ -129,7 +129,7 @@ def send(
         The exit code: 1 if nobody listens, or somebody else has control.
     """
     definition = find(client, name)
-    value = value_text.value_from_text(definition, assignments)
+    value = value_text.value_from_text(definition, assignments, complain)
     value_text.demand_within_ranges(definition, value)
     client.demand_right(definition)
     owner = _owner(client) if name in RESTRICTED else ""
@@ -168,7 +168,7 @@ def query(
 ) -> int:
     """Ask, and show the answer; 1 if it says that what was asked for cannot be done."""
     definition = find(client, name)
-    value = value_text.value_from_text(definition, assignments)
+    value = value_text.value_from_text(definition, assignments, complain)
     value_text.demand_within_ranges(definition, value)
     try:
         frame = client.query_frame(definition, value, timeout=timeout)
@@ -209,9 +209,9 @@ def _show(
     definition: MessageDefinition[T], value: T, *, as_json: bool, reception: MessageInfo | None
 ) -> None:
     if as_json:
-        put(json.dumps(value_text.plain(value, definition.tree)))
+        put(json.dumps(value_text.plain(value, definition.record)))
         return
-    for line in value_text.lines(value, definition.tree):
+    for line in value_text.lines(value, definition.record):
         put(line)
     if reception is not None:
         put(f"--- {reception.sequence}")

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import enum
-import itertools
 import json
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,17 +15,24 @@ from hub.errors import CodecError
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats import grammar as formats
 from hub.ipc.formats.codegen import DTYPES
+from hub.ipc.formats.dataclass_codec import DataclassCodec
+from hub.ipc.formats.ranges import unnoted
 from hub.toml_reader import nearest, shorten
 
 _LONGEST_ARRAY = 64
 
 
-def value_from_text(definition: MessageDefinition[Any], assignments: Sequence[str]) -> Any:  # noqa: ANN401
+def value_from_text(
+    definition: MessageDefinition[Any],
+    assignments: Sequence[str],
+    warn: Callable[[str], object] = unnoted,
+) -> Any:  # noqa: ANN401 - any message
     """The value with the fields that were given; all others are zero or empty.
 
     Args:
         definition: Which message.
         assignments: "field=value"; inner fields with dots, "linear.x=0.5"; arrays as JSON lists.
+        warn: Gets a sentence on each assignment that is left out.
 
     Raises:
         CodecError: A field that is not there, or a value that does not fit it.
@@ -37,8 +43,21 @@ def value_from_text(definition: MessageDefinition[Any], assignments: Sequence[st
         if not equals:
             reason = f"{shorten(assignment)} is no FIELD=VALUE, such as linear.x=0.5"
             raise CodecError(reason)
+        counted = _counted_by(definition.record, path.split("."))
+        if counted:
+            warn(f"{path} follows from {counted}, leave it out")
+            continue
         value = _assigned(value, path.split("."), text, definition.name)
     return value
+
+
+def _counted_by(record: DataclassCodec | None, path: Sequence[str]) -> str:
+    """The array whose number of elements the member at `path` is; empty if it is another member."""
+    members = {member.name: member for member in record.members} if record else {}
+    member = members.get(path[0])
+    if member is None or len(path) == 1:
+        return member.counts if member else ""
+    return _counted_by(member.record, path[1:])
 
 
 def demand_within_ranges(definition: MessageDefinition[Any], value: Any) -> None:  # noqa: ANN401
@@ -50,7 +69,7 @@ def demand_within_ranges(definition: MessageDefinition[Any], value: Any) -> None
     definition.decode(b"".join(definition.encode(value)))
 
 
-def plain(value: Any, tree: formats.Format | None = None) -> Any:  # noqa: ANN401 - any message
+def plain(value: Any, record: DataclassCodec | None = None) -> Any:  # noqa: ANN401 - any message
     """A message as JSON knows it: mappings, lists, numbers, text; NaN and infinity as text.
 
     A linked list becomes a list of its nodes without the self pointer, because JSON cannot nest as
@@ -58,31 +77,31 @@ def plain(value: Any, tree: formats.Format | None = None) -> Any:  # noqa: ANN40
 
     Args:
         value: The message.
-        tree: Its format; to be given if that can hold linked lists.
+        record: Its members; needed if it can hold linked lists.
 
     Raises:
         CodecError: A linked list is longer than one can be, or runs in a circle.
     """
-    told = _plain(value, tree)
+    told = _plain(value, record)
     return {"nodes": told} if isinstance(told, list) else told
 
 
-def lines(value: Any, tree: formats.Format | None = None) -> Iterator[str]:  # noqa: ANN401 - any
+def lines(value: Any, record: DataclassCodec | None = None) -> Iterator[str]:  # noqa: ANN401 - any
     """A message for people: a line a field, inner fields indented; arguments as for `plain`."""
-    yield from _lines(plain(value, tree), "")
+    yield from _lines(plain(value, record), "")
 
 
-def _plain(value: Any, tree: formats.Format | None) -> Any:  # noqa: ANN401 - any part of a message
-    inner = tree.target if isinstance(tree, formats.Pointer) else tree
-    if isinstance(inner, formats.Struct) and inner.next_place is not None:
-        return [_members(node, inner) for node in _nodes(value, inner.next_place)]
+def _plain(value: Any, record: DataclassCodec | None) -> Any:  # noqa: ANN401 - part of a message
+    is_record = value is None or dataclasses.is_dataclass(value)
+    if record is not None and record.next_place is not None and is_record:
+        next_name = record.members[record.next_place].name
+        return [_members(node, record, next_name) for node in _nodes(value, next_name)]
     if dataclasses.is_dataclass(value):
-        return _members(value, inner)
+        return _members(value, record)
     if isinstance(value, np.ndarray):
         return _plain(value.tolist(), None)
     if isinstance(value, (list, tuple)):
-        element = getattr(inner, "element", None)
-        return [_plain(item, element) for item in value]
+        return [_plain(item, record) for item in value]
     if isinstance(value, enum.IntEnum):
         return value.name
     if isinstance(value, float) and not math.isfinite(value):
@@ -90,23 +109,23 @@ def _plain(value: Any, tree: formats.Format | None) -> Any:  # noqa: ANN401 - an
     return value
 
 
-def _members(value: Any, tree: formats.Format | None) -> dict[str, Any]:  # noqa: ANN401
-    """The fields of a dataclass, but for a self pointer."""
-    nodes = tree.members if isinstance(tree, formats.Struct) else itertools.repeat(None)
+def _members(value: Any, record: DataclassCodec | None, without: str = "") -> dict[str, Any]:  # noqa: ANN401
+    """The fields of a dataclass, except one."""
+    inner = {member.name: member.record for member in record.members} if record else {}
     return {
-        field.name: _plain(getattr(value, field.name), node)
-        for field, node in zip(dataclasses.fields(value), nodes, strict=False)
-        if not isinstance(node, formats.SelfPointer)
+        field.name: _plain(getattr(value, field.name), inner.get(field.name))
+        for field in dataclasses.fields(value)
+        if field.name != without
     }
 
 
-def _nodes(first: Any, next_place: int) -> Iterator[Any]:  # noqa: ANN401 - any node or None
+def _nodes(first: Any, next_name: str) -> Iterator[Any]:  # noqa: ANN401 - any node or None
     """The nodes of a linked list, first to last."""
     for _ in range(formats.MAX_NODES):
         if first is None:
             return
         yield first
-        first = getattr(first, dataclasses.fields(first)[next_place].name)
+        first = getattr(first, next_name)
     if first is not None:
         text = f"a list longer than {formats.MAX_NODES} nodes, or one that runs in a circle"
         raise CodecError(text)

@@ -1,7 +1,7 @@
-"""What a message is: its name, format, Python type, and how it travels.
+"""What a message is: its name, Python type, format, and how it travels.
 
-A definition ties a format string to the frozen dataclass that holds its values; field names come
-from the dataclass, layout on the wire from the format string alone.
+The frozen dataclass that holds a message's values declares each field once: name, type, range and
+unit. The format comes from it by the rules of `hub.ipc.formats.wire_types`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
 from hub.errors import CodecError, MessageFormatError
-from hub.ipc.formats import codec
+from hub.ipc.formats import codec, wire_types
 from hub.ipc.formats import grammar as formats
 from hub.ipc.formats.codegen import Buffer
 from hub.ipc.formats.dataclass_codec import FAULTS, DataclassCodec
@@ -48,8 +48,9 @@ class MessageDefinition(Generic[T]):
 
     Attributes:
         name: Name at central; letters, digits and underscores.
-        format: CMU IPC format string of the payload.
         type: Frozen dataclass whose fields, in order, are the members of the format.
+        format: CMU IPC format string of the payload; empty: it follows from the type. Give it for
+            a type whose fields do not say it, such as one made from a listing of central.
         keep: Whether receivers keep the newest or all.
         plane: Broadcast sockets it travels on.
         rate_hz: Nominal rate of a stream [Hz]; 0 for what is sent on demand.
@@ -60,8 +61,8 @@ class MessageDefinition(Generic[T]):
     """
 
     name: str
-    format: str
     type: type[T]
+    format: str = ""
     keep: Keep = Keep.NEWEST
     plane: Plane = Plane.STATE
     rate_hz: float = 0.0
@@ -74,6 +75,8 @@ class MessageDefinition(Generic[T]):
 
     def __post_init__(self) -> None:
         check_name(self.name)
+        if not self.format:
+            object.__setattr__(self, "format", wire_types.format_of(self.type))
         compiled = codec.compiled(self.format)
         tree = compiled.tree
         if not isinstance(tree, formats.Struct):

@@ -80,7 +80,7 @@ def _contents(folder: MissionFolder, mission: str, book: MissionBook) -> list[tu
                 (f"sheet-{sheet}.yaml", ros_map.encode_yaml(picture, f"sheet-{sheet}.pgm")),
             ]
     for _, point in marks:
-        if point.length:
+        if point.thumbnail.size:
             contents.append((f"mark-{point.number}.jpg", point.thumbnail.tobytes()))
     poses = track_of(folder, mission)
     if poses:

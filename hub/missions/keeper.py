@@ -378,7 +378,7 @@ class MissionKeeper:
             dataclasses.replace(point, kept=int(safe and point.number not in waiting))
             for point in self.book.points.points
         )
-        return InterestPoints(count=len(points), points=points)
+        return InterestPoints(points=points)
 
     @property
     def state(self) -> MissionState:

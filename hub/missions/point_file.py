@@ -117,7 +117,6 @@ def point_of(feature: Any) -> InterestPoint:  # noqa: ANN401 - whatever JSON hol
         stamp=_number(properties.get("stamp", 0), 0.0, LATEST),
         by=_text(properties, "by", MAX_BY),
         note=_text(properties, "note", MAX_NOTE),
-        length=len(thumbnail),
         thumbnail=np.frombuffer(thumbnail, np.uint8),
         version=int(_number(properties.get("version", 1), 0, MAX_NUMBER)),
         kept=1,

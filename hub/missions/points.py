@@ -48,7 +48,7 @@ class PointBook:
     def message(self) -> InterestPoints:
         """Those of the newest sheet, as a message."""
         points = self.points
-        return InterestPoints(count=len(points), points=points)
+        return InterestPoints(points=points)
 
     def checked(self, point: InterestPoint, by: str, now: float) -> InterestPoint:
         """The point as it is to be kept; nothing changes yet.
@@ -67,7 +67,7 @@ class PointBook:
             text = f"({point.x:g}, {point.y:g}) is nowhere"
             raise MissionError(text)
         version = self._version_after(point)
-        small = point.length == len(point.thumbnail) <= MAX_THUMBNAIL_BYTES
+        small = len(point.thumbnail) <= MAX_THUMBNAIL_BYTES
         thumbnail = point.thumbnail.copy() if small else NO_THUMBNAIL
         return dataclasses.replace(
             point,
@@ -77,7 +77,6 @@ class PointBook:
             stamp=point.stamp if 0.0 < point.stamp <= LATEST else now,
             by=_who(point, by),
             note=point.note.replace("\0", "")[:MAX_NOTE],
-            length=len(thumbnail),
             thumbnail=thumbnail,
             version=version,
             kept=0,
@@ -119,14 +118,14 @@ class PointBook:
         known = self._points.get(point.number)
         if known is None:
             return point
-        return dataclasses.replace(point, length=known.length, thumbnail=known.thumbnail)
+        return dataclasses.replace(point, thumbnail=known.thumbnail)
 
     def has_thumbnail(self, point: InterestPoint) -> bool:
         """Whether the known point of this number has the same picture, and has one."""
         known = self._points.get(point.number)
         return (
             known is not None
-            and known.length > 0
+            and known.thumbnail.size > 0
             and np.array_equal(known.thumbnail, point.thumbnail)
         )
 

@@ -149,7 +149,7 @@ def to_json(record: Record) -> dict[str, Any]:
         point = record.point
         same = {"same_thumbnail": True} if record.same_thumbnail else {}
         if same:
-            point = dataclasses.replace(point, length=0, thumbnail=NO_THUMBNAIL)
+            point = dataclasses.replace(point, thumbnail=NO_THUMBNAIL)
         feature = point_file.feature_of(point)
         return {"is": kind, "point": feature, "stamp": record.stamp, **same}
     first = {"format": _FORMAT} if isinstance(record, Begun) else {}

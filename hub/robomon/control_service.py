@@ -168,7 +168,6 @@ class ControlService:
             commander=commander,
             commander_name=name,
             why=arbiter.why,
-            count=len(self._modules),
             modules=np.array(sorted(self._modules), np.uint32),
         )
 

@@ -131,9 +131,7 @@ class Reporting:
         ]
         self._client.publish(
             supervision.MODULE_REPORTS,
-            supervision.ModuleReports(
-                robot=self._robot, count=len(reports), modules=tuple(reports)
-            ),
+            supervision.ModuleReports(robot=self._robot, modules=tuple(reports)),
         )
 
     def _report(self, name: str, life: ModuleLifecycle, now: float) -> supervision.ModuleReport:
@@ -168,7 +166,6 @@ class Reporting:
             supervision.CAPABILITY_REPORTS,
             supervision.CapabilityReports(
                 robot=self._robot,
-                count=len(reports),
                 capabilities=reports,
                 undeclared=self._supervisor.undeclared,
             ),

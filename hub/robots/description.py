@@ -127,7 +127,6 @@ class RobotDescription:
             name=self.name,
             kind=self.kind,
             radius=self.radius,
-            count=len(self.footprint),
             footprint=tuple(Point32(x=x, y=y) for x, y in self.footprint),
         )
 

@@ -48,7 +48,7 @@ class PadLine:
     def _tell(self) -> None:
         if self._pads is not None and self._client.connected:
             taken = np.array(self._pads.senders_read(self._robot), np.uint32)
-            console = PadConsole(operator=self._pads.operator, count=len(taken), taken=taken)
+            console = PadConsole(operator=self._pads.operator, taken=taken)
             self._client.publish(PAD_CONSOLE, console)
 
     def _device(self, told: PadDevice, reception: MessageInfo) -> None:

@@ -419,7 +419,7 @@ class RobotLink:
 
     def _take_picture(self, image: vision.Image, reception: MessageInfo) -> int:
         self._messages += 1
-        self._bytes += image.length
+        self._bytes += image.data.size
         self.record(vision.IMAGE, image, reception.measured)
         received = self._received(picture_of(image), reception)
         self._state = self._state.with_(picture=received)
@@ -435,7 +435,7 @@ class RobotLink:
 
     def _take_map(self, coded: mapping.Map, reception: MessageInfo) -> int:
         self._messages += 1
-        self._bytes += coded.length
+        self._bytes += coded.data.size
         self.record(mapping.MAP, coded, reception.measured)
         self._state = self._state.with_(map=self._received(map_of(coded), reception))
         return 0

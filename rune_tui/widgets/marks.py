@@ -92,7 +92,6 @@ class _SetMark(PointedWidget):
             distance=place.distance,
             by=self.spec.options.word("operator") or state.operator,
             note=self.spec.options.word("note"),
-            length=len(picture),
             thumbnail=picture,
             height=place.height,
         )

@@ -64,7 +64,6 @@ class GoTo(PointedWidget):
     ) -> tuple[Effect, ...]:
         """The goal, with any heading."""
         goal = GoalCommand(
-            count=1,
             points=(Point(x=place.x, y=place.y),),
             linear_limit=self.spec.options.number("linear") or math.nan,
         )

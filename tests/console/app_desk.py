@@ -114,7 +114,7 @@ class Robot:
         else:
             self.book.mark(command.point, "somebody", 1.0)
         kept = tuple(dataclasses.replace(point, kept=1) for point in self.book.points)
-        self.client.publish(INTEREST_POINTS, InterestPoints(count=len(kept), points=kept))
+        self.client.publish(INTEREST_POINTS, InterestPoints(points=kept))
 
     def _drive(self, twist: Twist) -> None:
         self.speeds.append(twist.linear.x)

@@ -120,7 +120,6 @@ def _mark(number: int, kind: PointKind, x: float, y: float, note: str) -> Intere
 
 
 MARKS: Final = InterestPoints(
-    count=2,
     points=(
         _mark(1, PointKind.VICTIM, 2.2, 1.4, "by the table"),
         _mark(2, PointKind.LANDMARK, 6.6, 3.2, "exit"),
@@ -289,7 +288,6 @@ SITUATIONS: Final[dict[str, Situation]] = {
                 points_left=1,
                 distance_left=3.1,
                 why="",
-                count=len(_ROUTE),
                 path=_ROUTE,
                 x=_ROUTE[-1].x,
                 y=_ROUTE[-1].y,
@@ -318,7 +316,6 @@ SITUATIONS: Final[dict[str, Situation]] = {
                 points_left=1,
                 distance_left=2.0,
                 why="no way around the table",
-                count=0,
                 path=(),
                 cause=Cause.CLOSED,
                 x=_ROUTE[-1].x,

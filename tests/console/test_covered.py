@@ -22,9 +22,9 @@ def test_the_words_of_a_mark_are_changed_and_keys_do_not_drive_meanwhile(
     async def script(desk: Desk) -> None:
         await desk.pilot.click(offset=(29, 14))
         await desk.until(lambda: desk.console.state.ghosts)
-        assert desk.robot.book.message.count == 0
+        assert not desk.robot.book.message.points
         await desk.pilot.click(offset=(29, 14))
-        await desk.until(lambda: desk.robot.book.message.count)
+        await desk.until(lambda: desk.robot.book.message.points)
         await desk.until(lambda: any("victim 1 is marked" in text for text in desk.notices))
         await desk.pilot.click(offset=(29, 14), button=3)
         await desk.until(lambda: isinstance(desk.console.screen, Question))

@@ -60,7 +60,6 @@ NAVIGATION = robot_state(
 
 
 FOUND = InterestPoints(
-    count=2,
     points=(
         InterestPoint(
             number=1,
@@ -88,7 +87,6 @@ FOUND = InterestPoints(
 )
 MODULES = ModuleReports(
     robot="robot",
-    count=1,
     modules=(
         ModuleReport(
             name="vision",

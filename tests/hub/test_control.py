@@ -185,7 +185,7 @@ def test_modules_of_the_robot_are_followed_whoever_has_control(robot: Robot) -> 
     robot.send_goal(autonomy, 6)
     robot.until(lambda: (autonomy.number, 6) in robot.followed)
     autonomy.close()
-    robot.until(lambda: not robot.states[-1].count)
+    robot.until(lambda: not robot.states[-1].modules.size)
 
 
 def test_an_operator_is_no_module_whoever_says_so(robot: Robot) -> None:

@@ -56,9 +56,7 @@ def control_frames() -> list[bytes]:
             name=v.EVENT.name, subscriber=1, inbox="ipc://@rune-rubbish", token="1.1"
         ),
         control.Report(
-            received_count=1,
             received=(control.Received(name="x", received=1, lost=1, expired=1, oldest_s=1.0),),
-            published_count=1,
             published=(control.Published(name="x", messages=1, bytes=1, over_s=1.0, silent_s=0.0),),
         ),
         control.Query(number=1, name=_OWN.name, timeout_s=1.0),

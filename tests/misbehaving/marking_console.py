@@ -59,7 +59,7 @@ class MarkingConsole:
         if len(self._points) < MOST:
             point = mapping.InterestPoint(
                 kind=mapping.PointKind.VICTIM, x=float(count), y=1.0, by="Ada", note=note,
-                length=200, thumbnail=np.full(200, count % 256, np.uint8),
+                thumbnail=np.full(200, count % 256, np.uint8),
             )  # fmt: skip
         else:
             numbers = sorted(self._points)

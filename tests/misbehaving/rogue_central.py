@@ -102,11 +102,8 @@ def _listing() -> bytes:
         control.Listing(
             uptime_s=1.0,
             level="info",
-            definition_count=0,
             definitions=(),
-            peer_count=0,
             peers=(),
-            dropped_count=0,
             dropped=(),
         )
     )

@@ -18,7 +18,7 @@ import numpy as np
 
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats import grammar as formats
-from hub.ipc.formats import ranges
+from hub.ipc.formats import ranges, wire_types
 from hub.ipc.formats.codegen import DTYPES, Buffer
 
 CONTROL = "\x1b]0;PWNED\x07\x9b31m\u202e\u200b\r\n\x08<script>=1+1"
@@ -71,14 +71,16 @@ class _Maker:
             if isinstance(member, formats.VariableArray):
                 sizes |= dict.fromkeys((n - 1 for n in member.size_members), self.size(depth))
         values: list[Any] = []
-        for place, ((_, hint), node) in enumerate(zip(fields_of(kind), tree.members, strict=True)):
+        for place, (member, node) in enumerate(
+            zip(wire_types.members(kind), tree.members, strict=True)
+        ):
             if place in sizes:
                 values.append(sizes[place])
             elif isinstance(node, formats.VariableArray):
                 count = math.prod(sizes[n - 1] for n in node.size_members)
-                values.append(self.array(node, hint, count, depth))
+                values.append(self.array(node, member.hint, count, depth))
             else:
-                values.append(self.value(node, hint, depth))
+                values.append(self.value(node, member.hint, depth))
         return values
 
     def value(self, node: Any, hint: Any, depth: int) -> Any:

@@ -103,7 +103,6 @@ class Site:
     def mark(self, x: float) -> None:
         point = mapping.InterestPoint(
             kind=mapping.PointKind.VICTIM, x=x, y=0.5, by="Ada", thumbnail=np.ones(50, np.uint8),
-            length=50,
         )  # fmt: skip
         command = mapping.PointCommand(point=point)
 

@@ -49,7 +49,7 @@ class Scene:
         """Go to places that are given as seen from where the robot is [m]."""
         seen = (self.pose.outward(x, y) for x, y in places)
         points = tuple(navigation.Point(x=x, y=y) for x, y in seen)
-        self.say(navigation.GOAL_COMMAND, navigation.GoalCommand(count=len(points), points=points))
+        self.say(navigation.GOAL_COMMAND, navigation.GoalCommand(points=points))
 
     def push(self, linear: float, angular: float = 0.0) -> None:
         """One command of a stick that is held; the neutral one before it comes when it must."""
@@ -153,14 +153,13 @@ def test_a_map_shows_the_way(scene: Scene) -> None:
             height_cells=side,
             origin_x=here.x - 5.0,
             origin_y=here.y - 5.0,
-            length=len(data),
             data=data,
         )
 
     scene.client.respond(mapping.MAP_REQUEST, mapping.MAP, answer)
     scene.client.wait_defined(5.0)
     scene.go(here.inward(here.x + 2.0, here.y))
-    scene.observer.wait(lambda: scene.status.count > 2, 10.0, "it has no way")
+    scene.observer.wait(lambda: len(scene.status.path) > 2, 10.0, "it has no way")
     assert max(abs(point.y - here.y) for point in scene.status.path) > 1.5
     scene.observer.wait(lambda: scene.status.distance_left > 3.0, 5.0, "it goes straight")
     scene.go()

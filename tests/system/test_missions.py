@@ -27,7 +27,7 @@ def known(site: Site) -> int:
     found = site.watch.client.query_response(
         mapping.MAP_REQUEST, mapping.MapRequest(x=float("nan")), mapping.MAP, timeout=10.0
     )
-    return found.length
+    return found.data.size
 
 
 def test_marks_and_map_outlive_mapping_and_daemon(site: Site) -> None:

@@ -76,11 +76,8 @@ class Listings:
         return control.Listing(
             uptime_s=now - self._began,
             level=logging.getLevelName(_logger.getEffectiveLevel()).lower(),
-            definition_count=len(definitions),
             definitions=definitions,
-            peer_count=len(peers),
             peers=peers,
-            dropped_count=len(dropped),
             dropped=dropped,
         )
 

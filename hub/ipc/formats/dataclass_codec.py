@@ -19,7 +19,7 @@ from typing import Any
 
 from hub.errors import CodecError, MessageFormatError
 from hub.ipc.formats import grammar as formats
-from hub.ipc.formats import ranges
+from hub.ipc.formats import ranges, wire_types
 from hub.ipc.formats.ranges import Note
 
 FAULTS = (TypeError, ValueError, IndexError, KeyError, AttributeError)
@@ -42,6 +42,7 @@ class Member:
         inward: The way back.
         checks: What is checked of the value that a codec knows.
         shown: Its inner names, for people: "[]" for each array, "*" for each pointer around them.
+        counts: The field whose elements the member counts; empty: it is a field itself.
     """
 
     name: str
@@ -51,6 +52,7 @@ class Member:
     inward: _Reader | None = None
     checks: tuple[ranges.Check, ...] = ()
     shown: str = ""
+    counts: str = ""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -59,7 +61,7 @@ class DataclassCodec:
 
     Attributes:
         kind: The dataclass.
-        members: Its fields, in order.
+        members: Those of the struct, in order: the fields, and the numbers of counted arrays.
         adapt: From anything else that has those fields, such as a mapping, to an object of them.
         next_place: Which member of a linked list's node is the next node; None: it is no list.
     """
@@ -86,16 +88,17 @@ class DataclassCodec:
         """
         if not (isinstance(kind, type) and dataclasses.is_dataclass(kind)):
             raise MessageFormatError(str(tree), 0, f"{where} needs a dataclass for a struct")
-        fields = dataclasses.fields(kind)
-        if len(fields) != len(tree.members):
-            reason = f"{where}: {kind.__name__} has {len(fields)} fields"
+        wanted = wire_types.members(kind)
+        if len(wanted) != len(tree.members):
+            reason = f"{where}: {kind.__name__} has {len(wanted)} fields"
             raise MessageFormatError(str(tree), 0, f"{reason}, the format {len(tree.members)}")
-        hints = _hints(kind, tree, where)
         members = tuple(
-            _member(field.name, hints[field.name], node, f"{where}.{field.name}", strict=strict)
-            for field, node in zip(fields, tree.members, strict=True)
+            Member(name=each.name, counts=each.counts)
+            if each.counts
+            else _member(each.name, each.hint, node, f"{where}.{each.name}", strict=strict)
+            for each, node in zip(wanted, tree.members, strict=True)
         )
-        adapt = _adapter(kind, [member.name for member in members], where)
+        adapt = _adapter(kind, members, where)
         return cls(kind=kind, members=members, adapt=adapt, next_place=tree.next_place)
 
     @functools.cached_property
@@ -140,19 +143,14 @@ class DataclassCodec:
         return _Builder(flat=True, checked=True).function(self.kind, self.members)
 
 
-def _hints(kind: type[Any], tree: formats.Struct, where: str) -> dict[str, Any]:
-    try:
-        return typing.get_type_hints(kind, include_extras=True)
-    except (NameError, TypeError) as error:
-        reason = f"{where}: the types of {kind.__name__}'s fields cannot be found: {error}"
-        raise MessageFormatError(str(tree), 0, reason) from error
-
-
-def _adapter(kind: type[Any], names: Sequence[str], where: str) -> _Converter:
+def _adapter(kind: type[Any], members: Sequence[Member], where: str) -> _Converter:
     """The function that makes sure that an object of another type has the fields of `kind`."""
+    names = [member.name for member in members if not member.counts]
+    counts = {member.name: member.counts for member in members if member.counts}
 
     def adapt(value: Any) -> Any:
         if isinstance(value, Mapping):
+            value = _without_counts(value, counts, where)
             _check_names(value, names, where)
             return types.SimpleNamespace(**{name: value[name] for name in names})
         missing = [name for name in names if not hasattr(value, name)]
@@ -164,6 +162,18 @@ def _adapter(kind: type[Any], names: Sequence[str], where: str) -> _Converter:
         return value
 
     return adapt
+
+
+def _without_counts(
+    value: Mapping[Any, Any], counts: Mapping[str, str], where: str
+) -> Mapping[Any, Any]:
+    """The mapping without the numbers of elements, which have to be right if they are given."""
+    for name, array in counts.items():
+        if name in value and value[name] != len(value.get(array, ())):
+            size = len(value.get(array, ()))
+            text = f"{where}.{name} is {value[name]!r:.40}, but {array} has {size} element"
+            raise CodecError(text + "s" * (size != 1) + "; leave it out")
+    return {name: each for name, each in value.items() if name not in counts}
 
 
 def _check_names(value: Mapping[Any, Any], names: Sequence[str], where: str) -> None:
@@ -226,6 +236,8 @@ class _FieldReader(_Generator):
             if inner is not None and member.inline:
                 nested = self.struct(inner.kind, inner.members, inner.adapt, source)
                 values += nested if self.flat else f"({nested}), "
+            elif member.counts:
+                values += f"len({own}.{member.counts}), "
             elif member.outward is not None:
                 values += f"{self.constant(member.outward)}({source}), "
             else:
@@ -326,8 +338,9 @@ class _Builder(_Generator):
                 if member.inward is not None:
                     given = f"{self.constant(member.inward)}({given}, note)"
             patterns.append(pattern)
-            arguments.append((member.name, given))
-        made, twin = self.variable(), _open_twin(kind, [member.name for member in members])
+            if not member.counts:
+                arguments.append((member.name, given))
+        made, twin = self.variable(), _open_twin(kind, [name for name, _ in arguments])
         if twin is None:
             keywords = ", ".join(f"{name}={given}" for name, given in arguments)
             self.lines.append(f"{made} = {self.constant(kind)}({keywords})")

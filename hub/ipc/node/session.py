@@ -295,9 +295,7 @@ class Session:
         if (received or published) and self.connection.publisher:
             self.connection.send(
                 control.Report(
-                    received_count=len(received),
                     received=received,
-                    published_count=len(published),
                     published=published,
                 )
             )

@@ -5,6 +5,9 @@ from __future__ import annotations
 import enum
 import math
 from dataclasses import dataclass
+from typing import Annotated
+
+from hub.ipc.formats.wire_types import Counted, Fixed, Uint32, Uint64
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,10 +27,10 @@ class Hello:
 
     name: str
     pid: int
-    machine: int = 0
+    machine: Uint64 = 0
     sent: float = 0.0
-    client: int = 0
-    neighbourhood: int = 0
+    client: Uint64 = 0
+    neighbourhood: Uint64 = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,14 +48,14 @@ class Welcome:
         paths: ipc:// paths of the same; empty where there is none.
     """
 
-    publisher: int
-    epoch: int
-    machine: int
+    publisher: Uint32
+    epoch: Uint64
+    machine: Uint64
     sent: float
     hub_time: float
     near: bool
-    ports: tuple[int, ...]
-    paths: tuple[str, ...]
+    ports: Annotated[tuple[int, ...], Fixed(6)]
+    paths: Annotated[tuple[str, ...], Fixed(6)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,15 +105,15 @@ class Define:
     rate_hz: float
     lifespan_s: float
     definer: str = ""
-    messages: int = 0
-    bytes: int = 0
+    messages: Uint64 = 0
+    bytes: Uint64 = 0
     messages_per_s: float = 0.0
     bytes_per_s: float = 0.0
-    lost: int = 0
-    expired: int = 0
+    lost: Uint64 = 0
+    expired: Uint64 = 0
     oldest_s: float = 0.0
     silent_s: float = math.inf
-    refused: int = 0
+    refused: Uint64 = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -165,7 +168,7 @@ class Subscriber:
     """
 
     name: str
-    subscriber: int
+    subscriber: Uint32
     inbox: str = ""
     in_ring: bool = False
     token: str = ""
@@ -211,7 +214,7 @@ class Handle:
 class Query:
     """A query, numbered by the client on its way to central and by central from there."""
 
-    number: int
+    number: Uint32
     name: str
     timeout_s: float
 
@@ -220,7 +223,7 @@ class Query:
 class Last:
     """A query for the last value that was published, numbered as queries are."""
 
-    number: int
+    number: Uint32
     name: str
     timeout_s: float
 
@@ -229,14 +232,14 @@ class Last:
 class Response:
     """The answer to the query of this number."""
 
-    number: int
+    number: Uint32
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Failure:
     """The query of this number ends without an answer; `error` is a class of `hub.errors`."""
 
-    number: int
+    number: Uint32
     error: str
     text: str
 
@@ -245,7 +248,7 @@ class Failure:
 class Ping:
     """Client: I live, and central was of this epoch when I last heard (0: never)."""
 
-    epoch: int
+    epoch: Uint64
     sent: float = 0.0
 
 
@@ -253,7 +256,7 @@ class Ping:
 class Pong:
     """Central: so do I; `sent` is from the PING, `hub_time` mine at answering [s]."""
 
-    epoch: int
+    epoch: Uint64
     sent: float
     hub_time: float
 
@@ -285,7 +288,7 @@ class ListedPeer:
 
     name: str
     pid: int
-    publisher: int
+    publisher: Uint32
     role: str
     silent_s: float
     handles: str
@@ -298,7 +301,7 @@ class Count:
     """How often central has dropped something, by reason."""
 
     reason: str
-    count: int
+    count: Uint64
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -307,12 +310,9 @@ class Listing:
 
     uptime_s: float
     level: str
-    definition_count: int
-    definitions: tuple[Define, ...]
-    peer_count: int
-    peers: tuple[ListedPeer, ...]
-    dropped_count: int
-    dropped: tuple[Count, ...]
+    definitions: Annotated[tuple[Define, ...], Counted("definition_count", "uint")]
+    peers: Annotated[tuple[ListedPeer, ...], Counted("peer_count", "uint")]
+    dropped: Annotated[tuple[Count, ...], Counted("dropped_count", "uint")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -360,8 +360,8 @@ class Presence:
     module: str
     pid: int
     message: str = ""
-    count: int = 0
-    publisher: int = 0
+    count: Uint32 = 0
+    publisher: Uint32 = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -378,11 +378,11 @@ class Received:
     """
 
     name: str
-    received: int
-    lost: int
-    expired: int
+    received: Uint64
+    lost: Uint64
+    expired: Uint64
     oldest_s: float
-    refused: int = 0
+    refused: Uint64 = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -398,8 +398,8 @@ class Published:
     """
 
     name: str
-    messages: int
-    bytes: int
+    messages: Uint64
+    bytes: Uint64
     over_s: float
     silent_s: float
 
@@ -408,10 +408,8 @@ class Published:
 class Report:
     """Client: this is what came to me, and what I have published."""
 
-    received_count: int
-    received: tuple[Received, ...]
-    published_count: int
-    published: tuple[Published, ...]
+    received: Annotated[tuple[Received, ...], Counted("received_count", "uint")]
+    published: Annotated[tuple[Published, ...], Counted("published_count", "uint")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,71 +7,49 @@ payload in the kind's format. QUERY and RESPONSE are followed by a second frame 
 from __future__ import annotations
 
 import struct
-from typing import Any, TypeVar
+from typing import Any
 
 from hub.errors import FrameError
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats.codegen import Buffer
 from hub.ipc.wire import control, frames
 
-T = TypeVar("T")
-
 _PREAMBLE = struct.Struct("<4sBBH")
 _MAGIC = b"RUNE"
 
-_DEFINE = (
-    "{string,string,string,string,string,double,double,"
-    "string,ulong,ulong,double,double,ulong,ulong,double,double,ulong}"
-)
-_PEER = "{string,int,uint,string,double,string,string,string}"
-_CHANGE = "{enum " + ",".join(change.name for change in control.Change) + "}"
-
-
-def _kind(name: str, format_text: str, kind: type[T]) -> MessageDefinition[T]:
-    return MessageDefinition(name=name, format=format_text, type=kind)
-
-
-KINDS: tuple[MessageDefinition[Any], ...] = (
-    _kind("HELLO", "{string,int,ulong,double,ulong,ulong}", control.Hello),
-    _kind(
-        "WELCOME", "{uint,ulong,ulong,double,double,boolean,[int:6],[string:6]}", control.Welcome
-    ),
-    _kind("REFUSED", "{string,string,string}", control.Refused),
-    _kind("DEFINE", _DEFINE, control.Define),
-    _kind("DEFINED", "{string}", control.Defined),
-    _kind("HANDLE", "{string,boolean,string}", control.Handle),
-    _kind("QUERY", "{uint,string,double}", control.Query),
-    _kind("RESPONSE", "{uint}", control.Response),
-    _kind("FAILURE", "{uint,string,string}", control.Failure),
-    _kind("PING", "{ulong,double}", control.Ping),
-    _kind("PONG", "{ulong,double,double}", control.Pong),
-    _kind("STRANGER", "{}", control.UnknownPeer),
-    _kind("LIST", "{}", control.List),
-    _kind(
-        "LISTING",
-        f"{{double,string,uint,<{_DEFINE}:3>,uint,<{_PEER}:5>,uint,<{{string,ulong}}:7>}}",
-        control.Listing,
-    ),
-    _kind("BYE", "{}", control.Bye),
-    _kind("ADVERTISE", "{string}", control.Advertise),
-    _kind("ADVERTISED", "{string,boolean}", control.Advertised),
-    _kind("SUBSCRIBE", "{string,string,string,boolean}", control.Subscribe),
-    _kind("UNSUBSCRIBE", "{string}", control.Unsubscribe),
-    _kind("READY", "{string}", control.Ready),
-    _kind("SUBSCRIBED", "{string}", control.Subscribed),
-    _kind("LAST", "{uint,string,double}", control.Last),
-    _kind("WATCH", "{string}", control.Watch),
-    _kind("PRESENCE", f"{{{_CHANGE},string,int,string,uint,uint}}", control.Presence),
-    _kind(
-        "REPORT",
-        "{uint,<{string,ulong,ulong,ulong,double,ulong}:1>,"
-        "uint,<{string,ulong,ulong,double,double}:3>}",
-        control.Report,
-    ),
-    _kind("CLOSE", "{string,string}", control.Close),
-    _kind("LOG_LEVEL", "{string}", control.LogLevel),
-    _kind("ROUTE", "{string,string}", control.DirectRoute),
-    _kind("SUBSCRIBER", "{string,uint,string,boolean,string}", control.Subscriber),
+KINDS: tuple[MessageDefinition[Any], ...] = tuple(
+    MessageDefinition(name=name, type=kind)
+    for name, kind in (
+        ("HELLO", control.Hello),
+        ("WELCOME", control.Welcome),
+        ("REFUSED", control.Refused),
+        ("DEFINE", control.Define),
+        ("DEFINED", control.Defined),
+        ("HANDLE", control.Handle),
+        ("QUERY", control.Query),
+        ("RESPONSE", control.Response),
+        ("FAILURE", control.Failure),
+        ("PING", control.Ping),
+        ("PONG", control.Pong),
+        ("STRANGER", control.UnknownPeer),
+        ("LIST", control.List),
+        ("LISTING", control.Listing),
+        ("BYE", control.Bye),
+        ("ADVERTISE", control.Advertise),
+        ("ADVERTISED", control.Advertised),
+        ("SUBSCRIBE", control.Subscribe),
+        ("UNSUBSCRIBE", control.Unsubscribe),
+        ("READY", control.Ready),
+        ("SUBSCRIBED", control.Subscribed),
+        ("LAST", control.Last),
+        ("WATCH", control.Watch),
+        ("PRESENCE", control.Presence),
+        ("REPORT", control.Report),
+        ("CLOSE", control.Close),
+        ("LOG_LEVEL", control.LogLevel),
+        ("ROUTE", control.DirectRoute),
+        ("SUBSCRIBER", control.Subscriber),
+    )
 )
 """The kinds; a kind's number on the wire is its place here, counted from 1."""
 

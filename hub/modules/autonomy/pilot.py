@@ -363,7 +363,7 @@ class Pilot:
         self._watch.send(target, now)
         self._stop_due = False
         points = target.points
-        return GoalCommand(count=len(points), points=points, patience=target.patience)
+        return GoalCommand(points=points, patience=target.patience)
 
 
 def _mistake(command: AutonomyCommand) -> str:

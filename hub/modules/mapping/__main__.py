@@ -153,7 +153,6 @@ class Mapping:
             height_cells=picture.cells.shape[0],
             origin_x=picture.origin_x,
             origin_y=picture.origin_y,
-            length=len(data),
             data=data,
         )
 
@@ -192,7 +191,7 @@ class Mapping:
         self._keeper.begin_sheet("the map was cleared", carries=True)
         self._start_map()
         self._desk.publish()
-        return f"the map is empty; {self._keeper.points.count} points are kept"
+        return f"the map is empty; {len(self._keeper.points.points)} points are kept"
 
     def _load(
         self, picture: GridPicture, points: tuple[mapping.InterestPoint, ...], what: str

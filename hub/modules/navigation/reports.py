@@ -58,7 +58,6 @@ def status(task: NavigationTask, driver: int, now: float) -> NavigationStatus:
         points_left=len(task.points),
         distance_left=task.distance_left,
         why=task.why,
-        count=len(way),
         path=tuple(Point(x=x, y=y) for x, y in way),
         cause=task.cause,
         x=x,

@@ -75,7 +75,6 @@ class Vision:
             width_px=pixels.shape[1],
             height_px=pixels.shape[0],
             channels=1 if pixels.ndim == 2 else pixels.shape[2],
-            length=len(data),
             data=data,
         )
         reply.answer(image, measured=picture.measured)

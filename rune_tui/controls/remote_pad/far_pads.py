@@ -251,7 +251,7 @@ class FarPads:
         pad, now = self._pads.get(sender), self._clock()
         if pad is None or state.session != pad.told.session:
             return False  # it is for another console, or what it is of has not come yet
-        if not state.count:
+        if not state.values.size:
             pad.absent = now
             return self._unplug(pad, Absence.UNPLUGGED if state.active else Absence.ENDED)
         if now - measured > OLDEST_S:

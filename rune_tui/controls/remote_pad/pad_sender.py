@@ -81,7 +81,6 @@ class PadSender:
             serial=info.serial,
             port=info.port,
             bus=info.bus,
-            count=len(descriptor),
             descriptor=np.frombuffer(descriptor, np.uint8),
         )
         self._row = Row(controls)
@@ -149,7 +148,7 @@ class PadSender:
 
     def _tell_state(self, now: float) -> None:
         row = np.array(self._row.values, np.int32)
-        state = PadState(session=self.session, active=int(self.active), count=len(row), values=row)
+        state = PadState(session=self.session, active=int(self.active), values=row)
         self._send_state(state)
         self.sent += 1
         self._state_sent = now

@@ -96,7 +96,7 @@ def test_a_device_that_is_gone_is_let_go_of_and_read_again_when_it_is_back() -> 
     desk.turn(Scanned((ONE,)))
     desk.turn(Opened(ONE.path, PAD, b""))
     desk.turn(Gone(ONE.path))
-    assert (desk.states[-1].count, desk.agent.device) == (0, None)
+    assert (desk.states[-1].values.size, desk.agent.device) == (0, None)
     desk.turn(Scanned((ONE,)))
     assert desk.reader.asked == [ONE.path] * 2
     desk.turn(Refused(ONE.path, "may not", forbidden=True))

@@ -39,7 +39,6 @@ def test_messages_are_read_back_by_tools_of_ros(tmp_path: Path) -> None:
         width_px=2,
         height_px=2,
         channels=3,
-        length=12,
         data=pixels,
     )
     recording.add("left", IMAGE, image, now)

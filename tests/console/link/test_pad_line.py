@@ -82,7 +82,7 @@ def sends(client: Client) -> None:
     """The pad is there, and at rest."""
     client.publish(PAD_DEVICE, told_device(machine=client.name))
     values = np.zeros(len(CONTROLS), np.int32)
-    client.publish(PAD_STATE, PadState(session=1, count=len(values), values=values))
+    client.publish(PAD_STATE, PadState(session=1, values=values))
     client.listen(0.02)
 
 

@@ -43,7 +43,6 @@ class Robot:
             width_px=request.width_px,
             height_px=request.height_px,
             channels=3,
-            length=len(data),
             data=data,
         )
 

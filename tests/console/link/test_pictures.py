@@ -22,7 +22,6 @@ def image(pixels: np.ndarray, coding: ImageCoding, *, width: int = 32) -> Image:
         width_px=width,
         height_px=24,
         channels=3 if pixels.ndim == 3 else 1,
-        length=len(data),
         data=data,
     )
 

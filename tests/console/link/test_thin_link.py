@@ -77,7 +77,6 @@ class Robot:
             width_px=pixels.shape[1],
             height_px=pixels.shape[0],
             channels=3,
-            length=len(data),
             data=data,
         )
         reply.answer(image, measured=now)

@@ -15,7 +15,7 @@ from rune_tui.model.body import corners, largest_radius, rim
 
 def body_of(*points: tuple[float, float], radius: float = 1.0) -> RobotBody:
     footprint = tuple(Point32(x=x, y=y) for x, y in points)
-    return RobotBody(name="r", kind="k", radius=radius, count=len(footprint), footprint=footprint)
+    return RobotBody(name="r", kind="k", radius=radius, footprint=footprint)
 
 
 def test_a_body_without_corners_is_a_circle() -> None:

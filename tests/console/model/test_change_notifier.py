@@ -29,7 +29,7 @@ def seen(
         )
         for name in running.split()
     )
-    value = CapabilityReports(robot="magellan", count=len(reports), capabilities=reports)
+    value = CapabilityReports(robot="magellan", capabilities=reports)
     robot = Made().robot(
         link=Made.link(phase, lacking=lacking),
         messages={CAPABILITY_REPORTS.name: received(value)},

@@ -32,7 +32,7 @@ def point(number: int, kind: PointKind = PointKind.VICTIM, **changes: Any) -> In
 
 def points(*marks: InterestPoint) -> InterestPoints:
     """All marks."""
-    return InterestPoints(count=len(marks), points=marks)
+    return InterestPoints(points=marks)
 
 
 def module(name: str, phase: ModulePhase = ModulePhase.RUNNING, **changes: Any) -> ModuleReport:
@@ -54,7 +54,7 @@ def module(name: str, phase: ModulePhase = ModulePhase.RUNNING, **changes: Any) 
 
 def modules(*reports: ModuleReport) -> ModuleReports:
     """All modules."""
-    return ModuleReports(robot="magellan", count=len(reports), modules=reports)
+    return ModuleReports(robot="magellan", modules=reports)
 
 
 def capability(
@@ -66,7 +66,7 @@ def capability(
 
 def capabilities(*reports: CapabilityReport) -> CapabilityReports:
     """All capabilities."""
-    return CapabilityReports(robot="magellan", count=len(reports), capabilities=reports)
+    return CapabilityReports(robot="magellan", capabilities=reports)
 
 
 def autonomy(**changes: Any) -> AutonomyState:

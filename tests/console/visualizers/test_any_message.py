@@ -36,7 +36,7 @@ SIZES = ((1, 2), (3, 4), (16, 8), (40, 30))
 
 def going(path: tuple[Point, ...]) -> NavigationStatus:
     rest = {"number": 1, "sender": 0, "driver": 0, "points_left": 1, "distance_left": 1.0}
-    return NavigationStatus(task=Task.GOING, why="", count=len(path), path=path, **rest)
+    return NavigationStatus(task=Task.GOING, why="", path=path, **rest)
 
 
 @st.composite
@@ -54,7 +54,7 @@ def robots(draw: st.DrawFn) -> RobotState:
     marks = known.point(1, by=CONTROL, note=CONTROL)
     path = tuple(Point(x=draw(NUMBERS), y=draw(NUMBERS)) for _ in range(3))
     everything = known.everything() | {
-        INTEREST_POINTS: InterestPoints(count=-1, points=(draw(changed(marks)), marks)),
+        INTEREST_POINTS: InterestPoints(points=(draw(changed(marks)), marks)),
         NAVIGATION_STATUS: going(path),
         MODULE_REPORTS: known.modules(draw(changed(known.module(CONTROL, why=CONTROL)))),
         AUTONOMY_STATE: draw(changed(known.autonomy(why=CONTROL, sender=1))),

@@ -74,7 +74,7 @@ def marked(
 
 def points(*marks: InterestPoint, number: int = 1) -> dict[str, Received[Any]]:
     """The message that these are marked."""
-    value = InterestPoints(count=len(marks), points=marks)
+    value = InterestPoints(points=marks)
     return {INTEREST_POINTS.name: received(value, number=number)}
 
 

@@ -66,7 +66,7 @@ def test_a_click_sends_the_robot_to_the_place(linear: float, limit: float):
     (goal,) = values(widget.handle(click(), event_spec("mouse left"), seeing()))
     assert isinstance(goal, GoalCommand)
     assert [(point.x, point.y) for point in goal.points] == [(3.0, -1.0)]
-    assert goal.count == 1
+    assert len(goal.points) == 1
     assert math.isnan(goal.theta)
     assert goal.linear_limit == pytest.approx(limit, nan_ok=True)
 

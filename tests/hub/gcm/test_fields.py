@@ -22,7 +22,7 @@ from hub.gcm.mapping import MAP
 from hub.gcm.navigation import GOAL_COMMAND, ROBOT_STATE, STOP, VELOCITY_COMMAND, Stop, Twist
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats import grammar as formats
-from hub.ipc.formats import ranges
+from hub.ipc.formats import ranges, wire_types
 from hub.plain_text import is_plain
 from tests.hub.gcm.test_wire import value_of
 from tests.support import extremes
@@ -35,15 +35,8 @@ by_definition = pytest.mark.parametrize("definition", MESSAGES, ids=lambda each:
 def undeclared(tree: Any, kind: Any, where: str) -> list[str]:
     """Fields without a declaration; sizes of arrays are declared by the arrays."""
     found: list[str] = []
-    sizes = {
-        number - 1
-        for node in tree.members
-        if isinstance(node, formats.VariableArray)
-        for number in node.size_members
-    }
-    hints = typing.get_type_hints(kind, include_extras=True)
-    for place, (field, node) in enumerate(zip(dataclasses.fields(kind), tree.members, strict=True)):
-        hint, name = hints[field.name], f"{where}.{field.name}"
+    for member, node in zip(wire_types.members(kind), tree.members, strict=True):
+        hint, name = member.hint, f"{where}.{member.name}"
         if isinstance(node, formats.Struct):
             found += undeclared(node, ranges.bare(hint), name)
         elif isinstance(node, formats.VariableArray):
@@ -55,7 +48,7 @@ def undeclared(tree: Any, kind: Any, where: str) -> list[str]:
         elif isinstance(node, formats.Enum):
             if not issubclass(ranges.bare(hint), enum.IntEnum):
                 found.append(name)
-        elif place not in sizes and not ranges.declared(hint):
+        elif not member.counts and not ranges.declared(hint):
             found.append(name)
     return found
 
@@ -192,6 +185,6 @@ def test_control_of_no_known_time_is_refused(wrong: dict[str, float]) -> None:
 )
 def test_a_map_that_lies_nowhere_or_has_absurd_cells_is_refused(changes: dict[str, Any]) -> None:
     values = {"stamp": 0.0, "resolution": 0.05, "width_cells": 1, "height_cells": 1}
-    rest = {"origin_x": 0.0, "origin_y": 0.0, "length": 1, "data": np.zeros(1, np.uint8)}
+    rest = {"origin_x": 0.0, "origin_y": 0.0, "data": np.zeros(1, np.uint8)}
     with pytest.raises(RangeError, match="GCM_Common_Map"):
         back(MAP, MAP.type(**values | rest | changes))

@@ -25,7 +25,6 @@ def message(cells: np.ndarray, **fields: object) -> Map:
         "height_cells": cells.shape[0],
         "origin_x": -3.0,
         "origin_y": 1.0,
-        "length": len(data),
         "data": data,
     }
     return Map(**{**known, **fields})

@@ -38,7 +38,7 @@ class Daemons:
 
     def last_value(self, _: object, *, timeout: float) -> ModuleReports:
         del timeout
-        return ModuleReports(robot="test", count=0, modules=())
+        return ModuleReports(robot="test", modules=())
 
 
 def lines(first: int, *words: str) -> LogLines:

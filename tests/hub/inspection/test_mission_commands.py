@@ -39,7 +39,7 @@ def mission(root: Path, robot: str, stamp: float, *, ended: bool) -> str:
     for note in ("=cmd()", "\x1b[2Jbehind the door"):
         point = InterestPoint(
             kind=PointKind.VICTIM, x=1.5, y=len(note), by="Ada", note=note,
-            length=len(PICTURE), thumbnail=PICTURE,
+            thumbnail=PICTURE,
         )  # fmt: skip
         keeper.mark(point, "Ada")
     keeper.trace(1.0, 2.0, 0.5)

@@ -73,10 +73,9 @@ def test_a_mistake_says_what_to_do(assignment: str, said: str) -> None:
     [
         ("behaviour=explor", r"GCM_Autonomy_Command\.behaviour: .* GO, .*mean 'EXPLORE'"),
         ("behaviour=99", "one of HOLD, "),
-        ("count=many", "count: 'many' does not fit there; give a number"),
+        ("points=many", "points: 'many' does not fit there; give a JSON list"),
         ("points=1,2", "give a JSON list"),
         ("points=1", "give a JSON list"),
-        ("count=[1]", "give a number"),
     ],
 )
 def test_a_value_that_does_not_fit_says_which_would(assignment: str, said: str) -> None:
@@ -148,19 +147,21 @@ def _chain(length: int) -> Any:
 def test_a_linked_list_is_a_list_of_its_nodes() -> None:
     one, two = ((1, 2), None), ((1, 2), ((3, 4), None))
     routes = ROUTES.build((two, 2, ((None, "x"), ((None, "z"), "y")), 0.5))
-    assert plain(routes, ROUTES.tree) == {
+    assert plain(routes, ROUTES.record) == {
         "a0": [{"b0": {"c0": 1, "c1": 2}}, {"b0": {"c0": 3, "c1": 4}}],
         "a1": 2,
         "a2": [[{"b1": "x"}], [{"b1": "y"}, {"b1": "z"}]],
         "a3": 0.5,
     }
-    assert plain(ROUTES.build((one, 0, (), 0.5)), ROUTES.tree)["a0"] == [{"b0": {"c0": 1, "c1": 2}}]
-    assert plain(ROUTES.build((None, 0, (), 0.5)), ROUTES.tree)["a0"] == []
+    assert plain(ROUTES.build((one, 0, (), 0.5)), ROUTES.record)["a0"] == [
+        {"b0": {"c0": 1, "c1": 2}}
+    ]
+    assert plain(ROUTES.build((None, 0, (), 0.5)), ROUTES.record)["a0"] == []
 
 
 def test_a_message_that_is_a_list_has_the_field_nodes_as_in_its_schema() -> None:
-    assert plain(_chain(2), CHAIN.tree) == {"nodes": [{"a0": 1}, {"a0": 2}]}
-    assert list(lines(_chain(2), CHAIN.tree)) == ['nodes: [{"a0": 1}, {"a0": 2}]']
+    assert plain(_chain(2), CHAIN.record) == {"nodes": [{"a0": 1}, {"a0": 2}]}
+    assert list(lines(_chain(2), CHAIN.record)) == ['nodes: [{"a0": 1}, {"a0": 2}]']
 
 
 @pytest.mark.parametrize("length", [1, 900, 2000, formats.MAX_NODES])
@@ -168,16 +169,16 @@ def test_a_list_as_long_as_any_can_be_sent_read_and_shown(length: int) -> None:
     payload = b"".join(CHAIN.encode(_chain(length)))
     back = CHAIN.decode(payload)
     assert b"".join(CHAIN.encode(back)) == payload
-    told = json.loads(json.dumps(plain(back, CHAIN.tree)))
+    told = json.loads(json.dumps(plain(back, CHAIN.record)))
     assert [node["a0"] for node in told["nodes"]] == list(range(1, length + 1))
-    (line,) = lines(back, CHAIN.tree)
+    (line,) = lines(back, CHAIN.record)
     assert len(line) < 2000
 
 
 def test_a_longer_list_or_one_in_a_circle_is_refused() -> None:
     first = _chain(formats.MAX_NODES)
     longer = type(first)(a0=0, a1=first)
-    for work in (CHAIN.encode, lambda value: plain(value, CHAIN.tree)):
+    for work in (CHAIN.encode, lambda value: plain(value, CHAIN.record)):
         with pytest.raises(
             CodecError, match="longer than 10000 nodes, or one that runs in a circle"
         ):
@@ -188,9 +189,9 @@ def test_a_longer_list_or_one_in_a_circle_is_refused() -> None:
 def test_every_value_of_every_format_is_json_and_lines(data: st.DataObject) -> None:
     definition = definition_of(data.draw(structs()))
     value = definition.build(data.draw(values_of(definition.tree)))
-    text = json.dumps(plain(value, definition.tree), allow_nan=False)
+    text = json.dumps(plain(value, definition.record), allow_nan=False)
     assert "\n" not in text
-    assert all(line.isprintable() for line in lines(value, definition.tree))
+    assert all(line.isprintable() for line in lines(value, definition.record))
 
 
 @given(st.data())

@@ -37,7 +37,7 @@ POINTS = (
     InterestPoint(
         number=3, kind=PointKind.VICTIM, x=1.25, y=-0.5, uncertainty=0.125, distance=2.5,
         stamp=1e9, by="Ada",
-        note="sitzt; „Hilfe“\n", length=256, thumbnail=THUMBNAIL, version=4, kept=1,
+        note="sitzt; „Hilfe“\n", thumbnail=THUMBNAIL, version=4, kept=1,
     ),
     InterestPoint(
         number=8, kind=PointKind.LANDMARK, x=0.1, y=1 / 3, height=1.25, stamp=1.5e9,

@@ -26,7 +26,7 @@ def point(number: int = 0, x: float = 1.0, **fields: object) -> InterestPoint:
     thumbnail = fields.pop("thumbnail", NO_THUMBNAIL)
     assert isinstance(thumbnail, np.ndarray)
     return InterestPoint(
-        number=number, kind=PointKind.VICTIM, x=x, y=2.0, length=len(thumbnail),
+        number=number, kind=PointKind.VICTIM, x=x, y=2.0,
         thumbnail=thumbnail, **fields,  # type: ignore[arg-type]
     )  # fmt: skip
 
@@ -85,7 +85,7 @@ def test_numbers_of_removed_points_are_not_given_again() -> None:
 def test_a_point_that_is_nowhere_is_refused(x: float) -> None:
     book = PointBook()
     assert "nowhere" in book.mark(point(x=x), "", NOW)
-    assert book.message.count == 0
+    assert not book.message.points
 
 
 def test_a_mark_is_never_lost_for_being_too_wordy() -> None:
@@ -94,7 +94,12 @@ def test_a_mark_is_never_lost_for_being_too_wordy() -> None:
     said = point(note="n" * 9999, by="b" * 999, thumbnail=large, stamp=math.nan)
     assert book.mark(said, "", NOW) == ""
     (kept,) = book.message.points
-    assert (len(kept.note), len(kept.by), kept.length, kept.stamp) == (MAX_NOTE, MAX_BY, 0, NOW)
+    assert (len(kept.note), len(kept.by), kept.thumbnail.size, kept.stamp) == (
+        MAX_NOTE,
+        MAX_BY,
+        0,
+        NOW,
+    )
 
 
 @pytest.mark.parametrize("metres", [math.inf, -math.inf, -0.1, 0.0, 1e6])
@@ -117,7 +122,7 @@ def test_there_is_room_for_so_many_points_and_all_of_them_can_be_sent() -> None:
         assert book.mark(full, "", NOW) == ""
     assert "already" in book.mark(full, "", NOW)
     assert book.mark(point(3, x=5.0, version=1), "", NOW) == ""
-    assert book.message.count == MAX_POINTS
+    assert len(book.message.points) == MAX_POINTS
     assert len(INTEREST_POINTS.encode(book.message)) < 1_000_000
 
 
@@ -132,7 +137,7 @@ def test_points_of_an_earlier_sheet_stay_known_and_their_numbers_are_not_given_a
     book = PointBook()
     book.mark(point(), "", NOW)
     book.begin_sheet(1)
-    assert book.message.count == 0
+    assert not book.message.points
     assert book.mark(point(), "", NOW) == ""
     assert [kept.number for kept in book.message.points] == [2]
     assert book.earlier[1][0] == 1

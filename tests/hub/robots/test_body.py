@@ -29,7 +29,7 @@ def test_the_circle_encloses_the_footprint(tmp_path: Path) -> None:
     assert robot.radius == pytest.approx(0.5)
     around = [(point.x, point.y) for point in robot.body.footprint]
     assert around == [(0.0, 0.5), (-0.4, -0.3), (0.4, -0.3)], "counter-clockwise"
-    assert robot.body.count == 3
+    assert len(robot.body.footprint) == 3
 
 
 @pytest.mark.parametrize(

@@ -55,7 +55,6 @@ def told_device(**more: Any) -> PadDevice:
         "vid": F310.vid,
         "pid": F310.pid,
         "bus": F310.bus,
-        "count": len(descriptor),
         "descriptor": np.frombuffer(descriptor, np.uint8),
     }
     return PadDevice(**whole | more)
@@ -82,7 +81,7 @@ class Far:
         self.row.take((p, raws[c.role]) for p, c in enumerate(CONTROLS) if c.role in raws)
         age = more.pop("age", 0.0)
         row = np.array(self.row.values, np.int32)
-        state = PadState(**{"session": 1, "active": 1, "count": len(row), "values": row} | more)
+        state = PadState(**{"session": 1, "active": 1, "values": row} | more)
         self.pads.state_came(sender, state, self.now - age)
         return self.take()
 
@@ -175,8 +174,8 @@ def test_a_pad_that_nobody_touches_may_be_silent_for_longer(far: Far) -> None:
 
 
 NO_VALUES = np.zeros(0, np.int32)
-UNPLUGGED = {"active": 1, "count": 0, "values": NO_VALUES}
-ENDED = {"active": 0, "count": 0, "values": NO_VALUES}
+UNPLUGGED = {"active": 1, "values": NO_VALUES}
+ENDED = {"active": 0, "values": NO_VALUES}
 
 
 @pytest.mark.parametrize(
@@ -325,7 +324,7 @@ def test_what_describes_itself_wrongly_is_said_to_be_unusable(
 
 
 def test_states_of_another_length_long_descriptors_and_too_many_pads_are_refused(far: Far) -> None:
-    far.report(0, values=np.zeros(3, np.int32), count=3)
+    far.report(0, values=np.zeros(3, np.int32))
     assert far.pads.refused == 1
     assert far.state.values["lefty"] == 0.0
     far.pads.device_came(("r", 1), told_device(descriptor=bytes(LONGEST_DESCRIPTOR + 1)))
@@ -362,9 +361,7 @@ def damaged(draw: st.DrawFn, whole: bytes) -> bytes:
 
 
 DEVICE = payload(PAD_DEVICE, told_device())
-STATE = payload(
-    PAD_STATE, PadState(session=1, active=1, count=17, values=np.arange(17, dtype=np.int32))
-)
+STATE = payload(PAD_STATE, PadState(session=1, active=1, values=np.arange(17, dtype=np.int32)))
 
 
 @given(
@@ -405,7 +402,7 @@ def test_silence_wakes_who_waits_without_being_asked() -> None:
         pads_there.start(woken.set)
         now = time.monotonic()
         pads_there.device_came(ALICE, told_device())
-        state = PadState(session=1, active=1, count=len(CONTROLS), values=zeros())
+        state = PadState(session=1, active=1, values=zeros())
         pads_there.state_came(ALICE, state, now)
         devices = [news.devices for news in pads_there.news() if isinstance(news, Scanned)]
         assert [len(each) for each in devices] == [1]

@@ -12,7 +12,7 @@ ME, OTHER = 7, 8
 
 
 def console(operator: str, *taken: int) -> PadConsole:
-    return PadConsole(operator=operator, count=len(taken), taken=np.array(taken, np.uint32))
+    return PadConsole(operator=operator, taken=np.array(taken, np.uint32))
 
 
 @pytest.mark.parametrize(

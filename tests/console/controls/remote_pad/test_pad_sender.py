@@ -105,7 +105,7 @@ def test_a_device_that_is_gone_is_told_to_be_gone_at_once_and_now_and_then(
     sending.states_in(6.0)
     gone = sending.states[before:]
     assert len(gone) == 1 + 3
-    assert {(state.session, state.active, state.count) for state in gone} == {(1, 1, 0)}
+    assert {(state.session, state.active, state.values.size) for state in gone} == {(1, 1, 0)}
     assert not sending.sender.plugged
     sending.sender.plug(device(), PAD, b"")
     sending.turn()
@@ -116,6 +116,6 @@ def test_a_sender_that_ends_says_that_it_does_whether_a_device_is_there_or_not(
     sending: Sending,
 ) -> None:
     sending.sender.end()
-    assert (sending.states[-1].active, sending.states[-1].count) == (0, 0)
+    assert (sending.states[-1].active, sending.states[-1].values.size) == (0, 0)
     sending.sender.unplug()
     assert sending.states[-1].active == 0

@@ -52,12 +52,12 @@ def going(*way: tuple[float, float], task: Task = Task.GOING, **changes: Any) ->
     rest = {"number": 1, "sender": 0, "driver": 0, "points_left": 1, "distance_left": 1.0}
     x, y = way[-1]
     values = {"x": x, "y": y} | rest | changes
-    return NavigationStatus(task=task, why="", count=len(path), path=path, **values)
+    return NavigationStatus(task=task, why="", path=path, **values)
 
 
 def robot_in(made, *, age=0.1, map_age=1.0, number=1, points=(), status=None, **changes):
     """A robot in the room; it stands in the middle of it unless told otherwise."""
-    messages = {INTEREST_POINTS.name: made.received(InterestPoints(count=0, points=points))}
+    messages = {INTEREST_POINTS.name: made.received(InterestPoints(points=points))}
     if status is not None:
         messages[NAVIGATION_STATUS.name] = made.received(status)
     parts = {

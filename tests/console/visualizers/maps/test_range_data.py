@@ -86,7 +86,7 @@ def test_near_is_measured_from_the_rim_of_the_body(made, draw) -> None:
 @pytest.mark.parametrize("radius", [0.0, 5e-324, 1e-300])
 def test_a_body_without_a_size_is_drawn_all_the_same(made, draw, radius, corner) -> None:
     point = Point32(x=corner, y=0.0)
-    body = RobotBody(name="r", kind="k", radius=radius, count=3, footprint=(point,) * 3)
+    body = RobotBody(name="r", kind="k", radius=radius, footprint=(point,) * 3)
     navigation = made.received(made.navigation(sonar=sonar()), 0.1)
     said = {ROBOT_DESCRIPTION.name: made.received(body, 0.1)}
     assert draw(NAME, made.robot(navigation=navigation, messages=said), SIZE).pixels.any()

@@ -38,7 +38,6 @@ def navigation(**changes: Any) -> NavigationStatus:
         "points_left": 1,
         "distance_left": 3.14,
         "why": "",
-        "count": 0,
         "path": (),
         "x": 2.0,
         "y": 1.0,

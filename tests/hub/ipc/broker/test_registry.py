@@ -182,7 +182,7 @@ def test_other_plane_is_refused_because_they_would_never_meet(bench: Bench) -> N
 def test_malformed_definition_is_refused(bench: Bench, changes: dict[str, str]) -> None:
     bench.connect("a")
     assert isinstance(bench.define("a", **({"name": "M", "text": "{int}"} | changes)), Refused)
-    assert bench.listing("a").definition_count == 0
+    assert not bench.listing("a").definitions
 
 
 def test_malformed_redefinition_is_refused(bench: Bench) -> None:

@@ -189,9 +189,7 @@ def _report(*entries: control.Received | control.Published) -> control.Report:
     received = tuple(entry for entry in entries if isinstance(entry, control.Received))
     published = tuple(entry for entry in entries if isinstance(entry, control.Published))
     return control.Report(
-        received_count=len(received),
         received=received,
-        published_count=len(published),
         published=published,
     )
 

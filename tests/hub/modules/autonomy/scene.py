@@ -72,7 +72,7 @@ class Scene:
     def ask(self, behaviour: Behaviour, *points: tuple[float, float]) -> None:
         """The operator wants something."""
         sent = tuple(Point(x=x, y=y) for x, y in points)
-        command = AutonomyCommand(behaviour=behaviour, count=len(sent), points=sent)
+        command = AutonomyCommand(behaviour=behaviour, points=sent)
         self.pilot.command(command, self.now)
         self.act()
 
@@ -94,7 +94,6 @@ class Scene:
             points_left=self.left,
             distance_left=self.distance,
             why=self.said,
-            count=0,
             path=(),
             cause=self.cause,
             seconds=self.now - self.task_began,

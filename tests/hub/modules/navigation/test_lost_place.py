@@ -51,7 +51,7 @@ def test_a_goal_ends_when_its_frame_does(
         return MessageInfo(sender, 1, 0, 0.0, time.monotonic())
 
     navigation._report(AT_ORIGIN, heard(DRIVER))
-    goal = GoalCommand(count=1, points=(Point(x=3.0, y=0.0),))
+    goal = GoalCommand(points=(Point(x=3.0, y=0.0),))
     navigation._go(goal, heard(OPERATOR))
     task = navigation._pilot.task
     assert task.active

@@ -23,7 +23,7 @@ def goal(
     *places: tuple[float, float], theta: float = math.nan, patience: float = math.nan
 ) -> GoalCommand:
     points = tuple(Point(x=x, y=y) for x, y in places)
-    return GoalCommand(count=len(points), points=points, theta=theta, patience=patience)
+    return GoalCommand(points=points, theta=theta, patience=patience)
 
 
 @pytest.mark.parametrize("seed", range(10))

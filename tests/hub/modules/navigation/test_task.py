@@ -29,7 +29,7 @@ def goal(
     *places: tuple[float, float], theta: float = math.nan, patience: float = 0.01
 ) -> GoalCommand:
     points = tuple(Point(x=x, y=y) for x, y in places)
-    return GoalCommand(count=len(points), points=points, theta=theta, patience=patience)
+    return GoalCommand(points=points, theta=theta, patience=patience)
 
 
 def going(
