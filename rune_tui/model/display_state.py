@@ -27,7 +27,6 @@ class DisplayState:
 
 RUNE_DISPLAY = MessageDefinition(
     name="RuneDisplay",
-    format="{double,double,double,int}",
     type=DisplayState,
     rate_hz=1.0,
 )

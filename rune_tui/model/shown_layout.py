@@ -22,7 +22,6 @@ class ShownLayout:
 
 SHOWN_LAYOUT = MessageDefinition(
     name="RuneLayout",
-    format="{string,int}",
     type=ShownLayout,
 )
 """A local message: it is recorded, and goes over no bus."""
