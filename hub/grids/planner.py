@@ -148,5 +148,5 @@ def line_cost(factors: Costs, start: Cell, end: Cell) -> float:
 
 
 def _cuts(cells: int) -> npt.NDArray[np.float64]:
-    """Where a line over so many cells leaves one for the next, as parts of the whole."""
+    """The crossings of a line over this many cells, as shares of its length."""
     return (np.arange(abs(cells)) + 0.5) / max(abs(cells), 1)

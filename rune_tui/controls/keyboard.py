@@ -1,31 +1,36 @@
 """Which keys count as held down, with and without reported releases; pure.
 
-A key drives while it is HELD. `release_guard` says whether a press drives at all: not after a stop,
-before all keys that may be down were seen up. This is what becomes of one key:
+A key drives while it is HELD. `release_guard` decides whether a press drives: after a stop, no key
+drives until all keys that may be down were seen up. The states of one key:
 
-| state | event | terminal reports releases | it does not |
+| state | event | terminal reports releases | terminal does not |
 | --- | --- | --- | --- |
-| up | press, the guard lets it drive | HELD | HELD for 0.6 s |
-| up | press, the guard does not | MUST BE RELEASED | MUST BE RELEASED, or proven first |
-| up | repeat | MUST BE RELEASED | looks like a press |
+| UP | press, the guard allows it | HELD | HELD for 0.6 s |
+| UP | press, the guard refuses it | MUST BE RELEASED | MUST BE RELEASED, until proven |
+| UP | repeat | MUST BE RELEASED | same as a press |
 | HELD | repeat | HELD | HELD for 2.5 repeat intervals, 0.15 to 0.6 s |
-| HELD | release | up | not reported |
-| HELD | no repeats for that time | see below | up |
-| HELD | two repeats at once with their press | HELD | MUST BE RELEASED: it is late |
-| HELD | a stop that concerns it | MUST BE RELEASED | MUST BE RELEASED |
-| HELD | focus lost, and the like | up, and it must be released | the same |
-| MUST BE RELEASED | release | up | not reported |
-| MUST BE RELEASED | press | HELD, if the guard lets it | looks like a repeat |
-| MUST BE RELEASED | repeat | MUST BE RELEASED | the same; three live ones after a pause: HELD |
-| any | Super or Cmd goes down | up | not reported |
+| HELD | release | UP | not reported |
+| HELD | no repeat for that time | see below | UP |
+| HELD | two repeats at once with their press | HELD | MUST BE RELEASED: the press is late |
+| HELD | a stop of its robot | MUST BE RELEASED | MUST BE RELEASED |
+| HELD | focus lost, console suspended | UP, and it must be released | the same |
+| MUST BE RELEASED | release | UP | not reported |
+| MUST BE RELEASED | press | HELD, if the guard allows it | same as a repeat |
+| MUST BE RELEASED | repeat | MUST BE RELEASED | the same; HELD after 3 live repeats |
+| any | Super or Cmd goes down | UP | not reported |
 
-A release is lost when a window manager or another window takes it. So where releases are reported,
-silence ends a hold too: 0.6 s after the terminal was heard last, 0.6 s after the last repeat of the
-key that repeated last of all keys, and 5 s after any key moved for all other keys.
+A window manager or another window can take a release. So silence ends a hold too where releases are
+reported:
 
-No keyboard repeats at once: repeats that come together with their press were late, and the finger
-may be up. Live repeats come as far apart as before. Three of them show that a finger is down now,
-within 1 s of a pause of the line and without a stop in between.
+| key | HELD ends after |
+| --- | --- |
+| any | 0.6 s without any report of the terminal |
+| the key that repeated last | 0.6 s without a repeat |
+| any other key | 5 s without an event of any key |
+
+A keyboard waits before its first repeat. So repeats that come together with their press were
+delayed on the line, and the finger may be up. Live repeats have the usual interval. Three of them
+show that the finger is down now, if the line paused for at most 1 s and no stop came since.
 """
 
 from __future__ import annotations
@@ -41,34 +46,34 @@ from rune_tui.controls.release_guard import GuardAction, GuardState, ReleaseGuar
 from rune_tui.layout.names import canonical_key
 
 FIRST_HOLD_S = 0.6
-"""How long a first press holds, and the longest that anything holds [s]."""
+"""Duration of a hold after a press, and the longest after a repeat [s]."""
 _LEAST_HOLD_S = 0.15
-"""How long a repeat holds at least [s]."""
+"""Shortest hold after a repeat [s]."""
 _REPEAT_FACTOR = 2.5
-"""How many repeat intervals a repeat holds."""
+"""Duration of a hold after a repeat [repeat intervals]."""
 _REPEATS_MEASURED = 6
 _BURST_S = 0.01
-"""Repeats closer than this came together over a slow line and say nothing of the rate [s]."""
+"""Repeats closer than this came together over a slow line and do not measure the rate [s]."""
 _SILENT_S = 5.0
-"""How long a key is held whose release would be reported while no key moves at all [s]."""
+"""Longest hold without an event of any key, where releases are reported [s]."""
 _GRABS = "super"
-"""Part of the names of keys with which window managers, and macOS with Cmd, take what follows."""
+"""Part of the names of keys after which a window manager, or macOS with Cmd, takes the keys."""
 _LATE_REPEATS = 2
-"""So many of them right behind the press show that it is late; two quick taps look like one."""
+"""Number of repeats right after a press that show a late press; one may be a second quick tap."""
 _RESUMES_S = 1.0
-"""The longest pause of the line after which a key that is still down drives on [s]."""
+"""Longest pause of the line after which a key that is still down drives again [s]."""
 _LIVE_REPEATS = 3
-"""So many in a row, none sooner than keyboards have them, show that a finger is on the key now."""
+"""Number of live repeats in a row that show that a finger is on the key now."""
 _LIVE_SHARE = 0.6
-"""The share of the repeat interval from which on a repeat counts as no sooner."""
+"""Least distance of a live repeat from the one before, as a share of the repeat interval."""
 
 
 def name_of_key(key: str, character: str | None) -> str:
-    """The name under which layouts know a key.
+    """The name of a key in layouts.
 
     Args:
-        key: What the terminal library calls it, such as "plus", "up" or "W".
-        character: The printable character it types, if any.
+        key: Its name in the terminal library, such as "plus", "up" or "W".
+        character: Its printable character, if any.
     """
     chord = not {"shift"}.issuperset(key.split("+")[:-1])
     if chord or character is None or len(character) != 1 or not character.isprintable():
@@ -77,11 +82,11 @@ def name_of_key(key: str, character: str | None) -> str:
 
 
 def without_shift(key: str, character: str | None) -> str:
-    """The name that a key has without Shift; empty if Shift is not held with it.
+    """The name of a key without Shift; empty if Shift is not down.
 
     Args:
-        key: As of `name_of_key`.
-        character: As of `name_of_key`.
+        key: See `name_of_key`.
+        character: See `name_of_key`.
     """
     *modifiers, last = key.split("+") if len(key) > 1 else [key]
     if modifiers == ["shift"]:
@@ -99,33 +104,33 @@ class _Hold:
     """Repeats that came together with the press."""
     must_release: bool = False
     fine: bool = False
-    told: bool = False
+    releases_reported: bool = False
     """Whether the terminal reports its release."""
     silent_at: float = math.inf
-    """When it has been silent for so long that its release was lost, if it is reported [s]."""
+    """From this time on its release counts as lost, if releases are reported [s]."""
     ended: bool = False
-    """Whether its release was passed on, or is nobody's as its press was none."""
+    """Whether its release is not passed on: it was passed on already, or its press was not."""
     live_from: float = math.inf
-    """After a pause of the line: how far apart repeats are that are no sooner than before [s]."""
+    """After a pause of the line: least interval of live repeats [s]."""
     live: int = 0
-    """So many of those came in a row."""
+    """Number of live repeats in a row."""
 
 
 class KeyboardHold:
-    """Key presses and repeats in, presses, repeats and releases out; the clock is passed in.
+    """Turns reports of the terminal into presses, repeats and releases; the clock is passed in.
 
-    How fast the keyboard repeats is measured over its last few repeats, whatever the key. The
-    longest of these intervals counts, because a slow line delivers repeats in bursts.
+    It measures the repeat interval over the last repeats of all keys. The longest interval counts,
+    because a slow line delivers repeats in bursts.
 
     Attributes:
-        drives: Whether a key drives a robot; the guard is about those alone.
+        drives: Whether a key drives a robot; the guard gets only those keys.
     """
 
     def __init__(self, drives: Callable[[str], bool] = lambda _: True) -> None:
-        """Begin without any key.
+        """Start without keys.
 
         Args:
-            drives: Whether a key drives a robot; the guard is about those alone.
+            drives: Whether a key drives a robot; the guard gets only those keys.
         """
         self.drives = drives
         self._guard = ReleaseGuard()
@@ -136,7 +141,7 @@ class KeyboardHold:
 
     @property
     def held(self) -> tuple[str, ...]:
-        """Keys that count as held, in the order they were pressed."""
+        """Keys that are HELD, in the order of their presses."""
         return tuple(key for key, hold in self._holds.items() if not hold.must_release)
 
     @property
@@ -146,7 +151,8 @@ class KeyboardHold:
 
     @property
     def tap_first(self) -> bool:
-        """Whether a key that is held cannot drive before it was tapped: it repeats too soon."""
+        """Whether the operator must tap a key before it drives, because held keys repeat too
+        soon."""
         return self._guard.hasty
 
     def press(
@@ -158,15 +164,18 @@ class KeyboardHold:
         fine: bool = False,
         stale: bool = False,
     ) -> tuple[ControlEvent, ...]:
-        """The terminal reports a key: releases that were due by now, then its press or repeat.
+        """Take a key from a terminal that reports no releases.
 
         Args:
-            key: What it is called.
+            key: Its name.
             now: The time [s].
-            read: When it was read, if that is not just now [s].
-            fine: Whether Shift is held with it.
-            stale: Whether it may have been typed while the console was away; it drives only when
-                it is pressed anew.
+            read: The time at which it was read, if that is not `now` [s].
+            fine: Whether Shift is down.
+            stale: Whether it may have been typed while the console paused; then it must be
+                released and pressed again to drive.
+
+        Returns:
+            The releases that are due, then its press or repeat.
         """
         key = canonical_key(key)
         read = now if read is None else read
@@ -192,7 +201,7 @@ class KeyboardHold:
             else:
                 self._guard.saw(key, read)
         if hold.at_once >= _LATE_REPEATS and not hold.must_release:
-            due += self._late(key, hold, now)
+            due += self._end_late(key, hold, now)
         return (
             *due,
             ControlEvent(
@@ -209,28 +218,30 @@ class KeyboardHold:
     def down(
         self, key: str, now: float, *, repeat: bool, fine: bool = False, stale: bool = False
     ) -> tuple[ControlEvent, ...]:
-        """A terminal that will report the release reports a key: its press, or a repeat.
+        """Take a press or a repeat from a terminal that reports releases.
 
-        A repeat of a key that does not count as held was pressed before all were let go, before the
-        terminal fell silent, or unseen: it is a repeat, never a press, and its release is nobody's.
+        A repeat of a key that is UP never counts as a press: the press came before the focus was
+        lost or the terminal fell silent, or it was not seen. Its release is not passed on.
 
         Args:
-            key: What it is called.
+            key: Its name.
             now: The time [s].
             repeat: Whether it is a repeat.
-            fine: As of `press`.
-            stale: As of `press`.
+            fine: See `press`.
+            stale: See `press`.
         """
         key = canonical_key(key)
         due = list(self.expire(now))
         hold = self._holds.get(key)
         if hold is not None and not repeat:
-            due += self.up(key, now)  # which did not come
+            due += self.up(key, now)  # its release was lost
             hold = None
         if _GRABS in key and not repeat:
-            due += self._lost()
+            due += self._release_reported()
         if hold is None:
-            hold = self._holds[key] = _Hold(last=now, deadline=now, must_release=repeat, told=True)
+            hold = self._holds[key] = _Hold(
+                last=now, deadline=now, must_release=repeat, releases_reported=True
+            )
         elif repeat:
             self._repeated(hold, now)
         self._guarded(key, hold, now, repeat=repeat)
@@ -239,7 +250,7 @@ class KeyboardHold:
         hold.must_release = hold.must_release or stale
         hold.ended = hold.ended or stale or (repeat and hold.must_release)
         self.heard(now)
-        self._moved(now, hold if repeat else None)
+        self._note_event(now, hold if repeat else None)
         return (
             *due,
             ControlEvent(
@@ -253,43 +264,45 @@ class KeyboardHold:
         )
 
     def up(self, key: str, now: float) -> tuple[ControlEvent, ...]:
-        """A key went up."""
+        """Take a release."""
         key = canonical_key(key)
-        self._moved(now, None)
+        self._note_event(now, None)
         self._guard.release(key)
         return self._ended((key,)) if key in self._holds else ()
 
     def heard(self, now: float, asked: float | None = None) -> None:
-        """The terminal is there: keys whose release it will report stay held.
+        """Note that the terminal is alive, so that keys whose release it reports stay HELD.
 
         Args:
-            now: When that was read [s].
-            asked: When the question was written that it answers, if it does [s].
+            now: The time at which its report was read [s].
+            asked: The time at which the question was written, if the report is an answer [s].
         """
         if asked is not None:
             self._guard.heard(now, asked)
         for hold in self._holds.values():
-            if hold.told:
+            if hold.releases_reported:
                 hold.deadline = max(hold.deadline, now + FIRST_HOLD_S)
 
     @property
     def needs_answers(self) -> bool:
-        """Whether the terminal must be heard: keys are held, or waited for, until it answers."""
-        return self._guard.needs_answers or any(hold.told for hold in self._holds.values())
+        """Whether keys are HELD or waited for until the terminal answers."""
+        return self._guard.needs_answers or any(
+            hold.releases_reported for hold in self._holds.values()
+        )
 
     @property
     def hurries(self) -> bool:
-        """Whether an answer of the terminal would soon let a key drive."""
+        """Whether a key waits for the next answer of the terminal to drive."""
         return self._guard.hurries
 
     @property
     def hold_s(self) -> float:
-        """How long a repeat holds where no release is reported [s]."""
+        """Duration of a hold after a repeat, where releases are not reported [s]."""
         return self._repeat_hold()
 
     @property
     def answers(self) -> bool:
-        """Whether the terminal itself answers questions, in the order of its keys."""
+        """Whether the terminal itself answers questions, in order with its keys."""
         return self._guard.answers
 
     @answers.setter
@@ -297,7 +310,7 @@ class KeyboardHold:
         self._guard.answers = itself
 
     def expire(self, now: float) -> tuple[ControlEvent, ...]:
-        """Releases that are due, the earliest first; then the press that is proven by now."""
+        """Releases that are due, the earliest first; then the press that is proven now, if any."""
         return (*self._due(now), *self._proven(now))
 
     def _due(self, now: float) -> tuple[ControlEvent, ...]:
@@ -305,18 +318,22 @@ class KeyboardHold:
         due = sorted((end, key) for end, key in ends if end <= now)
         for _, key in due:
             hold = self._holds[key]
-            if self._intervals and hold.repeats and not (hold.told or hold.must_release):
+            if (
+                self._intervals
+                and hold.repeats
+                and not (hold.releases_reported or hold.must_release)
+            ):
                 usual = statistics.median(self._intervals)
                 self._paused[key] = hold.last + _RESUMES_S, _LIVE_SHARE * usual
         return self._ended(key for _, key in due)
 
     def _proven(self, now: float) -> tuple[ControlEvent, ...]:
-        key = self._guard.look(now)
+        key = self._guard.update(now)
         hold = self._holds.get(key)
         if hold is None:
             return ()
         hold.must_release = False
-        hold.deadline = now + FIRST_HOLD_S  # as for a press that comes now
+        hold.deadline = now + FIRST_HOLD_S  # same as a press now
         return (self._proven_press(key, hold),)
 
     @staticmethod
@@ -324,12 +341,12 @@ class KeyboardHold:
         return ControlEvent(name=key, pressed=True, fine=hold.fine, timed=True, proven=True)
 
     def release_all(self, now: float) -> tuple[ControlEvent, ...]:
-        """Everything is let go: the terminal lost the focus, was suspended, or the console ends."""
+        """Release all keys: the terminal lost the focus, the console was suspended, or it ends."""
         self._stop(None, now)
         return self._ended(tuple(self._holds))
 
     def stop(self, keys: Iterable[str], now: float) -> None:
-        """A robot was stopped or changed hands: keys that drive it and are down must be released.
+        """A robot was stopped or its owner changed: its keys that are down must be released.
 
         Args:
             keys: The keys that drive it.
@@ -347,7 +364,7 @@ class KeyboardHold:
         self._guard.stop(keys, now)
 
     def _first(self, key: str, read: float, now: float, *, fine: bool, stale: bool) -> ControlEvent:
-        """A key came, on a terminal that reports no releases, that was not down."""
+        """The press of a key that was UP, on a terminal that reports no releases."""
         hold = _Hold(last=read, deadline=now + FIRST_HOLD_S, ended=stale, fine=fine)
         hold.must_release = stale
         if self.drives(key):
@@ -365,8 +382,8 @@ class KeyboardHold:
             stale=stale,
         )
 
-    def _late(self, key: str, hold: _Hold, now: float) -> tuple[ControlEvent, ...]:
-        """Its repeats came at once with it: it drives no longer."""
+    def _end_late(self, key: str, hold: _Hold, now: float) -> tuple[ControlEvent, ...]:
+        """End the hold of a late press."""
         if not self.drives(key):
             return ()
         free = self._guard.state is GuardState.FREE
@@ -376,7 +393,7 @@ class KeyboardHold:
         return (ControlEvent(name=key, pressed=False),)
 
     def _guarded(self, key: str, hold: _Hold, now: float, *, repeat: bool) -> None:
-        """Ask the guard about a key whose release will be reported."""
+        """Ask the guard about a key whose release is reported."""
         if not self.drives(key):
             return
         if repeat:
@@ -385,40 +402,40 @@ class KeyboardHold:
             hold.must_release = self._guard.press(key, now) is not GuardAction.DRIVE
 
     def _is_live(self, hold: _Hold, read: float) -> bool:
-        """Whether a key that was held before a pause of the line is seen to be down now."""
+        """Whether live repeats show that a key from before a pause of the line is down now."""
         hold.live = hold.live + 1 if read - hold.last >= hold.live_from else 0
         return hold.live >= _LIVE_REPEATS
 
-    def _lost(self) -> tuple[ControlEvent, ...]:
-        """Keys whose releases may be reported to somebody else from here on go up now."""
-        told = [key for key, hold in self._holds.items() if hold.told]
-        return self._ended(told)
+    def _release_reported(self) -> tuple[ControlEvent, ...]:
+        """Release all keys whose releases may go to another window from now on."""
+        releases_reported = [key for key, hold in self._holds.items() if hold.releases_reported]
+        return self._ended(releases_reported)
 
     def _ended(self, keys: Iterable[str]) -> tuple[ControlEvent, ...]:
         ends = [(key, self._holds.pop(key)) for key in keys]
         return tuple(ControlEvent(name=key, pressed=False) for key, hold in ends if not hold.ended)
 
-    def _moved(self, now: float, repeats: _Hold | None) -> None:
-        """A key moved: none that is held needs to be heard of for a while.
+    def _note_event(self, now: float, repeats: _Hold | None) -> None:
+        """Note an event of a key, which postpones the end by silence of all holds.
 
         Args:
             now: The time [s].
-            repeats: The one that repeats, if that is how it moved: it will go on to.
+            repeats: The key that repeats, if the event is a repeat: it must go on to repeat.
         """
         for hold in self._holds.values():
-            if hold.told:
+            if hold.releases_reported:
                 hold.silent_at = now + _SILENT_S
         if repeats is not None and self._intervals:
             soon = max(FIRST_HOLD_S, _REPEAT_FACTOR * max(self._intervals))
             repeats.silent_at = now + min(_SILENT_S, soon)
 
     def _repeated(self, hold: _Hold, read: float) -> None:
-        """Measure how fast the keyboard repeats, and what came all at once."""
-        # Behind a pause of the line, all that comes faster than keys repeat was held back.
+        """Measure the repeat interval, and count repeats that came together with the press."""
+        # After a pause of the line, repeats faster than the keyboard's were delayed.
         together = read - hold.last < (hold.live_from if hold.live_from < math.inf else _BURST_S)
         if together and hold.at_once == hold.repeats:
             hold.at_once += 1
-        # From press to first repeat is the keyboard's delay, which says nothing of its rate.
+        # The time from press to first repeat is the keyboard's delay, not its interval.
         if hold.repeats and not together:
             self._intervals.append(read - hold.last)
         hold.repeats += 1

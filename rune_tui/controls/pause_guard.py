@@ -1,19 +1,24 @@
-"""Keys that were typed while the console could not see them; pure.
+"""Keys that were typed while the console paused; pure.
 
-A console that was stopped, or whose machine slept, finds old key presses waiting when it goes on.
-Nobody knows when they were typed, so they must not drive.
+After a pause of the console or a sleep of its machine, old keys wait to be read. The times at which
+they were typed are not known, so they must not drive.
+
+| event | action |
+| --- | --- |
+| more than 0.3 s between two ticks or keys | the console paused: release all input |
+| a key within 0.2 s after that | it is stale: it does not drive until it is pressed again |
 """
 
 from __future__ import annotations
 
 STALL_S = 0.3
-"""A pause between two ticks that is longer than this was no ordinary one [s]."""
+"""A longer time between two ticks is a pause [s]."""
 DEAF_S = 0.2
-"""How long after such a pause keys are taken for old ones [s]."""
+"""Keys are stale for this time after a pause [s]."""
 
 
 class StallGuard:
-    """Notices pauses of the console itself."""
+    """Detects pauses of the console itself."""
 
     def __init__(self, *, stall_s: float = STALL_S, deaf_s: float = DEAF_S) -> None:
         self._stall_s = stall_s
@@ -22,7 +27,7 @@ class StallGuard:
         self._deaf_until = float("-inf")
 
     def stalled(self, now: float) -> bool:
-        """To be called at every tick and every key: whether the console has just been away."""
+        """Whether the console paused just before `now`; call it at every tick and every key."""
         away = self._seen is not None and now - self._seen > self._stall_s
         self._seen = now
         if away:
@@ -30,5 +35,5 @@ class StallGuard:
         return away
 
     def deaf(self, now: float) -> bool:
-        """Whether a key that comes at `now` may have been typed while the console was away."""
+        """Whether a key at `now` may have been typed during a pause."""
         return now < self._deaf_until

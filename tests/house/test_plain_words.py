@@ -1,7 +1,8 @@
-"""Pages for people who learnt English at school: short sentences, and no words that few know."""
+"""Plain words for people who learnt English at school: in pages, in docstrings and in names."""
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -40,6 +41,28 @@ AVOIDED = (
     r"is to be|are to be|was to be|were to be|is to|are to",
 )
 """Words that a reader looks up, or has to read twice."""
+AVOIDED_IN_CODE = (
+    *AVOIDED,
+    r"so many|so long|somebody else|nobody else|whom|ours|goes by|gone by|tells? of|told of",
+    r"chores?|errands?|complaints?|weather|moods?|by whoever|is nobody's",
+)
+"""The same in docstrings, where a reader has no page around the word to understand it."""
+NAMES_TO_AVOID = re.compile(
+    r"anew|bur(?:y|ied)|chores?|complaints?|deeds?|errands?|heeds?|hind(?:er|rances?)|lest|minds?"
+    r"|moods?|strangers?|tell|told|weather"
+)
+"""Words that name nothing of the field; they do not occur in names of the rooms that are done."""
+ROOMS = (
+    "hub/grids",
+    "hub/modules/driver",
+    "hub/modules/mapping",
+    "hub/modules/navigation",
+    "hub/modules/vision",
+    "rune_tui/controls/keyboard.py",
+    "rune_tui/controls/release_guard.py",
+    "rune_tui/controls/pause_guard.py",
+)
+"""Rooms, and files, whose names and docstrings are plain; a room that becomes plain is added."""
 _LIST_ITEM = re.compile(r"\s*(?:[-*]|\d+\.)\s+")
 _END = re.compile(r"(?<=[.!?])[\"*_)]*\s+")
 
@@ -91,6 +114,61 @@ def avoided_words(text: str) -> list[str]:
     return [f"{found[0]}: {line}" for line in lines if (found := words.search(line))]
 
 
+def python_files(room: str) -> list[Path]:
+    """The Python files of a room, or the one file."""
+    path = ROOT / room
+    return sorted(path.rglob("*.py")) if path.is_dir() else [path]
+
+
+def words_of(name: str) -> Iterator[str]:
+    """The words of a Python name, in lower case."""
+    yield from (word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", name))
+
+
+def names_in(tree: ast.AST) -> Iterator[tuple[int, str]]:
+    """Names that a file gives: of classes, functions, parameters, variables and attributes."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            yield node.lineno, node.name
+        elif isinstance(node, ast.arg):
+            yield node.lineno, node.arg
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            yield node.lineno, node.id
+        elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            yield node.lineno, node.attr
+
+
+def docstrings_in(tree: ast.AST) -> Iterator[tuple[int, str]]:
+    """Docstrings, those of attributes too."""
+    for node in ast.walk(tree):
+        match node:
+            case ast.Expr(value=ast.Constant(value=str() as text)):
+                yield node.lineno, text
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_docstrings_have_no_words_that_few_know(room: str) -> None:
+    avoided = re.compile(rf"\b(?:{'|'.join(AVOIDED_IN_CODE)})\b", re.IGNORECASE)
+    found = [
+        f"{path.relative_to(ROOT)}:{line}: {word[0]}"
+        for path in python_files(room)
+        for line, text in docstrings_in(ast.parse(path.read_text()))
+        for word in avoided.finditer(re.sub(r"`[^`]*`", "", text))
+    ]
+    assert found == []
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_names_are_of_the_field(room: str) -> None:
+    found = [
+        f"{path.relative_to(ROOT)}:{line}: {name}"
+        for path in python_files(room)
+        for line, name in names_in(ast.parse(path.read_text()))
+        if any(map(NAMES_TO_AVOID.fullmatch, words_of(name)))
+    ]
+    assert found == []
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_no_sentence_is_long(page: Path) -> None:
     assert long_sentences(page.read_text()) == []
@@ -113,3 +191,7 @@ def test_what_counts_as_a_sentence() -> None:
 def test_words_to_avoid_are_found_in_tables_and_not_in_code() -> None:
     page = "| it was\n| TOLD\n| told | `told` |\n\n```\ntold\n```\nThe list, of which one is long."
     assert [found.partition(":")[0] for found in avoided_words(page)] == ["told", "of which"]
+
+
+def test_a_name_is_split_into_words() -> None:
+    assert list(words_of("_HTTPServer_told2")) == ["http", "server", "told"]

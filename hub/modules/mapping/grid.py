@@ -127,7 +127,7 @@ class OccupancyGrid:
 
         Args:
             x: Its middle in `map` [m].
-            y: Likewise [m].
+            y: The same [m].
             width: Extent along x [m].
             height: Extent along y [m].
 

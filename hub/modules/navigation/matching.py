@@ -75,8 +75,8 @@ def drift(grid: Grid, x: Floats, y: Floats, robot: Pose, before: Spread) -> Matc
     Returns:
         None: the map shows no correction, or the pose or its spread is not finite.
     """
-    told = (robot.x, robot.y, robot.theta, before.turn, before.way)
-    if not all(abs(each) < FARTHEST for each in told):
+    observed = (robot.x, robot.y, robot.theta, before.turn, before.way)
+    if not all(abs(each) < FARTHEST for each in observed):
         return None
     near = (np.abs(x) < FARTHEST) & (np.abs(y) < FARTHEST)  # false for NaN
     x, y = x[near], y[near]
