@@ -151,8 +151,7 @@ class KeyboardHold:
 
     @property
     def tap_first(self) -> bool:
-        """Whether the operator must tap a key before it drives, because held keys repeat too
-        soon."""
+        """Whether only a tap proves a key, because held keys repeat too soon."""
         return self._guard.hasty
 
     def press(
