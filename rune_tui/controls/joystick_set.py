@@ -1,4 +1,4 @@
-"""All joysticks of a layout: which device each is, what comes of it, what to tell of it."""
+"""All joysticks of a layout: their devices, their events and their reports."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Reader(Devices, Protocol):
         """When the newest state of another machine's device was measured [s]; else None."""
 
     def absence(self, path: str) -> Absence | None:
-        """What became of another machine's device that is gone; None if that is not known."""
+        """Why another machine's device is gone; None: not known."""
 
 
 @dataclass(slots=True)
@@ -60,11 +60,11 @@ class _Seat:
 
 
 class Joysticks:
-    """The joysticks of a layout, whatever of them is plugged in; the clock is passed in.
+    """The joysticks of a layout, plugged in or not; the clock is passed in.
 
     Attributes:
-        store: What is known of devices that were calibrated.
-        unsaved: Whether something has been found out that the store should write.
+        store: The calibrations of devices.
+        unsaved: Whether the store has something to write.
     """
 
     def __init__(
@@ -73,9 +73,9 @@ class Joysticks:
         """Prepare.
 
         Args:
-            specs: What the layout says.
+            specs: The joysticks of the layout.
             reader: Reads devices; it is started when a layout has joysticks.
-            store: What is known of devices.
+            store: The calibrations of devices.
         """
         self.store = store
         self.unsaved = False
@@ -94,10 +94,10 @@ class Joysticks:
         self._measured: tuple[float | None, ...] = ()
 
     def start(self, notify: Callable[[], None]) -> None:
-        """Look for devices from now on, while the layout has joysticks.
+        """Search for devices from now on, while the layout has joysticks.
 
         Args:
-            notify: Is called, in other threads, when there are events.
+            notify: Called from other threads when there are events.
         """
         self._notify = notify
         self._start()
@@ -121,7 +121,7 @@ class Joysticks:
             self._running = False
 
     def follow(self, specs: Sequence[JoystickSpec], now: float) -> None:
-        """Go on with another layout's joysticks; devices that it wants as well stay open."""
+        """Change to another layout's joysticks; devices that both use stay open."""
         before = {seat.name: seat for seat in self._seats}
         self._seats = []
         self._shown = None
@@ -177,7 +177,7 @@ class Joysticks:
                 self._waiting += self._fed(seat, values, now)
 
     def tick(self, now: float) -> list[str]:
-        """Time goes by; what there is to tell the operator."""
+        """Apply the time limits; returns reports for the operator."""
         for seat in self._seats:
             if seat.guide is not None:
                 seat.guide.expire(now)
@@ -186,11 +186,11 @@ class Joysticks:
         return said
 
     def calibrate(self, name: str, control: str, now: float) -> None:
-        """Ask the operator for the ends of axes; if that is being done, end it instead.
+        """Begin the calibration of axes by the operator; if it is active, end it.
 
         Args:
-            name: Which joystick; empty for the first.
-            control: Which of its axes; empty for those that the layout says, or all.
+            name: The joystick; empty: the first.
+            control: One of its axes; empty: those that the layout names, or all.
             now: The time now [s].
         """
         seat = next((each for each in self._seats if name in {"", each.name}), None)
@@ -212,7 +212,7 @@ class Joysticks:
 
     @property
     def states(self) -> Mapping[str, JoystickState]:
-        """What is known of each, by name."""
+        """The state of each, by name."""
         measured = tuple(
             self._reader.measured(seat.device.path) if seat.connected and seat.device else None
             for seat in self._seats
@@ -245,7 +245,7 @@ class Joysticks:
         for seat in self._seats:
             if seat.connected or not (seat.device and seat.device.machine):
                 continue
-            # Who has not been heard for long is forgotten there; what it said last is not.
+            # A pad without messages is forgotten there; its last report is kept here.
             absence = self._reader.absence(seat.device.path) or seat.absence
             changed |= absence is not seat.absence
             seat.absence = absence
@@ -315,7 +315,7 @@ class Joysticks:
         return controls
 
     def _seated(self, seat: _Seat, controls: tuple[PhysicalControl, ...], now: float) -> None:
-        """A device can be read; what is deflected on it by now has to be neutral first."""
+        """Take an open device; a control that is deflected now must be neutral first."""
         known = self.store.of(seat.device.key) if seat.device else {}
         missing = seat.joystick.connect(controls, known)
         seat.controls = controls
@@ -326,7 +326,7 @@ class Joysticks:
         seat.joystick.release_all()
 
     def _ask_for_ends(self, seat: _Seat, now: float) -> None:
-        """Ask for the ends of the axes that the layout wants calibrated, if nobody knows them."""
+        """Begin the calibration of the axes that the layout names, if they have none."""
         known = self.store.of(seat.device.key) if seat.device else {}
         marked = {spec.name for spec in seat.joystick.spec.controls if spec.calibrate}
         axes = [axis for axis in seat.joystick.to_calibrate() if axis.control in marked]
@@ -346,14 +346,14 @@ class Joysticks:
                 seat.phase, seat.why = JoystickPhase.UNSUITABLE, news.why
 
     def _vacate(self, seat: _Seat) -> tuple[ControlEvent, ...]:
-        """Its device is gone; who it was is remembered."""
+        """Drop a device that is gone; its identity is kept."""
         was_connected = seat.connected
         seat.phase, seat.why = JoystickPhase.MISSING, ""
         seat.guide = self._shown = None
         return seat.joystick.lost() if was_connected else ()
 
     def _assign(self) -> tuple[ControlEvent, ...]:
-        """Give each joystick its device, as far as there are devices."""
+        """Assign devices to joysticks."""
         events: list[ControlEvent] = []
         here = {device.path for device in self._devices}
         self._faults = {path: count for path, count in self._faults.items() if path in here}
@@ -379,7 +379,9 @@ class Joysticks:
 
     def _open(self, seat: _Seat, device: DeviceInfo) -> None:
         if self._faults.get(device.path, 0) > MOST_FAULTS:
-            self._unfit[device.path] = "it falls silent again and again; plug it in anew"
+            self._unfit[device.path] = (
+                "it falls silent again and again; unplug it, wait, plug it in"
+            )
         if device.path in self._unfit:
             seat.phase, seat.why = JoystickPhase.UNSUITABLE, self._unfit[device.path]
         else:

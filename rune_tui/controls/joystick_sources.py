@@ -1,4 +1,4 @@
-"""All devices that the console can read: those of this machine and those of others."""
+"""All devices that the console can read: of this machine and of other machines."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Devices(Protocol):
     """What reads the devices of this machine; see `DeviceReader`."""
 
     def start(self, notify: Callable[[], None]) -> None:
-        """Begin to look for devices."""
+        """Start the search for devices."""
 
     def news(self) -> list[News]:
         """What has happened since the last call."""
@@ -44,10 +44,10 @@ class Sources:
         self._far_devices: tuple[DeviceInfo, ...] = ()
 
     def start(self, notify: Callable[[], None]) -> None:
-        """Begin to look for devices.
+        """Start the search for devices.
 
         Raises:
-            HidMissingError: There is no hidapi; devices of other machines are read all the same.
+            HidMissingError: hidapi is missing; devices of other machines are still read.
         """
         self._far.start(notify)
         self._near.start(notify)
@@ -83,7 +83,7 @@ class Sources:
         return self._far.measured(path)
 
     def absence(self, path: str) -> Absence | None:
-        """What became of another machine's device; None if that is not known."""
+        """Why another machine's device is gone; None: not known."""
         return self._far.absence(path)
 
     def close(self) -> None:

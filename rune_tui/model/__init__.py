@@ -1,1 +1,1 @@
-"""What the console knows, and the geometry between picture and world."""
+"""The state of the console and its robots, and the geometry between picture and world."""

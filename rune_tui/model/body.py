@@ -12,18 +12,18 @@ from rune_tui.model.sightings import Floats
 
 
 def rim(body: RobotBody | None, count: int) -> Floats:
-    """How far the robot's rim is from its origin [m], shape (count,).
+    """Distances of the robot's rim from its origin [m], shape (count,).
 
-    The directions begin straight ahead and follow counter-clockwise. Of a robot whose body is not
-    known, all distances are 0: what is said of it is then said from its origin.
+    The directions begin straight ahead and follow counter-clockwise. If the body is not known, all
+    distances are 0: clearances are then measured from the origin.
     """
     return _rim(body, count)
 
 
 def largest_radius(body: RobotBody | None) -> float:
-    """Of the circle in which all of the robot lies [m]; 0 where that is not known.
+    """Radius of the circle around the whole robot [m]; 0: not known.
 
-    A hub that says less than its robot's corners need is not believed.
+    A radius that is too small for the robot's corners is not used.
     """
     if body is None:
         return 0.0
@@ -31,9 +31,9 @@ def largest_radius(body: RobotBody | None) -> float:
 
 
 def corners(body: RobotBody | None) -> Floats:
-    """Corners of the ground that the robot covers in its frame [m], shape (n, 2).
+    """Corners of the robot's footprint in its frame [m], shape (n, 2).
 
-    None (n is 0) where that is a circle, or not known; two corners are no ground.
+    n is 0 if the footprint is a circle, is not known, or has two corners only.
     """
     points = body.footprint if body is not None and len(body.footprint) > 2 else ()
     return np.array([(point.x, point.y) for point in points], np.float64).reshape(-1, 2)

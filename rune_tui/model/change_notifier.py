@@ -1,4 +1,4 @@
-"""What happens to robots and joysticks that the operator must see, told once each."""
+"""Reports changes of robots and joysticks that the operator must see, each once."""
 
 from __future__ import annotations
 
@@ -33,15 +33,15 @@ _GONE = {
 }
 
 GRACE_S = 4.0
-"""What is missing for no longer than this is not told of: hubs begin so [s]."""
+"""Shorter absences are not reported, because hubs start with some [s]."""
 
 
 class ChangeNotifier:
-    """Compares what is known of each robot and joystick with what was known before.
+    """Compares the state of each robot and joystick with its state before.
 
-    Links that are lost and found, control that changes hands, what stops a robot, what it refuses,
-    begins and ends by itself, wanted capabilities that a robot does not provide, and messages with
-    values out of their range; joysticks that come, go or cannot be used.
+    It reports: links lost and found; changes of control; stops; refusals; tasks that begin and
+    end; requested capabilities that a robot does not provide; messages with values out of range;
+    joysticks that come, go or cannot be used.
     """
 
     def __init__(self) -> None:
@@ -59,13 +59,13 @@ class ChangeNotifier:
         self._failed: set[str] = set()
 
     def look(self, state: ConsoleState) -> tuple[Notice, ...]:
-        """What has happened since the last look."""
+        """The changes since the last call."""
         of_robots = (self._spared(robot, state) for robot in state.robots.values())
         of_joysticks = (self._of_joystick(each, state) for each in state.joysticks.values())
         return tuple(notice for some in (*of_robots, *of_joysticks) for notice in some)
 
     def _spared(self, robot: RobotState, state: ConsoleState) -> tuple[Notice, ...]:
-        """What has happened to a robot; a fault there must not take the others away."""
+        """The changes of one robot; a fault there must not hide those of the others."""
         try:
             return tuple(self._of(robot, state))
         except Exception:
@@ -118,7 +118,7 @@ class ChangeNotifier:
             yield from self._capabilities(robot, state)
 
     def _handed_over(self, robot: RobotState, state: ConsoleState) -> Iterator[Notice]:
-        """Control that others have now, or ask for, or did not get."""
+        """Changes of control by other consoles, and their requests."""
         name, now = robot.name, control_of(robot)
         if now is None:
             return
@@ -136,7 +136,7 @@ class ChangeNotifier:
 
     @staticmethod
     def _request(robot: RobotState, control: ControlState, state: ConsoleState) -> Notice:
-        """That somebody asks for control; an alarm where it is to be answered."""
+        """A request for control; an alarm if this console must answer it."""
         left = f"{seconds_left(robot, state.now)} s to answer"
         if asks(robot):
             return state.notice(
@@ -151,23 +151,23 @@ class ChangeNotifier:
     def _capabilities(self, robot: RobotState, state: ConsoleState) -> Iterator[Notice]:
         """Capabilities that are missing, and those that are back."""
         name, now = robot.name, robot.link.lacking
-        told = dict(self._lacking.get(name, {}))
+        reported = dict(self._lacking.get(name, {}))
         had = self._had.setdefault(name, set())
         since = {each: self._since.get((name, each), state.now) for each in now}
         self._since = {key: at for key, at in self._since.items() if key[0] != name}
         self._since |= {(name, each): at for each, at in since.items()}
         for capability, lack in now.items():
             why, absent = lack.why, lack.kind is LackKind.ABSENT
-            new = told.get(capability) != why
+            new = reported.get(capability) != why
             lasting = lack.kind is not LackKind.COMING and state.now - since[capability] >= GRACE_S
             if new and (lasting or capability in had):
-                told[capability] = why
+                reported[capability] = why
                 text = f"it does not provide {capability}: {why}"
                 yield state.notice(text, robot=name, alarm=not absent or capability in had)
-        for capability in [known for known in told if known not in now]:
-            del told[capability]
+        for capability in [known for known in reported if known not in now]:
+            del reported[capability]
             yield state.notice(f"it provides {capability} again", robot=name)
-        self._lacking[name] = told
+        self._lacking[name] = reported
         reports = robot.newest(CAPABILITY_REPORTS)
         had |= {
             report.name

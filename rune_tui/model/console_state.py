@@ -1,4 +1,4 @@
-"""What the console itself is doing, and all that it knows at one moment; immutable."""
+"""The state of the console and of all robots at one moment; immutable."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ MOST_NOTICES = 200
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Notice:
-    """Something that happened, for the operator to read.
+    """A report for the operator.
 
     Attributes:
         text: One sentence.
         when: On the console's monotonic clock [s].
         clock: The time of day then, such as "14:03:22".
-        robot: Whom it is about; empty for the console itself.
-        alarm: Whether it needs a hand.
-        quiet: Whether it is for the log only, and not shown by itself where there is none.
-        routine: Whether it only says that what the operator wanted is done, such as a file.
+        robot: Its robot; empty: the console itself.
+        alarm: Whether the operator must act.
+        quiet: Whether it is for the log only.
+        routine: Whether it only confirms an order of the operator, such as to save a file.
     """
 
     text: str
@@ -48,14 +48,14 @@ class Notice:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Banner:
-    """The alarm that stands over everything.
+    """The alarm that is drawn over the view.
 
     Attributes:
-        robot: Whose it is; empty for the console itself.
-        text: What it says.
-        more: How many more alarms there are.
-        advice: What to do about it; empty: that is plain.
-        calm: Whether it is no alarm, but what the operator must know: the robot moves by itself.
+        robot: Its robot; empty: the console itself.
+        text: Its text.
+        more: Number of further alarms.
+        advice: What to do; empty: the text says it.
+        calm: Whether it is information and no alarm: the robot moves by itself.
     """
 
     robot: str
@@ -82,14 +82,14 @@ class Ghost:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PictureWish:
-    """What kind of pictures are asked for.
+    """The kind of requested pictures.
 
     Attributes:
         kind: Grey or colour.
-        width: Width wanted [pixels]; 0: as wide as is shown.
-        height: Height wanted [pixels]; 0: as high as is shown.
-        quality: 1 to 100; where the coding is chosen by measurement, of run lengths.
-        coding: How they are coded; None: by measurement, whatever suits the link.
+        width: Width [pixels]; 0: that of the viewport.
+        height: Height [pixels]; 0: that of the viewport.
+        quality: 1 to 100; if the coding is measured, that of run lengths.
+        coding: Their coding; None: the best for the link, by measurement.
     """
 
     kind: ImageKind = ImageKind.COLOUR
@@ -101,47 +101,46 @@ class PictureWish:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConsoleState:
-    """What the console is doing and what it knows.
+    """The state of the console and of all robots.
 
     Attributes:
         now: The console's monotonic clock [s].
-        held: Keys that count as held down, in the order they were pressed.
+        held: Keys that are HELD, in the order of their presses.
         must_release: Keys that must be released before a key drives.
-        tap_first: Whether those drive only when they are tapped once, and then held.
-        hold_s: How long a key that repeats counts as held where no release is told [s].
-        releases_told: Whether the terminal tells when keys go up.
+        tap_first: Whether those must be tapped once before they drive.
+        hold_s: Duration of a hold after a repeat, where releases are not reported [s].
+        releases_told: Whether the terminal reports releases of keys.
         run_number: The layout's run number.
-        robots: All that is known of each robot, by name.
-        chosen: The robot that viewports of `CHOSEN` show and command.
-        shown: Which viewports the operator has shown (True) or hidden (False).
+        robots: The state of each robot, by name.
+        chosen: The robot of viewports with `CHOSEN`.
+        shown: Viewports that the operator has shown (True) or hidden (False).
         places: Viewports that have a place at this size of the terminal, and whether they are shown
-            there until the operator wants it otherwise.
-        zooms: How many times larger than its layout says a viewport shows the world, by name.
-        wishes: What pictures somebody wants of a robot, by the robot's name.
-        night: Robots whose night mode somebody switched on, by name.
-        speed_limits: With what share of its speed each robot is driven, 0 to 1; not there: 1.
+            there by default.
+        zooms: Zoom of each viewport, relative to its layout, by name.
+        wishes: The requested kind of pictures, by the robot's name.
+        night: Robots with night mode on, by name.
+        speed_limits: Share of its speed at which each robot is driven, 0 to 1; default: 1.
         theme: The colours.
-        notices: What happened, the newest last.
-        help: Whether the page that says what keys do lies over the view.
-        log: Whether the page of all that happened lies over the view.
-        page: How that page is shown.
+        notices: The reports, the newest last.
+        help: Whether the page of keys is open.
+        log: Whether the page of reports is open.
+        page: The position and search of that page.
         rows: Height of the terminal [cells].
-        leaving: What speaks against the end of the console, while the operator is asked about it.
-        full: The viewport that is shown over the whole view; empty if none is.
-        operator: Who sits here.
+        leaving: Reasons against the end of the console, while the operator is asked to confirm.
+        full: The viewport in full screen; empty: none.
+        operator: The operator of this console.
         clock: The time of day now, such as "14:03:22".
-        recording: The file that everything is being recorded in; empty if nothing is.
-        trouble: What is wrong with the layout as it was saved last; drawn over everything.
-        display: How the picture reaches the operator's eyes; None without a terminal.
+        recording: The file of the running recording; empty: none.
+        trouble: The mistake in the layout file as last saved; drawn over the view.
+        display: The state of the way to the terminal; None: there is no terminal.
         pixel_height: Height of a pixel, half a cell of the terminal, over its width.
         inputs: The first input of each purpose of a widget, in words, by purpose and robot.
-        joysticks: All that is known of the layout's joysticks, by name.
-        unconfirmed: How many marks a widget has sent that no robot has confirmed, by the widget and
-            the robot.
-        overdue: How many of those should be confirmed long ago, likewise.
-        banner: The alarm that stands over everything; panes do not repeat it.
+        joysticks: The state of the layout's joysticks, by name.
+        unconfirmed: Number of marks that were sent and not confirmed, by widget and robot.
+        overdue: Number of those that are late, in the same form.
+        banner: The alarm that is drawn over the view; panes do not repeat it.
         ghosts: Marks that were pointed at and are not made yet, by robot.
-        sent_off: When each robot was last sent somewhere from here [s], by robot.
+        sent_off: Time of the last order to go somewhere from this console [s], by robot.
     """
 
     now: float
@@ -197,12 +196,12 @@ class ConsoleState:
 
     @property
     def paged(self) -> bool:
-        """Whether a page lies over the view; then only keys of the page, stop and quit count."""
+        """Whether a page is open; then only keys of the page, stop and quit count."""
         return self.help or self.log
 
     @property
     def latency(self) -> float:
-        """How long after it is drawn the operator sees a picture [s]; 0 where nobody knows."""
+        """Time from drawing to the operator's eyes [s]; 0: not known."""
         known = self.display is not None and math.isfinite(self.display.latency)
         return self.display.latency if self.display is not None and known else 0.0
 
@@ -211,7 +210,7 @@ class ConsoleState:
         return self.robots.get(self.chosen if name == CHOSEN else name)
 
     def title(self, robot: str) -> str:
-        """The name by which people know the robot of a role; empty for no robot."""
+        """The name of the robot of a role, for people; empty: no robot."""
         return titles(self.robots.values()).get(robot, robot)
 
     def speed_limit(self, robot: str) -> float:
@@ -258,6 +257,6 @@ def carried_over(state: ConsoleState, layout: LayoutSpec) -> ConsoleState:
         night=state.night & robots,
         speed_limits={name: limit for name, limit in state.speed_limits.items() if name in robots},
         trouble="",
-        ghosts={},  # whoever would end or confirm them is gone
+        ghosts={},  # the widget that ends or confirms them is gone
         inputs=inputs_of(layout),
     )

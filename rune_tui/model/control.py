@@ -1,4 +1,4 @@
-"""Who has control of a robot, as this console sees it, and what it may send; pure."""
+"""Control of a robot, as this console sees it, and what the console may send; pure."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ _ANSWERS = ((Purpose.GRANT_CONTROL, "hands it over"), (Purpose.DENY_CONTROL, "ke
 
 
 class Standing(enum.Enum):
-    """How this console stands to a robot.
+    """The state of control, for this console.
 
     Attributes:
-        UNKNOWN: There is no link, or the hub does not say.
-        FREE: Nobody has control.
-        MINE: This console has it.
-        OTHERS: Another one has it.
+        UNKNOWN: There is no link, or the hub does not report it.
+        FREE: No console has control.
+        MINE: This console has control.
+        OTHERS: Another console has control.
     """
 
     UNKNOWN = "unknown"
@@ -34,7 +34,7 @@ class Standing(enum.Enum):
 
 
 def control_of(robot: RobotState | None) -> ControlState | None:
-    """What the robot's hub says of control; None while there is no link, or it does not say."""
+    """The hub's report of control; None: there is no link, or the hub does not report it."""
     if robot is None or robot.link.phase is not LinkPhase.CONNECTED:
         return None
     received = robot.newest(CONTROL_STATE)
@@ -42,7 +42,7 @@ def control_of(robot: RobotState | None) -> ControlState | None:
 
 
 def standing(robot: RobotState | None) -> Standing:
-    """How this console stands to a robot now."""
+    """The state of control of a robot now."""
     control = control_of(robot)
     if robot is None or control is None:
         return Standing.UNKNOWN
@@ -58,7 +58,7 @@ def asks(robot: RobotState) -> bool:
 
 
 def seconds_left(robot: RobotState, now: float) -> int:
-    """How long the owner has to answer who asks now [s], in whole seconds."""
+    """Time that is left to answer the present request [s], in whole seconds."""
     received = robot.newest(CONTROL_STATE)
     if received is None:
         return 0
@@ -66,7 +66,7 @@ def seconds_left(robot: RobotState, now: float) -> int:
 
 
 def owner_words(robot: RobotState) -> str:
-    """Who has control, and since when, for people."""
+    """The owner, and since when, for people."""
     control = control_of(robot)
     if control is None or not control.owner:
         return "nobody has control"
@@ -83,7 +83,7 @@ def to_take(robot: RobotState, state: ConsoleState) -> str:
 
 
 def answer_keys(robot: RobotState, state: ConsoleState) -> Iterator[str]:
-    """Which keys answer who asks, in words."""
+    """The keys that answer a request, in words."""
     for purpose, does in _ANSWERS:
         if key := state.input_of(purpose, robot.name):
             yield f"{key} {does}"
@@ -92,12 +92,12 @@ def answer_keys(robot: RobotState, state: ConsoleState) -> Iterator[str]:
 def refused(
     effects: Iterable[Effect], state: ConsoleState, by_hand: frozenset[str]
 ) -> RobotState | None:
-    """The robot whose owner alone may send one of these; None if they may all be sent.
+    """The robot whose control one of these effects needs; None: all may be sent.
 
     Args:
-        effects: What a widget wants done at one moment.
+        effects: Effects of a widget at one moment.
         state: Of the console.
-        by_hand: Robots of which control is taken by its own key alone, not by driving.
+        by_hand: Robots whose control only a key takes, and not driving.
     """
     for command in filter(_is_command, effects):
         robot = state.robots.get(command.robot)
@@ -126,7 +126,7 @@ def taking(effects: Iterable[Effect], state: ConsoleState) -> tuple[Effect, ...]
 
 
 def _is_command(effect: Effect) -> TypeGuard[SendEffect]:
-    """Whether only the owner of a robot may send it; everybody may send zero speed."""
+    """Whether only the owner of a robot may send it; any console may send zero speed."""
     if not isinstance(effect, SendEffect) or effect.definition.name not in RESTRICTED:
         return False
     return not (isinstance(effect.value, Twist) and effect.value.neutral)

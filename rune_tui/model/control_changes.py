@@ -9,14 +9,14 @@ from rune_tui.model.robot_state import RobotState
 
 
 class ControlChanges:
-    """Remembers what each robot said of control and of stops."""
+    """Remembers each robot's last report of control and of stops."""
 
     def __init__(self) -> None:
         self._standings: dict[str, Standing] = {}
         self._stops: dict[str, int] = {}
 
     def look(self, robots: Iterable[RobotState]) -> list[str]:
-        """Names of those that were stopped, or changed hands, since the last look."""
+        """Names of the robots that were stopped, or whose owner changed, since the last call."""
         return [
             robot.name for robot in robots if self._changed_hands(robot) or self._stopped(robot)
         ]

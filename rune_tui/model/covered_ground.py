@@ -1,4 +1,4 @@
-"""Which ground cannot be seen, as something near stands before it; pure."""
+"""Ground that an obstacle hides from the camera; pure."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hub.gcm.navigation import RobotState as NavigationState
 from rune_tui.model.sightings import Floats
 
 COVERS_M: Final = 1.2
-"""Farther away than this, what a wide beam meets may stand beside what is seen [m]."""
+"""Largest range used of a wide beam; a farther echo may come from beside the line [m]."""
 
 _SLACK_M: Final = 0.1
 """How far ground is shown behind what was measured [m]."""
@@ -23,9 +23,9 @@ _GRAIN_M: Final = 0.05
 
 
 def covers_of(navigation: NavigationState | None) -> tuple[float, ...]:
-    """How far ground is seen in each direction [m], inf where nothing near stands before it.
+    """Distance of the visible ground in each direction [m]; inf: no obstacle hides it.
 
-    Empty where nothing does at all. In steps, so that noise of the sensors is not seen.
+    Empty if no obstacle hides any. Rounded, so that noise of the sensors is not visible.
     """
     if navigation is None:
         return ()
@@ -54,7 +54,7 @@ def uncovered(lines: Floats, covers: tuple[float, ...]) -> Floats:
 
     Args:
         lines: Corners in the robot's frame [m], shape (n, 2), a row of NaN between two lines.
-        covers: As of `covers_of`.
+        covers: Result of `covers_of`.
     """
     if not covers or len(lines) < 2:
         return lines

@@ -9,13 +9,13 @@ from hub.ipc.definition import MessageDefinition
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DisplayState:
-    """What the console knows of the way to its terminal.
+    """The state of the connection to the terminal.
 
     Attributes:
-        latency: From handing a frame over to the terminal's word that it is shown [s]; NaN where
-            it does not say.
-        frames_per_s: Frames that were handed over in the last second [1/s].
-        bytes_per_s: What they took [bytes/s].
+        latency: Time from writing a frame to the terminal's report that it is shown [s]; NaN:
+            not reported.
+        frames_per_s: Frames written in the last second [1/s].
+        bytes_per_s: Bytes of these frames [bytes/s].
         coarseness: 0 where pictures are exact, more the coarser they are.
     """
 

@@ -1,4 +1,4 @@
-"""What a robot does by itself, or did last, from what its autonomy and its navigation say; pure."""
+"""The present or last task of a robot, from reports of its autonomy and navigation; pure."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rune_tui.model.robot_state import Received, RobotState
 UNDER_WAY = frozenset({Phase.ACTIVE, Phase.WAITING})
 """Phases in which the robot goes on by itself."""
 FAILED = frozenset({Phase.BLOCKED, Phase.LOST, Phase.REFUSED})
-"""Phases in which what was asked for was not done, and nobody wanted that."""
+"""Phases of a task that failed."""
 
 _ENDED = {Task.REACHED: Phase.DONE, Task.BLOCKED: Phase.BLOCKED}
 _CANCELLED = {
@@ -21,7 +21,7 @@ _CANCELLED = {
     Cause.BUSY: Phase.LOST,
     Cause.DRIVER: Phase.LOST,
 }
-_DEED = {
+_KIND = {
     Behaviour.HOLD: "holding",
     Behaviour.EXPLORE: "exploring",
     Behaviour.GO: "going",
@@ -33,24 +33,24 @@ _DEED = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Doing:
-    """What a robot does by itself, or did last.
+    """The present task of a robot, or its last one.
 
     Attributes:
-        deed: What, such as "exploring".
+        kind: Its kind, such as "exploring".
         number: Counts the tasks of one source.
-        phase: How it stands.
-        why: Why it does so or how it ended, in the robot's words.
-        x: Where it leads now in `map` [m]; NaN: nowhere, or not known.
-        y: Likewise [m].
-        left_m: Length of the way that is left [m]; NaN: not known.
+        phase: Its state.
+        why: The reason for its state, in the robot's words.
+        x: Its present target in `map` [m]; NaN: none, or not known.
+        y: The same [m].
+        left_m: Length of the path that is left [m]; NaN: not known.
         explored: Share explored, 0 to 1; NaN: it does not explore.
         edge_m: Length of the map's edge that is left to explore [m]; NaN: it does not explore.
-        seconds: How long it has taken so far, or took in all [s].
-        ended_s: Time since it ended [s]; NaN: it is under way.
-        measured: When the robot said so, on the console's monotonic clock [s].
+        seconds: Time since it began, or its whole duration [s].
+        ended_s: Time since it ended [s]; NaN: it is active.
+        measured: Time of the report, on the console's monotonic clock [s].
     """
 
-    deed: str
+    kind: str
     number: int
     phase: Phase
     why: str
@@ -70,28 +70,28 @@ class Doing:
 
     @property
     def reason(self) -> str:
-        """Why, without the word that the phase says already."""
+        """The reason, without the word that the phase says already."""
         return self.why.removeprefix("stopped: ") if self.phase is Phase.STOPPED else self.why
 
     @property
     def failed(self) -> bool:
-        """Whether it ended as nobody wanted."""
+        """Whether it failed."""
         return self.phase in FAILED
 
     def age(self, now: float) -> float:
-        """Time since it ended [s]; 0: it is under way."""
+        """Time since it ended [s]; 0: it is active."""
         since_told = max(0.0, now - self.measured)
         return 0.0 if self.under_way else max(0.0, self.ended_s) + since_told
 
 
 def by_autonomy(robot: RobotState) -> Doing | None:
-    """What autonomy does or did last; None if nobody has asked for anything."""
+    """The task of autonomy; None: it never had one."""
     received: Received[AutonomyState] | None = robot.newest(AUTONOMY_STATE)
     if received is None or received.value.phase is Phase.IDLE:
         return None
     said = received.value
     return Doing(
-        deed=_DEED[said.asked],
+        kind=_KIND[said.asked],
         number=said.number,
         phase=said.phase,
         why=said.why,
@@ -114,7 +114,7 @@ def by_navigation(robot: RobotState) -> Doing | None:
     said = received.value
     place = math.isfinite(said.x) and math.isfinite(said.y)
     return Doing(
-        deed="going" if place or said.task is Task.GOING else "turning",
+        kind="going" if place or said.task is Task.GOING else "turning",
         number=said.number,
         phase=_phase_of(said),
         why=said.why,
@@ -128,7 +128,7 @@ def by_navigation(robot: RobotState) -> Doing | None:
 
 
 def of_operators(robot: RobotState) -> Doing | None:
-    """What navigation does or did last for anybody but autonomy."""
+    """The task of navigation that autonomy did not send."""
     status, autonomy = robot.newest(NAVIGATION_STATUS), robot.newest(AUTONOMY_STATE)
     if status is not None and autonomy is not None:
         sender = autonomy.value.sender
@@ -144,7 +144,7 @@ def doing_of(robot: RobotState) -> Doing | None:
 
 
 def _newest(doing: Doing) -> tuple[bool, float]:
-    """What is under way comes first, then what ended last, however long ago it was heard of."""
+    """Key of an order: active tasks first, then the task that ended last."""
     return not doing.under_way, 0.0 if doing.under_way else doing.ended_s - doing.measured
 
 

@@ -1,4 +1,4 @@
-"""What robots begin, wait for and end by themselves, told once each."""
+"""Reports when tasks of robots begin, wait and end, each once."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rune_tui.model.doing import Doing, by_autonomy, of_operators
 from rune_tui.model.robot_state import RobotState
 
 WAIT_S: Final = 4.0
-"""A robot that waits for no longer than this is not told of [s]."""
+"""Shorter waits are not reported [s]."""
 
 _SOURCES: Final[tuple[Callable[[RobotState], Doing | None], ...]] = (by_autonomy, of_operators)
 _VERBS: Final = {
@@ -31,10 +31,10 @@ class DoingWatch:
     def __init__(self) -> None:
         self._before: dict[tuple[str, int], Doing | None] = {}
         self._waits: dict[tuple[str, int], tuple[str, float]] = {}
-        self._told: dict[tuple[str, int], str] = {}
+        self._reported: dict[tuple[str, int], str] = {}
 
     def look(self, robot: RobotState, state: ConsoleState) -> Iterator[Notice]:
-        """What has begun, waits or has ended since the last look."""
+        """Tasks that began, wait or ended since the last call."""
         for index, source in enumerate(_SOURCES):
             key = robot.name, index
             now = source(robot)
@@ -58,7 +58,7 @@ class DoingWatch:
         if before is not None and before.under_way and not same:
             known = now is not None and now.number > before.number
             why = "something else came" if known else "the robot says nothing of it any more"
-            text = f"{before.deed} ended: {why}"
+            text = f"{before.kind} ended: {why}"
             yield state.notice(text, robot=robot.name, alarm=not known)
         if now is None or (first and not now.under_way):
             return
@@ -67,7 +67,7 @@ class DoingWatch:
                 yield state.notice(_begun(now), robot=robot.name)
         elif not same or (before is not None and before.under_way):
             took = f" ({now.seconds:.0f} s)" if now.seconds >= 1.0 else ""
-            text = f"{now.deed} {_VERBS[now.phase]}: {now.reason}{took}"
+            text = f"{now.kind} {_VERBS[now.phase]}: {now.reason}{took}"
             yield state.notice(text, robot=robot.name, alarm=now.failed)
 
     def _waiting(
@@ -76,18 +76,18 @@ class DoingWatch:
         """That it has waited for a while, and that it goes on then."""
         if now is None or now.phase is not Phase.WAITING:
             self._waits.pop(key, None)
-            if self._told.pop(key, "") and now is not None and now.phase is Phase.ACTIVE:
-                yield state.notice(f"{now.deed} goes on", robot=robot.name)
+            if self._reported.pop(key, "") and now is not None and now.phase is Phase.ACTIVE:
+                yield state.notice(f"{now.kind} goes on", robot=robot.name)
             return
         why, since = self._waits.get(key, ("", state.now))
         if why != now.why:
             why, since = now.why, state.now if not why else since
             self._waits[key] = why, since
-        if state.now - since >= WAIT_S and self._told.get(key) != why:
-            self._told[key] = why
-            yield state.notice(f"{now.deed} {why}", robot=robot.name)
+        if state.now - since >= WAIT_S and self._reported.get(key) != why:
+            self._reported[key] = why
+            yield state.notice(f"{now.kind} {why}", robot=robot.name)
 
 
 def _begun(doing: Doing) -> str:
     place = f" to {doing.x:.1f}, {doing.y:.1f} m" if math.isfinite(doing.x + doing.y) else ""
-    return f"{doing.deed}{place if doing.deed == 'going' else ''} begins"
+    return f"{doing.kind}{place if doing.kind == 'going' else ''} begins"

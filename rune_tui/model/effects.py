@@ -1,4 +1,4 @@
-"""What a widget wants done: the app does it, or `changed` makes it part of the console's state."""
+"""Effects of widgets: the app executes them, or `changed` applies them to the console's state."""
 
 from __future__ import annotations
 
@@ -45,8 +45,8 @@ class ControlEffect:
 
     Attributes:
         robot: The robot's name in the layout.
-        action: What is wanted.
-        by_driving: Whether a key that drives wants it, and not one of its own.
+        action: The requested action.
+        by_driving: Whether a key that drives causes it, and not the key of control.
     """
 
     robot: str
@@ -87,13 +87,13 @@ class RecordEffect:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AskEffect:
-    """Ask the operator for a text, and send what comes of it.
+    """Ask the operator for a text, and execute the effects of the answer.
 
     Attributes:
         robot: The robot's name in the layout.
-        asked: What is asked for.
-        text: What stands there already.
-        answer: What to do with the answer, by what is known when it comes.
+        asked: The question.
+        text: The initial text.
+        answer: Gives the effects of an answer, from the state when it comes.
     """
 
     robot: str
@@ -108,7 +108,7 @@ class MissionEffect:
 
     Attributes:
         robot: The robot's name in the layout.
-        action: What is wanted.
+        action: The requested action.
         name: The mission's name.
     """
 
@@ -119,13 +119,13 @@ class MissionEffect:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MarksWaiting:
-    """Marks that a widget has sent and no robot has confirmed yet.
+    """Marks that a widget has sent and that are not confirmed yet.
 
     Attributes:
-        source: Which widget.
-        robot: To whom.
-        count: How many.
-        overdue: How many of them should be confirmed long ago.
+        source: The widget.
+        robot: The robot.
+        count: Number of marks.
+        overdue: Number of those that are late.
     """
 
     source: int
@@ -147,11 +147,11 @@ class ExportEffect:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CalibrateEffect:
-    """Ask the operator for the ends of a joystick's axes; if that is being done, end it.
+    """Begin the calibration of a joystick's axes; if it is active, end it.
 
     Attributes:
         joystick: The joystick's name in the layout; empty: the first.
-        control: Which axis; empty: those that the layout wants calibrated, or all.
+        control: The axis; empty: those that the layout names, or all.
     """
 
     joystick: str = ""
@@ -174,7 +174,7 @@ class ShowViewport:
 
     Attributes:
         viewport: Its name.
-        shown: What is wanted; None: the other than it is.
+        shown: The requested state; None: toggle.
     """
 
     viewport: str
@@ -198,7 +198,7 @@ class Zoom:
 
     Attributes:
         viewport: Its name.
-        factor: How many times larger than now; 0: as the layout says.
+        factor: Change of the zoom; 0: back to the layout's.
     """
 
     viewport: str
@@ -210,8 +210,8 @@ class WishPictures:
     """Ask for another kind of pictures.
 
     Attributes:
-        robot: Of which robot.
-        wish: What kind.
+        robot: The robot.
+        wish: The kind.
     """
 
     robot: str
@@ -238,8 +238,8 @@ class ToggleNight:
     """The report's local message `RuneToggleNightMode`: night mode on, or off again.
 
     Attributes:
-        robot: Of which robot.
-        on: What is wanted; None: the other than it is.
+        robot: The robot.
+        on: The requested state; None: toggle.
     """
 
     robot: str
@@ -259,7 +259,7 @@ class SetTheme:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ToggleHelp:
-    """Show or hide the page that says what keys do."""
+    """Open or close the page of keys."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -280,10 +280,10 @@ class TurnPage:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AskToLeave:
-    """Ask whether the console is to end.
+    """Ask the operator to confirm the end of the console.
 
     Attributes:
-        reasons: What speaks against it; none: the question is answered, the console stays.
+        reasons: Reasons against it; none: the operator answered, and the console stays.
     """
 
     reasons: tuple[str, ...]
@@ -302,11 +302,11 @@ class FillView:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShowGhost:
-    """Show where a mark would be, or no longer.
+    """Show the place of a mark before it is made.
 
     Attributes:
-        robot: On whose map.
-        ghost: The mark; None: there is none.
+        robot: The robot of the map.
+        ghost: The mark; None: remove it.
     """
 
     robot: str
@@ -333,13 +333,13 @@ class Tell:
         alarm: bool = False,
         routine: bool = False,
     ) -> Tell:
-        """Tell of something that happens now."""
+        """Report an event."""
         notice = state.notice(text, robot=robot, alarm=alarm)
         return cls(notice=dataclasses.replace(notice, routine=routine))
 
 
 CoverEffect = FillView | ToggleHelp | ToggleLog | TurnPage | AskToLeave
-"""What lies over the whole view, or no longer does."""
+"""Open or close a page over the view."""
 StateEffect = (
     ShowViewport
     | CoverEffect
@@ -451,7 +451,7 @@ def _limit(now: float, effect: LimitSpeed) -> float:
 
 
 def _showing(state: ConsoleState, effect: ShowViewport) -> ConsoleState:
-    """The state with a viewport shown or hidden; what cannot be seen at this size is said."""
+    """The state with a viewport shown or hidden, and a notice if this size has no room for it."""
     name = effect.viewport
     if state.places and name not in state.places:
         text = f"{name} has no place on a terminal of this size"

@@ -58,9 +58,7 @@ ROOMS = (
     "hub/modules/mapping",
     "hub/modules/navigation",
     "hub/modules/vision",
-    "rune_tui/controls/keyboard.py",
-    "rune_tui/controls/release_guard.py",
-    "rune_tui/controls/pause_guard.py",
+    "rune_tui/controls",
 )
 """Rooms, and files, whose names and docstrings are plain; a room that becomes plain is added."""
 _LIST_ITEM = re.compile(r"\s*(?:[-*]|\d+\.)\s+")

@@ -1,4 +1,4 @@
-"""Looks for devices and reads them, a thread each; which kinds there are is given to it."""
+"""Finds devices of the given kinds and reads each in a thread."""
 
 from __future__ import annotations
 
@@ -19,10 +19,11 @@ from rune_tui.errors import DescriptorError
 _logger = logging.getLogger(__name__)
 
 _LOOK_S = 1.0
-"""Between two looks for devices; no library tells of them by itself [s]."""
+"""Time between two searches for devices; no library reports new ones [s]."""
 _READ_S = 0.1
 _PAUSE_S = 0.004
-"""How long what comes is gathered, so that a device of 1 kHz wakes nobody a thousand times [s]."""
+"""Reports are collected for this time, so that a device of 1 kHz does not wake the console at
+that rate [s]."""
 _MOST_AT_ONCE = 64
 """Reports that the kernel keeps for a reader."""
 _CLOSE_S = 2.0
@@ -30,14 +31,14 @@ _CLOSE_S = 2.0
 
 @dataclass(frozen=True, slots=True)
 class Scanned:
-    """These devices are plugged in, joysticks and others."""
+    """The devices that are plugged in, joysticks and others."""
 
     devices: tuple[DeviceInfo, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Opened:
-    """A device is being read; of what descriptor its controls are."""
+    """The device is open; its controls, from its descriptor."""
 
     path: str
     controls: tuple[PhysicalControl, ...]
@@ -87,7 +88,7 @@ class OpenDevice(Protocol):
 
 
 class Kind(Protocol):
-    """A way in which the system offers devices."""
+    """A kind of devices, as the system offers them."""
 
     def require(self) -> None:
         """Load what it needs.
@@ -100,7 +101,7 @@ class Kind(Protocol):
         """All devices of this kind, each once, joysticks and others."""
 
     def mark(self) -> object:
-        """What changes when a device comes or goes; None where the system has no such thing."""
+        """A value that changes when a device comes or goes; None: the system has none."""
 
     def open(self, info: DeviceInfo) -> OpenDevice:
         """Open a device.
@@ -108,14 +109,14 @@ class Kind(Protocol):
         Raises:
             PermissionError: This user may not read it.
             OSError: It cannot be opened.
-            DescriptorError: It describes its reports in a way that makes no sense.
+            DescriptorError: Its descriptor is not valid.
         """
 
 
 class DeviceReader:
-    """Looks for devices once a second, and reads those that it is told to.
+    """Searches for devices once a second, and reads the requested ones.
 
-    Everything it finds out waits in `news` and in the inboxes.
+    Its results wait in `news` and in the inboxes.
     """
 
     def __init__(self, kinds: Sequence[Kind]) -> None:
@@ -135,13 +136,13 @@ class DeviceReader:
         self._threads: list[threading.Thread] = []
 
     def start(self, notify: Callable[[], None]) -> None:
-        """Begin to look.
+        """Start the search.
 
         Args:
-            notify: Is called, in other threads, when there is something new.
+            notify: Called from other threads when there are news.
 
         Raises:
-            HidMissingError: What the first kind needs is not installed.
+            HidMissingError: A library of the first kind is not installed.
         """
         self._kinds[0].require()
         self._notify = notify
@@ -157,7 +158,7 @@ class DeviceReader:
         """Begin to read a device, unless that is going on; `Opened` or `Refused` follows."""
         if device.path not in self._readings:
             reading = self._readings[device.path] = _Reading(
-                device, self._kind_of.get(device.path, self._kinds[0]), self._tell, self._notify
+                device, self._kind_of.get(device.path, self._kinds[0]), self._post, self._notify
             )
             self._run(reading.run, f"rune-joystick {device.path}")
 
@@ -173,7 +174,7 @@ class DeviceReader:
         return None if reading is None else reading.inbox
 
     def look_now(self) -> None:
-        """Look for devices without waiting for the next second."""
+        """Search now, not at the next second."""
         self._look_now.set()
 
     def close(self) -> None:
@@ -207,7 +208,7 @@ class DeviceReader:
                 marks = [kind.mark() for kind in self._kinds]
                 if None in marks or marks != seen:
                     devices, seen = self._plugged_in(), marks
-                self._tell(Scanned(devices))
+                self._post(Scanned(devices))
             except Exception:  # of the library; devices that are read go on
                 _logger.exception("the devices cannot be listed")
             if self._look_now.wait(_LOOK_S):
@@ -217,7 +218,7 @@ class DeviceReader:
         found, self._kind_of = plugged_in(self._kinds)
         return found
 
-    def _tell(self, news: News) -> None:
+    def _post(self, news: News) -> None:
         with self._lock:
             self._news.append(news)
         if isinstance(news, Gone):
@@ -232,14 +233,14 @@ class _Reading:
         self,
         device: DeviceInfo,
         kind: Kind,
-        tell: Callable[[News], None],
+        post: Callable[[News], None],
         notify: Callable[[], None],
     ) -> None:
         self.ended = threading.Event()
         self.inbox: Inbox | None = None
         self._info = device
         self._kind = kind
-        self._tell = tell
+        self._post = post
         self._notify = notify
 
     def run(self) -> None:
@@ -251,7 +252,7 @@ class _Reading:
                 self._read_on(device)
         except Exception as error:  # noqa: BLE001 - of the library; what is held has to be let go
             if not self.ended.is_set():
-                self._tell(Gone(self._info.path))
+                self._post(Gone(self._info.path))
                 _logger.info("%s is not read any more: %s", self._info.path, error)
         finally:
             if device is not None:
@@ -263,18 +264,18 @@ class _Reading:
             device = self._kind.open(self._info)
         except OSError as error:
             forbidden = isinstance(error, PermissionError)
-            self._tell(Refused(path, str(error), forbidden=forbidden))
+            self._post(Refused(path, str(error), forbidden=forbidden))
             return None
         except DescriptorError as error:
             why = f"its report descriptor cannot be read: {error}"
-            self._tell(Refused(path, why, unsuitable=True))
+            self._post(Refused(path, why, unsuitable=True))
             return None
         if not device.controls:
             device.close()
-            self._tell(Refused(path, "it is no joystick", unsuitable=True))
+            self._post(Refused(path, "it is no joystick", unsuitable=True))
             return None
         self.inbox = Inbox(device.controls)
-        self._tell(Opened(path, device.controls, device.descriptor))
+        self._post(Opened(path, device.controls, device.descriptor))
         return device
 
     def _read_on(self, device: OpenDevice) -> None:
@@ -296,7 +297,7 @@ class _Reading:
 def plugged_in(kinds: Sequence[Kind]) -> tuple[tuple[DeviceInfo, ...], dict[str, Kind]]:
     """All devices of these kinds, and the kind of each by its path.
 
-    A kind that cannot be listed is left out, but for the first.
+    A kind that cannot be listed is left out; the first kind raises.
     """
     found: list[DeviceInfo] = []
     kind_of: dict[str, Kind] = {}

@@ -21,19 +21,19 @@ _MISSING = (
     "this joystick speaks no HID, and evdev is not installed: pip install 'robot-user-nexus[evdev]'"
 )
 _SYN, _REPORT, _DROPPED = 0, 0, 3
-"""Type of the event that ends a report, and its codes: all is told, or some was lost."""
+"""Type of the event that ends a report, and its codes: complete, or events were lost."""
 _LONGEST = 1000
 
 
 class EvdevKind:
-    """Joysticks of the input layer that are no HID devices, as `device_reader.Kind` wants it."""
+    """Joysticks of the input layer that are no HID devices; a `device_reader.Kind`."""
 
     def __init__(self, classes: Path = _CLASS) -> None:
         """Prepare; `classes` is where the system lists input devices."""
         self._classes = classes
 
     def require(self) -> None:
-        """Nothing: where evdev is missing, `open` says so of the device that needs it."""
+        """Does nothing: if evdev is missing, `open` reports that."""
 
     def mark(self) -> object:
         """The nodes of input devices; empty where the system has none."""

@@ -83,7 +83,7 @@ def plugged_in() -> tuple[DeviceInfo, ...]:
 
 
 class HidKind:
-    """HID devices, as `device_reader.Kind` wants it."""
+    """HID devices; a `device_reader.Kind`."""
 
     def require(self) -> None:
         """Load hidapi.
@@ -147,7 +147,7 @@ def _open(device: Any, info: DeviceInfo) -> DeviceDecoder:  # noqa: ANN401 - of 
     Raises:
         PermissionError: This user may not read it.
         OSError: It cannot be opened.
-        DescriptorError: It describes its reports in a way that makes no sense.
+        DescriptorError: Its descriptor is not valid.
     """
     try:
         with _one_at_a_time:
@@ -167,7 +167,7 @@ def _open(device: Any, info: DeviceInfo) -> DeviceDecoder:  # noqa: ANN401 - of 
 
 
 def _nodes() -> object:
-    """What changes when a device comes or goes; None where the system has no such thing."""
+    """A value that changes when a device comes or goes; None: the system has none."""
     try:
         with os.scandir(_HIDRAW) as entries:
             return sorted((entry.name, entry.inode()) for entry in entries)

@@ -1,4 +1,4 @@
-"""What a device reported and nobody has taken yet: of axes the newest, of buttons every edge."""
+"""The queue of a device's values: the newest of each axis, every edge of each button."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ MOST_EDGES = 256
 
 
 class Inbox:
-    """Between the thread that reads a device and the one that uses it.
+    """The queue between the thread that reads a device and the one that uses it.
 
     Attributes:
-        dropped: Edges of buttons that nobody took in time; where they end is known all the same.
-        reports: How many reports came.
+        dropped: Number of edges dropped because the queue was full; the final states are kept.
+        reports: Number of reports.
     """
 
     def __init__(self, controls: Sequence[PhysicalControl]) -> None:
@@ -34,7 +34,7 @@ class Inbox:
         self._edges: deque[tuple[int, int | None]] = deque(maxlen=MOST_EDGES)
 
     def put(self, values: tuple[tuple[int, int | None], ...]) -> bool:
-        """A report came; whether it says anything new."""
+        """Add a report; returns whether it changes anything."""
         self.reports += 1
         if values == self._last and not self._turns:
             return False
@@ -44,7 +44,7 @@ class Inbox:
         return True in news
 
     def take(self) -> list[tuple[int, int | None]]:
-        """All that is new, edges in their order, and at the end the newest of everything."""
+        """Take the new values: edges in their order, then the newest of every control."""
         with self._lock:
             taken = [*self._edges, *self._changed.items(), *self._counts.items()]
             self._edges.clear()
@@ -53,7 +53,7 @@ class Inbox:
         return taken
 
     def everything(self) -> list[tuple[int, int | None]]:
-        """The newest of all controls that have said anything, taken or not."""
+        """The newest values of all controls, taken or not."""
         with self._lock:
             return list(self._known.items())
 

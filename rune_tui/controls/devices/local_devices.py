@@ -22,7 +22,7 @@ def reader() -> DeviceReader:
 
 
 def joysticks_here() -> tuple[DeviceInfo, ...]:
-    """All that is plugged in and says that it is a joystick, in the order of their numbers.
+    """All devices that declare to be joysticks, in the order of their numbers.
 
     Raises:
         HidMissingError: There is no hidapi.
@@ -32,13 +32,13 @@ def joysticks_here() -> tuple[DeviceInfo, ...]:
 
 
 def controls_of(info: DeviceInfo) -> tuple[PhysicalControl, ...]:
-    """What a device has; opens it for a moment.
+    """The controls of a device; opens it for a moment.
 
     Raises:
         HidMissingError: There is no hidapi.
         PermissionError: This user may not read it.
         OSError: It cannot be opened.
-        DescriptorError: It describes its reports in a way that makes no sense.
+        DescriptorError: Its descriptor is not valid.
     """
     _, kind_of = plugged_in(kinds())
     kind = kind_of.get(info.path)

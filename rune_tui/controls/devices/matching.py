@@ -14,7 +14,7 @@ _LONGEST_NAME = 80
 
 
 def plain_text(text: str | None) -> str:
-    """What a device says of itself, without what would do harm on a terminal or in a file."""
+    """A text of a device, without characters that harm a terminal or a file."""
     return "".join(filter(str.isprintable, text or "")).strip()[:_LONGEST_NAME]
 
 
@@ -23,15 +23,15 @@ class DeviceInfo:
     """A device that is plugged in.
 
     Attributes:
-        path: How the system names it now; another after it was plugged in again.
+        path: Its name in the system; it changes when the device is plugged in again.
         vid: The vendor's number.
         pid: The product's number.
-        serial: Its serial number; empty if it tells none.
+        serial: Its serial number; empty: it has none.
         name: The product's name.
-        joystick: Whether it says that it is a joystick or the like.
-        port: Where it is plugged in, as far as the system tells; empty if it does not.
-        bus: As Linux counts: 3 USB, 5 Bluetooth; 0 if the system does not tell.
-        machine: Which machine it is plugged in at; empty for this one.
+        joystick: Whether it declares to be a joystick, gamepad or wheel.
+        port: Its port; empty: the system does not report it.
+        bus: Linux's number of the bus: 3 USB, 5 Bluetooth; 0: not reported.
+        machine: The machine at which it is plugged in; empty: this one.
     """
 
     path: str
@@ -52,7 +52,7 @@ class DeviceInfo:
 
     @property
     def key(self) -> str:
-        """Under which what is known of it is kept."""
+        """The key under which its calibration is stored."""
         return f"{self.vid:04x}:{self.pid:04x}:{self.serial}"
 
 
@@ -79,16 +79,20 @@ def assigned(
 ) -> Mapping[str, DeviceInfo]:
     """The device of each joystick that has one, by the joystick's name; none has two.
 
-    Who has a device keeps it while it is there. One that is plugged in again goes to the joystick
-    that it was before, known by its serial number, else by its port. What is left is shared out in
-    the order of the layout, first to the joysticks that are most particular, and of the devices
-    first those of this machine. A joystick that had a device of one machine takes none of another:
-    somebody else may sit there.
+    The rules, in this order:
+
+    1. A joystick keeps its device while that is plugged in.
+    2. A device that is plugged in again goes to its last joystick, found by its serial number, else
+       by its port.
+    3. The other devices go to the other joysticks in the order of the layout. Joysticks with more
+       conditions come first, and devices of this machine come first.
+    4. A joystick that had a device of one machine gets no device of another machine: another person
+       may use that.
 
     Args:
         specs: The joysticks of the layout.
-        devices: What is plugged in.
-        last: The device that each joystick has or had last, by the joystick's name.
+        devices: The devices that are plugged in.
+        last: The last device of each joystick, by the joystick's name.
     """
     found: dict[str, DeviceInfo] = {}
     free = sorted((each for each in devices), key=lambda each: (each.machine, each.port, each.path))
@@ -126,5 +130,5 @@ def _same_port(before: DeviceInfo | None, device: DeviceInfo) -> bool:
     )
 
 
-def _any(before: DeviceInfo | None, device: DeviceInfo) -> bool:  # noqa: ARG001 - as the others
+def _any(before: DeviceInfo | None, device: DeviceInfo) -> bool:  # noqa: ARG001 - same signature
     return True

@@ -1,4 +1,4 @@
-"""The rule with which a Linux system lets its users read a joystick; pure."""
+"""The udev rule that allows the users of a Linux system to read a joystick; pure."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from rune_tui.controls.devices.matching import DeviceInfo
 
 _INPUT = "/dev/input/"
-"""Where devices of the kernel's input layer are, which the system gives to who sits there."""
+"""Folder of the kernel's input devices, which the system opens for the user at the seat."""
 RULE_FILE = "/etc/udev/rules.d/60-rune-joystick.rules"
 """Its number has to be below 73, where the system gives devices to the user at the machine."""
 

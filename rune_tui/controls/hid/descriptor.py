@@ -1,4 +1,4 @@
-"""Report descriptors: which bits of which input report hold what.
+"""Report descriptors: the fields of input reports, as bits.
 
 Sections 5 and 6.2.2 of the Device Class Definition for HID 1.11. What it leaves open is read as
 Linux does, because devices are tried with that: unknown items are skipped, the fewer usages than
@@ -91,7 +91,7 @@ class ReportDescriptor:
 
 
 def parse(descriptor: bytes) -> ReportDescriptor:
-    """Reads a descriptor, whatever bytes it is.
+    """Reads a descriptor of any bytes.
 
     What follows the last collection is ignored: some devices pad there.
 
@@ -142,7 +142,7 @@ def _unsigned(data: bytes) -> int:
 
 @dataclass(slots=True)
 class _Global:
-    """What holds until it is set anew."""
+    """Items that hold until they are set again."""
 
     page: int = 0
     minimum: int = 0

@@ -53,7 +53,7 @@ class KernelPad:
     """What a device has, by the kernel's codes.
 
     Attributes:
-        axes: Least and greatest value by code, but for those of the hat.
+        axes: Least and greatest value by code, without those of the hat.
         buttons: Codes, in their order.
         hat: Whether it has one.
     """

@@ -1,7 +1,7 @@
 """What the buttons of common gamepads are called, and mistakes of some descriptors.
 
-Names follow the place, as SDL's do: "a" is the lowest of the four buttons at the right, whatever
-is printed on it. Sources: the mappings of SDL and of SDL_GameControllerDB (both zlib licence),
+Names follow the place, as SDL's do: "a" is the lowest of the four buttons at the right, with any
+letter printed on it. Sources: the mappings of SDL and of SDL_GameControllerDB (both zlib licence),
 and the drivers hid-sony, hid-playstation, hid-nintendo and hid-dr of Linux.
 """
 

@@ -1,4 +1,4 @@
-"""Roles out of SDL_GameControllerDB, for pads that have no profile of ours.
+"""Roles out of SDL_GameControllerDB, for pads without a profile of Rune.
 
 Its lines count axes and buttons as SDL does on Linux: in the order of the codes that the kernel's
 drivers/hid/hid-input.c gives to usages. That order is worked out here from the usages alone.

@@ -1,1 +1,1 @@
-"""From what devices report to what layouts name: shaping, matching, calibration; pure."""
+"""From reports of devices to controls of layouts: shaping, matching, calibration; pure."""

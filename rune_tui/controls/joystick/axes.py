@@ -21,20 +21,20 @@ from rune_tui.layout.spec import ControlSpec
 _LEVERS = frozenset({"slider", "throttle", "accelerator", "brake", "clutch"})
 """Usages that rest at one end."""
 _AT_REST_S = 0.5
-"""What stays in the middle for so long rests there [s]."""
+"""An axis that stays in the middle for this time rests there [s]."""
 
 
 @dataclass(slots=True, kw_only=True)
 class Axis:
-    """An axis at work.
+    """An axis in use.
 
     Attributes:
-        name: What the layout calls it.
-        physical: What it is on the device.
-        shape: What becomes of the share that it is moved.
+        name: Its name in the layout.
+        physical: Its axis on the device.
+        shape: The shaping of its value.
         lever: Whether it rests at one end.
-        range: What raw numbers it gives, as far as is known.
-        raw: The newest; None while none has come.
+        range: The raw numbers of its ends and its rest.
+        raw: The newest raw number; None: no report yet.
     """
 
     name: str
@@ -52,7 +52,7 @@ class Axis:
     def of(
         cls, spec: ControlSpec, physical: PhysicalControl, known: Calibration | None = None
     ) -> Axis:
-        """The axis that a layout wants, on a device of which this calibration is known."""
+        """The axis of a layout, on a device with this calibration."""
         low = physical.minimum if spec.minimum is None else spec.minimum
         high = physical.maximum if spec.maximum is None else spec.maximum
         inverted = spec.invert != physical.flipped
@@ -85,10 +85,10 @@ class Axis:
         )
 
     def take(self, raw: int, now: float) -> None:
-        """The device reports a number.
+        """Take a raw number of the device.
 
-        The first says where the axis rests, if it can be a rest. A hand may have held it just
-        then, so what stays in the middle later on corrects that.
+        The first number is the rest, if it is near the middle. A hand may have held the axis
+        then, so a later pause in the middle corrects the rest.
         """
         if self.raw is None and not (self.lever or self.calibrated):
             self.range = self.nominal.resting_at(raw)
@@ -115,7 +115,7 @@ class Axis:
 
     @property
     def share(self) -> float:
-        """How far it is moved, as the layout wants its sign; 0 while nothing is known."""
+        """Its shaped value with the layout's sign; 0: no report yet."""
         return 0.0 if self.raw is None else self.shape.turned(self.range.share(self.raw))
 
     def _in_middle(self, raw: int) -> bool:

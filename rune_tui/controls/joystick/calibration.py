@@ -9,9 +9,9 @@ from dataclasses import dataclass
 TIME_TO_ACT_S = 60.0
 """How long a step of the guide waits for the operator [s]."""
 _LEAST_WAY = 0.25
-"""Share of its way by which an axis has to be moved from end to end at least."""
+"""Least distance between the ends of an axis, as a share of its nominal range."""
 _LEAST_END = 0.6
-"""Ends nearer than this share of an axis's way are not believed."""
+"""Ends nearer than this share of the nominal range are not valid."""
 _SAME_END = 0.016
 """Ends that differ by less are one, two steps of an axis with eight bits."""
 _TIMES = 4
@@ -21,12 +21,12 @@ _BACK = 0.1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Calibration:
-    """What raw numbers an axis of one device gives.
+    """The range of raw numbers of an axis.
 
     Attributes:
         low: The least.
         high: The largest.
-        centre: At rest, between them; None for what rests at one end.
+        centre: At rest, between them; None: the axis rests at one end.
     """
 
     low: int
@@ -40,10 +40,10 @@ class Calibration:
 
 
 class Ends:
-    """Learns where an axis ends that never gives all the numbers its device speaks of.
+    """Learns the ends of an axis that never reaches its nominal range.
 
-    Where it turned back several times running at the same place, there is its stop: no hand does
-    that in the air.
+    Where it turns back at the same place several times in a row, it has its stop: no hand does
+    that without one.
     """
 
     def __init__(self) -> None:
@@ -53,10 +53,10 @@ class Ends:
         self._turns: dict[bool, list[float]] = {False: [], True: []}
 
     def look(self, share: float) -> bool:
-        """The axis is moved by this share of its nominal way.
+        """Take the position of the axis, as a share of its nominal range.
 
         Returns:
-            Whether an end was found or moved, which is only ever told when the axis is at rest.
+            Whether an end was found or moved; True only while the axis rests.
         """
         same_side = share * self._far > 0.0
         if abs(share) > _BACK and (same_side or not self._far):
@@ -91,13 +91,13 @@ class CalibrationStep(enum.Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GuidedAxis:
-    """An axis that the operator is asked to move.
+    """An axis that the operator moves for its calibration.
 
     Attributes:
-        control: What the layout calls it.
-        usage: What the device calls it.
-        lever: Whether it rests at one end, so that there is no rest to be told.
-        width: How many numbers its device speaks of.
+        control: Its name in the layout.
+        usage: Its name on the device.
+        lever: Whether it rests at one end, so that its rest is not measured.
+        width: Its nominal range.
     """
 
     control: str
@@ -149,7 +149,7 @@ class Guide:
         return f"{self._problem}Calibration: {asked}, then press a button of the device"
 
     def expire(self, now: float) -> None:
-        """Time goes by."""
+        """Apply the time limits."""
         if not self.ended and now - self._asked > TIME_TO_ACT_S:
             self.given_up = True
 

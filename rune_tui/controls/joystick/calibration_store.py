@@ -26,13 +26,13 @@ Known = Mapping[str, Mapping[str, Calibration]]
 
 
 class CalibrationStore:
-    """What is known of devices that operators have calibrated.
+    """The calibrations of devices, in a file.
 
-    A file that makes no sense is left out and kept aside when a new one is written.
+    A file that is not valid is ignored, and renamed when a new one is written.
 
     Attributes:
         path: The file.
-        trouble: What is wrong with it, in one sentence; empty if nothing is.
+        trouble: The mistake in it, in one sentence; empty: none.
     """
 
     def __init__(self, path: Path | None = None) -> None:
@@ -50,7 +50,7 @@ class CalibrationStore:
             )
 
     def of(self, device: str) -> Mapping[str, Calibration]:
-        """What is known of a device's axes, by usage.
+        """The calibrations of a device's axes, by usage.
 
         Args:
             device: Its key.
@@ -98,8 +98,8 @@ class CalibrationStore:
         devices = _mapping(whole.get("devices"), _MOST_DEVICES)
         return {
             device: {
-                usage: _calibration(f"{device} {usage}", _mapping(told))
-                for usage, told in _mapping(axes, _MOST_AXES).items()
+                usage: _calibration(f"{device} {usage}", _mapping(stored))
+                for usage, stored in _mapping(axes, _MOST_AXES).items()
             }
             for device, axes in devices.items()
         }
@@ -120,8 +120,8 @@ def _mapping(value: object, most: int = 16) -> Mapping[str, Any]:
     return value
 
 
-def _calibration(whose: str, told: Mapping[str, Any]) -> Calibration:
-    low, high, centre = (told.get(name) for name in ("low", "high", "centre"))
+def _calibration(whose: str, stored: Mapping[str, Any]) -> Calibration:
+    low, high, centre = (stored.get(name) for name in ("low", "high", "centre"))
     numbers = [low, high] if centre is None else [low, high, centre]
     whole = all(type(number) is int and abs(number) <= _LARGEST_RAW for number in numbers)
     if whole and isinstance(low, int) and isinstance(high, int):

@@ -17,7 +17,7 @@ _PRESSED_AT, _RELEASED_AT = 0.5, 0.4
 _LEVER_PRESSED_AT, _LEVER_RELEASED_AT = 0.12, 0.08
 _PAIRS = {"leftx": "lefty", "rightx": "righty"}
 _STEPS = 1000
-"""Values of axes are rounded to such steps, so that noise in the last bit wakes nobody."""
+"""Step of the values of axes, so that noise in the last bit is no event."""
 _DPAD = "dpad"
 _CROSS = ("dpup", "dpright", "dpdown", "dpleft")
 """Roles of a cross of buttons, in the order of `DIRECTIONS`."""
@@ -28,14 +28,14 @@ Values = Sequence[tuple[int, int | None]]
 
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """Where a control of the layout, or one direction of it, comes from.
+    """The source of a control of the layout, or of one direction of it.
 
     Attributes:
         name: The input's name.
         shown: Its name among the joystick's values.
-        spec: What the layout says of it.
-        position: The control of the device that makes it.
-        direction: For a hat: which of `DIRECTIONS`.
+        spec: Its element in the layout.
+        position: The control of the device.
+        direction: For a hat: one of `DIRECTIONS`.
     """
 
     name: str
@@ -48,13 +48,14 @@ class _Part:
 class LogicalJoystick:
     """Follows one device for one joystick of the layout; the clock is passed in.
 
-    What is deflected when the device appears, and what was when everything was let go, counts only
-    after it has been neutral. A button counts from its first press, as many devices tell of
-    nothing before that.
+    | control | counts |
+    | --- | --- |
+    | deflected when the device appears, or when all input is released | after it was neutral |
+    | a button | from its first press, because many devices report nothing before it |
 
     Attributes:
-        spec: What the layout says of it.
-        values: How far each control is moved, -1 to 1, as far as is known.
+        spec: Its element in the layout.
+        values: The position of each control, -1 to 1, if it is known.
     """
 
     def __init__(self, spec: JoystickSpec) -> None:
@@ -72,11 +73,11 @@ class LogicalJoystick:
         controls: Sequence[PhysicalControl],
         calibrations: Mapping[str, Calibration],
     ) -> tuple[str, ...]:
-        """A device is there.
+        """Take a device.
 
         Args:
-            controls: What it has.
-            calibrations: What is known of its axes, by usage.
+            controls: Its controls.
+            calibrations: Calibrations of its axes, by usage.
 
         Returns:
             Names of the layout's controls that it does not have.
@@ -95,7 +96,7 @@ class LogicalJoystick:
         return tuple(missing)
 
     def feed(self, values: Values, now: float) -> tuple[ControlEvent, ...]:
-        """The device reports; what comes of it, buttons first and in the order they moved."""
+        """Take values of the device; returns the events, buttons first, in their order."""
         events: list[ControlEvent] = []
         moved: dict[str, Axis] = {}
         for position, raw in values:
@@ -145,7 +146,7 @@ class LogicalJoystick:
         return self._axes
 
     def shown_at(self, position: int) -> tuple[str, ...]:
-        """Names in `values` of what a control of the device makes."""
+        """Names in `values` of the controls that a control of the device feeds."""
         axes = tuple(axis.name for axis in self._at.get(position, ()))
         return axes + tuple(part.shown for part in self._parts.get(position, ()))
 
@@ -154,7 +155,7 @@ class LogicalJoystick:
         return {axis.physical.usage: axis.raw for axis in self._axes.values()}
 
     def to_calibrate(self, control: str = "") -> tuple[GuidedAxis, ...]:
-        """Axes whose ends the operator can be asked for.
+        """Axes that the operator can calibrate.
 
         Args:
             control: Name of one of them; empty for those of `calibrate`, or all if there are none.
@@ -188,7 +189,7 @@ class LogicalJoystick:
         axis = Axis.of(spec, physical, calibrations.get(physical.usage))
         self._axes[spec.name] = axis
         self._at.setdefault(position, []).append(axis)
-        # Nobody knows where a hand holds it: it has to be seen at rest first.
+        # A hand may hold it anywhere: it must be seen at rest first.
         self._blocked |= {self._input(spec.name), self._input(spec.name, PRESSED)}
         return True
 
@@ -301,7 +302,7 @@ class LogicalJoystick:
 def _is_meant(control: PhysicalControl, spec: ControlSpec) -> bool:
     """Whether a control of the device is the one that the layout means."""
     if spec.role:
-        # On devices whose buttons have names, they have their numbers as well.
+        # Buttons with names have numbers too.
         return control.role == spec.role or control.usage.replace(" ", "") == spec.role
     if spec.usage:
         return control.usage == spec.usage

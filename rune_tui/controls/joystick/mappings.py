@@ -1,4 +1,4 @@
-"""The user's own file of roles: which control of which pad is the left stick, the trigger, ..."""
+"""The user's own file of roles: the controls of a pad that are its left stick, its trigger, ..."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Mappings:
 
 
 def _lines_of(device: DeviceInfo, text: str) -> Iterator[str]:
-    """Lines in which its numbers are; to look at each line of a large file would hold up hands."""
+    """Lines with its numbers; to parse each line of a large file would delay input."""
     numbers = b"".join(number.to_bytes(4, "little") for number in (device.vid, device.pid)).hex()
     at = text.find(numbers)
     while at >= 0:

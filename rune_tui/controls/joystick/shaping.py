@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 
 DEAD_ZONE = 0.10
-"""Of an axis that nobody has calibrated; worn pads rest up to 0.13 off their centre."""
+"""Default dead zone of an axis without calibration; worn pads rest up to 0.13 off the centre."""
 CALIBRATED_DEAD_ZONE = 0.05
 LEVER_DEAD_ZONE = 0.05
-"""Of what rests at one end: triggers and levers."""
+"""Default dead zone of an axis that rests at one end: triggers and levers."""
 SATURATION = 0.02
 """How much short of its end an axis counts as fully moved."""
 STICK_EXPO = 0.3
@@ -19,14 +19,14 @@ LARGEST_REST = 0.25
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AxisRange:
-    """What raw numbers an axis gives [device units]; low <= rest_low <= rest_high <= high.
+    """The raw numbers of an axis [device units]; low <= rest_low <= rest_high <= high.
 
-    All from `rest_low` to `rest_high` is rest. For an axis whose rest was only seen once, they
-    are that and the middle of its range: if a hand held it then, it still rests when let go.
+    From `rest_low` to `rest_high` the axis rests. If the rest was measured once only, they are
+    that number and the middle of the range: if a hand held it then, it still rests when released.
 
     Attributes:
         low: The least.
-        rest_low: The least at rest; for what rests at its lower end, `low`.
+        rest_low: The least at rest; `low` for an axis that rests at its lower end.
         rest_high: The largest at rest.
         high: The largest.
     """
@@ -49,9 +49,9 @@ class AxisRange:
         return cls(low=low, rest_low=rest, rest_high=rest, high=high)
 
     def resting_at(self, raw: float) -> AxisRange:
-        """This, with what the axis gave when its device appeared, if that can be a rest.
+        """This range, with the first number of the axis as its rest, if that is near the middle.
 
-        Levers are not meant: they may stand anywhere.
+        Not for levers, which may rest anywhere.
         """
         raw = min(max(raw, self.low), self.high)
         if abs(self.share(raw)) > LARGEST_REST:
@@ -74,13 +74,13 @@ class AxisRange:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shape:
-    """What becomes of the share that an axis is moved.
+    """The shaping of the position of an axis, as a share of its range.
 
     Attributes:
-        inverted: Whether the other way is positive.
+        inverted: Whether the sign is inverted.
         dead_zone: Shares up to this count as rest.
-        expo: How much of x^3 there is in the curve, 0 to 1; 0 is a straight line.
-        saturation: How much short of its end it counts as fully moved.
+        expo: Weight of x^3 in the curve, 0 to 1; 0 is a straight line.
+        saturation: Distance from its end at which it counts as fully moved.
     """
 
     inverted: bool = False
@@ -89,7 +89,7 @@ class Shape:
     saturation: float = SATURATION
 
     def turned(self, share: float) -> float:
-        """A share with its sign as the layout wants it."""
+        """A share with the layout's sign."""
         return -share if self.inverted else share
 
     def shaped(self, share: float) -> float:

@@ -1,4 +1,4 @@
-"""What users keep of joysticks in their configuration directory: where it is, read with bounds."""
+"""Files of joysticks in the user's configuration directory: their paths, and bounded reads."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def read_user_file(path: Path, largest: int) -> bytes:
         OSError: It is not there, or cannot be read.
         ValueError: It is no file that ends, or is too large.
     """
-    if not stat.S_ISREG(path.stat().st_mode):  # a pipe would keep whoever opens it waiting
+    if not stat.S_ISREG(path.stat().st_mode):  # to open a pipe would block
         text = "it is no regular file"
         raise ValueError(text)
     with path.open("rb") as file:

@@ -22,38 +22,38 @@ from rune_tui.errors import DescriptorError
 from rune_tui.model.joystick_state import Absence
 
 IDLE_SILENCE_S = 5.0 / ALIVE_HZ
-"""So long a pad may be silent that said that nobody touches it [s]."""
+"""Longest silence of a pad that reported to be idle [s]."""
 WAITING_SILENCE_S = 3.0 / DEVICE_HZ
-"""So long one may be silent that said that its device is unplugged [s]."""
+"""Longest silence of a pad that reported to be unplugged [s]."""
 MOST_PADS = 16
-"""Those that are known at a time; of more that speak, the last are left out."""
+"""Largest number of pads; further ones are left out."""
 LONGEST_DESCRIPTOR = 4096
-"""As the kernel has it [bytes]."""
+"""Longest name, as in the kernel [bytes]."""
 _CLOSE_S = 2.0
 
 Sender = tuple[str, int]
-"""The robot whose hub it came through, and the sender's number there."""
+"""The robot whose hub carries it, and the sender's number there."""
 
 
 @dataclass(slots=True)
 class _Pad:
-    """A gamepad that somebody has told of.
+    """A gamepad at another machine.
 
     Attributes:
-        told: What was told of it.
-        heard: When that was told last [s].
+        announced: Its newest announcement.
+        heard: Time of that [s].
         info: The device.
-        controls: What it has; none if `why` says that it cannot be used.
-        here: Whether its states come.
-        measured: When the newest was measured [s].
-        active: Whether it is being used, and so says its state all the time.
-        absence: What became of it, if it is not here.
-        absent: When that was told [s].
+        controls: Its controls; none if `why` says that it cannot be used.
+        here: Whether its states arrive.
+        measured: Time of the newest state [s].
+        active: Whether it is in use, and so sends its state all the time.
+        absence: The reason why its states do not arrive, if they do not.
+        absent: Time of the report of that [s].
         row: The newest numbers.
-        inbox: Where they go; None while nobody reads it.
+        inbox: Queue of its values; None: no joystick reads it.
     """
 
-    told: PadDevice
+    announced: PadDevice
     heard: float
     info: DeviceInfo
     controls: tuple[PhysicalControl, ...]
@@ -73,19 +73,19 @@ class _Pad:
 
 
 class FarPads:
-    """Those at the hubs of all robots of the console; links put in what comes.
+    """The gamepads at the hubs of all robots of the console; links deliver their messages.
 
     Attributes:
-        refused: How many messages made no sense.
-        late: How many states were too old.
-        operator: Who sits at this console.
+        refused: Number of messages that were not valid.
+        late: Number of states that were too old.
+        operator: The operator of this console.
     """
 
     def __init__(self, operator: str = "", clock: Callable[[], float] = time.monotonic) -> None:
         """Prepare.
 
         Args:
-            operator: Who sits at this console; pads for others are left out.
+            operator: The operator of this console; pads for others are left out.
             clock: Monotonic time [s].
         """
         self.refused = self.late = 0
@@ -115,19 +115,19 @@ class FarPads:
         if self._thread is not None:
             self._thread.join(_CLOSE_S)
 
-    def device_came(self, sender: Sender, told: PadDevice) -> None:
-        """Somebody says what gamepad the states are of that follow."""
+    def device_came(self, sender: Sender, announced: PadDevice) -> None:
+        """Take an announcement of a gamepad."""
         with self._lock:
             known = self._pads.get(sender)
-            if told.operator not in {"", self.operator}:
+            if announced.operator not in {"", self.operator}:
                 self._forget(sender)
-            elif known is not None and _same(known.told, told):
+            elif known is not None and _same(known.announced, announced):
                 known.heard = self._clock()
-            elif len(told.descriptor) > LONGEST_DESCRIPTOR or not self._room(sender):
+            elif len(announced.descriptor) > LONGEST_DESCRIPTOR or not self._room(sender):
                 self.refused += 1
             else:
                 self._forget(sender)
-                self._pads[sender] = described = self._described(sender, told)
+                self._pads[sender] = described = self._described(sender, announced)
                 if known is not None:
                     described.absence, described.absent = known.absence, known.absent
             fresh = bool(self._news)
@@ -135,12 +135,12 @@ class FarPads:
             self._notify()
 
     def state_came(self, sender: Sender, state: PadState, measured: float) -> None:
-        """Somebody says how the controls of a gamepad stand.
+        """Take a state of a gamepad.
 
         Args:
-            sender: Who.
-            state: How.
-            measured: When that was, on this machine's clock [s].
+            sender: Its sender.
+            state: The state.
+            measured: Its time, on this machine's clock [s].
         """
         with self._lock:
             fresh = self._follow(sender, state, measured)
@@ -188,7 +188,7 @@ class FarPads:
             return None if pad is None else pad.measured
 
     def senders_read(self, robot: str) -> list[int]:
-        """Numbers at a robot's hub of those whose devices are read."""
+        """Numbers at a robot's hub of the senders whose devices are read."""
         with self._lock:
             return [
                 sender[1]
@@ -197,7 +197,7 @@ class FarPads:
             ]
 
     def absence(self, path: str) -> Absence | None:
-        """What became of a device; None if nothing is known of it, or it is here."""
+        """Why a device is absent; None: it is not known, or it is here."""
         with self._lock:
             pad = next((each for each in self._pads.values() if each.info.path == path), None)
             if pad is None or pad.here:
@@ -210,30 +210,32 @@ class FarPads:
     def _at(self, path: str) -> _Pad | None:
         return next((p for p in self._pads.values() if p.here and p.info.path == path), None)
 
-    def _described(self, sender: Sender, told: PadDevice) -> _Pad:
+    def _described(self, sender: Sender, announced: PadDevice) -> _Pad:
         controls: tuple[PhysicalControl, ...] = ()
         why = "it is no joystick"
         try:
-            descriptor = told.descriptor.tobytes()
-            decoder = DeviceDecoder(descriptor, vid=told.vid, pid=told.pid, bus=told.bus or 3)
+            descriptor = announced.descriptor.tobytes()
+            decoder = DeviceDecoder(
+                descriptor, vid=announced.vid, pid=announced.pid, bus=announced.bus or 3
+            )
         except DescriptorError as error:
             why = f"its report descriptor cannot be read: {error}"
         else:
             controls = decoder.controls
         info = DeviceInfo(
             path=f"pad {sender[0]} {sender[1]}",
-            vid=told.vid,
-            pid=told.pid,
-            serial=plain_text(told.serial),
-            name=plain_text(told.name),
-            port=plain_text(told.port),
-            bus=told.bus,
-            machine=plain_text(told.machine) or "another machine",
+            vid=announced.vid,
+            pid=announced.pid,
+            serial=plain_text(announced.serial),
+            name=plain_text(announced.name),
+            port=plain_text(announced.port),
+            bus=announced.bus,
+            machine=plain_text(announced.machine) or "another machine",
         )
-        return _Pad(told, self._clock(), info, controls, "" if controls else why)
+        return _Pad(announced, self._clock(), info, controls, "" if controls else why)
 
     def _room(self, sender: Sender) -> bool:
-        """Whether one more can be known; room is made of the silent one heard longest ago."""
+        """Whether there is room for one more; the silent one with the oldest message makes room."""
         if sender in self._pads or len(self._pads) < MOST_PADS:
             return True
         silent = [other for other, pad in self._pads.items() if not pad.here]
@@ -243,13 +245,13 @@ class FarPads:
 
     def _forget(self, sender: Sender) -> None:
         if (pad := self._pads.pop(sender, None)) is not None and pad.here:
-            self._tell_devices()
+            self._post_devices()
 
     def _follow(self, sender: Sender, state: PadState, measured: float) -> bool:
-        """Take a state over; whether it says anything new."""
-        self._expire()  # nobody else may have noticed the silence before this
+        """Apply a state; returns whether it changes anything."""
+        self._expire()  # the silence before this state may not have been noticed
         pad, now = self._pads.get(sender), self._clock()
-        if pad is None or state.session != pad.told.session:
+        if pad is None or state.session != pad.announced.session:
             return False  # it is for another console, or what it is of has not come yet
         if not state.values.size:
             pad.absent = now
@@ -267,7 +269,7 @@ class FarPads:
             self._sooner.set()
         if not pad.here:
             pad.here = True
-            self._tell_devices()
+            self._post_devices()
             return True
         inbox = pad.inbox
         if inbox is None:
@@ -278,10 +280,10 @@ class FarPads:
         was_here, pad.here, pad.inbox = pad.here, False, None
         pad.absence = absence
         if was_here:
-            self._tell_devices()
+            self._post_devices()
         return was_here
 
-    def _tell_devices(self) -> None:
+    def _post_devices(self) -> None:
         self._news.append(Scanned(tuple(pad.info for pad in self._pads.values() if pad.here)))
 
     def _expire(self) -> float:

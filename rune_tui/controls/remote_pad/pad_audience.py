@@ -8,19 +8,19 @@ from hub.gcm.pad import CONSOLE_HZ, PadConsole
 from rune_tui.controls.devices.matching import plain_text
 
 FORGOTTEN_S = 3.0 / CONSOLE_HZ
-"""A console that was not heard for so long is not there any more [s]."""
+"""A console is gone after this time without a message [s]."""
 MOST_CONSOLES = 16
-"""Those that are known at a time; others are left out."""
+"""Largest number of consoles; further ones are left out."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Console:
-    """A console that has told of itself.
+    """A console that has announced itself.
 
     Attributes:
-        operator: Who sits there.
+        operator: Its operator.
         taken: Numbers of the senders whose gamepads it uses.
-        heard: When it told so [s].
+        heard: Time of its newest announcement [s].
     """
 
     operator: str
@@ -29,35 +29,35 @@ class _Console:
 
 
 class Audience:
-    """The consoles at a hub, as they tell of themselves."""
+    """The consoles at a hub, by their announcements."""
 
     def __init__(self, operator: str = "") -> None:
         """Prepare.
 
         Args:
-            operator: Whose console the gamepad is for; empty: any.
+            operator: The operator whose console may use the gamepad; empty: any.
         """
         self._operator = operator
         self._consoles: dict[int, _Console] = {}
 
-    def hear(self, number: int, told: PadConsole, now: float) -> None:
-        """A console tells of itself.
+    def hear(self, number: int, announced: PadConsole, now: float) -> None:
+        """Take an announcement of a console.
 
         Args:
             number: Its number at the hub.
-            told: What it tells.
+            announced: The announcement.
             now: The time now [s].
         """
         self._forget(now)
         if number in self._consoles or len(self._consoles) < MOST_CONSOLES:
-            operator = plain_text(told.operator) or "somebody"
-            self._consoles[number] = _Console(operator, frozenset(told.taken.tolist()), now)
+            operator = plain_text(announced.operator) or "somebody"
+            self._consoles[number] = _Console(operator, frozenset(announced.taken.tolist()), now)
 
     def words(self, sender: int, now: float) -> str:
-        """Whether anybody uses the gamepad, and for whom it waits if nobody does.
+        """Whether a console uses the gamepad, and for which console it waits.
 
         Args:
-            sender: The number at the hub of who sends it.
+            sender: The sender's number at the hub.
             now: The time now [s].
         """
         self._forget(now)

@@ -1,4 +1,4 @@
-"""When a gamepad's state is sent to consoles elsewhere, and what it says; pure."""
+"""When the state of a gamepad is sent to consoles of other machines, and its content; pure."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rune_tui.controls.remote_pad.pad_values import Row
 from rune_tui.layout.spec import ControlKind, ControlSpec, JoystickSpec
 
 ACTIVE_FOR_S = 1.0
-"""So long after its last change a pad counts as being used [s]."""
+"""A pad is in use until this time after its last change [s]."""
 DEAD_ZONE = 0.02
 """Smaller than any that layouts are likely to have: what may drive there is being used here."""
 _WAITS = 1
@@ -28,12 +28,12 @@ _EARLY_S = 0.002
 
 
 class PadSender:
-    """Sends one device at a time: what it is, and its states.
+    """Sends one device at a time: its announcement and its states.
 
     Attributes:
-        session: Counts how often it began anew.
-        sent: How many states have been sent.
-        active: Whether the device is being used.
+        session: Number of its sessions; each device begins one.
+        sent: Number of states sent.
+        active: Whether the device is in use.
     """
 
     def __init__(
@@ -44,13 +44,13 @@ class PadSender:
         operator: str = "",
         machine: str = "",
     ) -> None:
-        """Prepare; nothing is plugged in.
+        """Start without a device.
 
         Args:
-            send_device: Sends what the device is.
-            send_state: Sends how its controls stand.
-            operator: Whose console it is for; empty: any.
-            machine: Where this is, for people.
+            send_device: Sends the announcement of the device.
+            send_state: Sends the state of its controls.
+            operator: The operator whose console may use it; empty: any.
+            machine: Name of this machine, for people.
         """
         self.session = self.sent = 0
         self.active = False
@@ -101,7 +101,7 @@ class PadSender:
         self._state_sent = -math.inf
 
     def end(self) -> None:
-        """Nothing is sent any more: let go of the device there, now, and say so."""
+        """Stop: report the device as gone, so that consoles release its input at once."""
         self._send_state(PadState(session=self.session))
         self._described, self.active = None, False
 
@@ -117,36 +117,36 @@ class PadSender:
         self._joystick.feed(values, now)
         stalled = self._guard.stalled(now)
         if self._described is None:
-            self._tell_absence(now)
+            self._report_absence(now)
             return
         if stalled:
-            # Nobody knows what was meant while this stood still: it has to be neutral first.
+            # Input during a pause of this process is not known: the device must be neutral first.
             self._begin()
         self._changed = now if changed else self._changed
         self.active = now - self._changed < ACTIVE_FOR_S or any(self._joystick.values.values())
         if now - self._device_sent > 1.0 / pad.DEVICE_HZ - _EARLY_S:
-            self._tell_device(now)
+            self._announce(now)
         rate = pad.STATE_HZ if self.active else pad.ALIVE_HZ
         if now - self._state_sent > 1.0 / rate - _EARLY_S:
-            self._tell_state(now)
+            self._report_state(now)
 
     def _begin(self) -> None:
         self.session += 1
         self._device_sent = self._state_sent = -math.inf
 
-    def _tell_device(self, now: float) -> None:
+    def _announce(self, now: float) -> None:
         about = self._described
         if about is not None:
             self._send_device(dataclasses.replace(about, session=self.session))
             self._device_sent = now
 
-    def _tell_absence(self, now: float) -> None:
-        """Say again that the device is gone: who has missed it takes this for a silence."""
+    def _report_absence(self, now: float) -> None:
+        """Repeat that the device is gone: a console that missed it would see a silence."""
         if self.session and now - self._state_sent > 1.0 / pad.DEVICE_HZ - _EARLY_S:
             self._send_state(PadState(session=self.session, active=_WAITS))
             self._state_sent = now
 
-    def _tell_state(self, now: float) -> None:
+    def _report_state(self, now: float) -> None:
         row = np.array(self._row.values, np.int32)
         state = PadState(session=self.session, active=int(self.active), values=row)
         self._send_state(state)

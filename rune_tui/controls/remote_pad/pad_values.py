@@ -1,6 +1,6 @@
-"""A device's controls as one row of numbers, of which the newest says all; there and back; pure.
+"""A device's controls as one row of numbers, so that the newest row is complete; pure.
 
-What must not be lost with a row that is lost is counted: the edges of buttons, the turns of balls.
+A lost row must not lose an edge of a button or a turn of a ball, so a row has counts of these.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ _LARGEST = (1 << 31) - 1
 _EDGES = 1 << 31
 _TURNS = 1 << 32
 _MOST_EDGES = 2
-"""Of more edges than these nobody meant each; where they end is told all the same."""
+"""Largest number of edges taken from one row; the final state is always taken."""
 
 
 class Row:
@@ -51,10 +51,10 @@ class Row:
 def reports(
     controls: Sequence[PhysicalControl], before: Sequence[int] | None, now: Sequence[int]
 ) -> Iterator[tuple[Value, ...]]:
-    """What a device has reported between two rows, as its decoder would have told it.
+    """The values that a device reported between two rows.
 
     Args:
-        controls: What it has, one for each number.
+        controls: Its controls, one for each number.
         before: The row before; None if this is the first.
         now: The row; any numbers are one.
     """

@@ -73,13 +73,13 @@ def doing_rows(robot: RobotState, now: float) -> Iterator[Part]:
 
 def head(doing: Doing) -> str:
     """What it does in capitals with its number, or the outcome of what it did."""
-    deed = doing.deed.upper()
+    kind = doing.kind.upper()
     share = f" {100.0 * doing.explored:.0f} %" if 0.0 <= doing.explored <= 1.0 else ""
     if doing.under_way:
         way = f" {doing.left_m:.1f} m" if math.isfinite(doing.left_m) and not share else ""
         waits = ", WAITS" if doing.phase is Phase.WAITING else ""
-        return f"{deed}{share}{way}{waits}"
-    return f"{deed}{share} {_OUTCOMES[doing.phase]}"
+        return f"{kind}{share}{way}{waits}"
+    return f"{kind}{share} {_OUTCOMES[doing.phase]}"
 
 
 def goal_word(doing: Doing, now: float) -> tuple[str, Severity]:

@@ -219,7 +219,11 @@ def _copied(keyboard: KeyboardHold) -> KeyboardHold:
     made._holds = {key: copy.copy(hold) for key, hold in keyboard._holds.items()}
     made._paused = dict(keyboard._paused)
     made._intervals = keyboard._intervals.copy()
-    guard._down, guard._told, guard._timed = set(guard._down), set(guard._told), set(guard._timed)
+    guard._down, guard._reported, guard._timed = (
+        set(guard._down),
+        set(guard._reported),
+        set(guard._timed),
+    )
     guard._came, guard._answered = dict(guard._came), guard._answered.copy()
     return made
 
@@ -238,7 +242,7 @@ def _frozen(keyboard: KeyboardHold, now: float) -> tuple[Any, ...]:
                 (at(hold.last), at(hold.deadline), at(hold.silent_at), hold.live_from),
                 (min(hold.repeats, 3), min(hold.at_once, 2), hold.at_once == hold.repeats),
                 (min(hold.live, 3), hold.fine),
-                (hold.must_release, hold.told, hold.ended),
+                (hold.must_release, hold.releases_reported, hold.ended),
             )
             for key, hold in keyboard._holds.items()
         ),
@@ -247,7 +251,7 @@ def _frozen(keyboard: KeyboardHold, now: float) -> tuple[Any, ...]:
         keyboard._resumable,
         (guard.state.value, guard._candidate, min(guard._repeats, 3), guard._needed),
         (at(guard._last), at(guard._stopped)),
-        (frozenset(guard._down), frozenset(guard._told), frozenset(guard._timed)),
+        (frozenset(guard._down), frozenset(guard._reported), frozenset(guard._timed)),
         tuple((key, at(came)) for key, came in guard._came.items()),
         tuple((at(read), at(asked)) for read, asked in list(guard._answered)[-2:]),
     )

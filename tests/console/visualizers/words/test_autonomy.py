@@ -169,4 +169,4 @@ def test_of_two_that_ended_the_later_one_is_told_however_long_ago_it_was_heard()
     }
     doing = doing_of(Made().robot(messages=told))
     assert doing is not None
-    assert doing.deed == "going"
+    assert doing.kind == "going"
