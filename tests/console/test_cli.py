@@ -11,11 +11,12 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
+from hub.command_line import ExitCode
 from hub.ipc.broker.central import Central
 from hub.ipc.roles import Role
 from hub.ipc.security.keyring import Keyring
 from hub.plain_text import is_plain
-from rune_tui.cli import ExitCode, _log_to_file, main
+from rune_tui.cli import _log_to_file, main
 from rune_tui.compositor.glyph_set import GlyphSet
 
 LAYOUTS = Path(__file__).parents[2] / "layouts"

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from rune_tui.cli import ExitCode, main
+from hub.command_line import ExitCode
+from rune_tui.cli import main
 
 
 class Stream(io.StringIO):

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import combinations
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -40,7 +40,7 @@ def drawn_of(layout: LayoutSpec, name: str) -> str:
 
 def panes(layout: LayoutSpec, size: tuple[int, int]) -> list[Placed]:
     arrangement = arrangement_for(layout.view.arrangements, *size)
-    kinds = BUILT_IN.visualizers
+    kinds: Mapping[str, Any] = BUILT_IN.visualizers
     free = {
         each.name
         for each in layout.view.viewports

@@ -205,7 +205,7 @@ class _QuickStream(pyte.ByteStream):
 
     _rest = ""
 
-    def feed(self, data: bytes) -> None:
+    def feed(self, data: bytes) -> None:  # type: ignore[override]  # as in pyte itself
         """Take bytes cut anywhere."""
         text = self._rest + self.utf8_decoder.decode(data)
         begun = _BEGUN.search(text)

@@ -382,7 +382,8 @@ def stops(scene: Scene, case: Case) -> Reaction:
     robot, wheels = scene.robot, scene.robot.wheels
     drive(scene, case)
     struck = time.monotonic()
-    struck = case.strike(scene) or struck
+    returned = case.strike(scene)
+    struck = returned if isinstance(returned, float) else struck
     robot.wait(
         lambda: wheels.first(struck, lambda row: not (row.told or row.moves)), "it drives on"
     )

@@ -8,12 +8,13 @@ from pathlib import Path
 
 import pytest
 
+from hub.command_line import ExitCode
 from hub.gcm.pad import PadState
 from hub.ipc.broker.central import Central
 from hub.ipc.roles import Role
 from hub.ipc.security.keyring import Keyring
 from rune_tui import cli
-from rune_tui.cli import ExitCode, main
+from rune_tui.cli import main
 from rune_tui.commands import joytest, pad
 from rune_tui.commands.pad import Agent, Choice
 from rune_tui.controls.devices import hid_reader, local_devices

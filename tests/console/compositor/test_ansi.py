@@ -55,8 +55,8 @@ def test_pyte_that_eats_the_rows_shows_the_cells(cells: Cells) -> None:
     screen = pyte.Screen(cells.columns, cells.rows)
     screen.reset_mode(pyte.modes.DECAWM)
     stream = pyte.Stream(screen)
-    for number, row in enumerate(encoded_rows(cells)):
-        stream.feed(f"\x1b[{number + 1};1H{row}")
+    for number, text in enumerate(encoded_rows(cells)):
+        stream.feed(f"\x1b[{number + 1};1H{text}")
     for row in range(cells.rows):
         for column in range(cells.columns):
             glyph, ink, ground = wanted(cells, row, column)

@@ -273,7 +273,7 @@ def test_document_types_never_reach_the_parser(tmp_path: Path, prolog: str, monk
     def parse(*_args: object) -> None:
         pytest.fail("parsed")
 
-    monkeypatch.setattr(loader.etree, "fromstring", parse)
+    monkeypatch.setattr("rune_tui.layout.loader.etree.fromstring", parse)
     (problem,) = problems(tmp_path, prolog + SHORT)
     assert "document type" in problem.message
     assert problem.line == prolog.count("\n") + 1

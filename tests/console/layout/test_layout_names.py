@@ -6,6 +6,7 @@ import os
 import re
 import string
 from pathlib import Path
+from typing import Any
 
 import pytest
 from textual._ansi_sequences import ANSI_SEQUENCES_KEYS
@@ -41,8 +42,8 @@ def test_visualizers_and_widgets_name_messages_of_the_catalogue():
     named = set()
     for kind in BUILT_IN.visualizers.values():
         named |= {kind.rule.message, *kind.rule.others}
-    for kind in BUILT_IN.widgets.values():
-        named |= {*kind.rule.sends, *kind.rule.uses}
+    for widget in BUILT_IN.widgets.values():
+        named |= {*widget.rule.sends, *widget.rule.uses}
     assert named - {""} - LOCAL_MESSAGES <= set(catalog.BY_NAME)
 
 
@@ -83,7 +84,7 @@ def test_the_page_lists_every_capability():
 
 def options() -> list[tuple[str, str, Option]]:
     """Every option, with the name of its visualizer or handler and its own."""
-    kinds = {**BUILT_IN.visualizers, **BUILT_IN.widgets}
+    kinds: dict[str, Any] = {**BUILT_IN.visualizers, **BUILT_IN.widgets}
     found = [
         (owner, name, option)
         for owner, kind in kinds.items()

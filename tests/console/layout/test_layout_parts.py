@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from rune_tui.cli import ExitCode, main
+from hub.command_line import ExitCode
+from rune_tui.cli import main
 from rune_tui.errors import LayoutError
 from rune_tui.layout.loader import LARGEST_FILE
 from rune_tui.layout.parts import DEEPEST, MOST

@@ -213,8 +213,8 @@ def test_a_widget_sends_what_it_announced_and_all_of_it_can_be_encoded(handler: 
     control = next(iter(rule.controls), "")
     effects = widget.handle(click(), event_spec("mouse left", control), seeing(marked(1, LANDMARK)))
     ghosts = [effect for effect in effects if isinstance(effect, ShowGhost)]
-    for effect in ghosts:  # a second click confirms what the first one shows
-        state = changed(seeing(marked(1, LANDMARK)), effect)
+    for ghost in ghosts:  # a second click confirms what the first one shows
+        state = changed(seeing(marked(1, LANDMARK)), ghost)
         effects += widget.handle(click(), event_spec("mouse left", control), state)
     answers = [effect.answer("yes", at(0.0)) for effect in effects if isinstance(effect, AskEffect)]
     effects = effects + tuple(itertools.chain(*answers))

@@ -66,13 +66,13 @@ def misfits(value: Any, hint: Any, where: str) -> list[str]:
         if isinstance(each, ranges.Range):
             with np.errstate(invalid="ignore"):  # of a NaN that signals
                 numbers = value.tolist() if isinstance(value, np.ndarray) else [value]
-            good = (
+            good = all(
                 each.low <= number <= each.high
                 or (each.nan and number != number)
                 or (each.infinite and number == math.inf)
                 for number in numbers
             )
-            found += [] if all(good) else [where]
+            found += [] if good else [where]
         elif isinstance(each, ranges.Text):
             good = len(value) <= each.most and is_plain(value, lines=each.lines)
             found += [] if good else [where]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from hub.cli import ExitCode
+from hub.command_line import ExitCode
 from hub.ipc.roles import Role
 from hub.ipc.security.client_keys import read_client_keys
 from hub.ipc.security.keyring import Keyring, default_folder

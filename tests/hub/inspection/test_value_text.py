@@ -138,7 +138,7 @@ ROUTES = definition_of(formats.parse("{*{{int,int},*!},uint,<{*!,string}:2>,doub
 
 
 def _chain(length: int) -> Any:
-    first = None
+    first: Any = None
     for number in range(length, 0, -1):
         first = (number, first)
     return CHAIN.build(first)

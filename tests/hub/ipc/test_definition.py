@@ -516,7 +516,7 @@ def test_values_that_are_no_list_are_refused(members: Any) -> None:
 def test_type_whose_hints_cannot_be_found_is_refused() -> None:
     @dataclass(frozen=True, slots=True, kw_only=True)
     class Local:
-        text: Unknown  # noqa: F821
+        text: Unknown  # type: ignore[name-defined]  # noqa: F821
 
     with pytest.raises(MessageFormatError, match="the types of Local's fields cannot be found"):
         _define(Local, "{string}")

@@ -403,7 +403,8 @@ def test_control_messages_of_a_removed_key_are_refused(hub: Hub) -> None:
 
 
 def test_list_that_cannot_be_read_ends_no_connection(tmp_path: Path) -> None:
-    keyring, ended = Keyring(tmp_path), []
+    ended: list[object] = []
+    keyring = Keyring(tmp_path)
     keyring.make("alice", Role.OPERATE)
     (alice,) = (holder.principal for holder in keyring.holders())
     keys = RemovedKeys(keyring, lambda: frozenset({alice}), ended.append)

@@ -292,24 +292,11 @@ def test_definition_that_names_a_ros_type_has_its_name_and_package() -> None:
 
 
 def test_types_of_one_name_are_told_apart() -> None:
-    @dataclass(frozen=True, slots=True, kw_only=True)
-    class Inner:
-        x: int
-
-    first = Inner
-
-    @dataclass(frozen=True, slots=True, kw_only=True)
-    class Inner:
-        y: float
-
-    @dataclass(frozen=True, slots=True, kw_only=True)
-    class Outer:
-        one: first
-        two: Inner
-        three: first
-
-    Outer.__annotations__.update(one=first, two=Inner, three=first)
-    outer = MessageDefinition(name="Inner", format="{{int},{double},{int}}", type=Outer)
+    first = make_dataclass("Inner", [("x", int)], frozen=True)
+    second = make_dataclass("Inner", [("y", float)], frozen=True)
+    kind = make_dataclass("Outer", [("one", first), ("two", second), ("three", first)], frozen=True)
+    outer: MessageDefinition[Any]
+    outer = MessageDefinition(name="Inner", format="{{int},{double},{int}}", type=kind)
     lines = ros_schema.ros2msg(outer).splitlines()
     assert lines[:3] == [
         "rune_msgs/Inner2 one",
@@ -346,6 +333,6 @@ def test_message_without_a_ros_type_is_refused_with_the_reason(
 @pytest.mark.parametrize("name", ["X", "x_", "x__y", "_x", "xY", "ä"])
 def test_field_name_that_ros_does_not_allow_is_refused(name: str) -> None:
     kind = make_dataclass("Kind", [(name, int)], frozen=True)
-    definition = MessageDefinition(name="M", format="{int}", type=kind)
+    definition: MessageDefinition[Any] = MessageDefinition(name="M", format="{int}", type=kind)
     with pytest.raises(MessageFormatError, match="is no name for a field there"):
         ros_schema.ros2msg(definition)

@@ -51,7 +51,8 @@ def want(robot: RobotDescription, bus: Bus, controlled: list[int]) -> tuple[Miss
 
 
 def test_who_has_control_and_a_mission_that_runs_want_mapping(robot: RobotDescription) -> None:
-    bus, controlled = Bus(), []
+    controlled: list[bool] = []
+    bus = Bus()
     made, wants = want(robot, bus, controlled)
     assert wants.current(1.0) == {}
     controlled.append(1)

@@ -89,7 +89,7 @@ def test_full_disk_leaves_whole_lines_and_says_how_many_are_missing(
     file: LogFile, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, room: int
 ) -> None:
     disk = Disk(room)
-    monkeypatch.setattr(log_file.os, "write", disk.write)
+    monkeypatch.setattr(os, "write", disk.write)
     for number in range(10):
         file.write(f"line {number}\n", number * RETRY_S)
     kept = room // len("line 0\n")
@@ -107,7 +107,7 @@ def test_lost_lines_are_told_of_with_the_module_and_in_its_file_without_another_
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     disk = Disk(2)
-    monkeypatch.setattr(log_file.os, "write", disk.write)
+    monkeypatch.setattr(os, "write", disk.write)
     with closing(ModuleLogs(tmp_path)) as outputs:
         source, pipe = os.pipe()
         outputs.add("one", source)

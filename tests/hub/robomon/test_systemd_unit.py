@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hub.cli import ExitCode
+from hub.command_line import ExitCode
 from hub.robomon.systemd_unit import DEVICE_GROUPS, ServiceSpec, unit
 from tests.support.command_line import rune_hub
 

@@ -38,7 +38,9 @@ def replayed(rows: Sequence[Sequence[int]]) -> list[Value]:
 
 def ends(values: Sequence[Value]) -> dict[int, int | None]:
     """How each control but the ball stands at last; the ball's turns together."""
-    told = {position: raw for position, raw in values if position != BALL and raw is not None}
+    told: dict[int, int | None] = {
+        position: raw for position, raw in values if position != BALL and raw is not None
+    }
     told |= {HAT: next((raw for position, raw in reversed(values) if position == HAT), None)}
     return told | {BALL: sum(raw or 0 for position, raw in values if position == BALL)}
 

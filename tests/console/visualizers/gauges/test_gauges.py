@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -172,7 +173,8 @@ def test_the_tape_has_east_right_of_north(shown) -> None:
 @given(st.integers(0, 359), st.integers(8, 90))
 def test_no_label_of_the_tape_is_cut(bearing: int, width: int) -> None:
     canvas = Canvas.blank(width, 6)
-    made_by("visualizeHeading").show(canvas, float(bearing), DARK)
+    heading: Any = made_by("visualizeHeading")
+    heading.show(canvas, float(bearing), DARK)
     labels = words(canvas)[2].split()
     assert set(labels) <= {*LETTERS, *map(str, range(0, 360, 5))}
 

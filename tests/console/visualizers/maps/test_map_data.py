@@ -195,7 +195,8 @@ def test_a_click_gives_the_place_that_is_drawn_there(made, draw, options) -> Non
     robot = robot_in(made, x=-0.5, y=0.25, theta=0.7, points=marks)
     canvas = draw(NAME, robot, SIZE, **options)
     column, row = where(canvas, "V1")
-    place = made_by(NAME, **options).locate((column + 0.5, 2 * row + 1.0), SIZE, robot, STATE)
+    shown: Any = made_by(NAME, **options)
+    place = shown.locate((column + 0.5, 2 * row + 1.0), SIZE, robot, STATE)
     # The letter is on the cell of one by two pixels that the place is in.
     scale = (20.0 if "show" in options else options.get("option", 10.0)) / 100.0
     assert math.dist((place.x, place.y), (-1.0, 0.5)) <= 1.2 * scale
@@ -204,9 +205,11 @@ def test_a_click_gives_the_place_that_is_drawn_there(made, draw, options) -> Non
 
 def test_a_place_is_as_sure_as_a_pixel_or_a_cell(made) -> None:
     robot = robot_in(made)
-    coarse = made_by(NAME, option=100.0).locate((3.0, 4.0), SIZE, robot, STATE)
+    shown: Any = made_by(NAME, option=100.0)
+    coarse = shown.locate((3.0, 4.0), SIZE, robot, STATE)
     assert coarse.uncertainty == pytest.approx(math.sqrt(0.5))
-    fine = made_by(NAME, option=1.0).locate((3.0, 4.0), SIZE, robot, STATE)
+    shown = made_by(NAME, option=1.0)
+    fine = shown.locate((3.0, 4.0), SIZE, robot, STATE)
     assert fine.uncertainty == pytest.approx(0.1 * math.sqrt(0.5))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from typing import Any
 
 import pytest
 
@@ -22,7 +23,7 @@ from tests.console.visualizers.known import (
     points,
 )
 
-LISTS = {
+LISTS: dict[str, tuple[Any, Any, str]] = {
     "visualizeMarks": (INTEREST_POINTS, points(point(1)), "marks"),
     "visualizeModules": (MODULE_REPORTS, modules(module("driver")), "module list"),
     "visualizeCapabilities": (

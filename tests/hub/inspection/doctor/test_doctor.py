@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from hub.cli import ExitCode
+from hub.command_line import ExitCode
 from hub.inspection.doctor import doctor
 from hub.inspection.doctor.finding import Finding, Level, ok
 from hub.robomon.module_table import load_robot_table

@@ -6,6 +6,7 @@ import contextlib
 import random
 import threading
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 import zmq
@@ -105,7 +106,7 @@ def test_handler_that_leaves_ends_what_was_asked_directly_or_another_takes_over(
     asker, handler = connect("asker"), connect("handler")
     owed: list[object] = []
 
-    def later(ask: Number, reply: object) -> None:
+    def later(ask: Number, reply: Any) -> None:
         if ask.value == 99:
             owed.append(reply)
         else:

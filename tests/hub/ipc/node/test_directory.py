@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 
@@ -107,7 +108,7 @@ def test_several_handlers_share_the_queries_and_take_over(connect: Connect) -> N
 def test_answer_may_be_given_later_and_from_a_timer(connect: Connect) -> None:
     one, other = connect("one"), connect("other")
 
-    def later(ask: Number, reply: object) -> None:
+    def later(ask: Number, reply: Any) -> None:
         other.client.loop.after(0.02, lambda: reply.answer(Number(value=ask.value + 1)))
 
     other.call(lambda: other.client.respond_later(v.ASK, v.ANSWER, later))

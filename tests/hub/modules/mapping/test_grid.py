@@ -10,8 +10,9 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from hub.gcm.map_coding import decode, encode
+from hub.missions.grid_picture import GridPicture
 from hub.modules.mapping.evidence import INFRARED, SONAR
-from hub.modules.mapping.grid import BORDER, LEAST, LOADED, MOST, GridPicture, OccupancyGrid
+from hub.modules.mapping.grid import BORDER, LEAST, LOADED, MOST, OccupancyGrid
 
 NOTHING = np.full(16, np.inf, np.float32)
 BLIND = np.full(16, np.nan, np.float32)
