@@ -1,4 +1,4 @@
-"""What a pixel of the camera's picture means: angles, and the place on the ground; and back.
+"""Converts pixels of the camera's picture to angles and places on the ground, and back.
 
 The chain is the report's (Appendix B.11.50 to 53): pixel - angles in the image - angles at the
 camera's mount - point on the ground in the robot's frame - point in `map` (`pose.Pose`). The
@@ -72,11 +72,11 @@ class PictureGeometry:
 
     @classmethod
     def of(cls, camera: CameraState, width_px: int, height_px: int) -> Self | None:
-        """The geometry of a picture of this size, or None when the camera's state tells none.
+        """The geometry of a picture of this size; None: the camera's state has none.
 
         Args:
             camera: The state that came with the picture. Its vertical field of view is that of a
-                4:3 picture; as pixels are square, the one from left to right says it all.
+                4:3 picture. Pixels are square, so the horizontal one is enough.
             width_px: Width of the picture.
             height_px: Height of the picture.
         """
@@ -127,7 +127,7 @@ class PictureGeometry:
         )
 
     def image_angles_of_mount(self, mount_angles: npt.ArrayLike) -> Floats:
-        """The reverse of `mount_angles`; NaN for what is behind the camera."""
+        """The inverse of `mount_angles`; NaN: behind the camera."""
         aside, up = np.moveaxis(np.asarray(mount_angles, np.float64), -1, 0)
         aside = aside - self.pan
         level = np.cos(up)

@@ -1,4 +1,4 @@
-"""Lines on the ground as the camera sees them, cut to what is in the picture."""
+"""Lines on the ground in the camera's picture, cut at its edges."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def visible_lines(
         geometry: The picture and its camera.
         points: Corners of the lines in the robot's frame [m], shape (n, 2); a row of NaN ends one
             line, and the next row begins another.
-        margin: How far beyond the picture's edges lines are still wanted [px], for thick ones.
+        margin: Width around the picture in which lines are kept [px], for thick lines.
 
     Returns:
         Pieces in picture coordinates [px], each of shape (at least 2, 2), in the lines' order.

@@ -1,4 +1,4 @@
-"""What is known of a joystick of the layout at one moment; immutable."""
+"""The state of a joystick of the layout at one moment; immutable."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 
 class JoystickPhase(enum.Enum):
-    """How a joystick of the layout stands to a device."""
+    """Whether a joystick of the layout has a device."""
 
     CONNECTED = "connected"
     MISSING = "missing"
@@ -17,12 +17,12 @@ class JoystickPhase(enum.Enum):
 
 
 class Absence(enum.Enum):
-    """What is known of a device that is gone.
+    """Why a device is gone.
 
     Attributes:
-        UNPLUGGED: It was unplugged, where it was.
-        ENDED: What sent it from another machine has ended.
-        SILENT: Nothing comes from the other machine, and nobody knows why.
+        UNPLUGGED: It was unplugged.
+        ENDED: The sender at the other machine has ended.
+        SILENT: The other machine sends nothing; the reason is not known.
     """
 
     UNPLUGGED = "unplugged"
@@ -35,18 +35,18 @@ class JoystickState:
     """A joystick of the layout.
 
     Attributes:
-        name: What the layout calls it.
-        device: The device's own name; what it was, if it is gone; empty if there never was one.
+        name: Its name in the layout.
+        device: The name of its device, or of the last one; empty: it never had one.
         phase: Whether it can be used.
-        why: What is wrong, and what to do about it; empty if nothing is.
-        values: How far each control is moved, -1 to 1, by the control's name; a hat's directions
-            are "pov up" and so on. What the device has not told of yet is missing.
-        waiting: Names of axes that are moved, and have to be let go of before they count.
-        heard: When one of its controls moved last [s]; None if none has.
-        prompt: What the operator is asked to do with it now; empty if nothing.
-        machine: Where its device is plugged in; empty for this machine.
-        measured: When the newest of what came from there was measured [s]; None if nothing comes.
-        absence: What became of its device, if it is gone.
+        why: The fault and what to do; empty: none.
+        values: Position of each control, -1 to 1, by the control's name; a hat's directions are
+            "pov up" and so on. Controls without a report yet are missing.
+        waiting: Names of axes that are moved and must be released before they count.
+        heard: Time of the last motion of a control [s]; None: none yet.
+        prompt: The instruction to the operator; empty: none.
+        machine: The machine of its device; empty: this one.
+        measured: Time of the newest state from that machine [s]; None: nothing comes.
+        absence: Why its device is gone, if it is.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Why a robot does not do what an order says: nothing on it takes such an order."""
+"""Why a robot cannot carry out an order: it has no module for it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What would be lost, or go on without anybody, if the console ended now; pure."""
+"""Reasons against the end of the console: data to lose, and robots that go on alone; pure."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from rune_tui.model.mission import mission_of
 _SENDS_OFF: Final = frozenset({GOAL_COMMAND.name, AUTONOMY_COMMAND.name})
 """Messages that have a robot go by itself."""
 ORDERED_S: Final = 3.0
-"""A robot that was sent somewhere counts as going for this time, whatever it reports [s]."""
+"""After an order to go, a robot counts as going for this time, with or without a report [s]."""
 
 
 def ordered(state: ConsoleState, effect: Effect, now: float) -> ConsoleState:
-    """The state that knows of an order to go somewhere, before the robot reports it.
+    """The state with an order to go somewhere, before the robot reports it.
 
     Args:
         state: The state before.
-        effect: What is ordered; nothing changes if it does not send a robot anywhere.
+        effect: The order; nothing changes if it sends no robot anywhere.
         now: The time [s].
     """
     if not isinstance(effect, SendEffect) or effect.definition.name not in _SENDS_OFF:
@@ -72,11 +72,11 @@ _REASONS: tuple[Callable[[ConsoleState], Iterator[str]], ...] = (
     _on_its_own,
     _unkept,
 )
-"""Each says what speaks against the end, in a few words; the next one is added here."""
+"""Each gives reasons against the end, in a few words; add new ones here."""
 
 
 def question(reasons: tuple[str, ...]) -> str:
-    """What the operator is asked; empty if nothing speaks against the end."""
+    """The question to the operator; empty: there is no reason against the end."""
     if not reasons:
         return ""
     return f"QUIT? Then {'; '.join(reasons)}. Q or enter: quit. Any other key: stay."

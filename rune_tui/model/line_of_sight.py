@@ -1,19 +1,19 @@
-"""What a click on the picture means: where its line of sight ends, and what says so.
+"""The place of a click on the picture: the end of its line of sight, and the source of it.
 
-The line begins at the camera. It ends at the floor, or before that at what the map or the range
-sensors know. The first row that applies decides:
+The line begins at the camera. It ends at the floor, or before at an obstacle of the map or of the
+range sensors. The first row that applies decides:
 
-| what is known on the line | decides | how far off, besides the pose |
+| on the line | source | error, besides that of the pose |
 | --- | --- | --- |
-| an infrared sensor looks along it and sees something | RANGES | its noise |
+| a hit of an infrared sensor along it | RANGES | its noise |
 | an occupied cell of the map | MAP | diagonal of a cell, width of the pixel |
-| a sonar's echo before ground that the map does not know as free | RANGES | half the cone's width |
+| a sonar's echo before ground that is not free on the map | RANGES | half the cone's width |
 | nothing before the floor | FLOOR | ground that the pixel covers |
-| nothing, and the line does not meet the floor | nobody: there is no place | |
+| nothing, and the line does not meet the floor | none: there is no place | |
 
-An obstacle behind the floor's place does not count. Where the line passes an obstacle higher than
-all that the sensors see is sure to be, it may go over it: then the floor behind is possible as
-well, and the place may be off by as much.
+An obstacle behind the floor's place does not count. The line may pass over an obstacle, if it is
+there higher than the known height of obstacles. Then the floor behind is possible too, and the
+error is as large as the distance to it.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from rune_tui.model.world import SaidBy, WorldPoint
 FARTHEST_M: Final = 12.0
 """Obstacles that are farther away do not count [m]."""
 SURE_HEIGHT_M: Final = 0.4
-"""What map and range sensors know is taken to be at least so high [m]."""
+"""Obstacles of the map and the range sensors have at least this height [m]."""
 OCCUPIED: Final = 65
 """From this value on a cell of the map is occupied, as for ROS's map_server."""
 
@@ -43,19 +43,19 @@ _TOGETHER_M: Final = 0.15
 _INFRARED_HALF: Final = math.radians(4.0)
 _INFRARED_OFF_M: Final = 0.04
 _STANDARD_DEVIATIONS: Final = 2.0
-"""So many of the pose count, as the others are rather bounds."""
+"""Standard deviations of the pose that count, because the other errors are bounds."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Surroundings:
-    """What is known of the place where a picture was taken.
+    """The surroundings of a picture.
 
     Attributes:
-        pose: Where the robot was.
+        pose: The robot's pose.
         grid: The map; None: there is none.
-        navigation: The robot's ranges, of about the same moment and place; None: there are none.
-        position_off: Standard deviation of the robot's position [m]; 0 if nobody knows.
-        heading_off: Standard deviation of its heading [rad]; 0 if nobody knows.
+        navigation: The robot's ranges, from about the same moment and place; None: none.
+        position_off: Standard deviation of the robot's position [m]; 0: not known.
+        heading_off: Standard deviation of its heading [rad]; 0: not known.
     """
 
     pose: Pose
@@ -67,12 +67,12 @@ class Surroundings:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Obstacle:
-    """Something on the line.
+    """An obstacle on the line.
 
     Attributes:
-        way: How far from the camera [m], level.
-        off: How far off that may be [m].
-        said_by: What says so.
+        way: Horizontal distance from the camera [m].
+        off: Its error [m].
+        said_by: Its source.
     """
 
     way: float
@@ -83,13 +83,13 @@ class _Obstacle:
 def place_of_pixel(
     geometry: PictureGeometry, pixel: tuple[float, float], coarse: float, around: Surroundings
 ) -> WorldPoint | None:
-    """The place in `map` that a pixel shows; None if nothing tells how far away it is.
+    """The place in `map` that a pixel shows; None: its distance is not known.
 
     Args:
         geometry: The picture as it is shown, and its camera.
         pixel: The pixel in it [px].
-        coarse: How many pixels of what is shown one pixel of the picture takes, at least 1.
-        around: What is known of the surroundings.
+        coarse: Size of a pixel of the picture on the screen [px], at least 1.
+        around: The surroundings.
     """
     bearing, elevation = geometry.mount_angles(geometry.image_angles(pixel)).tolist()
     drop = math.tan(elevation)
@@ -123,7 +123,7 @@ def place_of_pixel(
 
 
 def hidden(place: WorldPoint, pose: Pose, camera_forward: float, grid: OccupancyMap | None) -> bool:
-    """Whether a wall of the map stands between a camera and a place in `map`."""
+    """Whether a wall of the map hides a place in `map` from a camera."""
     if grid is None:
         return False
     ahead, left = pose.from_map((place.x, place.y)).tolist()
@@ -137,7 +137,7 @@ def hidden(place: WorldPoint, pose: Pose, camera_forward: float, grid: Occupancy
 def _obstacle(
     forward: float, bearing: float, reach: float, pixel_m: float, around: Surroundings
 ) -> _Obstacle | None:
-    """The first thing on a line that begins at the camera."""
+    """The first obstacle on a line from the camera."""
     infrared, sonar = _ranges(forward, bearing, around.navigation)
     if infrared is not None and infrared.way < reach:
         return infrared
@@ -162,7 +162,7 @@ def _obstacle(
 def _ranges(
     forward: float, bearing: float, navigation: NavigationState | None
 ) -> tuple[_Obstacle | None, _Obstacle | None]:
-    """What the infrared sensor and the sonar that look along a line see, if they see anything."""
+    """The hit of the infrared sensor and the echo of the sonar along a line, if any."""
     if navigation is None:
         return None, None
     count = len(navigation.sonar)

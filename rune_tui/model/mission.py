@@ -1,4 +1,4 @@
-"""What a console knows of a robot's mission, and what of it the operator must hear."""
+"""The state of a robot's mission, and its reports to the operator."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ OLD_S = 60.0
 
 
 def mission_of(robot: RobotState) -> MissionState | None:
-    """The mission as the robot tells it; None if it does not."""
+    """The mission that the robot reports; None: it reports none."""
     newest = robot.newest(MISSION_STATE)
     return newest.value if newest is not None else None
 
@@ -26,7 +26,7 @@ class MissionWatch:
         self._known: dict[str, MissionState] = {}
 
     def look(self, robot: RobotState, state: ConsoleState) -> Iterator[Notice]:
-        """What has happened since the last look."""
+        """Reports since the last call."""
         now = mission_of(robot)
         if now is None:
             return

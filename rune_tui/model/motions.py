@@ -26,7 +26,7 @@ class MotionWatch:
         self._before: dict[str, tuple[MotionState, int]] = {}
 
     def look(self, robot: RobotState, state: ConsoleState) -> Iterator[Notice]:
-        """What has changed since the last look; nothing of what was so before the first."""
+        """The changes since the last call; the first call returns none."""
         if robot.navigation is None:
             return
         control = control_of(robot)

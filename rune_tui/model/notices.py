@@ -14,7 +14,7 @@ _PATH = re.compile(r"(?:~|/)(?:[^\s/]+/)+([^\s/]+)")
 
 
 def merged(notices: Sequence[Notice]) -> tuple[Notice, ...]:
-    """The notices, those that say the same one after the other as one, with how often."""
+    """The notices, with equal ones in a row as one and their number."""
     found: list[Notice] = []
     counts: list[int] = []
     for notice in notices:

@@ -14,10 +14,10 @@ class OwnKey:
     """A key of the console.
 
     Attributes:
-        key: Its name, as layouts know it.
-        effect: What it does.
+        key: Its name in layouts.
+        effect: Its effect.
         words: The same in plain words.
-        section: Where the help lists it.
+        section: Its section of the help.
     """
 
     key: str

@@ -18,12 +18,12 @@ _SEARCH = "/"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Page:
-    """How a page is shown.
+    """The position and search of a page.
 
     Attributes:
-        top: How many lines are above its upper edge.
-        search: Lines without this are left out; empty: none are.
-        typing: Whether letters that are typed belong to what is searched for.
+        top: Number of lines above its upper edge.
+        search: Only lines with this text are shown; empty: all.
+        typing: Whether typed letters go to the search.
     """
 
     top: int = 0
@@ -32,11 +32,11 @@ class Page:
 
 
 def turned(page: Page, key: str, rows: int) -> Page:
-    """The page after a key; the same one where the key means nothing to it.
+    """The page after a key; the same one if the key has no effect.
 
     Args:
-        page: As it is.
-        key: Its name, as layouts know it; "mouse wheel" and its value are `scrolled`.
+        page: The page before.
+        key: Its name in layouts; for the mouse wheel see `scrolled`.
         rows: Height of the terminal [cells].
     """
     if key in _MOVES:
@@ -51,7 +51,7 @@ def turned(page: Page, key: str, rows: int) -> Page:
 
 
 def scrolled(page: Page, lines: int) -> Page:
-    """The page so many lines farther down; its end is where the one who draws it knows it."""
+    """The page after a scroll by some lines; the drawing limits it at the end."""
     return dataclasses.replace(page, top=max(0, page.top + lines))
 
 

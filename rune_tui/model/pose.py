@@ -1,4 +1,4 @@
-"""Between a robot's own frame and the world frame `map`: x ahead and y left of it, both ways."""
+"""Transforms between a robot's own frame (x ahead, y left) and the world frame `map`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rune_tui.model.sightings import Floats
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pose:
-    """Where a robot stands.
+    """The pose of a robot.
 
     Attributes:
         x: Its centre in `map` [m].
@@ -29,7 +29,7 @@ class Pose:
 
     @classmethod
     def of(cls, camera: CameraState) -> Self | None:
-        """Where the robot stood when the camera looked; None when that is not known."""
+        """The robot's pose at the time of a picture; None: not known."""
         known = (camera.robot_x, camera.robot_y, camera.robot_theta)
         if not all(map(math.isfinite, known)):
             return None

@@ -1,4 +1,4 @@
-"""What the console knows of one robot; immutable, replaced whole."""
+"""The state of one robot at the console; immutable, replaced whole."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ T = TypeVar("T")
 
 
 class LinkPhase(enum.Enum):
-    """How the connection to a robot's hub stands.
+    """The phase of the connection to a robot's hub.
 
     Attributes:
-        CONNECTING: Not heard from yet.
+        CONNECTING: Central has not answered yet.
         CONNECTED: Central answers.
-        LOST: Central answered before and does not now; the link keeps trying.
+        LOST: Central does not answer any more; the link retries.
     """
 
     CONNECTING = "connecting"
@@ -124,10 +124,10 @@ class LackKind(enum.Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Lack:
-    """A capability that the layout wants and the robot does not provide now.
+    """A requested capability that the robot does not provide now.
 
     Attributes:
-        kind: What that means.
+        kind: The reason.
         why: The same for people.
     """
 
@@ -137,25 +137,25 @@ class Lack:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinkState:
-    """How the connection stands.
+    """The state of the connection.
 
     Attributes:
-        phase: How it stands now.
-        since: When that began, on the console's monotonic clock [s].
-        endpoint: Where the hub is.
-        detail: One sentence on the last failure; empty when there is none.
+        phase: Its phase.
+        since: Begin of the phase, on the console's monotonic clock [s].
+        endpoint: The hub's endpoint.
+        detail: One sentence on the last failure; empty: none.
         may_command: Whether the operator's key allows to drive; every key allows to stop.
-        round_trip: How long the newest answer took to come [s]; NaN before the first.
-        bytes_per_s: How much comes in; NaN before a second of it was counted.
-        messages_per_s: How many messages come in; NaN before a second of them was counted.
-        missed: How many messages did not come, of those that should have.
-        lacking: Wanted capabilities that the robot does not provide now, by name.
-        unfit: What was wrong first with values of each message, in a sentence by its name.
+        round_trip: Round trip of the newest answer [s]; NaN: none yet.
+        bytes_per_s: Rate of received bytes; NaN: not measured yet.
+        messages_per_s: Rate of received messages; NaN: not measured yet.
+        missed: Number of messages lost.
+        lacking: Requested capabilities that the robot does not provide now, by name.
+        unfit: First fault in the values of each message, in a sentence, by its name.
         number: This console's number at the robot's hub, as in frame headers; 0: none yet.
-        owned_since: The time of day since when its owner has control of it, such as "14:03".
-        said: Why the robot or its hub refused something last; empty before.
-        said_count: How often that was, to tell a new one from the one before.
-        pictures: How pictures have come lately; None while none do.
+        owned_since: Time of day at which its owner got control, such as "14:03".
+        said: Reason of the last refusal by the robot or its hub; empty: none.
+        said_count: Number of refusals, to detect a new one.
+        pictures: Statistics of recent pictures; None: no pictures come.
     """
 
     phase: LinkPhase
@@ -182,11 +182,11 @@ class LinkState:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotState:
-    """What the console knows of one robot.
+    """The state of one robot.
 
     Attributes:
         name: Its role: the robot's name in the layout.
-        link: How the connection stands.
+        link: The state of the connection.
         picture: Newest camera image.
         map: Newest map.
         messages: The newest of each other message, by its name.
@@ -204,13 +204,13 @@ class RobotState:
 
     @property
     def body(self) -> RobotBody | None:
-        """What its hub says of the robot's body; None if it has not said anything."""
+        """The hub's report of the robot's body; None: none yet."""
         described = self.newest(ROBOT_DESCRIPTION)
         return described.value if described is not None else None
 
     @property
     def title(self) -> str:
-        """The name by which people know it: its own, or its role while that is not known."""
+        """Its name for people: its own, or its role while that is not known."""
         body = self.body
         return body.name if body is not None and body.name else self.name
 
@@ -230,9 +230,9 @@ class RobotState:
 
 
 def titles(robots: Iterable[RobotState]) -> dict[str, str]:
-    """The name by which people know each robot, by its role.
+    """The name of each robot for people, by its role.
 
-    It is the role where two robots have the same name, or one has the role of another as its name.
+    It is the role if two robots have the same name, or if one is named as the role of another.
     """
     known = tuple(robots)
     uses = Counter(name for robot in known for name in {robot.title, robot.name})

@@ -1,4 +1,4 @@
-"""Which layout the console shows from a moment on, as recordings tell it."""
+"""The message of recordings about the layout that the console shows."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from hub.ipc.definition import MessageDefinition
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShownLayout:
-    """The layout that is shown from now on; the same one again when its file was saved anew.
+    """The layout that is shown from now on, or its file after a change.
 
     Attributes:
         layout: Its path.

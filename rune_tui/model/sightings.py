@@ -18,7 +18,7 @@ class Sight(enum.Enum):
     Attributes:
         INSIDE: It is.
         OUTSIDE: It is ahead of the camera, beyond an edge of the picture.
-        BEHIND: It is beside or behind the camera, so that no pixel stands for it.
+        BEHIND: It is beside or behind the camera, so that no pixel shows it.
     """
 
     INSIDE = "inside"
@@ -69,7 +69,7 @@ class SeenPoints:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spread:
-    """How much ground one pixel covers: by so much a point may be wrong.
+    """The ground that one pixel covers, which is the error of a point.
 
     Attributes:
         along: Toward and away from the camera [m].

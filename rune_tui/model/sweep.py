@@ -17,17 +17,17 @@ _TURN: Final = 2.0 * math.pi
 def swept_edges(
     radius: float, linear: float, angular: float, seconds: float
 ) -> tuple[Floats, Floats]:
-    """Where the leftmost and the rightmost point of the body will pass.
+    """The paths of the leftmost and the rightmost point of the body.
 
-    A body with constant velocities drives a circular arc, of which the chord is known in closed
-    form (Thrun, Burgard, Fox: Probabilistic Robotics, 5.3), straight lines included. What comes
-    after a full turn is left out, as it repeats.
+    A body with constant velocities drives a circular arc or a straight line. Its chord has a
+    closed form (Thrun, Burgard, Fox: Probabilistic Robotics, 5.3). The path ends after a full
+    turn, because it repeats.
 
     Args:
         radius: Of the body [m].
         linear: Velocity forward [m/s]; negative backwards, 0 on the spot.
         angular: Turn rate [rad/s], counter-clockwise.
-        seconds: How long it keeps them [s].
+        seconds: Duration of the motion [s].
 
     Returns:
         The left and the right edge in the robot's frame now [m], each of shape (n, 2), n >= 2,
@@ -38,7 +38,7 @@ def swept_edges(
     count = max(2, math.ceil(abs(turned * share) / _STEP) + 1)
     time = np.linspace(0.0, seconds * share, count)
     half = angular * time / 2.0
-    # numpy's sinc(x) is sin(pi x) / (pi x): the chord over the way.
+    # numpy's sinc(x) is sin(pi x) / (pi x): the chord over the arc.
     chord = linear * time * np.sinc(half / math.pi)
     centre = np.stack((chord * np.cos(half), chord * np.sin(half)), axis=1)
     beside = radius * np.stack((-np.sin(2.0 * half), np.cos(2.0 * half)), axis=1)

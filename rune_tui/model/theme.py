@@ -1,7 +1,7 @@
-"""The colours of everything that is drawn; whatever a colour says is also said by a word or a mark.
+"""The colours of the view; a word or a mark repeats the meaning of each colour.
 
-Cautions are orange, and alarms white on red: blue against orange stays distinct for people who do
-not tell red from green. Every text has a contrast of at least `LEAST_CONTRAST` with what is behind.
+Cautions are orange, and alarms white on red. Blue and orange stay distinct for people who cannot
+distinguish red and green. Every text has a contrast of at least `LEAST_CONTRAST` to its ground.
 """
 
 from __future__ import annotations
@@ -23,26 +23,26 @@ class Theme:
 
     Attributes:
         name: Its name.
-        ink: Of what counts: values and words that change.
+        ink: Of values, and of words that change.
         soft: Of titles, labels and units.
         faint: Of hints, and of lines and rules.
         ground: Behind pictures, and between panes.
         panel: Behind words and gauges.
-        bar: Behind lines that part what is above them from what is below: the status line.
+        bar: Behind lines that separate panes: the status line.
         track: The empty part of a gauge.
-        accent: Of what moves in a gauge.
-        good: Of words that all is well.
+        accent: Of the moving part of a gauge.
+        good: Of words that say that all is well.
         warning: Of words and marks of a caution.
-        alarm: Behind words of what needs a hand.
-        alarm_ink: Of such words where nothing is behind them.
+        alarm: Behind words of an alarm.
+        alarm_ink: Of words of an alarm without a ground of their own.
         on_alarm: Of words on `alarm`.
-        wall: Of a map, what is in the way.
-        floor: Of a map, where there is room.
-        unknown: Of a map, what nobody has seen.
-        robot: Of a map, the robot.
-        cone: Of a map, what the camera sees.
-        picture: How bright the camera's picture is shown, 0 to 255.
-        tint: What is left of red, green and blue of the whole picture, 0 to 255 each.
+        wall: Of occupied cells of a map.
+        floor: Of free cells of a map.
+        unknown: Of unknown cells of a map.
+        robot: Of the robot on a map.
+        cone: Of the camera's field of view on a map.
+        picture: Brightness of the camera's picture, 0 to 255.
+        tint: Share of red, green and blue of the whole view, 0 to 255 each.
     """
 
     name: str
@@ -133,7 +133,7 @@ RED: Final = Theme(
     picture=150,
     tint=(255, 76, 52),
 )
-"""Red keeps eyes that are used to the dark; in it nothing is told by hue."""
+"""Red keeps eyes adapted to the dark; this theme uses no hue to distinguish things."""
 
 THEMES: Final[Mapping[str, Theme]] = {theme.name: theme for theme in (DARK, LIGHT, RED)}
 RENAMED: Final[Mapping[str, str]] = {"night": RED.name}

@@ -10,13 +10,13 @@ from hub.gcm.fields import FARTHEST_M, LONGEST_M
 
 
 class SaidBy(enum.Enum):
-    """What says how far away a place is.
+    """The source of the distance of a place.
 
     Attributes:
-        OPERATOR: Who pointed at it on the map.
-        FLOOR: The picture, as it shows floor there.
-        MAP: The map, as the line of sight ends at something there.
-        RANGES: The range sensors, likewise.
+        OPERATOR: The operator pointed at it on the map.
+        FLOOR: The picture shows floor there.
+        MAP: The line of sight ends at an obstacle of the map.
+        RANGES: The line of sight ends at an obstacle of the range sensors.
     """
 
     OPERATOR = "by hand"
@@ -32,10 +32,10 @@ class WorldPoint:
     Attributes:
         x: In `map` [m].
         y: In `map` [m].
-        uncertainty: How far off it may be [m], as `hub.gcm.mapping.InterestPoint` means it.
-        distance: How far from the robot it was seen [m]; NaN if that is not known.
+        uncertainty: Its error [m], as in `hub.gcm.mapping.InterestPoint`.
+        distance: Its distance from the robot when it was seen [m]; NaN: not known.
         height: Above the ground [m].
-        said_by: What says how far away it is.
+        said_by: The source of its distance.
     """
 
     x: float
@@ -53,5 +53,5 @@ class WorldPoint:
 
 
 def metres_text(metres: float, decimals: int) -> str:
-    """A length [m] in digits; empty if it is not known."""
+    """A length [m] in digits; empty: not known."""
     return f"{metres:.{decimals}f}" if math.isfinite(metres) else ""

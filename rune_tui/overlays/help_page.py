@@ -23,13 +23,13 @@ class PageLine:
     Attributes:
         left: What stands in the first column; a heading fills both.
         right: What stands in the second column.
-        mood: How it is meant.
+        severity: How it is meant.
         heading: Whether it is a heading.
     """
 
     left: str
     right: str = ""
-    mood: Severity = Severity.PLAIN
+    severity: Severity = Severity.PLAIN
     heading: bool = False
 
 

@@ -28,6 +28,6 @@ def log_lines(state: ConsoleState, *, search: str, right: int) -> Iterator[PageL
         words = " ".join(filter(None, ("!" if notice.alarm else "", whom, notice.text)))
         if wanted not in f"{notice.clock} {words}".casefold():
             continue
-        mood = Severity.ALARM if notice.alarm else Severity.PLAIN
+        severity = Severity.ALARM if notice.alarm else Severity.PLAIN
         for number, line in enumerate(textwrap.wrap(words, right) or [""]):
-            yield PageLine(left="" if number else notice.clock, right=line, mood=mood)
+            yield PageLine(left="" if number else notice.clock, right=line, severity=severity)

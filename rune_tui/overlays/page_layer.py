@@ -95,7 +95,7 @@ class PageLayer:
                 continue
             canvas.text(column, row, cut(line.left, left), theme.ink)
             words = cut(line.right, right)
-            canvas.text(column + left + 1, row, words, ink_of(line.mood, theme))
+            canvas.text(column + left + 1, row, words, ink_of(line.severity, theme))
 
     def _room(self, columns: int, rows: int, state: ConsoleState) -> int:
         """How many lines are to be seen at once."""

@@ -14,11 +14,11 @@ from rune_tui.raster.canvas import Canvas
 
 
 class Visualizer(Protocol):
-    """Turns what is known of a robot into pixels and characters.
+    """Turns the state of a robot into pixels and characters.
 
     Attributes:
-        rule: What layouts may say of it.
-        whole_cells: Whether it writes characters and so wants a viewport made of whole cells.
+        rule: Its element in layouts.
+        whole_cells: Whether it writes characters and so needs a viewport of whole cells.
 
     One that shows stops and alarms, the drive state or ranges says so by an `urgency`, which then
     is that of its cells on a slow terminal.
@@ -55,27 +55,27 @@ class Locating(Protocol):
         """The place on the ground that a pixel of the newest drawing shows.
 
         Args:
-            pixel: Right of the left edge and below the upper edge of the viewport [pixels].
+            pixel: Distances from the left and upper edges of the viewport [pixels].
             size: Width and height of the viewport [pixels].
-            robot: What was drawn, not what is known since.
-            state: What the console is doing.
+            robot: The drawn state, not a newer one.
+            state: The state of the console.
 
         Returns:
-            None where no ground is shown.
+            The place; None: the pixel shows no ground.
         """
 
 
 @runtime_checkable
 class Overlaying(Protocol):
-    """A visualizer some of whose drawing must not be covered by the ranges over it."""
+    """A visualizer with a part that the ranges over it must not cover."""
 
     def draw_over(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
-        """Draw that part again, on a canvas that is clear.
+        """Draw that part again, on a clear canvas.
 
         Args:
             canvas: As large as that of `draw`.
-            robot: What is known of the robot.
-            state: What the console is doing.
+            robot: The state of the robot.
+            state: The state of the console.
         """
 
 
@@ -93,13 +93,13 @@ class Picturing(Protocol):
         robot: RobotState,
         state: ConsoleState,
     ) -> tuple[float, float] | None:
-        """Where in the camera's picture a pixel of the newest drawing is.
+        """The place of a pixel of the newest drawing in the camera's picture.
 
         Args:
-            pixel: Right of the left edge and below the upper edge of the viewport [pixels].
+            pixel: Distances from the left and upper edges of the viewport [pixels].
             size: Width and height of the viewport [pixels].
-            robot: What was drawn, not what is known since.
-            state: What the console is doing.
+            robot: The drawn state, not a newer one.
+            state: The state of the console.
 
         Returns:
             Shares of the picture's width and height, 0 to 1; None beside the picture.

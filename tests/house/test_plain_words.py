@@ -44,12 +44,12 @@ AVOIDED = (
 AVOIDED_IN_CODE = (
     *AVOIDED,
     r"so many|so long|somebody else|nobody else|whom|ours|goes by|gone by|tells? of|told of",
-    r"chores?|errands?|complaints?|weather|moods?|by whoever|is nobody's",
+    r"chores?|errands?|complaints?|weather|severities?|by whoever|is nobody's",
 )
 """The same in docstrings, where a reader has no page around the word to understand it."""
 NAMES_TO_AVOID = re.compile(
     r"anew|bur(?:y|ied)|chores?|complaints?|deeds?|errands?|heeds?|hind(?:er|rances?)|lest|minds?"
-    r"|moods?|strangers?|tell|told|weather"
+    r"|severities?|strangers?|tell|told|weather"
 )
 """Words that name nothing of the field; they do not occur in names of the rooms that are done."""
 ROOMS = (

@@ -25,12 +25,12 @@ class _Charge:
     Attributes:
         percent: Charge left, 0 to 100; None when not known.
         volts: Voltage as words; empty when not measured.
-        mood: How grave it is.
+        severity: How grave it is.
     """
 
     percent: int | None
     volts: str
-    mood: Severity
+    severity: Severity
 
 
 class Battery(MessageGauge[NavigationState, _Charge]):
@@ -67,12 +67,12 @@ class Battery(MessageGauge[NavigationState, _Charge]):
         percent = 100.0 * value.battery_fraction
         critical = percent < self.options.number("critical_percent")
         low = percent < self.options.number("low_percent")
-        mood = Severity.ALARM if critical else Severity.WARNING if low else Severity.PLAIN
-        return _Charge(round(min(100.0, max(0.0, percent))), volts, mood)
+        severity = Severity.ALARM if critical else Severity.WARNING if low else Severity.PLAIN
+        return _Charge(round(min(100.0, max(0.0, percent))), volts, severity)
 
     def show(self, canvas: Canvas, reading: _Charge, theme: Theme) -> None:
         """A gauge in the first row."""
-        ink = None if reading.mood is Severity.PLAIN else ink_of(reading.mood, theme)
+        ink = None if reading.severity is Severity.PLAIN else ink_of(reading.severity, theme)
         bar = None if reading.percent is None else Bar.filled(reading.percent / 100.0)
         write_gauge(canvas, 0, "battery", bar, _values(reading), theme, ink=ink)
 
@@ -83,7 +83,7 @@ def _values(charge: _Charge) -> tuple[str, ...]:
         return f"{volts}, charge not known", volts, "?"
     percent = f"{charge.percent}%"
     both = f"{percent} {charge.volts}".rstrip()
-    if charge.mood is Severity.PLAIN:
+    if charge.severity is Severity.PLAIN:
         return both, percent
-    word = "CRITICAL" if charge.mood is Severity.ALARM else "LOW"
+    word = "CRITICAL" if charge.severity is Severity.ALARM else "LOW"
     return f"{word} {both}", f"{word} {percent}", f"!{percent}"

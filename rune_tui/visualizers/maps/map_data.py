@@ -32,20 +32,20 @@ from rune_tui.visualizers.parts.staleness import age_look, age_text, fade_by_age
 from rune_tui.visualizers.parts.trail import Trail
 
 OLD_MAP_S: Final = 30.0
-"""Maps come every ten seconds; words say when one is older than this [s]."""
+"""Age from which words report it [s]; maps come every ten seconds."""
 
 _ACROSS_M: Final = 10.0
 _MARGIN: Final = 1.08
-"""How much more than what is known the whole map shows."""
+"""Size of the whole map, relative to its known part."""
 _FINEST_M: Final = 1e-3
 """No pixel shows less of the world [m]."""
 _NORTH: Final = math.pi / 2.0
 _CONTRAST: Final = np.clip((np.arange(101) - 30) * 100 // 35, 0, 100)
 """Cells count as surely free up to 30 and as surely occupied from 65 on, as in ROS's maps."""
 _DOTTED: Final = 0.3
-"""How far the dots of the unknown stand out from it, of the way to faint ink."""
+"""Contrast of the dots of unknown ground, as a share of that of faint ink."""
 _GRAIN: Final = 320.0
-"""Steps of the robot that are less than this part of what is shown are not seen."""
+"""Smaller steps of the robot are not visible, as a share of the shown width."""
 _TURN_GRAIN: Final = {True: math.radians(0.5), False: math.radians(2.0)}
 """Turns that are not seen when the map turns with the robot, and when it does not [rad]."""
 
@@ -93,14 +93,14 @@ class MapData:
     def __init__(
         self, *, viewport: str, across: float, whole: bool, turns: bool, trail: float
     ) -> None:
-        """A map of which nothing is known.
+        """Start without a map.
 
         Args:
-            viewport: Where it is drawn.
-            across: What is seen from left to right [m].
-            whole: Whether all that is known is shown, not what is around the robot.
+            viewport: Its viewport.
+            across: The width that it shows [m].
+            whole: Whether it shows the whole map, not the surroundings of the robot.
             turns: Whether the robot's heading is up, not north.
-            trail: How much of the way behind the robot is shown [m].
+            trail: Length of the trail behind the robot [m].
         """
         self._viewport = viewport
         self._across = across
@@ -121,7 +121,7 @@ class MapData:
         )
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
-        """Draw what is known, or in words why nothing is."""
+        """Draw the map, or the reason in words why there is none."""
         theme = state.theme
         window = self._window(robot, state, (canvas.width, canvas.height))
         if window is None:
@@ -137,9 +137,9 @@ class MapData:
             write_notice(canvas, explanation, theme)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
-        """Changes with the map, what is seen to move, and words; follows the robot's way.
+        """Changes with the map, visible motions, and words; extends the robot's trail.
 
-        The trail grows only where the robot has been seen to move.
+        The trail grows only by visible motions.
         """
         pose = self._follow(robot)
         step = self._across / self._zoom(state) / _GRAIN
@@ -167,13 +167,13 @@ class MapData:
         robot: RobotState,
         state: ConsoleState,
     ) -> WorldPoint | None:
-        """The place that a pixel stands for; None as long as nothing is shown."""
+        """The place of a pixel; None: no map is shown."""
         window = self._window(robot, state, size)
         if window is None:
             return None
         x, y = window.points(pixel).tolist()
         cell = robot.map.value.resolution if robot.map is not None else 0.0
-        # Nobody sees anything here, so there is no distance; half a diagonal is what it may be off.
+        # A map shows no distance from the robot; the error is half the diagonal of a pixel.
         uncertainty = max(window.metres_per_pixel, cell) / math.sqrt(2.0)
         return WorldPoint(x=x, y=y, uncertainty=uncertainty)
 
@@ -210,7 +210,7 @@ class MapData:
     def _window(
         self, robot: RobotState, state: ConsoleState, size: tuple[int, int]
     ) -> MapWindow | None:
-        """What is shown; None when nothing is known."""
+        """The shown part; None: no map."""
         pose = _pose(robot)
         up = pose.theta if self._turns and pose is not None else _NORTH
         known = self._corners(robot)
@@ -226,7 +226,7 @@ class MapData:
         return MapWindow(x=x, y=y, metres_per_pixel=scale, width=size[0], height=size[1], up=up)
 
     def _corners(self, robot: RobotState) -> Floats:
-        """Corners of the rectangle that holds all that is known [m], shape (4, 2) or (0, 2)."""
+        """Corners of the rectangle around all known cells [m], shape (4, 2) or (0, 2)."""
         if robot.map is None:
             return np.empty((0, 2))
         if self._known[0] is not robot.map.value:
@@ -244,14 +244,14 @@ def _pose(robot: RobotState) -> Pose | None:
 
 
 def _points(robot: RobotState) -> tuple[InterestPoint, ...]:
-    """What is marked, where that is told."""
+    """The marks, if the robot reports them."""
     received = robot.newest(INTEREST_POINTS)
     points = received.value.points if received is not None else ()
     return tuple(point for point in points if math.isfinite(point.x) and math.isfinite(point.y))
 
 
 def _route(robot: RobotState) -> Floats:
-    """The way that the robot is going by itself [m], shape (n, 2); n is 0 if it is not."""
+    """The path of the robot's task [m], shape (n, 2); n is 0 if it has none."""
     received = robot.newest(NAVIGATION_STATUS)
     if received is None or received.value.task is not Task.GOING:
         return np.empty((0, 2))
@@ -262,7 +262,7 @@ def _route(robot: RobotState) -> Floats:
 
 
 def _goal(robot: RobotState, now: float) -> tuple[tuple[float, float], str, Severity]:
-    """Where the robot goes by itself, or went a moment ago, with its outcome; empty: nowhere."""
+    """The target of the robot's task, or of the last one with its outcome; empty: none."""
     doing = by_navigation(robot)
     if doing is None or not (math.isfinite(doing.x) and math.isfinite(doing.y)):
         return (0.0, 0.0), "", Severity.PLAIN
@@ -295,7 +295,7 @@ def _around(corners: Floats, size: tuple[int, int], up: float, zoom: float) -> M
 
 
 def _draw_grid(canvas: Canvas, window: MapWindow, robot: RobotState, theme: Theme) -> None:
-    """Walls, the floor that is known to be free, and the unknown, which is dotted."""
+    """Walls, free floor, and unknown ground, which is dotted."""
     unknown = theme.unknown
     if robot.map is None:
         canvas.fill(unknown)
@@ -321,7 +321,7 @@ def _between(first: Colour, second: Colour, share: float) -> Colour:
 
 
 def _remark(robot: RobotState, now: float) -> str:
-    """What is to be known of the map beside what is seen."""
+    """Words about the map."""
     if robot.map is not None and robot.map.age(now) > OLD_MAP_S:
         return f"map {age_text(robot.map.age(now))} old"
     return "" if _pose(robot) is not None else "position unknown"

@@ -1,4 +1,4 @@
-"""What is drawn over a map: the robot, its trail and way, what was found, scale and north."""
+"""Marks over a map: the robot, its trail and path, found victims, scale and north."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _DART_NOTCH: Final = 0.8
 """How far its notch is behind its middle, of its reach."""
 _SMOOTHING: Final = 4
 _LEAST_ROBOT: Final = 5.0
-"""However small the map, a robot reaches at least so far from its centre [pixels]."""
+"""Least radius of a drawn robot, on a map of any scale [pixels]."""
 _SCALES: Final = tuple(step * 10.0**power for power in range(-2, 4) for step in (1.0, 2.0, 5.0))
 _LEAST_COLUMNS, _LEAST_ROWS = 16, 4
 """Smaller maps have no scale and no north."""
@@ -45,7 +45,7 @@ def draw_trail(pen: Pen, window: MapWindow, pieces: Sequence[Floats], theme: The
 
 
 def draw_route(pen: Pen, window: MapWindow, route: Floats, theme: Theme) -> None:
-    """A dashed line where the robot wants to go."""
+    """A dashed line along the robot's path."""
     if len(route) > 1:
         pen.dashes(_points(window.pixels(route)), theme.good, dash=2.0, gap=2.0)
 
@@ -140,12 +140,12 @@ def write_goal(
     window: MapWindow,
     place: tuple[float, float],
     word: str,
-    mood: Severity,
+    severity: Severity,
     theme: Theme,
 ) -> None:
     """A letter where the robot goes, and its outcome; nothing if there is no word."""
     if word:
-        write_at(canvas, _point(window.pixels(place)), word, ink_of(mood, theme), theme)
+        write_at(canvas, _point(window.pixels(place)), word, ink_of(severity, theme), theme)
 
 
 def write_north(canvas: Canvas, window: MapWindow, theme: Theme) -> None:

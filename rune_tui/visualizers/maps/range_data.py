@@ -33,7 +33,7 @@ DEFAULT_RIM_M: Final = 3.0
 _OPENING = 2.0 * math.pi / SENSOR_COUNT
 _SMOOTHING = 3
 _LEAST_ROOM: Final = 2.0
-"""The drawing reaches at least so many radii of the body."""
+"""Least reach of the drawing [radii of the body]."""
 _POINT_M: Final = 1e-3
 """A body that is smaller has no corners that could be drawn [m]."""
 _FREE_ALPHA, _UNBOUNDED_ALPHA, _NEAR_ALPHA = 190, 90, 235
@@ -45,12 +45,12 @@ _MOST_RINGS: Final = 4
 _LEAST_RIM: Final = 8.0
 """In smaller drawings there are no rings [pixels]."""
 _RING_DIRECTION: Final = math.radians(-146.0)
-"""Where rings say their distance: between two sensors, behind on the right."""
+"""Bearing of the distances at rings: between two sensors, behind on the right."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Plan:
-    """Where things are on the canvas [pixels].
+    """The measures of the drawing on the canvas [pixels].
 
     Attributes:
         centre: The robot's centre.
@@ -72,7 +72,7 @@ class _Plan:
 
 
 class Nearness(enum.IntEnum):
-    """How near something is to the body.
+    """The distance of an obstacle from the body.
 
     Attributes:
         FAR: There is room.
@@ -92,17 +92,15 @@ _MARKS: Final = {Nearness.NEAR: "!", Nearness.CLOSE: "X"}
 class RangeData:
     """A pie for each range sensor, an arc for each infrared one, a wedge for each pressed bumper.
 
-    Where something is near, the rest of its direction has a colour of its own, up to the rim.
-
-    What is near has a colour of its own and a mark; a pressed bumper has a "B". All else is
-    clear, so that it can lie over video.
+    The direction behind an obstacle has a colour of its own, up to the rim. A near obstacle has
+    another colour and a mark; a pressed bumper has a "B". The rest is clear, so that it can
+    cover video.
 
     Attributes:
         rim_m: Range at the rim of the drawing, from the robot's centre [m].
-        sensors: Whose ranges are shown: "sonar", "infrared", "both", or the nearest of both as
-            "fused".
-        near_m: What is nearer to the body than this is near [m].
-        close_m: What is nearer to the body than this is close [m].
+        sensors: The sensors: "sonar", "infrared", "both", or the nearest of both as "fused".
+        near_m: Obstacles nearer to the body than this are near [m].
+        close_m: Obstacles nearer to the body than this are close [m].
     """
 
     rim_m: float = DEFAULT_RIM_M
@@ -181,7 +179,7 @@ class RangeData:
         mark_age(canvas, age, state.theme)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
-        """Changes with what is measured and the look of its age."""
+        """Changes with the ranges and the drawing of their age."""
         if robot.navigation is None:
             return robot.name, state.theme.name
         navigation = robot.navigation.value
@@ -273,7 +271,7 @@ class RangeData:
 
 
 def _rings(plan: _Plan) -> list[float]:
-    """Distances that have a ring [m]: round ones, as many as can be told apart."""
+    """Distances with a ring [m]: round ones, as many as are distinct."""
     metre = plan.rim / plan.rim_m
     least = max(_LEAST_RING / metre, plan.rim_m / _MOST_RINGS)
     step = next((each for each in _RING_STEPS if each >= least), 0.0)
@@ -300,7 +298,7 @@ def _with_room(
 
 
 def nearness_of(room: float, near_m: float = NEAR_M, close_m: float = CLOSE_M) -> Nearness:
-    """How near something is that is so far from the body [m]."""
+    """The class of a distance from the body [m]."""
     if room < close_m:
         return Nearness.CLOSE
     return Nearness.NEAR if room < near_m else Nearness.FAR
@@ -312,7 +310,7 @@ def as_it_moves(nearness: Nearness, navigation: NavigationState) -> Nearness:
 
 
 def held_off(navigation: NavigationState) -> bool:
-    """Whether the robot moves by itself and navigation keeps it off what is near."""
+    """Whether the robot moves by itself and navigation avoids near obstacles."""
     return navigation.motion is MotionState.GOING and navigation.assistance is Assistance.ON
 
 

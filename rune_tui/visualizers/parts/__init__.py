@@ -1,1 +1,1 @@
-"""What several visualizers are made of: rows of words, bars, notices, the look of stale values."""
+"""Parts of several visualizers: rows of words, bars, notices, the fading of stale values."""

@@ -20,7 +20,7 @@ from rune_tui.visualizers.parts.staleness import age_look, fade_by_age, mark_age
 
 
 class Direction(enum.Enum):
-    """Which way the bar runs: positive angles are left or up."""
+    """The direction of the bar: positive angles are left or up."""
 
     ACROSS = "across"
     UPWARD = "upward"
@@ -77,15 +77,15 @@ def draw_angle_bar(
     age: float,
     theme: Theme,
 ) -> None:
-    """Draw where the camera looks within all that it can see.
+    """Draw the camera's field of view within its whole range.
 
     Args:
         canvas: Its whole length stands for -(limit + field_of_view / 2) to the positive same.
         direction: Which way the bar runs.
         angle: Pan or tilt [rad], positive left or up.
-        field_of_view: Seen at once in that direction, after zoom [rad].
+        field_of_view: In that direction, after zoom [rad].
         limit: Largest pan or tilt [rad].
-        age: How old the angle is [s].
+        age: Age of the angle [s].
         theme: The colours.
     """
     canvas.fill(theme.track)

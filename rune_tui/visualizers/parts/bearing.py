@@ -1,4 +1,4 @@
-"""Where the robot heads as a compass says it: degrees clockwise from north, and letters."""
+"""The robot's heading as a compass bearing: degrees clockwise from north, and letters."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ NORTH_OPTION = NumberOption(
 
 
 class Bearing(MessageGauge[NavigationState, float]):
-    """What visualizers share that show the heading; infinite where it is not known."""
+    """Base of visualizers of the heading; infinite: not known."""
 
     urgency: ClassVar[Urgency] = Urgency.DRIVE
     definition = ROBOT_STATE

@@ -1,4 +1,4 @@
-"""What is said of control: who has it, who asks for it, and which key answers."""
+"""Words about control: its owner, requests for it, and the keys to answer them."""
 
 from __future__ import annotations
 
@@ -45,8 +45,8 @@ def control_rows(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
         yield Part("control: not known", 0, Severity.FAINT)
         return
     stands = standing(robot)
-    moods = {Standing.OTHERS: Severity.WARNING, Standing.MINE: Severity.GOOD}
-    yield Part(owner_words(robot), 0, moods.get(stands, Severity.PLAIN))
+    severities = {Standing.OTHERS: Severity.WARNING, Standing.MINE: Severity.GOOD}
+    yield Part(owner_words(robot), 0, severities.get(stands, Severity.PLAIN))
     yield from request_parts(robot, state)
     yield from _silence(control)
     moved = "moves the robot"
@@ -60,7 +60,7 @@ def control_rows(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
 
 
 def request_parts(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
-    """Who asks for control, how long there is left to answer, and what key answers."""
+    """The request for control, the time left to answer it, and the key that answers."""
     control = control_of(robot)
     if control is None or not control.asker:
         return

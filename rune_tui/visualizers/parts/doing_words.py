@@ -1,4 +1,4 @@
-"""What is said of what a robot does by itself: on the status line, and row by row."""
+"""Words about a robot's task: on the status line, and row by row."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.visualizers.parts.severity import Part, Severity
 
 SHOWN_S = {Phase.DONE: 30.0, Phase.BLOCKED: 120.0, Phase.LOST: 120.0, Phase.REFUSED: 30.0}
-"""How long an outcome stays on the status line [s]; others: OTHERS_S."""
+"""Time for which an outcome stays on the status line [s]; others: OTHERS_S."""
 OTHERS_S = 10.0
 SILENT_S = 3.0
-"""What was last said longer ago than this [s] may not be so any more."""
+"""Age of a report from which it may be outdated [s]."""
 
 _OUTCOME_WEIGHT = 2.5
-"""Who has control, the battery and the nearest thing matter more than what is over."""
+"""Weight of an outcome: the owner, the battery and the nearest obstacle come first."""
 _MOODS = {
     Phase.WAITING: Severity.WARNING,
     Phase.DONE: Severity.GOOD,
@@ -40,16 +40,16 @@ def doing_parts(robot: RobotState, now: float) -> Iterator[Part]:
     doing = doing_of(robot)
     if doing is None or doing.phase is Phase.IDLE:
         return
-    mood = _MOODS.get(doing.phase, Severity.PLAIN)
+    severity = _MOODS.get(doing.phase, Severity.PLAIN)
     if doing.under_way and now - doing.measured > SILENT_S:
         silent = duration(now - doing.measured)
         yield Part(f"{head(doing)}, NOT HEARD FOR {silent}", 7, Severity.WARNING)
     elif doing.phase is Phase.WAITING:
-        yield Part(doing.why.replace("waits", "WAITS", 1), 7, mood, short="WAITS")
+        yield Part(doing.why.replace("waits", "WAITS", 1), 7, severity, short="WAITS")
     elif doing.under_way:
-        yield Part(head(doing), 7, mood)
+        yield Part(head(doing), 7, severity)
     elif doing.age(now) < SHOWN_S.get(doing.phase, OTHERS_S):
-        yield Part(f"{head(doing)}: {doing.reason}", _OUTCOME_WEIGHT, mood, short=head(doing))
+        yield Part(f"{head(doing)}: {doing.reason}", _OUTCOME_WEIGHT, severity, short=head(doing))
 
 
 def doing_rows(robot: RobotState, now: float) -> Iterator[Part]:
@@ -72,7 +72,7 @@ def doing_rows(robot: RobotState, now: float) -> Iterator[Part]:
 
 
 def head(doing: Doing) -> str:
-    """What it does in capitals with its number, or the outcome of what it did."""
+    """The kind of the task in capitals with its number, or its outcome."""
     kind = doing.kind.upper()
     share = f" {100.0 * doing.explored:.0f} %" if 0.0 <= doing.explored <= 1.0 else ""
     if doing.under_way:
@@ -83,7 +83,7 @@ def head(doing: Doing) -> str:
 
 
 def goal_word(doing: Doing, now: float) -> tuple[str, Severity]:
-    """What stands on the map where a robot goes or went, and how it is meant; empty: nothing."""
+    """The words at a task's target on the map, and their severity; empty: none."""
     if doing.phase is Phase.WAITING:
         return "G waits", Severity.WARNING
     if doing.under_way:

@@ -75,7 +75,7 @@ class History:
         self._slots: deque[Slot] = deque(maxlen=SLOTS)
         self._broken = False
         self.count = 0
-        """How many values came; tells whether there is something new."""
+        """Number of values so far; it changes with each new value."""
 
     def add(self, when: float, value: float) -> None:
         """Note a value; what is not finite leaves a gap."""

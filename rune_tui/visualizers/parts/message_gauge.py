@@ -24,13 +24,13 @@ R = TypeVar("R", bound=Hashable)
 
 @dataclass(frozen=True)
 class MessageGauge(ABC, Generic[T, R]):
-    """Draws what a message says, and how old that is.
+    """Draws a value of a message, and its age.
 
-    What `reading` gives is rounded to what can be seen, and is all that `show` knows of the
-    message: so the picture changes when the reading does, and only then.
+    `reading` rounds the value to what is visible, and `show` gets only that. So the picture
+    changes when the reading changes, and only then.
 
     Attributes:
-        options: What the layout says.
+        options: The options in the layout.
         option: Its numeric option.
     """
 
@@ -50,7 +50,7 @@ class MessageGauge(ABC, Generic[T, R]):
 
     @abstractmethod
     def reading(self, value: T, robot: RobotState) -> R:
-        """All that is to be seen of a message."""
+        """The visible part of a message."""
 
     @abstractmethod
     def show(self, canvas: Canvas, reading: R, theme: Theme) -> None:
@@ -69,7 +69,7 @@ class MessageGauge(ABC, Generic[T, R]):
         mark_age(canvas, age, state.theme, pause)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
-        """Changes with the reading and the look of its age."""
+        """Changes with the reading and the drawing of its age."""
         received = robot.newest(self.definition)
         if received is None:
             return self._missing(robot), state.theme.name

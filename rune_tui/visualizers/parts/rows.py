@@ -25,20 +25,20 @@ class TextRow:
     """One row of words.
 
     Attributes:
-        text: What it says.
-        mood: How it is meant.
+        text: Its text.
+        severity: Its severity.
         continues: Whether it belongs to the row above it.
     """
 
     text: str
-    mood: Severity = Severity.PLAIN
+    severity: Severity = Severity.PLAIN
     continues: bool = False
 
 
 def cut(text: str, columns: int) -> str:
-    """The text as it is shown, with an ellipsis in place of the words there is no room for.
+    """The text, with an ellipsis instead of the words without room.
 
-    No word is cut, but for one that is alone and wider than the room.
+    A word is cut only if it is alone and wider than the room.
     """
     shown = printable_text(text)
     if len(shown) <= columns:
@@ -54,19 +54,19 @@ class Entry:
     """One entry of a table.
 
     Attributes:
-        cells: What it says.
-        why: Why it is so; in the last column, or below the entry where it is in trouble and room
-            is short.
-        mood: How it is meant.
+        cells: Its texts.
+        why: The reason; in the last column, or below the entry if that has a fault and room is
+            short.
+        severity: Its severity.
     """
 
     cells: tuple[str, ...]
     why: str = ""
-    mood: Severity = Severity.PLAIN
+    severity: Severity = Severity.PLAIN
 
 
 def fitting_form(columns: int, *forms: str) -> str:
-    """The first of several ways to say something for which there is room, else the last, cut."""
+    """The first of several texts that fits, else the last one, cut."""
     return next((form for form in forms if len(printable_text(form)) <= columns), "") or cut(
         forms[-1], columns
     )
@@ -78,7 +78,7 @@ def wrapped(row: TextRow, columns: int, indent: str = "  ") -> Iterator[TextRow]
     text = printable_text(row.text)
     lines = textwrap.wrap(text, max(1, columns), subsequent_indent=indent)
     for index, line in enumerate(lines):
-        yield TextRow(line, row.mood, row.continues or index > 0)
+        yield TextRow(line, row.severity, row.continues or index > 0)
 
 
 def flowing(words: Iterable[TextRow], columns: int) -> Iterator[tuple[TextRow, ...]]:
@@ -131,16 +131,16 @@ def entry_rows(entries: Sequence[Entry], weights: Sequence[int], columns: int) -
     else:
         lines = tabled([entry.cells for entry in entries], weights[:-1], columns)
     for entry, line in zip(entries, lines, strict=True):
-        yield TextRow(line, entry.mood)
-        if columns < NARROW and entry.why and entry.mood in _TROUBLE:
-            yield from wrapped(TextRow(f"  {entry.why}", entry.mood, continues=True), columns)
+        yield TextRow(line, entry.severity)
+        if columns < NARROW and entry.why and entry.severity in _TROUBLE:
+            yield from wrapped(TextRow(f"  {entry.why}", entry.severity, continues=True), columns)
 
 
 def write_rows(canvas: Canvas, rows: Sequence[TextRow], theme: Theme) -> None:
-    """Write rows from the top; in place of those that do not fit, how many things they tell of."""
+    """Write rows from the top; the number of further entries replaces rows that do not fit."""
     if len(rows) > canvas.rows > 1:
         left_out = sum(not row.continues for row in rows[canvas.rows - 1 :])
         more = f"{left_out} more" if left_out else _ELLIPSIS
         rows = [*rows[: canvas.rows - 1], TextRow(more, Severity.FAINT)]
     for index, row in enumerate(rows):
-        canvas.text(0, index, cut(row.text, canvas.width), ink_of(row.mood, theme))
+        canvas.text(0, index, cut(row.text, canvas.width), ink_of(row.severity, theme))

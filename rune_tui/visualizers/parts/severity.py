@@ -1,4 +1,4 @@
-"""How words are meant, and the ink that says so; the words say it as well."""
+"""The severity of words, and its ink; the words say it too."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from rune_tui.model.theme import Colour, Theme
 
 
 class Severity(enum.Enum):
-    """How words are meant.
+    """The severity of words.
 
     Attributes:
-        PLAIN: As they are.
-        FAINT: They matter less.
+        PLAIN: None.
+        FAINT: Less important.
         GOOD: All is well.
-        WARNING: It needs a look.
-        ALARM: It needs a hand.
+        WARNING: The operator should look.
+        ALARM: The operator must act.
     """
 
     PLAIN = "plain"
@@ -28,24 +28,24 @@ class Severity(enum.Enum):
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A piece of what is said of a robot.
+    """A part of the words about a robot.
 
     Attributes:
-        text: What it says.
-        weight: Where room is short, parts of the least weight go first.
-        mood: How it is meant.
-        short: The same in fewer words, for where room is short; empty if there are none.
-        gauge: Whether panes for nothing but that say it too: speed, battery, link.
+        text: Its text.
+        weight: If room is short, parts with the least weight are left out first.
+        severity: Its severity.
+        short: The same in fewer words, if room is short; empty: none.
+        gauge: Whether a gauge shows it too: speed, battery, link.
     """
 
     text: str
     weight: float
-    mood: Severity = Severity.PLAIN
+    severity: Severity = Severity.PLAIN
     short: str = ""
     gauge: bool = False
 
 
-def ink_of(mood: Severity, theme: Theme) -> Colour:
+def ink_of(severity: Severity, theme: Theme) -> Colour:
     """The colour of words that are meant so."""
     return {
         Severity.PLAIN: theme.ink,
@@ -53,4 +53,4 @@ def ink_of(mood: Severity, theme: Theme) -> Colour:
         Severity.GOOD: theme.good,
         Severity.WARNING: theme.warning,
         Severity.ALARM: theme.alarm_ink,
-    }[mood]
+    }[severity]

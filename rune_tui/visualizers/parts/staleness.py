@@ -1,4 +1,4 @@
-"""How old data looks: dimmed at one second, hatched and marked with its age at three."""
+"""The drawing of old data: dimmed at one second, hatched and marked with its age at three."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from rune_tui.raster.shapes import drawing
 
 MENTION_AFTER_S = 0.25
 ALARM_AFTER_S = 0.5
-"""Who drives by pictures that are older than this drives blind [s]: people then begin to move and
-wait, and turn too late (Chen, Haas and Barnes 2007).
+"""Largest age of pictures to drive by [s]: beyond it, people move and wait, and turn too late
+(Chen, Haas and Barnes 2007).
 """
 DIM_AFTER_S = 1.0
 HATCH_AFTER_S = 3.0
@@ -40,9 +40,9 @@ class Staleness(enum.IntEnum):
 
 
 def pause_of(definition: MessageDefinition[Any]) -> float:
-    """How long a newer message may be on its way while all is well [s].
+    """Normal delay of the next message [s].
 
-    It counts for messages that come once a second or less often, which else were always old.
+    It counts for messages of at most 1 Hz, which would always be old without it.
     """
     return 1.0 / definition.rate_hz if 0.0 < definition.rate_hz <= 1.0 / DIM_AFTER_S else 0.0
 
@@ -65,14 +65,14 @@ def age_text(age: float) -> str:
 
 
 def age_look(received: Received[Any], now: float, pause: float = 0.0) -> tuple[Staleness, str]:
-    """What `fade_by_age` and `mark_age` make of a value's age: the same look, the same drawing."""
+    """The drawing of an age by `fade_by_age` and `mark_age`; equal values, equal drawings."""
     age = received.age(now)
     step = staleness(age, pause)
     return step, age_text(age) if step is Staleness.STALE else ""
 
 
 def fade_by_age(canvas: Canvas, age: float, pause: float = 0.0) -> None:
-    """Make what has been drawn look as old as it is [s]; clear pixels stay clear."""
+    """Fade a drawing by its age [s]; clear pixels stay clear."""
     step = staleness(age, pause)
     if step is Staleness.FRESH:
         return

@@ -1,4 +1,4 @@
-"""Where robots have been, as far as somebody watched."""
+"""The trails of robots, while they are drawn."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ STEP_M: Final = 0.1
 """From one point of a trail to the next, at least [m]."""
 
 _JUMP_M: Final = 1.0
-"""Farther than this nobody drives unseen: the pose was corrected, or the robot carried [m]."""
+"""A longer step is no motion [m]: the pose was corrected, or the robot was carried."""
 _GAP: Final = (math.nan, math.nan)
 
 
 class Trail:
-    """The newest points of each robot's way."""
+    """The newest points of each robot's trail."""
 
     def __init__(self, longest: float) -> None:
-        """Remember nothing yet.
+        """Start without points.
 
         Args:
-            longest: How much of a way is kept [m].
+            longest: Largest length of a trail [m].
         """
         self._most = math.ceil(longest / STEP_M)
         self._ways: dict[str, deque[tuple[float, float]]] = {}
@@ -44,7 +44,7 @@ class Trail:
         way.append((pose.x, pose.y))
 
     def points(self, robot: str) -> list[Floats]:
-        """The pieces of a way in `map` [m], each of shape (n, 2)."""
+        """The pieces of a trail in `map` [m], each of shape (n, 2)."""
         way = np.array(self._ways.get(robot, ()), np.float64).reshape(-1, 2)
         breaks = np.flatnonzero(np.isnan(way[:, 0]))
         pieces = np.split(way, breaks)

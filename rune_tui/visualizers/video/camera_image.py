@@ -34,19 +34,19 @@ _BRIGHT: Final = 255
 _SAME_MOMENT_S: Final = 0.5
 _SAME_PLACE_M: Final = 0.05
 _SAME_HEADING: Final = math.radians(2.0)
-"""Ranges tell of the picture if they are of the same moment, place and heading."""
+"""Ranges belong to a picture within these differences of time, place and heading."""
 _CROSS: Final = (2, 4, 6)
 """From the middle of the crosshair to where its colours begin and end [pixels]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CameraImage:
-    """Shows the picture; its pixels stand for places on the ground.
+    """Shows the picture; its pixels give places on the ground.
 
     Attributes:
-        fit: How it is fitted into the viewport, one of the choices of `FIT_OPTION`.
-        crosshair: Whether its middle is marked, and words say when the camera looks aside.
-        aside_deg: From which angle on they do.
+        fit: Its fit into the viewport, one of the choices of `FIT_OPTION`.
+        crosshair: Whether to mark its middle, and to say in words when the camera looks aside.
+        aside_deg: Least angle for these words.
     """
 
     fit: str = FIT
@@ -107,12 +107,12 @@ class CameraImage:
             write_notice(canvas, trouble, state.theme)
 
     def draw_over(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
-        """Draw the marks and the ghost again: who confirms a mark has to see it."""
+        """Draw the marks and the ghost again: an operator who confirms a mark must see it."""
         if robot.picture is not None and robot.picture.value.pixels.size:
             self._draw_marks(canvas, robot, robot.picture.value, state)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
-        """Changes with the picture, the look of its age, and the words."""
+        """Changes with the picture, the drawing of its age, and the words."""
         words = _explanation(robot, state.now)
         if robot.picture is None:
             return words, state.theme.name
@@ -142,9 +142,9 @@ class CameraImage:
         robot: RobotState,
         state: ConsoleState,
     ) -> WorldPoint | None:
-        """The place that a pixel shows, as `line_of_sight` finds it; None where nothing says so.
+        """The place that a pixel shows, by `line_of_sight`; None: not known.
 
-        Also None beside the picture, and when where the robot was is not known.
+        Also None beside the picture, and if the robot's pose is not known.
         """
         if robot.picture is None or self.in_picture(pixel, size, robot, state) is None:
             return None
@@ -176,7 +176,7 @@ class CameraImage:
         if not words:
             return
         shown = words if len(words) <= canvas.width else words.removeprefix("camera is ")
-        # On the second row, as the first one may say how old the picture is.
+        # On the second row, because the first one may have the picture's age.
         row = min(1, canvas.rows - 1)
         column = max(0, (canvas.width - len(shown)) // 2)
         with drawing(canvas) as pen:
@@ -185,7 +185,7 @@ class CameraImage:
 
 
 def _surroundings(robot: RobotState, pose: Pose) -> Surroundings:
-    """What is known of the place where the newest picture was taken."""
+    """The surroundings of the newest picture."""
     navigation, near = robot.navigation, False
     if navigation is not None and robot.picture is not None:
         value = navigation.value
@@ -206,7 +206,7 @@ def _surroundings(robot: RobotState, pose: Pose) -> Surroundings:
 
 
 def aside_words(pan: float, least_deg: float) -> str:
-    """Where a camera looks that is turned [rad] by at least so much; empty if by less."""
+    """The direction of a camera turned by at least this angle [rad]; empty: by less."""
     if not math.isfinite(pan) or abs(math.degrees(pan)) < least_deg:
         return ""
     return f"camera is {abs(math.degrees(pan)):.0f}° {'left' if pan > 0.0 else 'right'}"
@@ -234,7 +234,7 @@ def _paste(canvas: Canvas, picture: Picture, frame: PictureFrame) -> None:
 
 
 def _darken(canvas: Canvas, brightness: int) -> None:
-    """Leave so much of the picture's brightness, of 255."""
+    """Scale the picture's brightness, of 255."""
     if brightness == _BRIGHT:
         return
     for pixels in (canvas.pixels, canvas.fine):

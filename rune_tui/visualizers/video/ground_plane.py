@@ -34,19 +34,19 @@ _GRID_ALPHA: Final = 110
 _PLATE_ALPHA: Final = 235
 _DASH, _GAP = 2.0, 3.0
 _EDGE: Final = 2.0
-"""Thickness of the edges of the way [pixels]."""
+"""Thickness of the edges of the path [pixels]."""
 _CAMERA_SHAPE: Final = (4, 3)
-"""What the camera's state speaks of where there is no picture."""
+"""Size of the picture if there is none."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Ground:
-    """How the ground is seen.
+    """The view of the ground.
 
     Attributes:
         geometry: The picture and its camera.
-        pose: Where the robot was then, if that is known.
-        received: What told so.
+        pose: The robot's pose then; None: not known.
+        received: The message with the camera's state.
     """
 
     geometry: PictureGeometry
@@ -75,16 +75,16 @@ class _Ground:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GroundPlane:
-    """Lines at whole distances from the robot's centre, the horizon, and the way ahead.
+    """Lines at whole distances from the robot's centre, the horizon, and the path ahead.
 
-    All else is clear; it lies over a camera viewport of the same place, size and fit.
+    The rest is clear; it covers a camera viewport of the same place, size and fit.
 
     Attributes:
-        spacing: From one line to the next [m].
+        spacing: Distance between two lines [m].
         farthest: Distance of the last line [m].
         rings: Whether lines are circles around the robot, not a grid along its axes.
-        braking: How fast the robot's speed surely falls [m/s^2].
-        fit: How the picture under it is fitted, one of the choices of `FIT_OPTION`.
+        braking: Guaranteed deceleration of the robot [m/s^2].
+        fit: Fit of the picture under it, one of the choices of `FIT_OPTION`.
     """
 
     spacing: float
@@ -133,7 +133,7 @@ class GroundPlane:
         farthest = spec.options.number("farthest")
         wanted = spec.option if spec.option > 0.0 else _SPACING_M
         return cls(
-            # No more lines than can be told apart.
+            # At most as many lines as are distinct.
             spacing=max(wanted, farthest / 40.0),
             farthest=farthest,
             rings=spec.options.word("lines") == "rings",
@@ -165,14 +165,14 @@ class GroundPlane:
                 stop = _draw_way(pen, geometry, way, covers, ink, state.theme.warning)
         _clear_beside(canvas, frame)
         self._write_distances(canvas, geometry, covers, state.theme)
-        # Where something near covers it, its way is not out of the picture.
+        # A part behind an obstacle is hidden, but not out of the picture.
         if course is not None and way is not None and not (stop is None and covers):
             _write_way(canvas, course, way.stop_distance, stop, state.theme)
         fade_by_age(canvas, age)
         mark_age(canvas, age, state.theme)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
-        """Changes with how the camera looks, the way ahead, and the look of their ages."""
+        """Changes with the camera's state, the path ahead, and the drawing of their ages."""
         ground = _Ground.of(robot)
         if ground is None:
             return state.theme.name
@@ -222,7 +222,7 @@ class GroundPlane:
             _write(canvas, int(left), row, f"{distance:g} m{word}", theme.ink, theme)
 
     def _measured(self, points: Floats, geometry: PictureGeometry) -> tuple[Floats, str]:
-        """How far points are as the lines count it, and the word for their direction."""
+        """The distance of points by the lines' measure, and the word for their direction."""
         if self.rings:
             return np.hypot(points[:, 0], points[:, 1]), ""
         cos, sin = math.cos(geometry.pan), math.sin(geometry.pan)
@@ -233,14 +233,14 @@ class GroundPlane:
 
 
 def _covers(robot: RobotState, state: ConsoleState) -> tuple[float, ...]:
-    """How far ground is seen in each direction, as far as that is known now."""
+    """The distance of the visible ground in each direction."""
     if robot.navigation is None or age_look(robot.navigation, state.now)[0] is Staleness.STALE:
         return ()
     return covers_of(robot.navigation.value)
 
 
 def _course(robot: RobotState, ground: _Ground, state: ConsoleState) -> Course | None:
-    """What the robot is told to do, in the frame that it had when the picture was taken."""
+    """The robot's command, in its frame at the time of the picture."""
     if robot.navigation is None:
         return None
     step, _ = age_look(robot.navigation, state.now)
@@ -274,10 +274,10 @@ def _draw_way(
     ink: Colour,
     stop_ink: Colour,
 ) -> list[Floats] | None:
-    """Draw what is to be seen of the way.
+    """Draw the visible part of the path.
 
     Returns:
-        What is to be seen of where it ends if the robot is stopped now; None: nothing of the way.
+        The visible part of its end for a stop now; None: nothing of the path is visible.
     """
     edges = visible_lines(geometry, uncovered(way.edges, covers))
     _draw_lines(pen, edges, ink, _EDGE)
@@ -298,7 +298,7 @@ def _clear_beside(canvas: Canvas, frame: PictureFrame) -> None:
 def _write_way(
     canvas: Canvas, course: Course, distance: float, stop: list[Floats] | None, theme: Theme
 ) -> None:
-    """Say how soon it stops [m], or what lines cannot: that it turns, or leaves the picture."""
+    """Write the stopping distance [m], or that the robot turns or leaves the picture."""
     if stop is None:
         _write_low(canvas, course.words, theme.accent, theme)
     elif stop:

@@ -17,7 +17,7 @@ from rune_tui.raster.shapes import Point, drawing, toward
 from rune_tui.visualizers.parts.staleness import age_look, fade_by_age, mark_age
 
 _SEEN_GAIN: Final = 1.05
-"""Pictures that are brightened by less than this look as they come."""
+"""Least gain that is reported; a smaller one is not visible."""
 _LARGEST_ICON: Final = 16
 _LEAST_ICON: Final = 6
 _SMOOTHING: Final = 4
@@ -79,7 +79,7 @@ class NightMode:
             mark_age(canvas, age, theme)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
-        """Changes with the words and the look of their age."""
+        """Changes with the words and the drawing of their age."""
         night = _is_night(robot, state)
         if not night and not self.by_day:
             return night
@@ -88,12 +88,12 @@ class NightMode:
 
 
 def _is_night(robot: RobotState, state: ConsoleState) -> bool:
-    """Whether somebody here wants it, or the camera does it."""
+    """Whether this console requests it, or the camera does it."""
     return robot.name in state.night or any(_effects(robot))
 
 
 def _words(robot: RobotState, state: ConsoleState) -> tuple[str, ...]:
-    """What there is to say, the most important first."""
+    """The words, the most important first."""
     first = "NIGHT" if _is_night(robot, state) else "day"
     if robot.camera is None:
         return first, "camera not heard"

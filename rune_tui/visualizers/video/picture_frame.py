@@ -1,4 +1,4 @@
-"""Where in a viewport the camera's picture is drawn, so that what lies over it meets it."""
+"""The place of the camera's picture in a viewport, so that overlays match it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ FILL: Final = "fill"
 STRETCH: Final = "stretch"
 
 _FINE: Final = 1000
-"""So many parts of a pixel tell how it is shaped."""
+"""Resolution of the shape of a pixel [1/pixel]."""
 
 FIT_OPTION: Final = ChoiceOption(
     default=FIT,
@@ -44,7 +44,7 @@ class PictureFrame:
     def of(
         cls, fit: str, width: int, height: int, room: tuple[int, int], *, tall: float = 1.0
     ) -> Self:
-        """Where a picture is drawn.
+        """The place of a picture.
 
         Args:
             fit: One of the choices of `FIT_OPTION`.

@@ -59,7 +59,7 @@ def marks_source(robot: RobotState, state: ConsoleState) -> Hashable:
 
 
 def ghost_words(ghost: Ghost) -> str:
-    """What a ghost says of itself, such as "victim? 2.1 m ±0.3 m at a wall of the map"."""
+    """The words at a ghost, such as "victim? 2.1 m ±0.3 m at a wall of the map"."""
     place = ghost.place
     parts = [f"{ghost.kind.name.lower()}?"]
     if away := metres_text(place.distance, 1):
@@ -79,7 +79,7 @@ def _in_picture(
     marks = received.value.points if received is not None else ()
     if not marks:
         return
-    # All at once: a robot may have a thousand, and each picture is drawn anew.
+    # All at once: a robot may have a thousand, and each picture is drawn again.
     places = pose.from_map([(mark.x, mark.y) for mark in marks])
     away = np.hypot(places[:, 0], places[:, 1])
     seen = geometry.pixels(places, [mark.height for mark in marks])

@@ -27,13 +27,13 @@ _BREAK: Final = np.full((1, 2), np.nan)
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class WayAhead:
-    """What a robot will pass over while it keeps its velocities.
+    """The ground that a robot passes over while it keeps its velocities.
 
     Attributes:
         edges: The left and the right edge of the swept ground [m], a row of NaN between them.
-        arrows: Arrow heads [m], each where the robot's centre will be after another second.
-        stop: Across the way [m], from left to right, where its body ends when it is stopped now.
-        stop_distance: How far it still drives then [m].
+        arrows: Arrow heads [m] at the robot's centre after each further second.
+        stop: Line across the path at the body's end after a stop now, from left to right [m].
+        stop_distance: Stopping distance [m].
     """
 
     edges: Floats
@@ -44,15 +44,15 @@ class WayAhead:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Course:
-    """What a robot is told to do, and in whose frame that is to be seen.
+    """The command of a robot, and the frame in which it is drawn.
 
     Attributes:
         linear: Speed forward [m/s].
         angular: Turn rate [rad/s], counter-clockwise.
-        radius: Of the circle in which all of the robot lies [m].
-        now: Where the robot is; None: that does not matter.
-        then: Where it was when it had the frame that is wanted; None: the frame is its own.
-        old: Whether it may have been told something else since.
+        radius: Of the circle around the whole robot [m].
+        now: The robot's pose now; None: not needed.
+        then: Its pose of the frame to draw in; None: its own frame.
+        old: Whether a newer command may exist.
     """
 
     linear: float
@@ -66,7 +66,7 @@ class Course:
     def of(
         cls, navigation: NavigationState, *, radius: float, then: Pose | None, old: bool
     ) -> Self | None:
-        """What a robot is told; None if that is to stand, or nobody knows."""
+        """The command of a robot; None: it stands, or the command is not known."""
         linear, angular = navigation.commanded_linear, navigation.commanded_angular
         moves = abs(linear) >= _SLOWEST or abs(angular) >= _SLOWEST
         if not moves or not math.isfinite(linear + angular):
@@ -84,11 +84,11 @@ class Course:
         return f"drives {'ahead' if self.linear > 0.0 else 'back'}, out of the picture"
 
     def way(self, *, reach: float, braking: float) -> WayAhead:
-        """Where that leads.
+        """The ground that it passes over.
 
         Args:
-            reach: How far ahead to look [m].
-            braking: How fast its speed surely falls [m/s^2].
+            reach: Distance to look ahead [m].
+            braking: Guaranteed deceleration [m/s^2].
         """
         speed = abs(self.linear)
         stop_distance = speed * REACTION_S + speed**2 / (2.0 * braking)
@@ -116,7 +116,7 @@ class Course:
         return swept_edges(self.radius, self.linear, self.angular, seconds)
 
     def _seen(self, points: Floats) -> Floats:
-        """Points of the robot's frame now [m] in the frame that is wanted."""
+        """Points of the robot's frame now [m], in the frame to draw in."""
         if self.now is None or self.then is None:
             return points
         return self.then.from_map(self.now.to_map(points))

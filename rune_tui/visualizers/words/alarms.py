@@ -79,8 +79,8 @@ def _unsaid(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
 
 
 def _block(part: Part, columns: int) -> list[TextRow]:
-    sign = _SIGNS[part.mood]
-    return [*wrapped(TextRow(sign + part.text, part.mood), columns, " " * len(sign))]
+    sign = _SIGNS[part.severity]
+    return [*wrapped(TextRow(sign + part.text, part.severity), columns, " " * len(sign))]
 
 
 def _fitting(blocks: list[list[TextRow]], rows: int) -> int:
@@ -94,8 +94,8 @@ def _fitting(blocks: list[list[TextRow]], rows: int) -> int:
 
 
 def _write(canvas: Canvas, row: int, line: TextRow, behind: str, theme: Theme) -> None:
-    ink = ink_of(line.mood, theme)
-    if line.mood is Severity.ALARM:
+    ink = ink_of(line.severity, theme)
+    if line.severity is Severity.ALARM:
         ink = theme.on_alarm
         with drawing(canvas) as pen:
             pen.rectangle(0, 2 * row, canvas.width, 2 * row + 2, theme.alarm)

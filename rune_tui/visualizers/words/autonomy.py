@@ -46,7 +46,7 @@ class VisualizeAutonomy:
         rows = [
             row
             for part in _parts(robot, state)
-            for row in wrapped(TextRow(part.text, part.mood), canvas.width)
+            for row in wrapped(TextRow(part.text, part.severity), canvas.width)
         ]
         write_rows(canvas, rows, state.theme)
         told = _told(robot)

@@ -83,10 +83,10 @@ def _entry(report: CapabilityReport) -> Entry:
     why = report.module
     if missing:
         why = f"cannot start {report.modules}" if report.modules else "no module has it"
-    mood = Severity.PLAIN if wanted or runs else Severity.FAINT
+    severity = Severity.PLAIN if wanted or runs else Severity.FAINT
     if missing:
-        mood = Severity.ALARM if wanted else Severity.WARNING
+        severity = Severity.ALARM if wanted else Severity.WARNING
     elif wanted and not runs:
-        mood = Severity.WARNING
+        severity = Severity.WARNING
     by = f"for {report.wanted_by}" if wanted else ""
-    return Entry((report.name, _PHASES[report.phase], by), why, mood)
+    return Entry((report.name, _PHASES[report.phase], by), why, severity)

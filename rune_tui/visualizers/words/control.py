@@ -44,13 +44,15 @@ class Control:
         canvas.fill(theme.panel)
         parts = _parts(robot, state)
         rows = [
-            row for part in parts for row in wrapped(TextRow(part.text, part.mood), canvas.width)
+            row
+            for part in parts
+            for row in wrapped(TextRow(part.text, part.severity), canvas.width)
         ]
         if len(rows) > canvas.rows:
-            rows.sort(key=lambda row: row.mood is not Severity.ALARM)  # equals keep their order
+            rows.sort(key=lambda row: row.severity is not Severity.ALARM)  # equals keep their order
         for index, row in enumerate(rows[: canvas.rows]):
-            ink = ink_of(row.mood, theme)
-            if row.mood is Severity.ALARM:
+            ink = ink_of(row.severity, theme)
+            if row.severity is Severity.ALARM:
                 ink = theme.on_alarm
                 with drawing(canvas) as pen:
                     pen.rectangle(0, 2 * index, canvas.width, 2 * index + 2, theme.alarm)

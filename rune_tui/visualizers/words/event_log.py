@@ -60,7 +60,7 @@ class EventLog:
         canvas.fill(state.theme.panel)
         rows = self._chosen(merged(self._notices(robot, state)), canvas.width, canvas.rows, state)
         for index, row in enumerate(rows or [TextRow("nothing has happened yet", Severity.FAINT)]):
-            canvas.text(0, index, cut(row.text, canvas.width), ink_of(row.mood, state.theme))
+            canvas.text(0, index, cut(row.text, canvas.width), ink_of(row.severity, state.theme))
 
     def _chosen(
         self, notices: Sequence[Notice], columns: int, room: int, state: ConsoleState

@@ -69,9 +69,9 @@ class Joystick:
         joystick = self._joystick(state)
         if joystick is None:
             return [TextRow(f"the layout has no joystick {self.name}".rstrip(), Severity.WARNING)]
-        words, mood = joystick_words(joystick)
+        words, severity = joystick_words(joystick)
         device = f" {joystick.device}" if joystick.device else ""
-        rows = [TextRow(f"{joystick.name}{device}: {words}", mood)]
+        rows = [TextRow(f"{joystick.name}{device}: {words}", severity)]
         if age := _age(joystick, state.now):
             rows.append(TextRow(age))
         if joystick.phase is not JoystickPhase.CONNECTED and joystick.why:

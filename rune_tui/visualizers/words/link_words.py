@@ -52,7 +52,7 @@ class Link:
             column = 0
             for word in line:
                 text = cut(word.text, canvas.width)
-                canvas.text(column, index, text, ink_of(word.mood, state.theme))
+                canvas.text(column, index, text, ink_of(word.severity, state.theme))
                 column += len(text) + GAP
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:

@@ -55,11 +55,11 @@ class Marks(MessageGauge[InterestPoints, tuple[str, tuple[_Cells, ...]]]):
                 for number, kind, unkept, *rest in marks
             )
         lines = tabled(marks, _WEIGHTS, canvas.width)
-        moods = (Severity.WARNING if unkept else Severity.PLAIN for _, _, unkept, *_ in marks)
-        rows = [TextRow(line, mood) for line, mood in zip(lines, moods, strict=True)]
+        severities = (Severity.WARNING if unkept else Severity.PLAIN for _, _, unkept, *_ in marks)
+        rows = [TextRow(line, severity) for line, severity in zip(lines, severities, strict=True)]
         if canvas.rows > 1 or not rows:
-            mood = Severity.WARNING if _UNKEPT in head else Severity.FAINT
-            rows.insert(0, TextRow(fitting_form(canvas.width, head, _short(head)), mood))
+            severity = Severity.WARNING if _UNKEPT in head else Severity.FAINT
+            rows.insert(0, TextRow(fitting_form(canvas.width, head, _short(head)), severity))
         write_rows(canvas, rows, theme)
 
 

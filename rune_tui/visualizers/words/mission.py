@@ -42,13 +42,15 @@ class VisualizeMission:
         canvas.fill(state.theme.panel)
         parts = _parts(robot, state)
         rows = [
-            row for part in parts for row in wrapped(TextRow(part.text, part.mood), canvas.width)
+            row
+            for part in parts
+            for row in wrapped(TextRow(part.text, part.severity), canvas.width)
         ]
-        if len(rows) > canvas.rows and all(part.mood is not Severity.ALARM for part in parts):
-            joined = TextRow("; ".join(part.text for part in parts[1:]), parts[-1].mood)
-            rows = [TextRow(parts[0].text, parts[0].mood), *wrapped(joined, canvas.width)]
+        if len(rows) > canvas.rows and all(part.severity is not Severity.ALARM for part in parts):
+            joined = TextRow("; ".join(part.text for part in parts[1:]), parts[-1].severity)
+            rows = [TextRow(parts[0].text, parts[0].severity), *wrapped(joined, canvas.width)]
         if len(rows) > canvas.rows:
-            rows.sort(key=lambda row: row.mood is not Severity.ALARM)  # equals keep their order
+            rows.sort(key=lambda row: row.severity is not Severity.ALARM)  # equals keep their order
         write_rows(canvas, rows, state.theme)
         told = robot.newest(MISSION_STATE)
         if told is not None:

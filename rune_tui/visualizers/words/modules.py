@@ -44,13 +44,13 @@ class Modules(MessageGauge[ModuleReports, tuple[Entry, ...]]):
 
 
 def _line(report: ModuleReport) -> Entry:
-    mood = _MOODS.get(report.phase, Severity.PLAIN)
+    severity = _MOODS.get(report.phase, Severity.PLAIN)
     word = report.phase.name
     cells = (
         report.name,
-        word if mood in {Severity.WARNING, Severity.ALARM} else word.lower(),
+        word if severity in {Severity.WARNING, Severity.ALARM} else word.lower(),
         str(report.starts),
         f"{100 * report.processor:.0f}%" if math.isfinite(report.processor) else "",
         f"{report.memory_mb:.0f} MB" if math.isfinite(report.memory_mb) else "",
     )
-    return Entry(cells, report.why, mood)
+    return Entry(cells, report.why, severity)

@@ -72,7 +72,7 @@ class Status:
         column = 0 if _width(parts) + 2 > canvas.width else 1
         for part in parts:
             canvas.text(
-                column, 0, cut(part.text, canvas.width - column), ink_of(part.mood, state.theme)
+                column, 0, cut(part.text, canvas.width - column), ink_of(part.severity, state.theme)
             )
             column += len(printable_text(part.text)) + _GAP
 
@@ -90,7 +90,7 @@ class Status:
             part
             for part in status_parts(robot, state)
             if not (
-                (self.alarms and part.mood in _TROUBLE)
+                (self.alarms and part.severity in _TROUBLE)
                 or (gauges and part.gauge)
                 or is_in_banner(part, robot, state)
             )

@@ -145,8 +145,8 @@ def _doing(robot: RobotState, navigation: NavigationState, now: float) -> Iterat
         text = _ROLLING_ON.get(motion, text)
     by_itself = tuple(doing_parts(robot, now))
     if motion is not MotionState.GOING or not by_itself:
-        mood = Severity.ALARM if motion in _FAULTS else Severity.PLAIN
-        yield Part(text, 7, mood, short=_SHORT_MOTION.get(text, ""))
+        severity = Severity.ALARM if motion in _FAULTS else Severity.PLAIN
+        yield Part(text, 7, severity, short=_SHORT_MOTION.get(text, ""))
     yield from by_itself
     turning = turn_words(-math.degrees(navigation.angular))
     speed = f"{signed(navigation.linear, 2)} m/s"
@@ -180,9 +180,11 @@ def _battery(navigation: NavigationState) -> Iterator[Part]:
     low = navigation.battery_fraction < LOW_BATTERY
     grave = "CRITICAL" if navigation.battery_fraction < CRITICAL_BATTERY else "LOW"
     text = " ".join([f"BATTERY {grave}" if low else "battery", *words])
-    mood = (Severity.ALARM if grave == "CRITICAL" else Severity.WARNING) if low else Severity.PLAIN
+    severity = (
+        (Severity.ALARM if grave == "CRITICAL" else Severity.WARNING) if low else Severity.PLAIN
+    )
     short = " ".join(text.split()[: 3 if low else 2])
-    yield Part(text, 6 if low else 4.5, mood, short, gauge=not low)
+    yield Part(text, 6 if low else 4.5, severity, short, gauge=not low)
 
 
 def _nearest(navigation: NavigationState, body: RobotBody | None) -> Iterator[Part]:
@@ -193,9 +195,9 @@ def _nearest(navigation: NavigationState, body: RobotBody | None) -> Iterator[Pa
     room = max(0.0, float(rooms[sensor]))
     if not math.isfinite(room):
         return
-    word, weight, mood = _NEAREST[as_it_moves(nearness_of(room), navigation)]
+    word, weight, severity = _NEAREST[as_it_moves(nearness_of(room), navigation)]
     origin = "" if body is not None else " of its centre"
-    yield Part(f"{word} {room:.2f} m {side_of(sensor)}{origin}", weight, mood)
+    yield Part(f"{word} {room:.2f} m {side_of(sensor)}{origin}", weight, severity)
 
 
 _NEAREST = {
@@ -251,15 +253,15 @@ def _joysticks(state: ConsoleState) -> Iterator[Part]:
     for joystick in state.joysticks.values():
         lacks = joystick.phase is JoystickPhase.CONNECTED and bool(joystick.why)
         alike.setdefault((*joystick_words(joystick), lacks), []).append(joystick.name)
-    for (text, mood, lacks), names in alike.items():
+    for (text, severity, lacks), names in alike.items():
         whose = names[0] if len(names) == 1 else f"{len(names)} joysticks"
         if lacks:
-            yield Part(f"{whose} {text}", 2, mood, short=f"{whose} LACKS CONTROLS")
-        elif mood is Severity.PLAIN:
+            yield Part(f"{whose} {text}", 2, severity, short=f"{whose} LACKS CONTROLS")
+        elif severity is Severity.PLAIN:
             short = f"no {names[0] if len(names) == 1 else 'joysticks'}"
-            yield Part(f"{whose} {text}", 0, mood, short=short)
-        elif mood is not Severity.GOOD:
-            yield Part(f"{whose} {text}", 8, mood)
+            yield Part(f"{whose} {text}", 0, severity, short=short)
+        elif severity is not Severity.GOOD:
+            yield Part(f"{whose} {text}", 8, severity)
 
 
 def joystick_words(joystick: JoystickState) -> tuple[str, Severity]:

@@ -28,17 +28,19 @@ _TOLD_WEIGHT: Final = 8.5
 
 def troubles(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     """Alarms, then cautions, the gravest first."""
-    parts = [part for part in status_parts(robot, state) if part.mood in _SIGNED]
+    parts = [part for part in status_parts(robot, state) if part.severity in _SIGNED]
     parts += _more(robot, state)
     # Python's sort keeps the order of equals.
-    return tuple(sorted(parts, key=lambda part: (part.mood is not Severity.ALARM, -part.weight)))
+    return tuple(
+        sorted(parts, key=lambda part: (part.severity is not Severity.ALARM, -part.weight))
+    )
 
 
 def banner_of(state: ConsoleState) -> Banner | None:
     """The gravest alarm of all robots, else what one does by itself, else None."""
     found: list[tuple[float, str, str]] = []
     for robot in state.robots.values():
-        alarms = [part for part in troubles(robot, state) if part.mood is Severity.ALARM]
+        alarms = [part for part in troubles(robot, state) if part.severity is Severity.ALARM]
         found += [(part.weight, robot.name, part.text) for part in alarms]
     newest = state.notices[-1] if state.notices else None
     gravest = max(found, key=lambda each: each[0], default=None)

@@ -110,15 +110,15 @@ ENDED = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("what", "text", "mood"), ENDED)
+@pytest.mark.parametrize(("what", "text", "severity"), ENDED)
 def test_the_status_line_says_for_a_while_how_it_ended(
-    what: dict[str, Any], text: str, mood: Severity
+    what: dict[str, Any], text: str, severity: Severity
 ) -> None:
     for parts in what.values():
         parts["ended_s"] = 1.0
     robot_now = robot(**what, motion=MotionState.STANDING)
     motion, outcome = said(robot_now)
-    assert (motion.text, outcome.text, outcome.mood) == ("STANDING", text, mood)
+    assert (motion.text, outcome.text, outcome.severity) == ("STANDING", text, severity)
     for parts in what.values():
         parts["ended_s"] = max(OTHERS_S, *SHOWN_S.values())
     assert len(said(robot(**what, motion=MotionState.STANDING))) == 1
@@ -126,7 +126,7 @@ def test_the_status_line_says_for_a_while_how_it_ended(
 
 def test_what_was_not_heard_of_for_a_while_is_not_taken_for_true() -> None:
     (part,) = said(robot({}, age=SILENT_S + 2.0))
-    assert (part.text, part.mood) == ("EXPLORING 42 %, NOT HEARD FOR 5 s", Severity.WARNING)
+    assert (part.text, part.severity) == ("EXPLORING 42 %, NOT HEARD FOR 5 s", Severity.WARNING)
 
 
 def test_what_goes_on_comes_before_what_has_ended() -> None:

@@ -97,7 +97,7 @@ def test_what_is_stale_is_said_to_have_been_so(made) -> None:
         "was battery 87% 24.1 V",
         "was nearest 1.80 m ahead",
     ]
-    assert {part.mood for part in past} == {Severity.FAINT}
+    assert {part.severity for part in past} == {Severity.FAINT}
 
 
 def test_zoom_is_said(made, draw) -> None:
@@ -110,8 +110,10 @@ def test_what_is_about_to_touch_is_an_alarm(made) -> None:
     sonar = np.full(16, np.inf, np.float32)
     sonar[0] = 0.273
     robot = made.robot(navigation=made.received(made.navigation(sonar=sonar)))
-    moods = {part.text: part.mood for part in status_parts(robot, ConsoleState(now=made.now))}
-    assert moods["CLOSE 0.07 m ahead"] is Severity.ALARM
+    severities = {
+        part.text: part.severity for part in status_parts(robot, ConsoleState(now=made.now))
+    }
+    assert severities["CLOSE 0.07 m ahead"] is Severity.ALARM
 
 
 def test_what_the_robot_does_by_itself_is_said(made, draw) -> None:
@@ -162,23 +164,27 @@ def test_what_it_passes_closely_by_itself_is_a_caution(made, motion, assistance,
     sonar[0] = 0.273
     navigation = made.navigation(sonar=sonar, motion=motion, assistance=assistance)
     robot = made.robot(navigation=made.received(navigation))
-    moods = {part.text: part.mood for part in status_parts(robot, ConsoleState(now=made.now))}
-    mood = Severity.ALARM if words == "CLOSE" else Severity.WARNING
-    assert moods[f"{words} 0.07 m ahead"] is mood
+    severities = {
+        part.text: part.severity for part in status_parts(robot, ConsoleState(now=made.now))
+    }
+    severity = Severity.ALARM if words == "CLOSE" else Severity.WARNING
+    assert severities[f"{words} 0.07 m ahead"] is severity
 
 
 @pytest.mark.parametrize(
-    ("motion", "mood"),
+    ("motion", "severity"),
     [
         (MotionState.STOPPED, Severity.PLAIN),
         (MotionState.SILENCE, Severity.ALARM),
         (MotionState.NO_DRIVER, Severity.ALARM),
     ],
 )
-def test_a_stop_that_somebody_wanted_is_no_alarm(made, motion, mood) -> None:
+def test_a_stop_that_somebody_wanted_is_no_alarm(made, motion, severity) -> None:
     robot = made.robot(navigation=made.received(made.navigation(motion=motion)))
     found = status_parts(robot, ConsoleState(now=made.now))
-    assert [part.mood for part in found if part.text.startswith(("STOPPED", "NO DRIVER"))] == [mood]
+    assert [part.severity for part in found if part.text.startswith(("STOPPED", "NO DRIVER"))] == [
+        severity
+    ]
 
 
 def test_what_other_panes_say_is_left_to_them(made, draw) -> None:
@@ -336,7 +342,7 @@ def test_the_token_changes_with_the_words_only(made) -> None:
 def test_keys_that_must_go_up_first_are_named(made) -> None:
     state = ConsoleState(now=made.now, must_release=("w", "d"))
     parts = {part.text: part for part in status_parts(made.robot(), state)}
-    assert parts["LET GO OF w d FIRST"].mood is Severity.WARNING
+    assert parts["LET GO OF w d FIRST"].severity is Severity.WARNING
     hasty = ConsoleState(now=made.now, must_release=("w",), tap_first=True)
     assert "LET GO OF w, TAP, THEN HOLD" in {p.text for p in status_parts(made.robot(), hasty)}
 
