@@ -21,6 +21,7 @@ from typing import Any
 import zmq
 
 from benchmarks.figures import report, say
+from hub.gateways.curve.curve_gateway import curve_gateway
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.definition import Keep, MessageDefinition, Plane
@@ -48,11 +49,8 @@ COMMAND = MessageDefinition(
 def serve(folder: str, told: Connection) -> None:
     """Be a hub with a gateway until the other end closes."""
     port = free_port()
-    central = Central(
-        [f"ipc://{folder}/central"],
-        gateway=f"tcp://127.0.0.1:{port}",
-        keyring=Keyring(Path(folder, "keys")),
-    )
+    gateway = curve_gateway(f"tcp://127.0.0.1:{port}", Keyring(Path(folder, "keys")))
+    central = Central([f"ipc://{folder}/central"], gateways=[gateway])
     with closing(central):
         told.send((*central.endpoints, port + 3))
         _until_closed(told)

@@ -16,6 +16,7 @@ from pathlib import Path
 
 from hub import paths
 from hub.errors import EndpointError
+from hub.gateways.curve.curve_gateway import curve_gateway
 from hub.gcm.supervision import ModulePhase
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
@@ -73,8 +74,7 @@ class Daemon:
             keyring = Keyring(Path(robot.keys) if robot.keys else default_folder())
             central = Central(
                 [f"tcp://127.0.0.1:{robot.port}", local],
-                gateway=robot.gateway,
-                keyring=keyring,
+                gateways=[curve_gateway(robot.gateway, keyring)] if robot.gateway else [],
                 reserved=frozenset(spec.name for spec in self._table.modules),
             )
             stack.callback(central.close)

@@ -12,6 +12,7 @@ import pytest
 from PIL import Image
 
 from hub.command_line import ExitCode
+from hub.gateways.curve.curve_gateway import curve_gateway
 from hub.ipc.broker.central import Central
 from hub.ipc.roles import Role
 from hub.ipc.security.keyring import Keyring
@@ -87,7 +88,8 @@ def test_what_is_no_path_of_a_file_is_said_to_be_none(
 
 def test_a_picture_is_drawn_of_a_robot_behind_a_gateway(tmp_path: Path) -> None:
     keyring = Keyring(tmp_path / "keys")
-    central = Central([f"ipc://{tmp_path}/c"], gateway="tcp://127.0.0.1:0", keyring=keyring)
+    gateway = curve_gateway("tcp://127.0.0.1:0", keyring)
+    central = Central([f"ipc://{tmp_path}/c"], gateways=[gateway])
     with closing(central):
         picture = tmp_path / "shot.txt"
         where = ["--hub", central.endpoints[1], "--keys", str(keyring.make("one", Role.OBSERVE))]

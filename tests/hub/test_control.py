@@ -14,6 +14,7 @@ import pytest
 
 from hub.control_gate import ControlGate, follow_control
 from hub.errors import HandlerFailedError, HubError
+from hub.gateways.curve.curve_gateway import curve_gateway
 from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.gcm.control import (
     CONSOLE_HEARTBEAT,
@@ -50,7 +51,8 @@ class Robot:
         self._stack = stack
         self._keyring = Keyring(folder / "keys")
         local = f"ipc://{folder}/central"
-        self.central = Central([local], gateway="tcp://127.0.0.1:0", keyring=self._keyring)
+        gateway = curve_gateway("tcp://127.0.0.1:0", self._keyring)
+        self.central = Central([local], gateways=[gateway])
         stack.callback(self.central.close)
         self.loop = Loop()
         stack.callback(self.loop.close)

@@ -24,8 +24,8 @@ def main() -> None:
     listening_ns = time.monotonic_ns()
     found = {
         "endpoints": central.endpoints,
-        "ports": central._doors[0].ports,
-        "paths": central._doors[0].paths,
+        "ports": central._entrances[0].ports,
+        "paths": central._entrances[0].paths,
         "listening_ns": listening_ns,
     }
     sys.stdout.write(json.dumps(found) + "\n")

@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 
+from hub.gateways.curve.curve_gateway import curve_gateway
 from hub.gcm import pad
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
@@ -207,7 +208,8 @@ def _goes_through_ssh(
 
 def _goes_in_by_a_key(words: list[str], folder: Path) -> None:
     keyring = Keyring(folder / "keys")
-    central = Central([f"ipc://{folder}/c"], gateway="tcp://127.0.0.1:0", keyring=keyring)
+    gateway = curve_gateway("tcp://127.0.0.1:0", keyring)
+    central = Central([f"ipc://{folder}/c"], gateways=[gateway])
     with closing(central), closing(Client("robot", central.endpoints[0])) as robot:
         robot.define(*pad.MESSAGES)  # as the daemon does
         robot.wait_connected(10.0)

@@ -27,6 +27,8 @@ NOBLOCK = int(zmq.NOBLOCK)
 MORE = int(zmq.NOBLOCK) | int(zmq.SNDMORE)
 _POLLIN = int(zmq.POLLIN)
 
+_CONTROL_QUEUE, _CONTROL_BACKLOG = 1000, 20_000
+"""Control messages that wait from one peer and for one: a new one gets many at once."""
 _PICTURE_BUFFER = 64 << 10
 """Kernel buffers of the picture plane [bytes]: what lies in them is old before it is seen."""
 _SUBSCRIPTIONS = 1 << 16
@@ -82,6 +84,22 @@ def make_plane(context: Context, kind: int, plane: Plane, keys: ClientKeys | Non
     if plane is Plane.PICTURE:
         made.sndbuf = made.rcvbuf = _PICTURE_BUFFER
     return made
+
+
+def make_router(context: Context) -> Socket:
+    """The socket of central where control messages come in (ROUTER)."""
+    made = make(context, zmq.ROUTER, _CONTROL_QUEUE)
+    made.sndhwm = _CONTROL_BACKLOG
+    made.router_mandatory = True
+    return made
+
+
+def pair(context: Context, address: str) -> tuple[Socket, Socket]:
+    """Two connected sockets of one process, to receive and to send (PAIR)."""
+    receiving, sending = context.socket(zmq.PAIR), context.socket(zmq.PAIR)
+    receiving.bind(address)
+    sending.connect(address)
+    return receiving, sending
 
 
 def make_inbox(context: Context, kind: int, plane: Plane) -> Socket:

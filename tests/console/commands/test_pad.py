@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from hub.command_line import ExitCode
+from hub.gateways.curve.curve_gateway import curve_gateway
 from hub.gcm.pad import PadState
 from hub.ipc.broker.central import Central
 from hub.ipc.roles import Role
@@ -162,7 +163,8 @@ def test_a_key_that_may_only_watch_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     keyring = Keyring(tmp_path / "keys")
-    central = Central([f"ipc://{tmp_path}/c"], gateway="tcp://127.0.0.1:0", keyring=keyring)
+    gateway = curve_gateway("tcp://127.0.0.1:0", keyring)
+    central = Central([f"ipc://{tmp_path}/c"], gateways=[gateway])
     with closing(central):
         where = [central.endpoints[1], "--keys", str(keyring.make("wall", Role.OBSERVE))]
         assert main(["pad", *where]) == ExitCode.USAGE

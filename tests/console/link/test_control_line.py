@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from hub.control_gate import ControlGate
+from hub.gateways.curve.curve_gateway import curve_gateway
 from hub.gcm.autonomy import AUTONOMY_COMMAND, AutonomyCommand
 from hub.gcm.control import CONSOLE_HEARTBEAT, ControlAction
 from hub.ipc.broker.central import Central
@@ -167,9 +168,9 @@ def test_robot_without_a_desk_is_commanded_as_ever_and_says_so_when_asked(tmp_pa
 def test_observer_says_and_asks_nothing(tmp_path: Path) -> None:
     keyring = Keyring(tmp_path / "keys")
     keys = keyring.make("watcher", Role.OBSERVE)
-    gateway = "tcp://127.0.0.1:0"
+    gateway = curve_gateway("tcp://127.0.0.1:0", keyring)
     heard: list[object] = []
-    with closing(Central([f"ipc://{tmp_path}/c"], gateway=gateway, keyring=keyring)) as central:
+    with closing(Central([f"ipc://{tmp_path}/c"], gateways=[gateway])) as central:
         path = tmp_path / "layout.xml"
         path.write_text(LAYOUT.format(hub=central.endpoints[1]))
         (spec,) = open_layout(path).robots

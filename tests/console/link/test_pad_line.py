@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from hub.errors import NotAllowedError
+from hub.gateways.curve.curve_gateway import curve_gateway
 from hub.gcm.pad import (
     CONSOLE_HZ,
     MESSAGES,
@@ -41,9 +42,8 @@ class Hub:
     def __init__(self, folder: Path, stack: ExitStack) -> None:
         self._folder, self._stack = folder, stack
         self._keyring = Keyring(folder / "keys")
-        self.central = Central(
-            [f"ipc://{folder}/c"], gateway="tcp://127.0.0.1:0", keyring=self._keyring
-        )
+        gateway = curve_gateway("tcp://127.0.0.1:0", self._keyring)
+        self.central = Central([f"ipc://{folder}/c"], gateways=[gateway])
         stack.enter_context(closing(self.central))
 
     def layout(self, inner: str) -> LayoutSpec:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from hub.gateways.curve.curve_gateway import curve_gateway
 from hub.gcm import navigation
 from hub.gcm.supervision import CAPABILITY_WANTS, CapabilityWants
 from hub.ipc.broker.central import Central
@@ -52,9 +53,8 @@ class Desk:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self._keyring = Keyring(folder / "keys")
-        self.central = Central(
-            [f"ipc://{folder}/central"], gateway="tcp://127.0.0.1:0", keyring=self._keyring
-        )
+        gateway = curve_gateway("tcp://127.0.0.1:0", self._keyring)
+        self.central = Central([f"ipc://{folder}/central"], gateways=[gateway])
         self._opened = ExitStack()
         self._opened.callback(self.central.close)
 

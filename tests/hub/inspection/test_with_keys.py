@@ -14,6 +14,7 @@ from hub.errors import (
     NotAllowedError,
     UnknownModuleError,
 )
+from hub.gateways.curve.curve_gateway import curve_gateway
 from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.gcm.navigation import STOP
 from hub.gcm.supervision import MODULE_COMMAND
@@ -35,8 +36,8 @@ def keyring(tmp_path: Path) -> Keyring:
 
 @pytest.fixture
 def central(tmp_path: Path, keyring: Keyring) -> Iterator[Central]:
-    gateway = "tcp://127.0.0.1:0"
-    running = Central([f"ipc://{tmp_path}/central"], gateway=gateway, keyring=keyring)
+    gateway = curve_gateway("tcp://127.0.0.1:0", keyring)
+    running = Central([f"ipc://{tmp_path}/central"], gateways=[gateway])
     with closing(running):
         yield running
 

@@ -298,7 +298,7 @@ def test_client_that_leaves_at_once_is_not_taken_for_a_stranger(
             if publishes:
                 brief.publish(v.COMMAND, Number(value=number))
     # What central hears of each place it hears in order, so a stranger's end comes last.
-    door = central._doors[0]
+    door = central._entrances[0]
     for port, path in zip(door.ports, door.paths, strict=True):
         with socket.socket(socket.AF_INET if port else socket.AF_UNIX) as stranger:
             stranger.connect(("127.0.0.1", port) if port else path)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from hub.gateways.curve.curve_gateway import curve_gateway
 from hub.inspection.doctor import port_checks
 from hub.inspection.doctor.finding import Level
 from hub.inspection.doctor.tcp_owners import listening_inodes, owner
@@ -115,7 +116,8 @@ def test_the_gateway_of_the_hub_that_runs_is_well(tmp_path: Path, stack: ExitSta
     port = free_port()
     place = f"tcp://127.0.0.1:{port + 20}"
     keyring = Keyring(tmp_path / "keys")
-    central = Central([f"tcp://127.0.0.1:{port}"], gateway=place, keyring=keyring)
+    gateway = curve_gateway(place, keyring)
+    central = Central([f"tcp://127.0.0.1:{port}"], gateways=[gateway])
     stack.enter_context(closing(central))
     (said,) = port_checks.gateway(robot(tmp_path, f'[hub]\nport = {port}\ngateway = "{place}"'))
     assert said.level is Level.OK

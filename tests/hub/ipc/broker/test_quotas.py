@@ -10,11 +10,13 @@ from typing import Any
 import pytest
 
 from hub.bucket import Bucket
-from hub.ipc.broker import connection_rates, quotas
-from hub.ipc.broker.connection_rates import ConnectionRates
+from hub.gateways.accounts import Account, QuotaVerdict
+from hub.gateways.curve import connection_rates
+from hub.gateways.curve.connection_rates import ConnectionRates
+from hub.ipc.broker import quotas
 from hub.ipc.broker.connections import MAX_PEERS
 from hub.ipc.broker.query_routing import MAX_QUERIES
-from hub.ipc.broker.quotas import QUOTAS, Account, QuotaVerdict
+from hub.ipc.broker.quotas import QUOTAS
 from hub.ipc.roles import LOCAL, Principal, Role
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import control

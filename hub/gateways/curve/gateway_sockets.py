@@ -1,4 +1,4 @@
-"""The way in for other machines: a second set of central's sockets, with CURVE.
+"""The sockets of the gateway: central's sockets once more, with CURVE.
 
 Broadcasts are relayed between these sockets and central's own ones by ZeroMQ's proxy, a thread for
 each direction of a plane. Commands that come in are the exception: a thread of Python judges each
@@ -15,11 +15,11 @@ from typing import TypeAlias
 import zmq
 
 from hub.errors import EndpointError
-from hub.ipc.broker import command_filter
-from hub.ipc.broker.connection_rates import ConnectionRates
-from hub.ipc.broker.quotas import Accounts
+from hub.gateways.accounts import Accounts
+from hub.gateways.curve import command_filter
+from hub.gateways.curve.connection_rates import ConnectionRates
+from hub.gateways.curve.zap import ZapHandler
 from hub.ipc.broker.subscription_floods import Bounds, FloodWatch
-from hub.ipc.broker.zap import ZapHandler
 from hub.ipc.endpoints import TcpEndpoint
 from hub.ipc.roles import CONTROL, Principal
 from hub.ipc.security.client_keys import KeyPair
@@ -40,7 +40,7 @@ _RELAY_QUEUE = 200
 _Socket: TypeAlias = "zmq.Socket[bytes]"
 
 
-class Gateway:
+class GatewaySockets:
     """Central's sockets for other machines, open from the start to `close`.
 
     All but `close` is for the thread that polls it; `close` is for when that thread has ended.
@@ -85,7 +85,7 @@ class Gateway:
         """
         self._faults = faults
         self._clock = clock
-        self._sources = ConnectionRates(faults, self.hang_up)
+        self._rates = ConnectionRates(faults, self.hang_up)
         self._judge = judge
         self._reserve = Reserve(faults, part=BEYOND)  # strangers leave some to local modules
         self._made: list[_Socket] = []
@@ -144,7 +144,7 @@ class Gateway:
         now = self._clock()
         for flood in self._floods.values():
             flood.look(now)
-        self._sources.look(known, now)
+        self._rates.look(known, now)
 
     def hang_up(self, descriptor: int) -> None:
         """End a connection of ours; one of somebody else who has its descriptor now goes on."""
@@ -161,7 +161,7 @@ class Gateway:
         for monitor, place in self._monitors.items():
             while place in _BROADCASTS and monitor.poll(0):
                 self._watch(monitor, place)  # some may have been accepted a moment ago
-        for descriptor in self._sources.at(_BROADCASTS):
+        for descriptor in self._rates.at(_BROADCASTS):
             self.hang_up(descriptor)
 
     def admitted(self) -> frozenset[Principal]:
@@ -233,19 +233,17 @@ class Gateway:
     def _relay(
         self, context: zmq.Context[_Socket], place: str, outer: _Socket, inner: _Socket
     ) -> threading.Thread:
-        """The thread that hands on both ways until it is told to terminate."""
-        told, telling = context.socket(zmq.PAIR), context.socket(zmq.PAIR)
-        self._made.append(told)
-        self._steering.append(telling)
+        """The thread that hands on both ways until `close`."""
         address = f"inproc://gateway-steering-{place.replace(' ', '-')}"
-        told.bind(address)
-        telling.connect(address)
+        steered, steering = sockets.pair(context, address)
+        self._made.append(steered)
+        self._steering.append(steering)
 
         def hand_on() -> None:
             if place == _COMMANDS:
-                command_filter.carry(outer, inner, told, self._judge)
+                command_filter.carry(outer, inner, steered, self._judge)
             else:
-                zmq.proxy_steerable(outer, inner, None, told)
+                zmq.proxy_steerable(outer, inner, None, steered)
 
         return threading.Thread(target=hand_on, name=f"gateway {place}", daemon=True)
 
@@ -259,7 +257,7 @@ class Gateway:
             event, descriptor = sockets.parse_event(raw)
             flood = self._floods.get(place)
             if event == zmq.EVENT_DISCONNECTED:
-                self._sources.ended(descriptor)
+                self._rates.ended(descriptor)
                 if flood is not None:
                     flood.disconnected(descriptor)
                 elif place == CONTROL:
@@ -269,7 +267,7 @@ class Gateway:
                 ends = ends_of(descriptor)
                 if ends is None:  # it has ended already
                     continue
-                if not self._sources.admit(descriptor, ends[1], place, self._clock()):
+                if not self._rates.admit(descriptor, ends[1], place, self._clock()):
                     hang_up(descriptor)
                 elif flood is not None:
                     flood.connected(descriptor, ends[1])

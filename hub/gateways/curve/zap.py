@@ -13,7 +13,7 @@ import zmq
 from zmq.utils import z85
 
 from hub.errors import EndpointError, KeyFileError
-from hub.ipc.broker.quotas import Accounts
+from hub.gateways.accounts import Accounts
 from hub.ipc.roles import Principal, may_connect
 from hub.ipc.security.keyring import Keyring
 from hub.ipc.transport.fault_counter import FaultCounter

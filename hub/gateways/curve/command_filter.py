@@ -15,8 +15,9 @@ from typing import Any
 import zmq
 
 from hub.errors import FrameError, NotAllowedError
+from hub.gateways.accounts import STOPS_PER_S, Accounts
 from hub.ipc.broker.peers import Peer
-from hub.ipc.broker.quotas import QUOTAS, STOPS_PER_S, Accounts
+from hub.ipc.broker.quotas import QUOTAS
 from hub.ipc.definition import Plane
 from hub.ipc.roles import Principal, parse_principal
 from hub.ipc.security.publish_rights import demand_right, right

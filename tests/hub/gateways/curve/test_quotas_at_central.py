@@ -10,13 +10,13 @@ from pathlib import Path
 import pytest
 import zmq
 
-from hub.ipc.broker import gateway
+from hub.gateways.curve import gateway_sockets
 from hub.ipc.broker.subscription_floods import Bounds
 from hub.ipc.roles import Role
 from hub.ipc.security.client_keys import ClientKeys
 from hub.ipc.wire import control, control_codec
+from tests.hub.gateways.curve.test_roles_at_central import Hub
 from tests.hub.ipc import vocabulary as v
-from tests.hub.ipc.broker.test_roles_at_central import Hub
 from tests.hub.ipc.vocabulary import Number
 from tests.support.waiting import until
 
@@ -42,9 +42,8 @@ class Attack:
         made.linger = 0
         made.sndhwm = 0
         self.keys.apply(made)
-        entered = self.hub.central._gateway
-        assert entered is not None
-        port = entered.ports[place - 1] if place else entered.endpoint.port
+        entered = self.hub.gateway
+        port = entered.ports[place - 1] if place else entered.endpoint.rpartition(":")[2]
         made.connect(f"tcp://127.0.0.1:{port}")
         return made
 
@@ -125,7 +124,7 @@ def test_who_asks_too_much_is_told_the_limit(attack: Attack) -> None:
 def test_subscriber_that_floods_is_hung_up_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: int, bounds: Bounds
 ) -> None:
-    monkeypatch.setattr(gateway, "Bounds", lambda: bounds)
+    monkeypatch.setattr(gateway_sockets, "Bounds", lambda: bounds)
     with attacked(tmp_path) as attack:
         eve = attack.connect(zmq.SUB, place)
         names = iter(range(10_000_000))
@@ -164,7 +163,7 @@ def test_frames_that_are_no_subscriptions_do_not_come_in_where_broadcasts_go_out
 def test_key_that_is_turned_away_gets_in_later_and_another_key_at_once(
     attack: Attack, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("hub.ipc.broker.quotas._BARRED_S", 0.5)
+    monkeypatch.setattr("hub.gateways.accounts._BARRED_S", 0.5)
     eve = attack.connect()
     eve.send(HELLO)
     until(

@@ -10,11 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.errors import FrameError
+from hub.gateways.accounts import STOPS_AT_ONCE, STOPS_PER_S, Accounts
+from hub.gateways.curve.command_filter import CommandFilter
 from hub.gcm import common, control, navigation
 from hub.gcm.navigation import Stop, Twist
-from hub.ipc.broker.command_filter import CommandFilter
 from hub.ipc.broker.peers import Peer
-from hub.ipc.broker.quotas import QUOTAS, STOPS_AT_ONCE, STOPS_PER_S, Accounts
+from hub.ipc.broker.quotas import QUOTAS
 from hub.ipc.node.subscription import ReceivedFrame, Subscription
 from hub.ipc.roles import LOCAL, Principal, Role
 from hub.ipc.transport.fault_counter import FaultCounter

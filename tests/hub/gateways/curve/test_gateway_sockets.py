@@ -16,7 +16,7 @@ from hub.errors import EndpointError, KeyFileError
 from hub.ipc.roles import Principal, Role
 from hub.ipc.security.client_keys import ClientKeys, KeyPair
 from hub.ipc.security.keyring import Keyring
-from tests.hub.ipc.broker.gateway_stand_in import PLANES, StandIn, standing_in
+from tests.hub.gateways.curve.gateway_stand_in import PLANES, StandIn, standing_in
 from tests.support.ports import free_port
 from tests.support.waiting import until
 

@@ -11,8 +11,8 @@ from pathlib import Path
 import zmq
 import zmq.utils.monitor
 
-from hub.ipc.broker.gateway import Gateway
-from hub.ipc.broker.quotas import Accounts
+from hub.gateways.accounts import Accounts
+from hub.gateways.curve.gateway_sockets import GatewaySockets
 from hub.ipc.endpoints import TcpEndpoint
 from hub.ipc.roles import Role
 from hub.ipc.security.client_keys import ClientKeys, read_client_keys
@@ -60,8 +60,8 @@ class StandIn:
             self._threads.append(threading.Thread(target=self._serve, name="stand-in"))
             self._threads[-1].start()
 
-    def open_gateway(self, port: int) -> Gateway:
-        return Gateway(
+    def open_gateway(self, port: int) -> GatewaySockets:
+        return GatewaySockets(
             self.context,
             TcpEndpoint("127.0.0.1", port),
             self.keyring,

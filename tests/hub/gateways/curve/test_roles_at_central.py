@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
+from typing import cast
 
 import pytest
 
 from hub.errors import EndpointError, HandlerFailedError, NotAllowedError
+from hub.gateways.curve.curve_gateway import CurveGateway, curve_gateway
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.roles import Role
@@ -24,9 +27,9 @@ class Hub:
 
     def __init__(self, folder: Path) -> None:
         self._keyring = Keyring(folder / "keys")
-        self.central = Central(
-            [f"ipc://{folder}/central"], gateway="tcp://127.0.0.1:0", keyring=self._keyring
-        )
+        gateway = curve_gateway("tcp://127.0.0.1:0", self._keyring)
+        self.central = Central([f"ipc://{folder}/central"], gateways=[gateway])
+        self.gateway = cast("CurveGateway", self.central._gateways[0])
         self._peers: list[Peer] = []
         self.local = Peer("local", self.central.endpoints[0]).connect()
         self._peers.append(self.local)
@@ -154,17 +157,15 @@ def test_removed_key_does_not_come_back(hub: Hub, tmp_path: Path) -> None:
     hub.local.call(lambda: hub.local.client.directory.listing(5.0))
 
 
-def test_client_without_keys_stays_on_its_machine(
-    hub: Hub, peers: Callable[[str, str], Peer]
-) -> None:
+def test_client_without_keys_stays_on_its_machine(hub: Hub) -> None:
     with pytest.raises(EndpointError, match="rune-hub keys make"):
         Client("one", "tcp://robot.example:1481")
     # Without keys it does not get through the gateway of its own machine either.
-    lonely = peers("lonely", hub.central.endpoints[1])
-    until(lambda: any("bad handshake at" in r for r in hub.central.faults.counts), 10.0)
-    assert not lonely.client.connected
+    with closing(Peer("lonely", hub.central.endpoints[1])) as lonely:
+        until(lambda: any("bad handshake at" in r for r in hub.central.faults.counts), 10.0)
+        assert not lonely.client.connected
 
 
 def test_gateway_needs_keys(tmp_path: Path) -> None:
     with pytest.raises(EndpointError, match="folder of keys"):
-        Central([f"ipc://{tmp_path}/central"], gateway="tcp://127.0.0.1:0")
+        Central([f"ipc://{tmp_path}/central"], gateways=[curve_gateway("tcp://127.0.0.1:0", None)])

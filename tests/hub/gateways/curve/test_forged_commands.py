@@ -6,12 +6,14 @@ import itertools
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 import zmq
 
 from hub.errors import HandlerFailedError, NotAllowedError
+from hub.gateways.curve.curve_gateway import CurveGateway, curve_gateway
+from hub.gateways.curve.removed_keys import RemovedKeys
 from hub.gcm import navigation
 from hub.gcm.common import COMMON_COMMAND, CommonCommand, CommonCommandKind
 from hub.gcm.navigation import STOP, Stop, Twist
@@ -20,7 +22,6 @@ from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.roles import Role
 from hub.ipc.security.client_keys import ClientKeys, read_client_keys
 from hub.ipc.security.keyring import Keyring
-from hub.ipc.security.removed_keys import RemovedKeys
 from hub.ipc.wire import control, control_codec, frames
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Peer
@@ -37,9 +38,9 @@ class Hub:
 
     def __init__(self, folder: Path) -> None:
         self._keyring = Keyring(folder / "keys")
-        self.central = Central(
-            [f"ipc://{folder}/central"], gateway="tcp://127.0.0.1:0", keyring=self._keyring
-        )
+        gateway = curve_gateway("tcp://127.0.0.1:0", self._keyring)
+        self.central = Central([f"ipc://{folder}/central"], gateways=[gateway])
+        self.gateway = cast("CurveGateway", self.central._gateways[0])
         self._outside: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
         self._raw: list[zmq.Socket[bytes]] = []
         self._peers: list[Peer] = []
@@ -67,8 +68,7 @@ class Hub:
         made = self._outside.socket(zmq.XPUB)
         made.linger = 0
         keys.apply(made)
-        assert self.central._gateway is not None
-        made.connect(f"tcp://127.0.0.1:{self.central._gateway.ports[2]}")
+        made.connect(f"tcp://127.0.0.1:{self.gateway.ports[2]}")
         self._raw.append(made)
         seen: set[bytes] = set()
         until(
@@ -85,8 +85,7 @@ class Hub:
         made.linger = 0
         made.reconnect_ivl = 20
         keys.apply(made)
-        assert self.central._gateway is not None
-        made.connect(f"tcp://127.0.0.1:{self.central._gateway.ports[0]}")
+        made.connect(f"tcp://127.0.0.1:{self.gateway.ports[0]}")
         self._raw.append(made)
         return made
 
@@ -328,7 +327,7 @@ def test_old_key_of_a_name_neither_commands_nor_stops_once_the_name_has_a_new_ke
     old = hub.keys("alice", Role.OPERATE)
     raw = hub.raw(old, b"T_Event\0")
     hub.remove("alice")
-    until(lambda: not hub.central._keys.holds(old.principal), 10.0)
+    until(lambda: not hub.gateway.holds(old.principal), 10.0)
     fresh = hub.connected("console anew", hub.keys("alice", Role.OPERATE))
     own = fresh.client.number
     raw.send(frame(v.EVENT, Number(value=-1), own, 1000))
@@ -349,7 +348,7 @@ def test_key_that_was_removed_and_made_anew_between_two_looks_is_refused(hub: Hu
     raw.send(frame(v.EVENT, Number(value=-1), fresh.client.number, 1000))
     dropped(hub)
     assert events == []
-    until(lambda: not hub.central._keys.holds(old.principal), 10.0)
+    until(lambda: not hub.gateway.holds(old.principal), 10.0)
 
 
 def test_removed_key_of_a_module_publishes_no_states_and_the_others_go_on(hub: Hub) -> None:
@@ -393,9 +392,9 @@ def test_removed_key_of_a_module_publishes_no_states_and_the_others_go_on(hub: H
 def test_control_messages_of_a_removed_key_are_refused(hub: Hub) -> None:
     keys = hub.keys("evil", Role.OPERATE)
     raw = hub.dealer(keys)
-    until(lambda: keys.principal in hub.central._admitted(), 10.0)
+    until(lambda: keys.principal in hub.gateway.admitted(), 10.0)
     hub.remove("evil")
-    until(lambda: not hub.central._keys.holds(keys.principal), 10.0)
+    until(lambda: not hub.gateway.holds(keys.principal), 10.0)
     raw.send(control_codec.pack(control.Hello(name="late", pid=1)))
     counts = hub.central.faults.counts
     until(lambda: counts["malformed control frame"], 10.0, lambda: str(counts))

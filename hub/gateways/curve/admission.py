@@ -9,7 +9,7 @@ from typing import Any
 import zmq
 
 from hub.errors import CodecError, FrameError, NotAllowedError
-from hub.ipc.broker.quotas import Account, Accounts, QuotaVerdict
+from hub.gateways.accounts import Account, Accounts, QuotaVerdict
 from hub.ipc.roles import Principal, parse_principal
 from hub.ipc.security import permissions
 from hub.ipc.transport.fault_counter import FaultCounter
@@ -46,8 +46,8 @@ class Admission:
         self._hang_up = hang_up
         self._holds = holds
 
-    def principal(self, frame: zmq.Frame) -> Principal:
-        """Whose key the connection has that a frame came in on.
+    def principal_of(self, frame: zmq.Frame) -> Principal:
+        """The key of the connection on which a frame came.
 
         Raises:
             NotAllowedError: It has none, or one that was removed.
@@ -59,7 +59,7 @@ class Admission:
         return known
 
     def admits(self, principal: Principal, identity: bytes, body: Sequence[zmq.Frame]) -> bool:
-        """Whether a message is served; who asks too much is refused, and then disconnected.
+        """Whether central serves a message; too many are refused, then the connection is ended.
 
         Args:
             principal: Whose key it came with.

@@ -1,0 +1,1 @@
+"""Ways into central for others than clients of this machine."""

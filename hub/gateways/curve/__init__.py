@@ -1,0 +1,1 @@
+"""The gateway for other machines: the sockets of central once more, with keys (CURVE)."""

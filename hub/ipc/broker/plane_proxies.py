@@ -1,0 +1,95 @@
+"""The planes of central: two sockets each, and ZeroMQ's proxy between them in a thread.
+
+The proxy also copies each broadcast to `copies`, where central looks at some of them.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+import zmq
+
+from hub.ipc.broker.subscription_floods import FloodWatch
+from hub.ipc.definition import Plane
+from hub.ipc.transport import sockets
+from hub.ipc.transport.fault_counter import FaultCounter
+
+_COPIES = {Plane.STATE: 400, Plane.COMMAND: 400, Plane.PICTURE: 8}
+"""Broadcasts that wait to be looked at, at most; each holds its memory until then."""
+
+
+def inner_addresses(plane: Plane) -> tuple[str, str]:
+    """Where gateways find the sockets of a plane: in, out."""
+    return f"inproc://{plane.value}-in", f"inproc://{plane.value}-out"
+
+
+class PlaneProxies:
+    """All planes; broadcasts pass from `start` to `stop`.
+
+    Attributes:
+        ends: The sockets to bind, by place: "state in", "state out", ...
+        floods: Watches the subscribers of each plane, by place.
+        copies: Copies of the broadcasts (SUB).
+    """
+
+    def __init__(self, context: sockets.Context, faults: FaultCounter) -> None:
+        """Make the sockets.
+
+        Args:
+            context: Central's.
+            faults: Counts floods of subscriptions.
+        """
+        self._context = context
+        self.copies = sockets.make(context, zmq.SUB, 1)
+        self.copies.subscribe(b"")
+        self.ends: dict[str, sockets.Socket] = {}
+        self.floods: dict[str, FloodWatch] = {}
+        self._made: list[sockets.Socket] = []
+        self._steering: list[sockets.Socket] = []
+        self._threads: list[threading.Thread] = []
+        for plane in sockets.PLANES:
+            inward = sockets.make_plane(context, zmq.XSUB, plane)
+            outward = sockets.make_plane(context, zmq.XPUB, plane)
+            self._made += [inward, outward]
+            for end, address in zip((inward, outward), inner_addresses(plane), strict=True):
+                end.bind(address)
+            self.ends[f"{plane.value} in"] = inward
+            self.ends[where := f"{plane.value} out"] = outward
+            self.floods[where] = FloodWatch(outward, where, faults)
+            forward = self._proxy(plane, inward, outward)
+            name = f"central-{plane.value}"
+            self._threads.append(threading.Thread(target=forward, name=name, daemon=True))
+
+    def start(self) -> None:
+        """Forward broadcasts from now on."""
+        for thread in self._threads:
+            thread.start()
+
+    def stop(self) -> None:
+        """Forward no more; the threads end soon."""
+        for steering in self._steering:
+            steering.send(b"TERMINATE", zmq.NOBLOCK)
+
+    def close(self) -> None:
+        """Wait for the threads and close the sockets, except `copies`."""
+        for thread in self._threads:
+            thread.join()
+        for socket in (*self._steering, *self._made):
+            socket.close(0)
+
+    def _proxy(
+        self, plane: Plane, inward: sockets.Socket, outward: sockets.Socket
+    ) -> Callable[[], None]:
+        """The function that forwards one plane until `stop`."""
+        copies = sockets.make(self._context, zmq.PUB, _COPIES[plane])
+        copies.bind(f"inproc://copies-{plane.value}")
+        self.copies.connect(f"inproc://copies-{plane.value}")
+        steered, steering = sockets.pair(self._context, f"inproc://steering-{plane.value}")
+        self._made += [copies, steered]
+        self._steering.append(steering)
+
+        def forward() -> None:
+            zmq.proxy_steerable(inward, outward, copies, steered)
+
+        return forward
