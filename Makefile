@@ -2,6 +2,10 @@
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
 READY := .venv/ready
+DEMO_READY := .venv/demo-ready
+PIP := $(BIN)/pip --disable-pip-version-check --quiet
+COMPILE := uv pip compile pyproject.toml --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
+	--custom-compile-command "make lock" --quiet --upgrade
 ONLY ?= *
 TEST := $(BIN)/pytest --numprocesses 3 --dist worksteal
 
@@ -10,7 +14,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo test check fix wheel bench bench-peers bench-notcurses soak tools setup lock clean
 
-demo: $(READY)  ## open the console on a simulated robot
+demo: $(DEMO_READY)  ## open the console on a simulated robot
 	@$(BIN)/rune demo
 
 test: $(READY) tools  ## run the tests
@@ -28,7 +32,7 @@ fix: $(READY)  ## format, and mend what the linter can
 	$(BIN)/ruff check --fix
 
 wheel: $(READY)  ## build dist/*.whl, to be copied and installed elsewhere
-	$(BIN)/pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation -w dist .
+	$(PIP) wheel --no-deps --no-build-isolation -w dist .
 	@ls dist
 
 bench: $(READY)  ## every figure, or one script's with ONLY=sim
@@ -51,19 +55,23 @@ tools:  ## virtual joysticks and what else the tests use of the system, where th
 
 setup: $(READY)
 
-$(READY): requirements.lock pyproject.toml
+$(DEMO_READY): requirements-demo.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 		{ echo "Rune needs Python 3.11 or newer: make PYTHON=/path/to/python3.11"; exit 2; }
 	@echo "setting up .venv (once)"
 	@$(PYTHON) -m venv .venv
-	@$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
-	@$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@$(PIP) install --require-hashes -r requirements-demo.lock
+	@$(PIP) install --no-deps --no-build-isolation -e .
+	@touch $@
+
+$(READY): $(DEMO_READY) requirements.lock
+	@echo "adding the tools of the tests to .venv (once)"
+	@$(PIP) install --require-hashes -r requirements.lock
 	@touch $@
 
 lock:  ## choose versions anew within the bounds of pyproject.toml; needs uv
-	uv pip compile pyproject.toml --extra console --extra camera --extra record --extra evdev --group dev --universal \
-		--python-version 3.11 --generate-hashes --no-emit-index-url --custom-compile-command "make lock" \
-		--upgrade --quiet -o requirements.lock
+	$(COMPILE) --extra console --extra camera --extra record --extra evdev --group dev -o requirements.lock
+	$(COMPILE) --extra console --extra evdev --group build -c requirements.lock -o requirements-demo.lock
 
 clean:
 	rm -rf .venv .venv-bench

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import tomllib
 from pathlib import Path
 
@@ -30,7 +31,9 @@ def test_package_inits_hold_only_a_docstring() -> None:
 def test_every_dependency_is_bounded_and_has_its_reason_beside_it() -> None:
     text = (ROOT / "pyproject.toml").read_text()
     project = tomllib.loads(text)
-    names = [*project["project"]["dependencies"], *project["dependency-groups"]["dev"]]
+    groups = project["dependency-groups"].values()
+    grouped = [each for group in groups for each in group if isinstance(each, str)]
+    names = [*project["project"]["dependencies"], *grouped]
     for extra in project["project"]["optional-dependencies"].values():
         names += extra
     unexplained = [
@@ -44,6 +47,9 @@ def test_every_dependency_is_bounded_and_has_its_reason_beside_it() -> None:
 
 
 def test_locked_versions_name_no_registry() -> None:
-    lock = (ROOT / "requirements.lock").read_text()
-    assert "://" not in lock
-    assert all(f"\n{name}==" in lock for name in ("numpy", "pyzmq", "textual", "pytest"))
+    whole, demo = ((ROOT / f"requirements{each}.lock").read_text() for each in ("", "-demo"))
+    assert "://" not in whole + demo
+    assert all(f"\n{name}==" in whole for name in ("numpy", "pyzmq", "textual", "pytest"))
+    assert set(re.findall(r"^\S+==.*$", demo, re.MULTILINE)) < set(
+        re.findall(r"^\S+==.*$", whole, re.MULTILINE)
+    )
