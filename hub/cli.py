@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import gc
 import io
 import logging
 import os
@@ -41,7 +40,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # messages hold text of any kind
     options = _parser().parse_args(arguments)
-    start_logging("hub", logging.INFO if options.command == "run" else logging.WARNING)
+    if options.command != "run":  # the daemon forks before it has a thread
+        start_logging("hub", logging.WARNING)
     try:
         return _run_command(options)
     except KeyboardInterrupt:
@@ -218,7 +218,7 @@ def _tend_keys(options: argparse.Namespace) -> int:
 def _run_daemon(options: argparse.Namespace) -> int:
     import dataclasses
 
-    from hub.robomon.daemon import Daemon
+    from hub.robomon import daemon
     from hub.robomon.module_table import load_robot_table
 
     table = load_robot_table(options.robot, options.set)
@@ -226,8 +226,12 @@ def _run_daemon(options: argparse.Namespace) -> int:
         table = dataclasses.replace(
             table, robot=dataclasses.replace(table.robot, port=options.port)
         )
-    gc.freeze()  # what was loaded stays: no search for rubbish, and no end, goes through it
-    return Daemon(table, as_json=options.json).run(stop_with_stdin=options.stop_with_stdin)
+    return daemon.run(
+        table,
+        spawn=options.spawn,
+        as_json=options.json,
+        stop_with_stdin=options.stop_with_stdin,
+    )
 
 
 def _port(text: str) -> int:
@@ -284,6 +288,9 @@ def _parser() -> CommandParser:
     )
     run.add_argument("--json", action="store_true", help="say what happens as JSON lines")
     run.add_argument("--stop-with-stdin", action="store_true", help="stop when standard input ends")
+    run.add_argument(
+        "--spawn", action="store_true", help="start each module as a new program; do not fork it"
+    )
 
     service = commands.add_parser("service", help="print a systemd unit that runs a robot's hub")
     service.add_argument("robot", help="a robot file, or the name of a shipped one")

@@ -12,6 +12,7 @@ from hub.errors import ModuleStartError
 from hub.robomon.module_lifecycle import ModuleLifecycle
 from hub.robomon.process import ModuleProcess
 from hub.robomon.wants import MAX_NAME
+from hub.robomon.warm_parent import WarmParent
 
 _logger = logging.getLogger(__name__)
 
@@ -24,12 +25,14 @@ MAX_SHOWN_BYTES = 200
 class CapabilityProbe:
     """Asks one module after the other; `look` is to be called again and again, and never waits."""
 
-    def __init__(self, arguments: Sequence[str]) -> None:
+    def __init__(self, arguments: Sequence[str], parent: WarmParent | None) -> None:
         """Ask nobody yet.
 
         Args:
             arguments: What is added to a module's command.
+            parent: Forks the processes that are asked.
         """
+        self._parent = parent
         self._arguments = (*arguments, "--describe")
         self._waiting: deque[ModuleLifecycle] = deque()
         self._asked: set[str] = set()
@@ -57,7 +60,7 @@ class CapabilityProbe:
         elif self._waiting:
             self._life = self._waiting.popleft()
             try:
-                self._process = ModuleProcess(self._life.spec, self._arguments)
+                self._process = ModuleProcess(self._life.spec, self._arguments, self._parent)
             except ModuleStartError as error:
                 _logger.warning("module %s %s", self._life.spec.name, error)
                 return

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import json
 import logging
 import os
@@ -22,15 +23,22 @@ from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.security.keyring import Keyring, default_folder
 from hub.ipc.security.publish_rights import ROBOMON
+from hub.nonblocking_logging import start_logging
 from hub.robomon.control_service import ControlService
 from hub.robomon.mission_want import MissionWant
 from hub.robomon.module_logs import LogFolder, ModuleLogs
-from hub.robomon.module_table import RobotTable, hub_arguments, robot_arguments
+from hub.robomon.module_table import (
+    RobotTable,
+    hub_arguments,
+    python_modules,
+    robot_arguments,
+)
 from hub.robomon.policy import ModulePolicy
 from hub.robomon.process import adopt_orphans
 from hub.robomon.process_supervisor import ProcessSupervisor
 from hub.robomon.reporting import Reporting
 from hub.robomon.sd_notify import Notifier
+from hub.robomon.warm_parent import WarmParent
 
 _logger = logging.getLogger(__name__)
 
@@ -40,11 +48,44 @@ _LISTEN_S = 0.5
 _FOLDER = "rune-hub-{pid}-"
 
 
+def run(table: RobotTable, *, spawn: bool, as_json: bool, stop_with_stdin: bool) -> int:
+    """Run a robot's hub in this process, which has one thread and no socket yet.
+
+    Args:
+        table: The robot and its modules.
+        spawn: Start each module as a new program; do not fork it.
+        as_json: Say what happens as JSON lines.
+        stop_with_stdin: Stop when standard input ends.
+
+    Returns:
+        The exit code: 0, or 1 if a module was given up.
+
+    Raises:
+        EndpointError: The port is busy.
+        SystemExit: In a forked module, at its end.
+    """
+    parent = None
+    if adopt_orphans() and not spawn:
+        parent = WarmParent(python_modules(table))
+        parent.fork_from_here()
+    start_logging("hub", logging.INFO)
+    gc.freeze()  # what was loaded stays: no search for rubbish, and no end, goes through it
+    return Daemon(table, parent, as_json=as_json).run(stop_with_stdin=stop_with_stdin)
+
+
 class Daemon:
     """Runs central and the modules until it is told to stop."""
 
-    def __init__(self, table: RobotTable, *, as_json: bool) -> None:
+    def __init__(self, table: RobotTable, parent: WarmParent | None, *, as_json: bool) -> None:
+        """Have the modules of this table.
+
+        Args:
+            table: The robot and its modules.
+            parent: Forks Python modules; None: all are spawned.
+            as_json: Say what happens as JSON lines.
+        """
         self._table = table
+        self._parent = parent
         self._as_json = as_json
         # No Event: a second signal that comes while the first one sets it would wait for ever.
         self._stopping = False
@@ -66,7 +107,6 @@ class Daemon:
             signal.signal(number, lambda *_: self._end())
         if stop_with_stdin:
             threading.Thread(target=self._wait_for_end_of_stdin, daemon=True).start()
-        adopt_orphans()
         robot = self._table.robot
         with contextlib.ExitStack() as stack:
             folder = stack.enter_context(_socket_folder())
@@ -102,6 +142,7 @@ class Daemon:
             outputs,
             arguments=hub_arguments(local, robot),
             description_arguments=robot_arguments(robot),
+            parent=self._parent,
             changed=lambda: self._changed(reporting),
         )
         reporting = Reporting(client, keeper, outputs, self._table.robot.body)

@@ -64,6 +64,13 @@ class ModuleSpec:
     memory_limit_mb: float = 0.0
     environment: tuple[tuple[str, str], ...] = ()
 
+    @property
+    def python_module(self) -> str:
+        """The Python module that the command runs by this Python; empty if it is another one."""
+        if len(self.command) == 3 and self.command[:2] == (sys.executable, "-m"):
+            return self.command[2]
+        return ""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotTable:
@@ -175,6 +182,11 @@ def _importable(module: str) -> bool:
         return importlib.util.find_spec(module) is not None
     except (ImportError, ValueError):
         return False
+
+
+def python_modules(table: RobotTable) -> tuple[str, ...]:
+    """The Python modules that the robot's modules run."""
+    return tuple(filter(None, (spec.python_module for spec in table.modules)))
 
 
 def robot_arguments(robot: RobotDescription) -> list[str]:

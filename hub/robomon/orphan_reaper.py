@@ -1,10 +1,11 @@
 """Ends the modules when the daemon dies without doing so, as by SIGKILL.
 
-A process of its own, started by the file's name, so that it is small and imports nothing of ours.
-On standard input it is told the process groups of the modules that run: "+123" and "-123" lines.
-When that ends, modules have a moment to stop by themselves; what is left of them is killed. What
-they have started carries the mark, a variable of its environment that is our argument, also where
-it has left their process groups.
+A process of its own, started by the file's name, so that it is small and imports nothing of Rune.
+Standard input names the process groups of the modules that run: lines "123", and "-123" for those
+that have ended. When the input ends, modules have a moment to stop by themselves. Then the reaper
+kills what is left of the groups, and every process that carries the mark: this program's argument,
+as a variable of the environment or as the name of a mapped page. What modules have started carries
+it in any group and session.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ GRACE_S = 1.0
 """Time that modules have to stop by themselves when the daemon is gone [s]."""
 _LOOK_S = 0.05
 _ROUNDS = 20
-"""How often it is looked for marked processes: new ones may be started while others are killed."""
+"""How often the reaper searches: marked processes may start others while it kills them."""
 
 
 def _alive(group: int) -> bool:
@@ -33,23 +34,30 @@ def _alive(group: int) -> bool:
 
 
 def marked(mark: bytes) -> list[int]:
-    """The processes in whose environment this is written; Linux only."""
+    """The processes that carry the mark; Linux only."""
     found = []
     with contextlib.suppress(OSError):
         for name in os.listdir("/proc"):  # noqa: PTH208 - imports as little as possible
             with contextlib.suppress(OSError):
-                if name.isdigit() and mark in _environment(name) and int(name) != os.getpid():
+                if name.isdigit() and int(name) != os.getpid() and _carries(name, mark):
                     found.append(int(name))
     return found
 
 
-def _environment(pid: str) -> list[bytes]:
-    with open(f"/proc/{pid}/environ", "rb") as file:  # noqa: PTH123 - see above
-        return file.read().split(b"\0")
+def _carries(pid: str, mark: bytes) -> bool:
+    """Spawned processes have the mark in their environment, forked ones have a page of its name."""
+    if mark in _read(pid, "environ").split(b"\0"):
+        return True
+    return b"/memfd:" + mark + b" " in _read(pid, "maps")
+
+
+def _read(pid: str, name: str) -> bytes:
+    with open(f"/proc/{pid}/{name}", "rb") as file:  # noqa: PTH123 - imports as little as possible
+        return file.read()
 
 
 def main() -> None:
-    """Wait until the daemon is gone, and clean up after it."""
+    """Wait until the daemon is gone, and end what it has left."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
     mark = os.fsencode(sys.argv[1])

@@ -6,7 +6,6 @@ import contextlib
 import ctypes
 import logging
 import os
-import secrets
 import signal
 import subprocess
 import sys
@@ -16,15 +15,13 @@ from pathlib import Path
 
 from hub.errors import ModuleStartError
 from hub.robomon import orphan_reaper
+from hub.robomon.child_environment import MARK, child_environment
 from hub.robomon.module_table import ModuleSpec
+from hub.robomon.warm_parent import ChildProcess, WarmParent
 
 _logger = logging.getLogger(__name__)
 
-_OF_THE_DAEMON = ("NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID")
 _PR_SET_CHILD_SUBREAPER = 36
-_MARK = "RUNE_HUB_RUN"
-"""Variable by which what modules have started is found, wherever it has gone."""
-_OURS = secrets.token_hex(8)
 _PATIENCE_S = 2.0
 """How long a process that was killed may take to end, and the guardian to do its work [s]."""
 
@@ -76,7 +73,7 @@ class OrphanReaper:
             process.wait()
 
     def _start(self) -> None:
-        command = [sys.executable, "-I", "-S", orphan_reaper.__file__, f"{_MARK}={_OURS}"]
+        command = [sys.executable, "-I", "-S", orphan_reaper.__file__, MARK]
         try:
             process = subprocess.Popen(
                 command,
@@ -135,45 +132,63 @@ class Usage:
 class ModuleProcess:
     """A running module, in a process group of its own.
 
-    The daemon keeps the other end of the process's standard input; when the daemon dies, however
+    The daemon keeps the other end of the process's standard input. When the daemon dies, however
     it dies, that pipe ends and the module stops by itself. What it writes to standard output and
     standard error comes out of `output`.
     """
 
-    def __init__(self, spec: ModuleSpec, arguments: Sequence[str]) -> None:
-        """Start it.
+    def __init__(
+        self, spec: ModuleSpec, arguments: Sequence[str], parent: WarmParent | None = None
+    ) -> None:
+        """Start it: forked from the parent where that can do it, else spawned.
 
         Raises:
             ModuleStartError: The system cannot execute the command.
         """
         self.spec = spec
+        with contextlib.ExitStack() as opened, contextlib.ExitStack() as theirs:
+            try:
+                stdin, self._stdin = os.pipe()
+                theirs.callback(os.close, stdin)
+                opened.callback(os.close, self._stdin)
+                self.output, output = os.pipe()
+                theirs.callback(os.close, output)
+                opened.callback(os.close, self.output)
+            except OSError as error:
+                text = f"could not be started: {error.strerror}"
+                raise ModuleStartError(text) from error
+            self._process = self._start(arguments, (stdin, output), parent)
+            opened.pop_all()
+
+    def _start(
+        self, arguments: Sequence[str], files: tuple[int, int], parent: WarmParent | None
+    ) -> ChildProcess:
+        forked = parent and parent.start(self.spec, arguments, files)
+        process = forked or self._spawn(arguments, files)
+        if self.spec.nice:
+            self._renice(process.pid)
+        if forked:
+            with contextlib.suppress(BrokenPipeError):  # it has ended already
+                os.write(self._stdin, b"\n")  # it waits for this
+        return process
+
+    def _spawn(self, arguments: Sequence[str], files: tuple[int, int]) -> ChildProcess:
+        stdin, output = files
         try:
-            output, theirs = os.pipe()
-        except OSError as error:
-            text = f"could not be started: {error.strerror}"
-            raise ModuleStartError(text) from error
-        try:
-            self._process = subprocess.Popen(
-                [*spec.command, *arguments],
-                stdin=subprocess.PIPE,
-                stdout=theirs,
-                stderr=theirs,
-                # Lines are wanted when they are written, not when a buffer is full.
-                env=_environment(spec),
+            return subprocess.Popen(
+                [*self.spec.command, *arguments],
+                stdin=stdin,
+                stdout=output,
+                stderr=output,
+                env=child_environment(dict(self.spec.environment)),
                 # Its own group: Ctrl-C in the daemon's terminal is for the daemon alone, which
                 # ends the modules in order.
                 process_group=0,
             )
         except (OSError, ValueError) as error:
-            os.close(output)
             reason = getattr(error, "strerror", None) or error
-            text = f"could not be started: {spec.command[0]!r}: {reason}"
+            text = f"could not be started: {self.spec.command[0]!r}: {reason}"
             raise ModuleStartError(text) from error
-        finally:
-            os.close(theirs)
-        self.output = output
-        if spec.nice:
-            self._renice()
 
     @property
     def pid(self) -> int:
@@ -222,31 +237,28 @@ class ModuleProcess:
         self.kill()
         if not self.wait(_PATIENCE_S):
             _logger.warning("process %d was killed and does not end", self.pid)
-        if self._process.stdin is not None:
-            self._process.stdin.close()
+        if self._stdin >= 0:
+            os.close(self._stdin)
+            self._stdin = -1
 
-    def _renice(self) -> None:
+    def _renice(self, pid: int) -> None:
         try:
-            os.setpriority(os.PRIO_PGRP, self.pid, self.spec.nice)
+            os.setpriority(os.PRIO_PGRP, pid, self.spec.nice)
         except OSError as error:
             text = "module %s: its niceness cannot be changed by %d: %s"
             _logger.warning(text, self.spec.name, self.spec.nice, error.strerror)
 
 
-def _environment(spec: ModuleSpec) -> dict[str, str]:
-    """The daemon's own, without what systemd means for the daemon alone."""
-    own = {k: v for k, v in os.environ.items() if k not in _OF_THE_DAEMON}
-    return {"PYTHONUNBUFFERED": "1", **own, **dict(spec.environment), _MARK: _OURS}
-
-
-def adopt_orphans() -> None:
-    """Become the parent of processes whose own parent ends; Linux only."""
-    with contextlib.suppress(OSError, AttributeError):
-        ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+def adopt_orphans() -> bool:
+    """Become the parent of processes whose own parent ends; False where there is no such thing."""
+    try:
+        return bool(ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0) == 0)
+    except (OSError, AttributeError):
+        return False
 
 
 def end_strays(known: Collection[int]) -> int:
-    """Kill children that we did not start: what ended modules have left behind.
+    """Kill children that are not known: what ended modules have left behind.
 
     Returns:
         How many there were.

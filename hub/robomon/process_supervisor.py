@@ -18,6 +18,7 @@ from hub.robomon.module_lifecycle import ModuleLifecycle, ProcessAction
 from hub.robomon.module_logs import ModuleLogs
 from hub.robomon.policy import ModulePolicy
 from hub.robomon.process import ModuleProcess, OrphanReaper, Usage, end_strays
+from hub.robomon.warm_parent import WarmParent
 
 _logger = logging.getLogger(__name__)
 
@@ -57,6 +58,7 @@ class ProcessSupervisor:
         *,
         arguments: Sequence[str],
         description_arguments: Sequence[str],
+        parent: WarmParent | None,
         changed: Callable[[], None],
     ) -> None:
         """Begin; nothing is started before the client is served.
@@ -67,16 +69,18 @@ class ProcessSupervisor:
             outputs: Gets what modules write.
             arguments: What is added to each module's command.
             description_arguments: What is added instead to ask what it can do.
+            parent: Forks Python modules; None: all are spawned.
             changed: Called when something of interest has changed.
         """
         self.supervisor = supervisor
         self._client = client
         self._outputs = outputs
         self._arguments = arguments
+        self._parent = parent
         self._changed = changed
         self._clock = time.monotonic
         self._guardian = OrphanReaper()
-        self._inquiry = CapabilityProbe(description_arguments)
+        self._inquiry = CapabilityProbe(description_arguments, parent)
         self._running: dict[str, _Running] = {}
         self._said: dict[str, tuple[ModulePhase, str, int]] = {}
         self._began = self._clock()
@@ -125,6 +129,8 @@ class ProcessSupervisor:
         for process in running:
             process.wait(started + process.spec.stop_timeout_s - self._clock())
             process.end()
+        if self._parent is not None:
+            self._parent.close()
         end_strays({self._guardian.pid})
         self._guardian.close()
 
@@ -149,7 +155,7 @@ class ProcessSupervisor:
     def _start(self, life: ModuleLifecycle) -> None:
         name, now = life.spec.name, self._clock()
         try:
-            process = ModuleProcess(life.spec, self._arguments)
+            process = ModuleProcess(life.spec, self._arguments, self._parent)
         except ModuleStartError as error:
             life.not_started(str(error), now)
             _log_end(life)
@@ -193,6 +199,8 @@ class ProcessSupervisor:
         """See what the modules take, and end what is left of ended ones."""
         now = self._clock()
         self._guardian.look()
+        if self._parent is not None:
+            self._parent.look()
         for name, running in self._running.items():
             usage = running.process.usage()
             if usage is None:
@@ -202,7 +210,8 @@ class ProcessSupervisor:
                 running.processor = spent / (now - running.looked)
             running.usage, running.looked = usage, now
             self.supervisor.used(name, usage.memory_mb, now)
-        strays = end_strays({self._guardian.pid, self._inquiry.pid, *self.pids.values()})
+        own = {self._guardian.pid, self._inquiry.pid, self._parent.pid if self._parent else 0}
+        strays = end_strays({*own, *self.pids.values()})
         if strays:
             _logger.warning("%d processes that modules had left behind were killed", strays)
 
