@@ -29,8 +29,8 @@ from hub.robomon.mission_want import MissionWant
 from hub.robomon.module_logs import LogFolder, ModuleLogs
 from hub.robomon.module_table import (
     RobotTable,
+    common_imports,
     hub_arguments,
-    python_modules,
     robot_arguments,
 )
 from hub.robomon.policy import ModulePolicy
@@ -66,7 +66,7 @@ def run(table: RobotTable, *, spawn: bool, as_json: bool, stop_with_stdin: bool)
     """
     parent = None
     if adopt_orphans() and not spawn:
-        parent = WarmParent(python_modules(table))
+        parent = WarmParent(common_imports(table))
         parent.fork_from_here()
     start_logging("hub", logging.INFO)
     gc.freeze()  # what was loaded stays: no search for rubbish, and no end, goes through it

@@ -34,7 +34,6 @@ LENGTH = struct.Struct("!I")
 PID = struct.Struct("!i")
 SEVERAL_THREADS = 3
 """Exit code of a parent whose imports have started threads: nothing can be forked from it."""
-_OWN_PACKAGE = "hub."
 _FILES = 2
 _PR_SET_NAME = 15
 _NAME_BYTES = 15
@@ -71,17 +70,13 @@ class ForkRequest:
         return cls(**json.loads(text))
 
 
-def preload(modules: Iterable[str]) -> None:
-    """Import what these Python modules of Rune import.
-
-    Modules of other people are not imported before the fork: they may start threads.
-    """
-    for name in modules:
-        if name.startswith(_OWN_PACKAGE):
-            with contextlib.suppress(ImportError):  # the module itself reports it
-                importlib.import_module(f"{name}.__main__")
-                del sys.modules[f"{name}.__main__"]  # each process runs its own
-    gc.collect()
+def preload(imports: Iterable[str]) -> None:
+    """Import these Python modules; nothing here is collected any more."""
+    for name in imports:
+        with contextlib.suppress(ImportError):  # the module that needs it reports it
+            importlib.import_module(name)
+        if name.endswith(".__main__"):
+            sys.modules.pop(name, None)  # each process runs its own
     gc.freeze()  # a collection would write to pages that the processes share
 
 
@@ -289,10 +284,10 @@ def _show_command(words: Iterable[str]) -> None:
 
 
 def main() -> NoReturn:
-    """Be a parent that the daemon has spawned: link, mark, and the modules to load."""
-    number, mark, *modules = sys.argv[1:]
+    """Be a parent that the daemon has spawned: link, mark, and what to import."""
+    number, mark, *imports = sys.argv[1:]
     link = socket.socket(fileno=int(number))
-    preload(modules)
+    preload(imports)
     if not has_one_thread():
         sys.exit(SEVERAL_THREADS)
     link.sendall(PID.pack(os.getpid()))  # ready

@@ -14,6 +14,7 @@ from hub.gcm.capability import Capability
 from hub.robots.description import RobotDescription, find_robot_file, read_description
 from hub.robots.registry import kind_of
 
+_OWN_PACKAGE = "hub.modules."
 _OWN = "X_"
 """Capabilities that are not of the common vocabulary begin so."""
 
@@ -184,9 +185,15 @@ def _importable(module: str) -> bool:
         return False
 
 
-def python_modules(table: RobotTable) -> tuple[str, ...]:
-    """The Python modules that the robot's modules run."""
-    return tuple(filter(None, (spec.python_module for spec in table.modules)))
+def common_imports(table: RobotTable) -> tuple[str, ...]:
+    """What several modules of the robot import and can share; it starts no threads.
+
+    That is what Rune's own modules import, and the robot's kind. Modules of other people are not
+    among it: nobody knows what their import does.
+    """
+    runs = (spec.python_module for spec in table.modules)
+    own = (f"{run}.__main__" for run in runs if run.startswith(_OWN_PACKAGE))
+    return (*own, *kind_of(table.robot).imports)
 
 
 def robot_arguments(robot: RobotDescription) -> list[str]:

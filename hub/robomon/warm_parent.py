@@ -122,14 +122,14 @@ class ForkedProcess:
 class WarmParent:
     """Forks modules; every method returns soon, and no method raises."""
 
-    def __init__(self, modules: Sequence[str], clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, imports: Sequence[str], clock: Callable[[], float] = time.monotonic) -> None:
         """Have no parent yet.
 
         Args:
-            modules: The Python modules to load.
+            imports: The Python modules that it imports.
             clock: Monotonic time [s].
         """
-        self._modules = tuple(modules)
+        self._imports = tuple(imports)
         self._clock = clock
         self._process: ChildProcess | None = None
         self._link: socket.socket | None = None
@@ -152,12 +152,12 @@ class WarmParent:
         return self._ready
 
     def fork_from_here(self) -> None:
-        """Load the modules' imports into this process, and fork the parent from it.
+        """Import into this process what modules share, and fork the parent from it.
 
         Raises:
             SystemExit: In a forked module, at its end.
         """
-        fork_server.preload(self._modules)
+        fork_server.preload(self._imports)
         if not fork_server.has_one_thread():
             self._give_up()
             return
@@ -271,7 +271,7 @@ class WarmParent:
         command = [sys.executable, "-m", fork_server.__name__, str(theirs.fileno()), MARK]
         try:
             process = subprocess.Popen(
-                [*command, *self._modules],
+                [*command, *self._imports],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 env=child_environment({}),

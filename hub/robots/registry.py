@@ -21,11 +21,14 @@ class RobotKind:
         open_base: Opens wheels, range sensors, bumpers, battery.
         open_camera: Opens its own camera; None: it has none. Use the function `open_camera`.
         pan_tilt_zoom: Whether its own camera stands on a head that moves.
+        imports: Python modules that the two functions import when they are called. The daemon
+            imports them once, for all modules of the robot; they start no threads.
     """
 
     open_base: Callable[[RobotDescription], DriveBase]
     open_camera: Callable[[RobotDescription], Camera] | None = None
     pan_tilt_zoom: bool = False
+    imports: tuple[str, ...] = ()
 
 
 def _simulated_base(robot: RobotDescription) -> DriveBase:
@@ -51,7 +54,10 @@ def _simulated_camera(robot: RobotDescription) -> Camera:
 
 KINDS = {
     "simulated-magellan": RobotKind(
-        open_base=_simulated_base, open_camera=_simulated_camera, pan_tilt_zoom=True
+        open_base=_simulated_base,
+        open_camera=_simulated_camera,
+        pan_tilt_zoom=True,
+        imports=("hub.robots.magellan", "numpy.random"),
     ),
 }
 
