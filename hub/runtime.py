@@ -40,6 +40,7 @@ from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.endpoints import DEFAULT_ENDPOINT
 from hub.ipc.message_info import MessageInfo
+from hub.ipc.transport.heap import give_back
 from hub.nonblocking_logging import LEVELS, start_logging
 from hub.robots.description import RobotDescription, read_description, settings
 
@@ -163,6 +164,7 @@ def _serve(
     if daemon_pipe is not None:
         _stop_with_daemon(client, health, daemon_pipe)
     finish = build()
+    give_back()  # what building has left unused in the heap
 
     def announce() -> None:
         info = ModuleInfo(

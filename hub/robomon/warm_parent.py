@@ -218,6 +218,8 @@ class WarmParent:
         if self._process is not None:
             code = self._process.poll()
             if code is None:
+                if not self._ready and self.ready:
+                    _logger.info("modules are forked again: another one is ready")
                 return
             if code == SEVERAL_THREADS:
                 self._give_up()

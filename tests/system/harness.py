@@ -88,15 +88,21 @@ class HubProcess:
     running: ClassVar[list[HubProcess]] = []
 
     def __init__(
-        self, folder: Path, *, environment: dict[str, str] | None = None, **robot_keys: Any
+        self,
+        folder: Path,
+        *,
+        options: Sequence[str] = (),
+        environment: dict[str, str] | None = None,
+        **robot_keys: Any,
     ) -> None:
         """Start it with a `robot_file` of these keys, and variables besides this process's own."""
         robot = folder / "robot.toml"
         robot.write_text(robot_file(**robot_keys))
         self.log = folder / "hub.log"
+        command = [sys.executable, "-m", "hub", "run", str(robot), "--json", "--stop-with-stdin"]
         with self.log.open("wb") as log:
             self.process = subprocess.Popen(
-                [sys.executable, "-m", "hub", "run", str(robot), "--json", "--stop-with-stdin"],
+                [*command, *options],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=log,

@@ -18,8 +18,8 @@ def demo(stack: ExitStack) -> ConsoleProcess:
 
 def test_shows_a_picture_drives_and_leaves_nothing_behind(demo: ConsoleProcess) -> None:
     demo.wait_for_picture()
-    # Console, hub, its guardian, and the five modules that bring what the layout wants.
-    demo.wait(lambda: len(family(demo.process.pid)) == 8, 10.0)
+    # Console, hub, its reaper, the warmed parent, and the five modules that the layout wants.
+    demo.wait(lambda: len(family(demo.process.pid)) == 9, 10.0)
     processes = family(demo.process.pid)
     demo.wait(lambda: "STANDING" in demo.text, 10.0)
     demo.hold_until("w", lambda: "MOVING" in demo.text)

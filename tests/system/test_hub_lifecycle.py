@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -221,6 +222,50 @@ def test_of_a_killed_daemon_modules_end_and_socket_folders_are_swept(
     second = HubProcess(tmp_path, modules=("driver",))
     assert left not in list(runtime.iterdir())
     second.close()
+
+
+def _forked(pid: int) -> bool:
+    return psutil.Process(pid).name().startswith("rune-")
+
+
+def _killed(hub: HubProcess, observer: Observer, module: str) -> int:
+    """Kill a module; the process id of the next one, when it is ready."""
+    log = hub.log.read_text()
+    before = log.count(f"{module} INFO ready")
+    old = int(re.findall(rf"{module} started \(pid (\d+)\)", log)[-1])
+    os.kill(old, signal.SIGKILL)
+    observer.wait(lambda: hub.log.read_text().count(f"{module} INFO ready") > before, 20.0)
+    return int(re.findall(rf"{module} started \(pid (\d+)\)", hub.log.read_text())[-1])
+
+
+def test_a_killed_parent_takes_no_module_with_it_and_is_replaced(
+    hub: HubProcess, observer: Observer
+) -> None:
+    children = {each.pid: each for each in psutil.Process(hub.process.pid).children()}
+    (parent,) = (
+        each
+        for pid, each in children.items()
+        if pid not in hub.pids.values() and "hub" in each.cmdline()
+    )
+    assert all(map(_forked, hub.pids.values()))
+    parent.kill()
+    spawned = _killed(hub, observer, "vision")
+    assert not _forked(spawned)
+    observer.wait(lambda: "another one is ready" in hub.log.read_text(), 20.0)
+    forked = _killed(hub, observer, "navigation")
+    assert _forked(forked)
+    for pid in (hub.pids["driver"], spawned, forked):
+        assert psutil.Process(pid).is_running()
+    assert _killed(hub, observer, "driver") != hub.pids["driver"]
+
+
+def test_a_hub_that_spawns_has_no_parent_of_modules(tmp_path: Path) -> None:
+    hub = HubProcess(tmp_path, options=["--spawn"], modules=("driver",))
+    try:
+        assert not _forked(hub.pids["driver"])
+        assert len(family(hub.process.pid)) == 3  # with the orphan reaper
+    finally:
+        hub.close()
 
 
 def test_says_where_holders_of_keys_from_elsewhere_connect_and_removes_its_sockets(
