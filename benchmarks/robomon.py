@@ -22,7 +22,7 @@ from hub.gcm import autonomy, mapping, navigation, supervision, vision
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 from tests.support.waiting import until
-from tests.system.harness import HubProcess
+from tests.system.harness import HubProcess, family
 
 ROUNDS = 5
 MODULES = ("driver", "navigation", "vision", "mapping", "autonomy")
@@ -143,8 +143,27 @@ def kill(console: Console, name: str) -> tuple[float, float, float]:
     return back, commanded, rest
 
 
+def pss_mb(*options: str) -> float:
+    """Proportional set size of an idle hub with five modules, all its processes [MB]."""
+    with tempfile.TemporaryDirectory() as folder:
+        with closing(HubProcess(Path(folder), options=options, modules=MODULES)) as hub:
+            with closing(Console(hub.endpoint)) as console:
+                settled = time.monotonic() + 3.0
+                console.until(lambda: time.monotonic() > settled)
+            return sum(each.memory_full_info().pss for each in family(hub.process.pid)) / 1e6
+
+
+def memory() -> None:
+    """What sharing imports saves."""
+    spawned = pss_mb("--spawn")
+    note = f"the bar is half of spawned modules, {spawned:.0f} MB"
+    report("robomon.pss_MB", pss_mb(), "MB", bar=0.5 * spawned, note=note)
+
+
 def main() -> None:
     """All figures."""
+    say("memory")
+    memory()
     worst: dict[str, list[float]] = {name: [] for name in MODULES}
     stops: list[tuple[float, float]] = []
     with ExitStack() as stack:
