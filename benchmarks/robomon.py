@@ -145,12 +145,12 @@ def kill(console: Console, name: str) -> tuple[float, float, float]:
 
 def pss_mb(*options: str) -> float:
     """Proportional set size of an idle hub with five modules, all its processes [MB]."""
-    with tempfile.TemporaryDirectory() as folder:
-        with closing(HubProcess(Path(folder), options=options, modules=MODULES)) as hub:
-            with closing(Console(hub.endpoint)) as console:
-                settled = time.monotonic() + 3.0
-                console.until(lambda: time.monotonic() > settled)
-            return sum(each.memory_full_info().pss for each in family(hub.process.pid)) / 1e6
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        hub = stack.enter_context(closing(HubProcess(folder, options=options, modules=MODULES)))
+        settled = time.monotonic() + 3.0
+        until(lambda: time.monotonic() > settled, 5.0)
+        return sum(each.memory_full_info().pss for each in family(hub.process.pid)) / 1e6
 
 
 def memory() -> None:

@@ -1,4 +1,4 @@
-"""Asking modules that do not run what they can do: their command with --describe."""
+"""Asks modules that do not run what they can do: runs their command with --describe."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ MAX_SHOWN_BYTES = 200
 
 
 class CapabilityProbe:
-    """Asks one module after the other; `look` is to be called again and again, and never waits."""
+    """Asks one module after the other; call `look` repeatedly, it never waits."""
 
     def __init__(self, arguments: Sequence[str], parent: WarmParent | None) -> None:
-        """Ask nobody yet.
+        """Ask no module yet.
 
         Args:
             arguments: What is added to a module's command.
@@ -54,7 +54,7 @@ class CapabilityProbe:
                 self._waiting.append(life)
 
     def look(self, now: float) -> None:
-        """Go on with the one that is asked, or with the next [s]."""
+        """Read the answer of the module that is asked, or ask the next; `now` is the time [s]."""
         if self._process is not None:
             self._listen(self._process, now)
         elif self._waiting:
@@ -68,7 +68,7 @@ class CapabilityProbe:
             self._heard, self._until = b"", now + TIMEOUT_S
 
     def close(self) -> None:
-        """Ask nobody any more."""
+        """Ask no more modules."""
         self._waiting.clear()
         if self._process is not None:
             self._process.end()

@@ -1,4 +1,4 @@
-"""The daemon: central and the robot's modules from start to orderly end."""
+"""The daemon: runs central and the robot's modules, from start to end."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def run(table: RobotTable, *, spawn: bool, as_json: bool, stop_with_stdin: bool)
 
 
 class Daemon:
-    """Runs central and the modules until it is told to stop."""
+    """Runs central and the modules until a signal stops it."""
 
     def __init__(self, table: RobotTable, parent: WarmParent | None, *, as_json: bool) -> None:
         """Have the modules of this table.
@@ -87,7 +87,7 @@ class Daemon:
         self._table = table
         self._parent = parent
         self._as_json = as_json
-        # No Event: a second signal that comes while the first one sets it would wait for ever.
+        # No Event: a second signal during its `set` would wait for the first for ever.
         self._stopping = False
         self._gateway = ""
         self._wake: Callable[[], None] = lambda: None
@@ -136,7 +136,7 @@ class Daemon:
             client.every(self._notifier.period, self._notifier.alive)
         self._notifier.ready(f"{self._table.robot.name}: starting modules")
         robot = self._table.robot
-        keeper = ProcessSupervisor(
+        processes = ProcessSupervisor(
             self._supervisor,
             client,
             outputs,
@@ -145,22 +145,22 @@ class Daemon:
             parent=self._parent,
             changed=lambda: self._changed(reporting),
         )
-        reporting = Reporting(client, keeper, outputs, self._table.robot.body)
+        reporting = Reporting(client, processes, outputs, self._table.robot.body)
         ready = False
         try:
-            keeper.look()
+            processes.look()
             while not self._stopping:
                 self._listen(client)
                 if not ready and self._all_run():
                     ready = True
-                    self._say("ready", endpoint, keeper.pids)
+                    self._say("ready", endpoint, processes.pids)
             _logger.info("stopping")
             self._notifier.stopping()
         finally:
-            keeper.close()
+            processes.close()
 
     def _changed(self, reporting: Reporting) -> None:
-        """Tell on the bus and to systemd what the modules do now."""
+        """Report on the bus and to systemd what the modules do now."""
         reporting.publish()
         lives = self._supervisor.lives.values()
         words = (f"{life.spec.name} {life.phase.name.lower()}" for life in lives)
@@ -170,7 +170,7 @@ class Daemon:
     def _listen(client: Client) -> None:
         try:
             client.listen(_LISTEN_S)
-        except Exception:  # a fault of ours must not stop the robot's modules
+        except Exception:  # a fault of the daemon must not stop the robot's modules
             _logger.exception("the daemon goes on after a fault")
 
     def _all_run(self) -> bool:
@@ -188,7 +188,7 @@ class Daemon:
         self._end()
 
     def _say(self, event: str, endpoint: str, pids: Mapping[str, int]) -> None:
-        """Tell whoever started us, on standard output."""
+        """Report to the process that started the daemon, on standard output."""
         name = self._table.robot.name
         if self._as_json:
             gateway = {"gateway": self._gateway} if self._gateway else {}
@@ -204,7 +204,7 @@ class Daemon:
             sys.stdout.write(said + "\n")
             sys.stdout.flush()
         except (OSError, ValueError, AttributeError) as error:
-            # Whoever started us does not listen; the robot is served all the same.
+            # Nobody reads the report; the hub runs all the same.
             _logger.warning("cannot say %r on standard output: %s", event, error)
 
 

@@ -1,4 +1,4 @@
-"""Processes: start a module, see whether it lives and what it takes, end it for certain."""
+"""Processes: starts a module, sees whether it runs and what it uses, and ends it."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ _logger = logging.getLogger(__name__)
 
 _PR_SET_CHILD_SUBREAPER = 36
 _PATIENCE_S = 2.0
-"""How long a process that was killed may take to end, and the guardian to do its work [s]."""
+"""Longest wait for a killed process to end, and for the reaper to do its work [s]."""
 
 
 class OrphanReaper:
-    """The process that ends the modules if this one dies without doing so.
+    """Starts the process that ends the modules if the daemon dies, and informs it.
 
-    Nothing here raises or waits for it: modules run without a guardian as well, until there is
-    one again.
+    No method raises, and none but `close` waits. While there is no reaper, modules run without it;
+    `look` starts another.
     """
 
     def __init__(self) -> None:
@@ -44,14 +44,14 @@ class OrphanReaper:
         return self._process.pid if self._process else 0
 
     def watch(self, group: int) -> None:
-        """End this process group when we die."""
+        """Have it end this process group when the daemon dies."""
         self._groups.add(group)
-        self._tell(f"{group}\n")
+        self._send(f"{group}\n")
 
     def forget(self, group: int) -> None:
         """This process group has ended."""
         self._groups.discard(group)
-        self._tell(f"-{group}\n")
+        self._send(f"-{group}\n")
 
     def look(self) -> None:
         """Start another one if it was ended."""
@@ -59,7 +59,7 @@ class OrphanReaper:
             self._replace()
 
     def close(self) -> None:
-        """Have it end what is left, and end itself."""
+        """Have it end what is left; it then ends itself."""
         process = self._process
         if process is None:
             return
@@ -68,7 +68,7 @@ class OrphanReaper:
         try:
             process.wait(orphan_reaper.GRACE_S + _PATIENCE_S)
         except subprocess.TimeoutExpired:
-            _logger.warning("the guardian of the modules hangs; it is killed")
+            _logger.warning("the orphan reaper hangs; it is killed")
             process.kill()
             process.wait()
 
@@ -84,7 +84,7 @@ class OrphanReaper:
                 start_new_session=True,
             )
         except OSError as error:
-            _logger.warning("the guardian of the modules cannot be started: %s", error.strerror)
+            _logger.warning("the orphan reaper cannot be started: %s", error.strerror)
             return
         if process.stdin is not None:
             os.set_blocking(process.stdin.fileno(), False)
@@ -92,12 +92,12 @@ class OrphanReaper:
         for group in self._groups:
             self._write(f"{group}\n")
 
-    def _tell(self, line: str) -> None:
+    def _send(self, line: str) -> None:
         if self._process is None or not self._write(line):
             self._replace()
 
     def _replace(self) -> None:
-        _logger.warning("the guardian of the modules was ended; another is started")
+        _logger.warning("the orphan reaper has ended; another is started")
         process, self._process = self._process, None
         if process is not None:
             process.kill()
@@ -107,7 +107,7 @@ class OrphanReaper:
         self._start()
 
     def _write(self, text: str) -> bool:
-        """Whether it can take this; one that is gone or hangs cannot."""
+        """Whether it has taken this text; one that has ended or hangs has not."""
         if self._process is None or self._process.stdin is None:
             return False
         try:
@@ -118,7 +118,7 @@ class OrphanReaper:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Usage:
-    """What a process has taken.
+    """What a process has used.
 
     Attributes:
         processor_s: Processor time since it started [s].
@@ -200,7 +200,7 @@ class ModuleProcess:
         return self._process.poll()
 
     def usage(self) -> Usage | None:
-        """What it takes; None where the system does not say."""
+        """What it uses; None where the system does not say."""
         try:
             words = Path(f"/proc/{self.pid}/stat").read_text().rpartition(")")[2].split()
         except OSError:
@@ -211,7 +211,7 @@ class ModuleProcess:
         )
 
     def ask_to_stop(self) -> None:
-        """Ask it to stop; returns at once."""
+        """Send it SIGTERM; returns at once."""
         if self._process.poll() is None:
             self._process.terminate()
 
@@ -230,9 +230,9 @@ class ModuleProcess:
         return True
 
     def end(self) -> None:
-        """Kill what still lives of it and of what it has started; returns when it is gone.
+        """Kill what runs of it and of what it has started; returns when it has ended.
 
-        A process that waits for a broken device cannot be killed; it is waited for a moment only.
+        A process that waits for a broken device does not end at SIGKILL; then this returns soon.
         """
         self.kill()
         if not self.wait(_PATIENCE_S):

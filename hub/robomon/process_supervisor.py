@@ -1,4 +1,4 @@
-"""Carries out what the policy decides: starts, ends and looks at the modules' processes."""
+"""Carries out what the policy decides: starts, watches and ends the modules' processes."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ BY_ROBOMON = "by robomon"
 _PERIOD_S = 0.05
 _SAMPLE_S = 1.0
 _SETTLED_S = 10.0
-"""Time after which modules that do not run are asked what they can do, at the latest [s]."""
+"""Latest time at which modules that do not run are asked what they can do [s]."""
 _IN_ORDER_S = 0.25
-"""Time in which modules are told to stop one after the other [s]."""
+"""Time within which modules are told to stop, one after the other [s]."""
 
 
 @dataclass(slots=True)
 class _Running:
-    """A process, and what it had taken when it was looked at last."""
+    """A process, and its usage at the last sample."""
 
     process: ModuleProcess
     watched: int | None
@@ -65,12 +65,12 @@ class ProcessSupervisor:
 
         Args:
             supervisor: Decides.
-            client: The daemon's connection; its loop calls us.
-            outputs: Gets what modules write.
+            client: The daemon's connection; its loop calls this.
+            outputs: Keeps what modules write.
             arguments: What is added to each module's command.
             description_arguments: What is added instead to ask what it can do.
             parent: Forks Python modules; None: all are spawned.
-            changed: Called when something of interest has changed.
+            changed: Called when a module's phase, its reason or its number of starts has changed.
         """
         self.supervisor = supervisor
         self._client = client
@@ -79,10 +79,10 @@ class ProcessSupervisor:
         self._parent = parent
         self._changed = changed
         self._clock = time.monotonic
-        self._guardian = OrphanReaper()
-        self._inquiry = CapabilityProbe(description_arguments, parent)
+        self._reaper = OrphanReaper()
+        self._probe = CapabilityProbe(description_arguments, parent)
         self._running: dict[str, _Running] = {}
-        self._said: dict[str, tuple[ModulePhase, str, int]] = {}
+        self._reported: dict[str, tuple[ModulePhase, str, int]] = {}
         self._began = self._clock()
         client.every(_PERIOD_S, self.look)
         client.every(_SAMPLE_S, self._sample)
@@ -103,23 +103,23 @@ class ProcessSupervisor:
         return running.usage.memory_mb if running and running.usage else math.nan
 
     def look(self) -> None:
-        """See what happened, and do what is to be done now."""
+        """Look which processes have ended, and carry out what the policy decides."""
         for name, running in list(self._running.items()):
             code = running.process.exit_code()
             if code is not None:
-                self._bury(name, code)
+                self._end_of(name, code)
         for life, action in self.supervisor.step(self._clock()):
             self._do(life, action)
-        self._inquire()
-        self._tell_changes()
+        self._ask()
+        self._report_changes()
 
     def close(self) -> None:
-        """End all. Last started, first told: the driver is the last that can stop the wheels.
+        """End all modules, the last started first: the driver must be there to stop the wheels.
 
-        Each gets a moment to end before the next is told, but one that hangs delays the others no
-        longer than that: the robot must not drive on while somebody waits.
+        Each has a moment to end before the next is told. One that hangs delays the others no
+        longer, as the robot must not drive on meanwhile.
         """
-        self._inquiry.close()
+        self._probe.close()
         started = self._clock()
         running = [each.process for each in reversed(self._running.values())]
         for process in running:
@@ -131,8 +131,8 @@ class ProcessSupervisor:
             process.end()
         if self._parent is not None:
             self._parent.close()
-        end_strays({self._guardian.pid})
-        self._guardian.close()
+        end_strays({self._reaper.pid})
+        self._reaper.close()
 
     def _do(self, life: ModuleLifecycle, action: ProcessAction) -> None:
         name = life.spec.name
@@ -162,12 +162,12 @@ class ProcessSupervisor:
             return
         self._running[name] = _Running(process=process, watched=self._watch(process.pid))
         life.started(process.pid, now)
-        self._guardian.watch(process.pid)
+        self._reaper.watch(process.pid)
         self._outputs.add(name, process.output)
         _logger.info("%s started (pid %d)", name, process.pid)
 
     def _watch(self, pid: int) -> int | None:
-        """Have the loop look at once when this process ends, where the system can tell."""
+        """Have the loop call `look` when this process ends, where the system has such files."""
         try:
             file = os.pidfd_open(pid)
         except (OSError, AttributeError):
@@ -175,30 +175,30 @@ class ProcessSupervisor:
         self._client.loop.watch(file, self.look)
         return file
 
-    def _bury(self, name: str, code: int) -> None:
+    def _end_of(self, name: str, code: int) -> None:
         running = self._running.pop(name)
         if running.watched is not None:
             self._client.loop.unwatch(running.watched)
             os.close(running.watched)
         running.process.end()
-        self._guardian.forget(running.process.pid)
+        self._reaper.forget(running.process.pid)
         how = f"was ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
         life = self.supervisor.lives[name]
         life.ended(how, self._clock())
         _log_end(life)
 
-    def _inquire(self) -> None:
-        """Ask modules what they can do, once none of those that are to run always is starting."""
+    def _ask(self) -> None:
+        """Ask modules what they can do, as soon as those that always run have started."""
         lives = self.supervisor.lives.values()
         settled = not any(life.phase is ModulePhase.STARTING for life in lives if life.spec.always)
         if settled or self._clock() - self._began > _SETTLED_S:
-            self._inquiry.ask(self.supervisor.unasked())
-        self._inquiry.look(self._clock())
+            self._probe.ask(self.supervisor.unasked())
+        self._probe.look(self._clock())
 
     def _sample(self) -> None:
-        """See what the modules take, and end what is left of ended ones."""
+        """Measure what the modules use, and end what ended modules have left behind."""
         now = self._clock()
-        self._guardian.look()
+        self._reaper.look()
         if self._parent is not None:
             self._parent.look()
         for name, running in self._running.items():
@@ -210,20 +210,20 @@ class ProcessSupervisor:
                 running.processor = spent / (now - running.looked)
             running.usage, running.looked = usage, now
             self.supervisor.used(name, usage.memory_mb, now)
-        own = {self._guardian.pid, self._inquiry.pid, self._parent.pid if self._parent else 0}
+        own = {self._reaper.pid, self._probe.pid, self._parent.pid if self._parent else 0}
         strays = end_strays({*own, *self.pids.values()})
         if strays:
             _logger.warning("%d processes that modules had left behind were killed", strays)
 
-    def _tell_changes(self) -> None:
+    def _report_changes(self) -> None:
         lives = self.supervisor.lives
         now = {name: (life.phase, life.why, life.starts) for name, life in lives.items()}
-        if now == self._said:
+        if now == self._reported:
             return
         for name, (phase, why, _) in now.items():
-            if phase is ModulePhase.STOPPING and now[name] != self._said.get(name):
+            if phase is ModulePhase.STOPPING and now[name] != self._reported.get(name):
                 _logger.info("%s %s; it is told to stop", name, why)
-        self._said = now
+        self._reported = now
         self._changed()
 
 

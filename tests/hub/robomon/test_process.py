@@ -1,4 +1,4 @@
-"""Processes that do not want to end, and the guardian that ends them when the daemon cannot."""
+"""Processes that do not end by themselves, and the reaper that ends them when the daemon died."""
 
 from __future__ import annotations
 
@@ -73,20 +73,20 @@ time.sleep(100.0)
 """
 
 
-def test_guardian_finds_what_left_its_session_or_is_stopped(start: Starter) -> None:
-    guardian_ = OrphanReaper()
+def test_reaperfinds_what_left_its_session_or_is_stopped(start: Starter) -> None:
+    reaper = OrphanReaper()
     module = start(SESSIONS)
-    guardian_.watch(module.pid)
+    reaper.watch(module.pid)
     pids: list[int] = []
     until(lambda: pids.extend(words(module)) or len(pids) == 3, 5.0)
     module.kill()
     module.wait(5.0)
     assert sum(map(ended, pids)) == 1, "the children are to outlive it"
-    guardian_.close()
+    reaper.close()
     until(lambda: all(map(ended, pids)), 5.0)
 
 
-def test_guardian_that_hangs_does_not_keep_the_daemon(
+def test_reaperthat_hangs_does_not_keep_the_daemon(
     watcher: OrphanReaper, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(orphan_reaper, "GRACE_S", 0.1)
@@ -96,7 +96,7 @@ def test_guardian_that_hangs_does_not_keep_the_daemon(
     assert ended(pid)
 
 
-def test_guardian_that_was_killed_is_replaced_by_one_that_knows_the_modules(
+def test_reaperthat_was_killed_is_replaced_by_one_that_knows_the_modules(
     watcher: OrphanReaper, start: Starter
 ) -> None:
     module = start("import os, time; os.write(1, b'1'); time.sleep(100.0)")
@@ -111,7 +111,7 @@ def test_guardian_that_was_killed_is_replaced_by_one_that_knows_the_modules(
     until(lambda: ended(module.pid), 5.0)  # who is killed takes a moment to end
 
 
-def test_guardian_that_cannot_be_started_is_started_later(
+def test_reaperthat_cannot_be_started_is_started_later(
     watcher: OrphanReaper, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(*_: object, **__: object) -> None:
