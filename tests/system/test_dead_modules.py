@@ -56,8 +56,8 @@ def test_whatever_dies_the_robot_stops_and_drives_again_from_neutral(
 
 
 def _new_drivers(hub: HubProcess) -> int:
-    """How often navigation has met a driver that began anew."""
-    return hub.log.read_text().count("the driver began anew")
+    """How often navigation has reported a driver that restarted."""
+    return hub.log.read_text().count("the driver restarted")
 
 
 def _driver(hub: HubProcess) -> int:
