@@ -45,10 +45,10 @@ class CommandParser(argparse.ArgumentParser):
         """As `argparse` does it, but nothing stays unknown: only this parser knows its options."""
         words = list(sys.argv[1:] if args is None else args)
         if self._subparsers and words and self._is_unknown(words[0]):
-            self.error(self._complaint(words, or_else="; options follow the command"))
+            self.error(self._usage_error(words, or_else="; options follow the command"))
         found, unknown = super().parse_known_args(words, namespace)
         if unknown:
-            self.error(self._complaint(unknown))
+            self.error(self._usage_error(unknown))
         return found, unknown
 
     def _is_unknown(self, word: str) -> bool:
@@ -57,7 +57,7 @@ class CommandParser(argparse.ArgumentParser):
         known = any(option.startswith(name) for option in self._option_string_actions)
         return name.startswith("-") and not known
 
-    def _complaint(self, unknown: Sequence[str], or_else: str = "") -> str:
+    def _usage_error(self, unknown: Sequence[str], or_else: str = "") -> str:
         option = next((word.partition("=")[0] for word in unknown if word.startswith("-")), "")
         if not option:
             return f"{unknown[0]!r} is one argument too many"

@@ -4,7 +4,7 @@
     ├── MessageFormatError (ValueError)        a format string that is not one: "{int,"
     ├── CodecError (ValueError)                values or bytes that do not fit their format
     │   └── RangeError                         a value outside what its message declares
-    ├── FrameError (ValueError)                bytes from the wire that are no frame of ours
+    ├── FrameError (ValueError)                bytes from the wire that are no frame of Rune
     ├── UndefinedMessageError (LookupError)    a message nobody has defined at this central
     ├── RedefinedMessageError (ValueError)     the same name defined with another format
     ├── UnknownModuleError (LookupError)       no module of this name is connected

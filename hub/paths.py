@@ -1,4 +1,4 @@
-"""Where files of ours belong on this machine: sockets, logs, maps, missions.
+"""Where files of Rune belong on this machine: sockets, logs, maps, missions.
 
 The user's own folders follow the XDG base directory specification; a service has what systemd says.
 """
@@ -12,7 +12,7 @@ import zlib
 from pathlib import Path
 
 LONGEST_FOR_SOCKETS = 60
-"""Socket files have paths of about 100 bytes at most, ours among them."""
+"""Longest path of a socket file, about 100 bytes."""
 
 
 def for_sockets() -> Path:
@@ -43,9 +43,9 @@ def for_missions(wanted: str = "") -> Path:
 
 
 def for_pose(robot: str) -> Path:
-    """The file in which navigation remembers how the robot's dead reckoning lies on the map.
+    """The file with the frame of navigation: the transform of dead reckoning to the map.
 
-    It is of use until the machine starts anew, and nobody waits for it: it lies where sockets do.
+    It is needed only until the next boot, so it is in the folder of sockets.
     """
     return for_sockets() / f"rune-pose-{os.getuid()}-{as_file_name(robot)}"
 

@@ -132,7 +132,7 @@ def truth(value: object) -> bool:
 
 
 def text(longest: int, *, any_character: bool = False) -> Reader:
-    """A text of 1 to `longest` characters, all of which can be shown unless any will do."""
+    """A text of 1 to `longest` characters, printable unless any are allowed."""
 
     def read(value: object) -> str:
         if not isinstance(value, str) or not 1 <= len(value) <= longest:

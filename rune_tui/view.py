@@ -28,7 +28,7 @@ from rune_tui.raster.urgency import Urgencies, Urgency
 from rune_tui.visualizers.parts.notice import write_notice
 from rune_tui.visualizers.visualizer import Picturing, Visualizer
 from rune_tui.visualizers.words.title import with_title
-from rune_tui.visualizers.words.troubles import TOLD_S, banner_of
+from rune_tui.visualizers.words.troubles import REPORT_S, banner_of
 
 _logger = logging.getLogger(__name__)
 
@@ -301,7 +301,7 @@ class View:
             or state.log
             or newest.quiet
             or newest.alarm
-            or state.now - newest.when > TOLD_S
+            or state.now - newest.when > REPORT_S
         ):
             return None
         logged = any(pane.visualizer.rule.logs and pane.visible(state) for pane in self._panes)

@@ -1,4 +1,4 @@
-"""`rune-hub status`, `log`, `close`, `log-level`: central's own view, and what it can be told."""
+"""`rune-hub status`, `log`, `close`, `log-level`: the state of central, and orders to it."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ def status(client: Client, *, as_json: bool) -> int:
     flows = _flows(now)
     peers = [peer for peer in now.peers if peer.name != client.name]
     if as_json:
-        told = value_text.plain(now) | {"peers": [value_text.plain(peer) for peer in peers]}
-        del told["definitions"]
-        put(json.dumps(told | {"messages": flows}))
+        answer = value_text.plain(now) | {"peers": [value_text.plain(peer) for peer in peers]}
+        del answer["definitions"]
+        put(json.dumps(answer | {"messages": flows}))
         return 0
     put(f"central at {client.endpoint}, up {span(now.uptime_s)}, logs {now.level}")
     table(

@@ -41,7 +41,7 @@ def show(client: Client, *, as_json: bool) -> int:
 
 
 def release(client: Client, *, force: bool) -> int:
-    """Take control from whoever has it; those who ask do not get it.
+    """Free the robot: its owner loses control, and requests are dropped.
 
     Raises:
         HubError: That is not what was asked for.

@@ -22,7 +22,7 @@ def keyring(folder: Path | None) -> Keyring:
 
 
 def make(keys: Keyring, name: str, role: Role) -> int:
-    """Make a key, and say which file is to be copied.
+    """Make a key, and print the file to copy.
 
     Raises:
         KeyNameError: The name is taken, or cannot be one.

@@ -35,7 +35,7 @@ T = TypeVar("T")
 
 _ANSWER_S = 2.0
 _BETWEEN_S = 0.05
-"""Time between two messages of which a receiver is to see both, not the newest alone [s]."""
+"""Time between two messages, so that a receiver sees both and not only the newer one [s]."""
 
 
 def connect(endpoint: str, command: str, keys: Path | None) -> Client:
@@ -126,7 +126,7 @@ def send(
     """Publish one message, or at `rate_hz` until Ctrl-C; if wanted, one of zeros before.
 
     Returns:
-        The exit code: 1 if nobody listens, or somebody else has control.
+        The exit code: 1 if no module listens, or another client has control.
     """
     definition = find(client, name)
     value = value_text.value_from_text(definition, assignments, complain)

@@ -95,7 +95,7 @@ def want(client: Client, wanted: Sequence[str], *, seconds: float) -> int:
     wants = supervision.CapabilityWants(holder=client.name, capabilities=" ".join(wanted))
     said: dict[str, str] = {}
 
-    def tell(reports: supervision.CapabilityReports, reception: MessageInfo) -> None:
+    def show(reports: supervision.CapabilityReports, reception: MessageInfo) -> None:
         del reception
         known = {each.name: each for each in reports.capabilities}
         for name in wanted:
@@ -104,7 +104,7 @@ def want(client: Client, wanted: Sequence[str], *, seconds: float) -> int:
                 said[name] = now
                 put(now)
 
-    client.subscribe(supervision.CAPABILITY_REPORTS, tell, last=True)
+    client.subscribe(supervision.CAPABILITY_REPORTS, show, last=True)
     client.every(_RENEW_S, lambda: client.publish(supervision.CAPABILITY_WANTS, wants))
     client.publish(supervision.CAPABILITY_WANTS, wants)
     end = time.monotonic() + (seconds or math.inf)

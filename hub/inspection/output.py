@@ -16,7 +16,7 @@ def put(line: str) -> None:
 
 
 def outcome(result: CommonResult) -> int:
-    """The exit code for an answer to a request; a refusal is told on standard error."""
+    """The exit code for an answer to a request; a refusal is printed on standard error."""
     if result.done:
         return 0
     complain(plain(result.text))

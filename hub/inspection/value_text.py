@@ -82,8 +82,8 @@ def plain(value: Any, record: DataclassCodec | None = None) -> Any:  # noqa: ANN
     Raises:
         CodecError: A linked list is longer than one can be, or runs in a circle.
     """
-    told = _plain(value, record)
-    return {"nodes": told} if isinstance(told, list) else told
+    plain_value = _plain(value, record)
+    return {"nodes": plain_value} if isinstance(plain_value, list) else plain_value
 
 
 def lines(value: Any, record: DataclassCodec | None = None) -> Iterator[str]:  # noqa: ANN401 - any

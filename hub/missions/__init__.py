@@ -1,1 +1,1 @@
-"""What a robot keeps of a mission: the journal of its marks, its maps, its track, its pictures."""
+"""Storage of missions: the journal of marks, the maps, the track, the pictures."""

@@ -1,4 +1,4 @@
-"""A mission as its journal tells it: records in, state out; pure."""
+"""The state of a mission, from the records of its journal; pure."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from hub.missions.records import (
 )
 
 MAX_EVENTS = 10_000
-"""Events that are remembered; the journal has all of them."""
+"""Number of events kept in memory; the journal has all of them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Event:
-    """Something that happened.
+    """An event.
 
     Attributes:
-        stamp: When [s since the epoch].
+        stamp: Its time [s since the epoch].
         text: One sentence.
     """
 
@@ -39,17 +39,17 @@ class Event:
 
 
 class MissionBook:
-    """What is known of one mission; without a `Begun` record, of none.
+    """The state of one mission; without a `Begun` record, there is no mission.
 
     Attributes:
-        begun: How it was begun; None: there is no mission, only marks and a sheet.
-        name: What the operator calls it.
-        ended: How it was ended; None while it runs.
+        begun: The record of its begin; None: there is no mission, only marks and a sheet.
+        name: The operator's name for it.
+        ended: The record of its end; None: it runs.
         points: Its marks.
         sheet: Number of the newest sheet of the map.
         frame: Frame of that sheet; 0: not known yet.
-        events: What happened, the oldest first.
-        unreadable: Records that were left out because this Rune cannot read them.
+        events: Its events, the oldest first.
+        unreadable: Number of records that this version of Rune cannot read.
     """
 
     def __init__(self) -> None:
@@ -63,7 +63,7 @@ class MissionBook:
         self.unreadable = 0
 
     def take(self, values: dict[str, Any]) -> None:
-        """Apply a record of a journal; one that makes no sense is counted and left out."""
+        """Apply a record of a journal; a record that is not valid is counted and left out."""
         try:
             self.apply(from_json(values))
         except MissionError:
@@ -71,11 +71,11 @@ class MissionBook:
 
     @property
     def running(self) -> bool:
-        """Whether there is a mission that was not ended."""
+        """Whether there is a mission without an end."""
         return self.begun is not None and self.ended is None
 
     def apply(self, record: Record) -> None:
-        """Take over what a record says."""
+        """Apply a record."""
         match record:
             case Begun():
                 self.begun, self.name = record, record.name
@@ -123,7 +123,7 @@ def checked_mission_name(name: str) -> str:
     """A mission's name as it is kept: one line.
 
     Raises:
-        MissionError: There is nothing left of it, or it is too long.
+        MissionError: It is empty, or too long.
     """
     line = " ".join("".join(c if c.isprintable() else " " for c in name).split())
     if not 1 <= len(line) <= MAX_NAME:

@@ -22,12 +22,12 @@ from hub.missions.grid_picture import GridPicture
 from hub.missions.log_odds import LogOdds
 
 _KNOWN = 0.1
-"""Less evidence than this [log-odds] leaves a cell unknown."""
+"""A cell with less evidence than this is unknown [log-odds]."""
 _BY_SHEETS = ("number", "sheet", "kind", "x", "y", "uncertainty", "distance", "time", "by", "note")
 
 
 def export(folder: MissionFolder, mission: str, target: Path) -> list[Path]:
-    """Write a mission into a folder that is not there yet, or is empty.
+    """Write a mission into a new or empty folder.
 
     Returns:
         The files.
@@ -90,7 +90,7 @@ def _contents(folder: MissionFolder, mission: str, book: MissionBook) -> list[tu
 
 
 def picture_of(grid: LogOdds) -> GridPicture:
-    """What is known as nav_msgs/OccupancyGrid has it."""
+    """The map in the form of nav_msgs/OccupancyGrid."""
     values = grid.values
     cells = np.rint(100.0 / (1.0 + np.exp(-values))).astype(np.int8)
     cells[np.abs(values) < _KNOWN] = -1
@@ -103,13 +103,13 @@ def picture_of(grid: LogOdds) -> GridPicture:
 
 
 class MissionPhase(enum.StrEnum):
-    """How a mission stands.
+    """The state of a mission.
 
     Attributes:
-        RUNS: A hub keeps it now.
-        INTERRUPTED: No hub keeps it now; it goes on when its robot's hub starts.
+        RUNS: A hub writes it now.
+        INTERRUPTED: No hub writes it now; it goes on when its robot's hub starts.
         NOT_ENDED: It stopped without an end, and does not go on.
-        ENDED: Somebody ended it.
+        ENDED: It was ended.
     """
 
     RUNS = "runs"
@@ -127,7 +127,7 @@ def _state(folder: MissionFolder, mission: str, book: MissionBook) -> MissionPha
 
 
 def mission_facts(folder: MissionFolder, mission: str) -> dict[str, Any]:
-    """What is said of a mission in a list.
+    """The entry of a mission in a list.
 
     Raises:
         MissionFileError: It cannot be read.
@@ -205,6 +205,6 @@ def _table(heads: Any, rows: list[list[Any]]) -> bytes:  # noqa: ANN401 - a tupl
 
 
 def _harmless(cell: Any) -> Any:  # noqa: ANN401 - a text or a number
-    """A cell that no program takes for a formula."""
+    """A cell that no spreadsheet reads as a formula."""
     formula = isinstance(cell, str) and cell.startswith(("=", "+", "-", "@", "\t", "\r"))
     return f"'{cell}" if formula else cell

@@ -40,7 +40,7 @@ class MissionFolder:
 
     @classmethod
     def of(cls, path: Path) -> Self:
-        """The folder of a robot whose name is not known; its journals have it."""
+        """The folder of a robot with an unknown name; its journals have the name."""
         made = cls(path.parent, path.name)
         made.path, made._named = path, False
         return made
@@ -61,7 +61,7 @@ class MissionFolder:
         return name if _ID.fullmatch(name) and (self.path / name / "journal").exists() else ""
 
     def set_running(self, mission: str) -> None:
-        """Note which mission is running; empty: none.
+        """Write the id of the running mission; empty: none.
 
         Raises:
             MissionFileError: It cannot be written.
@@ -111,10 +111,10 @@ class MissionFolder:
         raise MissionFileError(text)
 
     def lock(self) -> int:
-        """Keep others from writing here until the file that is returned is closed.
+        """Lock the folder for writing until the returned file is closed.
 
         Raises:
-            MissionFileError: Somebody else writes here, or the folder cannot be made.
+            MissionFileError: Another process has the lock, or the folder cannot be made.
         """
         try:
             self.path.mkdir(parents=True, exist_ok=True)
@@ -131,7 +131,7 @@ class MissionFolder:
         return file
 
     def in_use(self) -> bool:
-        """Whether a hub writes here now; whoever only reads asks this."""
+        """Whether a hub writes here now; for programs that only read."""
         try:
             file = os.open(self.path / "lock", os.O_RDONLY | os.O_CLOEXEC)
         except OSError:
@@ -155,7 +155,7 @@ class MissionFolder:
         return self.path / mission / "track"
 
     def read(self, mission: str) -> tuple[MissionBook, int]:
-        """A mission, and how many stretches of its journal are damaged.
+        """A mission, and the number of damaged parts of its journal.
 
         Raises:
             MissionFileError: There is none of this id, or it is another robot's.
@@ -236,7 +236,7 @@ class MissionFolder:
         return 0
 
     def free(self) -> int:
-        """What the disk has left for us [bytes]; as much as one likes where it does not say."""
+        """Free space of the disk [bytes]; infinite if it is not known."""
         folder = self.path
         while not folder.exists() and folder != folder.parent:
             folder = folder.parent

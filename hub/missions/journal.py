@@ -23,12 +23,12 @@ _HEAD_BYTES = 16
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reading:
-    """What was read of a journal.
+    """The result of reading a journal.
 
     Attributes:
-        count: Records that are readable.
-        damaged: How many stretches within the journal cannot be read.
-        end: Bytes up to the end of the last line that is whole, readable or not.
+        count: Number of readable records.
+        damaged: Number of damaged parts within the journal.
+        end: Bytes up to the end of the last whole line, readable or not.
     """
 
     count: int
@@ -43,7 +43,7 @@ def encode(record: dict[str, Any]) -> bytes:
     """The line of a record.
 
     Raises:
-        ValueError: It is longer than a reader takes, or has a number that JSON does not know.
+        ValueError: It is too long for a reader, or has a number that JSON does not have.
     """
     body = json.dumps(record, ensure_ascii=True, allow_nan=False, separators=(",", ":")).encode()
     if len(body) > MAX_RECORD_BYTES:
@@ -53,7 +53,7 @@ def encode(record: dict[str, Any]) -> bytes:
 
 
 def decode(raw: bytes, take: Callable[[dict[str, Any]], object], most: int) -> Reading:
-    """Read a journal record by record, however it was damaged.
+    """Read a journal record by record, with any damage.
 
     Args:
         raw: The journal.
@@ -75,7 +75,7 @@ def decode(raw: bytes, take: Callable[[dict[str, Any]], object], most: int) -> R
             record, at = found
             take(record)
             count += 1
-            # The line break may be the very byte that was damaged.
+            # The line break itself may be damaged.
             at = end = min(at + 1, len(raw))
             continue
         next_line = raw.find(b"\n", at)
@@ -87,7 +87,7 @@ def decode(raw: bytes, take: Callable[[dict[str, Any]], object], most: int) -> R
 
 
 def _record(raw: bytes, at: int) -> tuple[dict[str, Any], int] | None:
-    """The record that begins here and where it ends; None if none does."""
+    """The record that begins here and its end; None: no record begins here."""
     head = _HEAD.match(raw[at : at + _HEAD_BYTES])
     if head is None:
         return None

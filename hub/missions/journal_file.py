@@ -13,9 +13,9 @@ from hub.errors import MapFileError, MissionFileError
 from hub.missions import journal
 
 MAX_BYTES = 64 << 20
-"""Of one journal; what is longer is neither written nor read."""
+"""Largest size of a journal; a larger one is neither written nor read."""
 MAX_RECORDS = 100_000
-"""Likewise; a reader takes a few seconds for so many."""
+"""The same; a reader needs a few seconds for the largest number."""
 
 
 class JournalFile:
@@ -28,7 +28,7 @@ class JournalFile:
     def __init__(
         self, path: Path, reading: journal.Reading | None = None, *, sync: bool = True
     ) -> None:
-        """Open it; it is made if it is not there, and what a crash left unfinished is removed.
+        """Open or create it, and remove an unfinished line of a crash.
 
         Args:
             path: The file; its folder has to be there.
@@ -137,7 +137,7 @@ def read(path: Path, take: Callable[[dict[str, Any]], object]) -> journal.Readin
 
 
 def _drop(record: dict[str, Any]) -> None:
-    """Take a record that nobody needs."""
+    """Ignore a record."""
 
 
 def _problem(path: Path, fault: OSError) -> str:

@@ -1,4 +1,4 @@
-"""Keeps the running mission: in memory for those who ask, and on the disk."""
+"""Keeps the running mission, in memory and on the disk."""
 
 from __future__ import annotations
 
@@ -37,17 +37,17 @@ from hub.missions.records import (
 from hub.missions.track import Track
 
 NOTES_PER_S, NOTES_AT_ONCE = 0.2, 50.0
-"""Notes of what happened, on average and in one burst [1/s]."""
+"""Largest rate of notes, and their largest burst [1/s]."""
 _MB = 1e6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MissionLimits:
-    """What a mission may take of the disk.
+    """How much of the disk a mission may use.
 
     Attributes:
         largest_mb: Of one mission [MB]; beyond, map and track are not written.
-        least_free_mb: Likewise if the disk has less than this left [MB]; marks are written on.
+        least_free_mb: The same if the disk has less free space [MB]; marks are still written.
     """
 
     largest_mb: float = 500.0
@@ -55,12 +55,12 @@ class MissionLimits:
 
 
 class MissionKeeper:
-    """The mission of one robot; whoever calls it waits for the disk.
+    """The mission of one robot; calls wait for the disk.
 
     Attributes:
-        book: What is known of the mission.
-        id: Name of its folder; empty while it has none.
-        opened: Whether it is known what mission was running; else `open` is to be called again.
+        book: The state of the mission.
+        id: Name of its folder; empty: none yet.
+        opened: Whether the running mission is known; if not, call `open` again.
     """
 
     def __init__(
@@ -71,10 +71,10 @@ class MissionKeeper:
         clock: Callable[[], float] = time.monotonic,
         calendar: Callable[[], float] = time.time,
     ) -> None:
-        """Prepare; nothing is read yet.
+        """Start; nothing is read yet.
 
         Args:
-            folder: Where the missions are.
+            folder: The folder of the missions.
             limits: How much may be written.
             clock: Monotonic time [s].
             calendar: Time since the epoch [s].
@@ -97,7 +97,7 @@ class MissionKeeper:
         self._size = self._free = 0
 
     def open(self) -> LogOdds | None:
-        """Take up the mission that runs, if there is one; returns its map if that was saved."""
+        """Resume the running mission, if there is one; returns its map if that was saved."""
         self._faults.pop("open", None)
         try:
             self._take_lock()
@@ -133,7 +133,7 @@ class MissionKeeper:
         return grid
 
     def close(self) -> None:
-        """Give the files back."""
+        """Close the files."""
         if self._journal is not None:
             self._journal.close()
         if self._track is not None:
@@ -143,10 +143,10 @@ class MissionKeeper:
         self._journal = self._track = self._lock = None
 
     def begin(self, name: str, by: str) -> None:
-        """Begin a mission. After one that was ended it begins without marks.
+        """Begin a mission. After an ended mission it begins without marks.
 
         Raises:
-            MissionError: One runs already, or the name cannot be.
+            MissionError: One runs already, or the name is not valid.
         """
         if self.book.running:
             text = f"mission {self.book.name} runs already; end it first"
@@ -166,14 +166,14 @@ class MissionKeeper:
         """Give the mission another name.
 
         Raises:
-            MissionError: None runs, the name cannot be, or there is no room for it.
+            MissionError: None runs, the name is not valid, or there is no room for it.
         """
         self._demand_running()
         name = checked_mission_name(name)
         self._record(Named(name=name, by=_who(by), stamp=self._calendar()))
 
     def end(self, by: str) -> str:
-        """End the mission, even if the disk refuses; marks stay known until the next one begins.
+        """End the mission, even if the disk fails; marks stay in memory until the next one begins.
 
         Returns:
             What is lost with its end, and why; empty: nothing.
@@ -199,7 +199,7 @@ class MissionKeeper:
         return "; ".join(problems)
 
     def _loss(self) -> str:
-        """Note what an end loses now, and say it."""
+        """Note what an end loses now; returns it in words."""
         self._lost = self._pending.marks
         which = marks_text(self._lost)
         return f"{self.unkept} changes{which} are not on the disk and lost: {self.fault}"
@@ -207,15 +207,15 @@ class MissionKeeper:
     def mark(self, point: InterestPoint, by: str, sender: int | None = None) -> InterestPoint:
         """Add a point or change it; a new point begins a mission if none runs.
 
-        A new point that says the same as a known one is that one, sent again.
+        A new point that equals a known one is that one, sent again.
 
         Args:
-            point: It; new if its number is 0.
-            by: Who marked it, where the point does not say.
-            sender: Number of the client whose rate is bounded; None: no bound of rates counts.
+            point: The point; new if its number is 0.
+            by: The operator who marked it, if the point does not have that.
+            sender: Number of the client, for the limit of rates; None: no limit.
 
         Returns:
-            The point as it is kept from now on.
+            The point as stored.
 
         Raises:
             MissionError: It is refused; the text says why.
@@ -242,9 +242,9 @@ class MissionKeeper:
 
         Args:
             number: Its number.
-            version: That the sender knows.
-            by: Who removes it.
-            sender: As for `mark`.
+            version: The version that the sender has.
+            by: The operator who removes it.
+            sender: See `mark`.
 
         Raises:
             MissionError: It is refused; the text says why.
@@ -256,27 +256,27 @@ class MissionKeeper:
         self._record(Removed(number=number, by=_who(by), stamp=self._calendar()))
 
     def note(self, text: str) -> None:
-        """Note what happened, while a mission runs; of very many notes, most are left out."""
+        """Note an event, while a mission runs; too many notes are left out."""
         record = Noted(text=text[:500].replace("\0", ""), stamp=self._calendar())
         if self.book.running and not self._refusal(record) and self._notes.take(1.0, self._clock()):
             self._record(record)
 
     def in_frame(self, frame: int, grid: Callable[[], LogOdds]) -> bool:
-        """The robot's poses are in this frame of `map` now.
+        """Take the frame of the robot's poses.
 
         | frame of the sheet | frame now | then |
         | --- | --- | --- |
-        | any | 0 (not told) | nothing |
+        | any | 0 (not reported) | nothing |
         | 0 (not known yet) | any | it is the sheet's |
         | the same | the same | nothing |
         | another | any | a new sheet begins; the old one is saved before |
 
         Args:
             frame: Its number.
-            grid: Gives the map as it is.
+            grid: Gives the present map.
 
         Returns:
-            Whether a new sheet was begun: what is mapped so far says nothing of places now.
+            Whether a new sheet was begun, because the old map does not fit the new frame.
         """
         before = self.book.frame
         if frame in (0, before):
@@ -328,7 +328,7 @@ class MissionKeeper:
             self._track.at(x, y, theta, self.book.sheet, self._calendar())
 
     def flush(self) -> None:
-        """Try to write what waits for the disk."""
+        """Try to write the pending records."""
         if not self._pending and not self._pointer_due:
             return
         try:
@@ -345,7 +345,7 @@ class MissionKeeper:
             self._faults["journal"] = str(error)
 
     def look(self) -> None:
-        """See how much room there is, and try again what failed; to be called now and then."""
+        """Check the free space, and retry failed writes; call it regularly."""
         self.flush()
         full = self.book.running and self._refusal(Noted(text="", stamp=0.0))
         if full and not self._pending:
@@ -361,12 +361,12 @@ class MissionKeeper:
 
     @property
     def unkept(self) -> int:
-        """How many records are in memory only."""
+        """Number of records in memory only."""
         return len(self._pending) + int(self._pointer_due)
 
     @property
     def fault(self) -> str:
-        """What is not kept, and why; empty: all is."""
+        """What is not stored, and why; empty: all is stored."""
         return "; ".join(self._faults.values())
 
     @property
@@ -403,9 +403,9 @@ class MissionKeeper:
         )
 
     def _record(self, *records: Record) -> None:
-        """Take over what happens, and write it if there is a mission.
+        """Apply records, and write them if there is a mission.
 
-        After the disk has refused, `look` alone tries again: a flood of commands costs no more.
+        After a fault of the disk, only `look` retries, so a flood of commands costs no more.
 
         Raises:
             MissionError: There is no room for it; nothing has changed.
@@ -422,7 +422,7 @@ class MissionKeeper:
                 self.flush()
 
     def _refusal(self, record: Record) -> str:
-        """Why a record cannot be taken; empty: it can be."""
+        """Why a record is refused; empty: it is not."""
         return self._pending.refusal(record, self._journal, self.fault)
 
     def _demand_running(self) -> None:
@@ -431,13 +431,13 @@ class MissionKeeper:
             raise MissionError(text)
 
     def _demand_not_ended(self) -> None:
-        """Refuse what would not be written any more."""
+        """Refuse changes after the end of the mission."""
         if self.book.ended is not None:
             text = f"mission {self.book.name} is ended: its marks stay as they are"
             raise MissionError(text)
 
     def _make(self) -> None:
-        """Make the folder of the mission that was begun."""
+        """Make the folder of the mission."""
         begun = self.book.begun
         if begun is None:
             return
@@ -463,7 +463,7 @@ class MissionKeeper:
         self._faults.clear()
 
     def _may_write(self) -> bool:
-        """Whether there is room for what is large: map and track."""
+        """Whether there is room for map and track."""
         limits, why = self._limits, ""
         if self._free < limits.least_free_mb * _MB:
             why = (

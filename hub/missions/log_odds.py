@@ -1,4 +1,4 @@
-"""The map as a mission keeps it: log-odds of cells in a small file with a checksum; pure."""
+"""The map of a mission: log-odds of cells in a small file with a checksum; pure."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _FARTHEST = 1e5
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LogOdds:
-    """A part of an occupancy grid, all that is known of it.
+    """The known part of an occupancy grid.
 
     Attributes:
         cells: Log-odds in multiples of `STEP`, 0 where nothing is known; shape (height, width),
@@ -43,13 +43,13 @@ class LogOdds:
     def of(
         cls, values: npt.NDArray[np.float32], resolution: float, origin_x: float, origin_y: float
     ) -> LogOdds:
-        """The part of a grid in which something is known.
+        """The part of a grid with known cells.
 
         Args:
             values: Log-odds of the whole grid, shape (height, width).
             resolution: Edge of a cell [m].
             origin_x: Lower left corner of the grid in `map` [m].
-            origin_y: Likewise [m].
+            origin_y: The same [m].
         """
         steps = np.clip(np.rint(values / STEP), -127, 127).astype(np.int8)
         rows, columns = np.flatnonzero(steps.any(axis=1)), np.flatnonzero(steps.any(axis=0))
@@ -86,7 +86,7 @@ def decode(raw: bytes) -> LogOdds:
     """The grid of a file.
 
     Raises:
-        MissionFileError: It is damaged, or none.
+        MissionFileError: It is damaged, or is no file of a grid.
     """
     end = raw.find(b"\n", 0, _MAX_HEAD)
     try:

@@ -1,4 +1,4 @@
-"""How often marks may be made and changed; pure: the time comes with each call."""
+"""Limits on the rate of marks and changes; pure: the time comes with each call."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from hub.bucket import Bucket
 from hub.errors import MissionError
 
 CHANGES_PER_S = 3.0
-"""Changes of one point, whoever makes them [1/s]."""
+"""Changes of one point by all senders [1/s]."""
 CHANGES_AT_ONCE = 6.0
 """The same, in one burst."""
 COMMANDS_PER_S = 3.0
@@ -14,11 +14,11 @@ COMMANDS_PER_S = 3.0
 COMMANDS_AT_ONCE = 20.0
 """The same, in one burst."""
 TOGETHER_PER_S = 5.0
-"""The same of all senders together [1/s]; who connects anew is another sender."""
+"""The same of all senders together [1/s]; a client that connects again is another sender."""
 TOGETHER_AT_ONCE = 500.0
 """The same, in one burst."""
 OWN_PER_S = 0.1
-"""What each sender may do even if all together do too much [1/s]."""
+"""Rate that each sender always has, even if all together send too much [1/s]."""
 OWN_AT_ONCE = 3.0
 """The same, in one burst."""
 _MOST_KNOWN = 256
@@ -38,12 +38,12 @@ class MarkRates:
         """Count a command.
 
         Args:
-            number: Of the point that is changed; 0: a new point or a removal.
-            sender: Number of the client that asks.
+            number: Number of the changed point; 0: a new point or a removal.
+            sender: Number of the client.
             now: Monotonic time [s].
 
         Raises:
-            MissionError: There are too many of them; the text says which bound there is.
+            MissionError: The rate is too high; the text has the limit.
         """
         bucket = _bucket(self._senders, sender, COMMANDS_PER_S, COMMANDS_AT_ONCE)
         if not bucket.take(1.0, now):

@@ -1,4 +1,4 @@
-"""The records of a mission that wait for the disk."""
+"""The queue of a mission's records for the disk."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from hub.missions.journal_file import JournalFile
 from hub.missions.records import Marked, Record, SheetBegun, to_json
 
 MAX_PENDING = 2000
-"""Records that wait; beyond, only sheets, frames and the begin are taken."""
+"""Length of the queue; beyond, only sheets, frames and the begin are taken."""
 _MOST_NAMED = 10
-"""Marks that a text names."""
+"""Largest number of marks that a text lists."""
 
 
 class Pending:
-    """Records that are in memory only, in their order."""
+    """The records in memory only, in their order."""
 
     def __init__(self) -> None:
         self._records: list[Record] = []
@@ -28,15 +28,15 @@ class Pending:
 
     @property
     def marks(self) -> frozenset[int]:
-        """Numbers of the marks that wait."""
+        """Numbers of the marks in the queue."""
         return frozenset(r.point.number for r in self._records if isinstance(r, Marked))
 
     def refusal(self, record: Record, journal: JournalFile | None, fault: str) -> str:
-        """Why a record cannot be taken; empty: it can be.
+        """Why a record is refused; empty: it is not.
 
         Args:
-            record: It.
-            journal: Where the records go; None: it is not made yet.
+            record: The record.
+            journal: The journal; None: it is not made yet.
             fault: Why records wait.
         """
         if room.always_taken(record):
@@ -50,9 +50,9 @@ class Pending:
         return "the journal of this mission has no room for it: end the mission and begin another"
 
     def add(self, records: Sequence[Record]) -> None:
-        """Have records wait.
+        """Add records to the queue.
 
-        Beyond the bound a sheet replaces the sheet before it: there are no marks between them.
+        Beyond its length a sheet replaces the sheet before it: there are no marks between them.
         """
         for record in records:
             last = self._records[-1] if len(self._records) >= MAX_PENDING else None
@@ -64,17 +64,17 @@ class Pending:
             self._bytes += _length(added)
 
     def write(self, journal: JournalFile) -> None:
-        """Write what waits, all or nothing.
+        """Write the queue, all or nothing.
 
         Raises:
-            MissionFileError: It cannot be written, and waits on.
+            MissionFileError: It cannot be written, and is kept.
         """
         if self._records:
             journal.append([to_json(record) for record in self._records])
             self.clear()
 
     def clear(self) -> None:
-        """Forget what waits."""
+        """Clear the queue."""
         self._records.clear()
         self._bytes = 0
 

@@ -85,7 +85,7 @@ def decode_points(raw: bytes) -> tuple[InterestPoint, ...]:
 
 
 def _known(metres: float) -> float | None:
-    """What JSON has for a length [m]: it knows no NaN."""
+    """A length as JSON has it [m]: JSON has no NaN."""
     return None if math.isnan(metres) else metres
 
 
@@ -139,7 +139,7 @@ def _number(value: object, low: float, high: float) -> float:
 
 
 def _length(value: object) -> float:
-    """A length [m]; NaN where none is told, as in files of other programs."""
+    """A length [m]; NaN: the file has none, as files of other programs."""
     return math.nan if value is None else _number(value, 0.0, FARTHEST)
 
 

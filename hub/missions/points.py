@@ -13,22 +13,22 @@ from hub.gcm.mapping import InterestPoint, InterestPoints
 MAX_POINTS = 128
 """Points on one sheet."""
 MAX_NOTE = 500
-"""Characters; what is longer is cut."""
+"""Largest number of characters; longer texts are cut."""
 MAX_BY = 64
-"""Characters; what is longer is cut."""
+"""Largest number of characters; longer texts are cut."""
 MAX_THUMBNAIL_BYTES = 4096
-"""A larger picture is left out: all points go over the air every few seconds."""
+"""Largest picture of a point [bytes]; all points are sent every few seconds."""
 FARTHEST = 1e5
-"""No point is farther than this from the origin along x or y [m]."""
+"""Largest x or y of a point [m]."""
 MAX_NUMBER = 2**32 - 1
 LATEST = 1e10
-"""No point is marked later than this [s since the epoch]."""
+"""Latest time of a mark [s since the epoch]."""
 
 NO_THUMBNAIL = np.empty(0, np.uint8)
 
 
 class PointBook:
-    """The points there are; numbers of points that were removed are not given again.
+    """The points; numbers of removed points are not used again.
 
     Attributes:
         earlier: Points of sheets before the newest, by number, each with the number of its sheet.
@@ -51,7 +51,7 @@ class PointBook:
         return InterestPoints(points=points)
 
     def checked(self, point: InterestPoint, by: str, now: float) -> InterestPoint:
-        """The point as it is to be kept; nothing changes yet.
+        """The point as it would be stored; nothing changes yet.
 
         Args:
             point: New if its number is 0, else another version of one that is there; a note that
@@ -85,7 +85,8 @@ class PointBook:
     def same(self, point: InterestPoint, by: str) -> InterestPoint | None:
         """The point that says the same already, to the last bit; None if none does.
 
-        Who gets no answer sends a mark or a change again: it must be neither two nor refused.
+        A client without an answer sends a mark or a change again: it must not become two marks, and
+        it must not be refused.
         """
         changed = self._points.get(point.number)
         if changed is not None and changed.version == point.version + 1:
@@ -130,7 +131,7 @@ class PointBook:
         )
 
     def drop(self, number: int) -> None:
-        """Give up a point, if it is there."""
+        """Remove a point, if it exists."""
         self._points.pop(number, None)
 
     def begin_sheet(self, before: int) -> None:
@@ -139,7 +140,7 @@ class PointBook:
         self._points.clear()
 
     def mark(self, point: InterestPoint, by: str, now: float) -> str:
-        """Check and put a point; why it cannot be, empty if it can."""
+        """Check and put a point; returns why it is refused, or an empty string."""
         try:
             self.put(self.checked(point, by, now))
         except MissionError as error:
@@ -170,7 +171,7 @@ class PointBook:
 
 
 def _who(point: InterestPoint, by: str) -> str:
-    """Who marked a point, as it is kept."""
+    """The operator who marked a point, as stored."""
     return (point.by or by).replace("\0", "")[:MAX_BY]
 
 
@@ -180,5 +181,5 @@ def _changed(known: InterestPoint) -> str:
 
 
 def _possible(metres: float) -> float:
-    """The length [m]; NaN if none here is so long, or it is the 0 of a field that was left out."""
+    """The length [m]; NaN: too large, or the 0 of a field that was left out."""
     return metres if 0.0 < metres <= FARTHEST else math.nan

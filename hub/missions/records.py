@@ -1,4 +1,4 @@
-"""What a journal records, as values and as the JSON objects that its lines hold; pure."""
+"""The records of a journal, as values and as JSON objects of its lines; pure."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from hub.missions.point_file import has_half
 from hub.missions.points import MAX_NUMBER, NO_THUMBNAIL
 
 MAX_NAME = 64
-"""Characters of a mission's name, and of who does something."""
+"""Largest number of characters of the name of a mission or an operator."""
 MAX_TEXT = 500
 """Characters of an event."""
 _MAX_STAMP = 1e10

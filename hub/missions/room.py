@@ -6,7 +6,7 @@
 | a new mark, a removal | 64 KiB |
 | a sheet, a frame, the begin, the end | nothing: it is never refused |
 
-So nobody who changes marks takes the room of new marks, or that of the end of the mission.
+So changes of marks cannot use the room of new marks, or that of the end of the mission.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from hub.missions import journal_file
 from hub.missions.records import Begun, Ended, FrameKnown, Marked, Record, Removed, SheetBegun
 
 _BYTES_OF_A_RECORD = 256
-"""For so many bytes that stay free, the place of one record stays free too."""
+"""Free bytes for each free record."""
 
 
 def always_taken(record: Record) -> bool:
-    """Whether a record is taken however full the journal is."""
+    """Whether a record is taken by a full journal too."""
     return isinstance(record, Begun | SheetBegun | FrameKnown | Ended)
 
 

@@ -1,4 +1,4 @@
-"""Where the robot was: poses in a file, written now and then."""
+"""The track of the robot: poses in a file, written at intervals."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ from hub.errors import MissionFileError
 from hub.missions.journal_file import JournalFile
 
 APART = 0.1
-"""Poses that are kept are so far apart [m], or so much turned [rad]."""
+"""Least distance [m] and turn [rad] between two poses."""
 APART_RAD = math.radians(15.0)
 MAX_WAITING = 5000
-"""Poses that wait to be written; beyond, they are left out."""
+"""Largest number of pending poses; further ones are left out."""
 
 
 class Track:
     """The track of one mission."""
 
     def __init__(self, path: Path) -> None:
-        """Prepare; the file is opened when there is something to write."""
+        """Start; the file is opened at the first write."""
         self._path = path
         self._file: JournalFile | None = None
         self._waiting: list[dict[str, Any]] = []
         self._last = (math.inf, math.inf, 0.0, 0)
 
     def at(self, x: float, y: float, theta: float, sheet: int, stamp: float) -> None:
-        """The robot is here [m, m, rad] on a sheet of the map [s since the epoch]."""
+        """Add a pose [m, m, rad] on a sheet of the map [s since the epoch]."""
         if not all(map(math.isfinite, (x, y, theta))) or len(self._waiting) >= MAX_WAITING:
             return
         last_x, last_y, heading, last_sheet = self._last
@@ -40,10 +40,10 @@ class Track:
         self._waiting.append({**pose, "s": sheet})
 
     def save(self) -> None:
-        """Write the poses that wait.
+        """Write the pending poses.
 
         Raises:
-            MissionFileError: They cannot be written; they wait on.
+            MissionFileError: They cannot be written; they are kept.
         """
         if not self._waiting:
             return
@@ -54,7 +54,7 @@ class Track:
         self._file.sync()
 
     def close(self) -> None:
-        """Write what waits, if that can be, and close the file."""
+        """Write the pending poses, if possible, and close the file."""
         try:
             self.save()
         except MissionFileError:

@@ -31,7 +31,7 @@ def cropped_fov(horizontal_fov: float, size: Size, whole: Size) -> float:
 
 
 def scaled_size(size: Size, whole: Size) -> Size:
-    """The least size of the camera's whole picture of which one of `size` can be cut."""
+    """The least size of the camera's whole picture that can be cut to `size`."""
     scale = max(size[0] / whole[0], size[1] / whole[1])
     return max(size[0], round(whole[0] * scale)), max(size[1], round(whole[1] * scale))
 

@@ -63,7 +63,7 @@ KINDS = {
 
 
 def kind_of(robot: RobotDescription) -> RobotKind:
-    """The kind that a robot file names: one of ours, or "file:NAME" of a Python file beside it.
+    """The kind that a robot file names: a built-in one, or "file:NAME" of a Python file beside it.
 
     Raises:
         UnknownKindError: There is none of that name, or the Python file cannot be imported.

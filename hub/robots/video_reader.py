@@ -30,7 +30,7 @@ _PAUSES = (0.5, 1.0, 2.0, 5.0)
 """Between tries to open a source again [s]."""
 _CLOSE_S = 0.5
 _MOST_DAMAGED = 100
-"""So many damaged pieces in a row are left out, as after lost packets; more end the reading."""
+"""Largest number of damaged pieces in a row, as after lost packets; more end the reading."""
 _DEFAULT_PERIOD = 0.04
 _MOST_PIXELS = 1 << 24
 """A larger picture is damaged, or meant to fill the memory."""
@@ -166,7 +166,7 @@ class VideoReader:
         self._trouble = trouble
 
     def _read(self) -> None:
-        """Read until the source ends; a file begins anew then."""
+        """Read until the source ends; a file then starts again."""
         while not self._ended.is_set():
             count = self._read_once()
             if self._source.live:

@@ -1,4 +1,4 @@
-"""An arena: the solids in it, what is to be found in it, and where the robot starts."""
+"""An arena: its solids, the things to find in it, and the start of the robot."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Noise of a camera's sensor, drawn once and cut anew for every picture."""
+"""Noise of a camera's sensor, drawn once, with a new crop for every picture."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ class View:
 
 
 class CameraFrame:
-    """Rays and buffers of one picture size, filled anew for every picture.
+    """Rays and buffers of one picture size, filled for every picture.
 
     Attributes:
         width: Columns.

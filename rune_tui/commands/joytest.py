@@ -48,7 +48,7 @@ _HOME, _REST_OF_LINE, _BELOW = "\x1b[H", "\x1b[K", "\x1b[J"
 
 
 def described(number: int, device: DeviceInfo) -> dict[str, Any]:
-    """What there is to know of a device, for programs; opens it for a moment."""
+    """The facts of a device, for programs; opens it for a moment."""
     controls: Sequence[PhysicalControl] = ()
     why = ""
     try:
@@ -82,11 +82,11 @@ def described(number: int, device: DeviceInfo) -> dict[str, Any]:
 
 def listed(*, as_json: bool) -> str:
     """All joysticks, for people or for programs."""
-    told = [described(number, device) for number, device in enumerate(joysticks_here(), 1)]
+    line = [described(number, device) for number, device in enumerate(joysticks_here(), 1)]
     if as_json:
-        return json.dumps(told, indent=2) + "\n"
+        return json.dumps(line, indent=2) + "\n"
     lines = []
-    for each in told:
+    for each in line:
         which = f"{each['vid']}:{each['pid']} {each['serial'] or '-'} {each['name']}"
         lines.append(f"{each['number']}  {which}")
         types = [control["type"] for control in each["controls"]]
@@ -176,12 +176,12 @@ def lines_of(seat: Seat) -> list[str]:
     lines = [f"{name}: {seat.rate:.0f} reports a second"]
     for position, control in enumerate(seat.controls):
         raw = seat.raws.get(position)
-        told = f"  {control.usage:16} {control.role:14} {'-' if raw is None else raw:>7}"
+        line = f"  {control.usage:16} {control.role:14} {'-' if raw is None else raw:>7}"
         shown = seat.joystick.shown_at(position)
         if control.kind is ControlKind.HAT:
             shown = shown[:1]  # of all directions
-        lines += [f"{told}  {made_of(seat, position, each)}" for each in shown]
-        lines += [] if shown else [f"{told}  not in the layout"]
+        lines += [f"{line}  {made_of(seat, position, each)}" for each in shown]
+        lines += [] if shown else [f"{line}  not in the layout"]
     return lines
 
 
@@ -197,16 +197,16 @@ def made_of(seat: Seat, position: int, name: str) -> str:
     called = "" if own else f"{name:14} "
     if value is None:
         return f"{called}nothing has come yet"
-    told = f"{called}{bar(value, _BAR)} {value:+.2f}"
+    line = f"{called}{bar(value, _BAR)} {value:+.2f}"
     axis = joystick.axes.get(name)
     if axis is None:
-        return told
+        return line
     about = f"dead zone {axis.shape.dead_zone:.2f}, expo {axis.shape.expo:.2f}"
-    return f"{told} of {axis.share + 0.0:+.2f}  {curve(axis.shape)}  {about}"  # no -0.00
+    return f"{line} of {axis.share + 0.0:+.2f}  {curve(axis.shape)}  {about}"  # no -0.00
 
 
 def fold(line: str, columns: int) -> list[str]:
-    """A line in rows of so many columns; what does not fit goes on in the next row, indented."""
+    """A line in rows of this width [columns]; the next rows are indented."""
     return textwrap.wrap(line, max(20, columns), subsequent_indent=" " * 8) or [""]
 
 
@@ -314,7 +314,7 @@ class _Lines:
     """A line for each control, when it is moved for the first time."""
 
     def __init__(self) -> None:
-        self._told: set[tuple[str, int]] = set()
+        self._reported: set[tuple[str, int]] = set()
         self._device = ""
 
     def begin(self) -> None:
@@ -323,11 +323,11 @@ class _Lines:
     def show(self, bench: Bench) -> None:
         for path, seat in bench.seats.items():
             for position, control in enumerate(seat.controls):
-                if seat.moved(position) and (path, position) not in self._told:
-                    self._told.add((path, position))
-                    self._tell(seat.device, control)
+                if seat.moved(position) and (path, position) not in self._reported:
+                    self._reported.add((path, position))
+                    self._report(seat.device, control)
 
-    def _tell(self, device: DeviceInfo, control: PhysicalControl) -> None:
+    def _report(self, device: DeviceInfo, control: PhysicalControl) -> None:
         if device.path != self._device:
             self.end()
             self._device = device.path

@@ -216,7 +216,7 @@ def run(
     device: str = "",
     operator: str = "",
 ) -> None:
-    """Send a joystick's states until somebody ends it, whatever comes and goes meanwhile.
+    """Send a joystick's states until the end of the command, through losses of device and hub.
 
     Args:
         hub: Endpoint of the robot's hub; with `ssh` as the robot itself knows it.
@@ -252,7 +252,7 @@ def run(
         _wait_connected(client, "" if tunnel is None else f"{hub} of ssh {tunnel.destination}")
         client.wait_defined(CONNECT_S)
         sender = PadSender(
-            lambda told: client.publish(pad.PAD_DEVICE, told),
+            lambda announced: client.publish(pad.PAD_DEVICE, announced),
             lambda state: client.publish(pad.PAD_STATE, state),
             operator=operator,
             machine=platform.node(),
@@ -262,7 +262,7 @@ def run(
         audience = Audience(operator)
         client.subscribe(
             pad.PAD_CONSOLE,
-            lambda told, by: audience.hear(by.publisher, told, time.monotonic()),
+            lambda announced, by: audience.hear(by.publisher, announced, time.monotonic()),
         )
         progress = Progress(
             agent=agent, sender=sender, audience=audience, client=client, tunnel=tunnel
@@ -300,7 +300,7 @@ def _wait_connected(client: Client, beyond: str) -> None:
 
 
 def _say_the_last_word(client: Client, sender: PadSender) -> None:
-    """Let go of the device there, if the hub can be told."""
+    """Report the device as gone, if the hub answers."""
     sender.end()
     with contextlib.suppress(HubError):
         client.wait_published(_LAST_WORD_S)

@@ -47,7 +47,7 @@ def take(
         path: File to write; its ending says what: .txt, .svg or .png.
 
     Returns:
-        Whether every robot's hub answered; if not, nothing is written, but for `offline`.
+        Whether every robot's hub answered; if not, nothing is written, except with `offline`.
 
     Raises:
         PictureFileError: The file cannot be written.

@@ -3,7 +3,7 @@
 Payloads are written as they are on the bus, which is as ROS 2 writes them, with the ROS 2 text of
 each message beside it: Foxglove and the mcap tools open it. Messages are handed to the system at
 least every FLUSH_S: a file whose writer was killed, or whose disk is full, has all before that and
-lacks its index only; `mcap recover` makes that anew.
+lacks its index only; `mcap recover` makes it again.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Recording:
 
     Attributes:
         path: The file.
-        count: Messages that can be read from the file, whatever happens to this process.
+        count: Number of messages that are safe in the file, even if this process ends.
         dropped: Messages left out, as the disk was too slow.
         fault: Why nothing more is written; empty while all is well.
     """
@@ -47,7 +47,7 @@ class Recording:
 
         Args:
             path: A file that is not there yet.
-            about: What else is to be known of it, such as the layout and the number of the run.
+            about: Further facts, such as the layout and the number of the run.
 
         Raises:
             OSError: The file cannot be written.

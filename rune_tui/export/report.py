@@ -118,7 +118,7 @@ def _mark(point: InterestPoint, size: float) -> str:
 def _extent(
     points: Sequence[InterestPoint], grid: OccupancyMap | None
 ) -> tuple[float, float, float, float]:
-    """Least x, least y, greatest x, greatest y of what is to be drawn, with room around [m]."""
+    """Least x, least y, greatest x, greatest y of the drawing, with room around [m]."""
     corners = [*((point.x, point.y) for point in points), *_known_corners(grid)] or [(0.0, 0.0)]
     xs, ys = zip(*corners, strict=True)
     return min(xs) - _ROOM, min(ys) - _ROOM, max(xs) + _ROOM, max(ys) + _ROOM

@@ -29,17 +29,17 @@ class Filing:
         self,
         links: RobotLinks,
         run: Callable[[Coroutine[Any, Any, None]], object],
-        tell: Callable[[user_files.Outcome], None],
+        report: Callable[[user_files.Outcome], None],
     ) -> None:
         """Prepare; nothing is recorded.
 
         Args:
             links: What comes and goes there is recorded.
             run: Runs a coroutine beside what the console does.
-            tell: Tells the operator.
+            report: Tells the operator.
         """
         self.recorder = Recorder(links)
-        self._run, self._tell = run, tell
+        self._run, self._report = run, report
 
     def do(
         self,
@@ -69,7 +69,7 @@ class Filing:
         if self.recorder.path:
             self._write(self.recorder.end())
         else:
-            self._tell(self.recorder.begin(layout, operator))
+            self._report(self.recorder.begin(layout, operator))
 
     def keep_screen(self, cells: Cells) -> None:
         """Write a picture of what the operator sees."""
@@ -87,7 +87,7 @@ class Filing:
 
     def _write(self, job: Callable[[], user_files.Outcome]) -> None:
         async def written() -> None:
-            self._tell(await asyncio.to_thread(job))
+            self._report(await asyncio.to_thread(job))
 
         self._run(written())
 

@@ -39,7 +39,7 @@ class Outcome:
     Attributes:
         text: One sentence for the operator.
         alarm: Whether it went wrong.
-        robot: Whom it is about; empty for the console itself.
+        robot: Its robot; empty: the console itself.
         routine: Whether it only says that what the operator wanted is done.
     """
 

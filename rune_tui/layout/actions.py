@@ -30,7 +30,7 @@ class Action:
         words: What they do.
         help: The same at length.
         inputs: Which they are, in words.
-        robot: Whom it concerns; empty for the console itself.
+        robot: Its robot; empty: the console itself.
         event: The first of their events, as the layout has it.
         section: Where the help lists it.
         safe: Whether its inputs count while a page covers the view, as those of the stop do.

@@ -76,7 +76,7 @@ def _place_mistakes(arrangement: Node, known: tuple[str, ...], rules: Rules) -> 
 
 
 def _unmet_by_the_mouse(view: Node, rules: Rules) -> Iterator[Mistake]:
-    """Events of the mouse in viewports of which nothing is ever on the screen."""
+    """Events of the mouse in viewports that are never on the screen."""
     for viewport in view.of("viewport"):
         name = rules.value(viewport, "name")
         shown = [

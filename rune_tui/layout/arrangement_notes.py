@@ -44,7 +44,7 @@ def _summary(arrangement: ArrangementSpec) -> str:
 
 
 def _vital(layout: LayoutSpec) -> dict[str, str]:
-    """Names of vital viewports, with what draws them and of whom."""
+    """Names of vital viewports, with their visualizers and robots."""
     found = {}
     for viewport in layout.view.viewports:
         shown = viewport.visualizer

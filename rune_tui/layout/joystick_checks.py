@@ -1,4 +1,4 @@
-"""What a layout must keep of joysticks: devices told apart, controls that exist and fit."""
+"""Rules for joysticks of a layout: distinct devices, controls that exist and fit."""
 
 from __future__ import annotations
 

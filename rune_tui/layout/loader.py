@@ -1,7 +1,7 @@
 """Reads a layout file: bytes to XML to specs, with every mistake of the file at once.
 
-Only this file knows the XML library. Files come from strangers: no DTD, no entity, no network,
-and a limit on the size.
+Only this file knows the XML library. Files are not trusted: no DTD, no entity, no network, and a
+limit on the size.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The names a layout may use whatever is installed: capabilities, and inputs of all kinds."""
+"""The names that every layout may use: capabilities, and inputs of all kinds."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ ROLES: Mapping[str, ControlKind] = {
     **{f"button{number}": ControlKind.BUTTON for number in range(1, 33)},
     "dpad": ControlKind.HAT,
 }
-"""What controls are for, whatever the device. Of axes, x is positive to the right, y up or away
+"""Roles of controls, for any device. Of axes, x is positive to the right, y up or away
 from the operator, twist clockwise."""
 
 AXIS_USAGES = (
@@ -76,7 +76,7 @@ NAMED_KEYS = (
 FUNCTION_KEYS = tuple(f"f{number}" for number in range(1, 13))
 
 WAY_OUT = "ctrl+c"
-"""The key that ends the console, whatever a layout says."""
+"""The key that ends the console, with any layout."""
 
 KEYS_REPORTED_AS: Mapping[str, str] = {
     "ctrl+h": "backspace",
@@ -136,7 +136,7 @@ KEY_RULE = (
 
 
 def canonical_key(name: str) -> str:
-    """The one name of a key that goes by several: "+" for "plus", "space" for " ", "w" for "W"."""
+    """The one name of a key with several names: "+" for "plus", "space" for " ", "w" for "W"."""
     if name == " ":
         return "space"
     name = KEY_ALIASES.get(name, name)

@@ -33,7 +33,7 @@ class _Variable:
     Attributes:
         value: What is put in its place.
         declared: Where it was declared, here and in the files that include this one.
-        given: Whether whoever opens the layout says so, and no file.
+        given: Whether the command line gives it, and no file.
     """
 
     value: str
@@ -168,7 +168,7 @@ class Assembly:
         return REFERENCE.sub(lambda one: scope[one[1]].value if one[1] in scope else one[0], text)
 
     def _fits(self, size: int, place: Place) -> bool:
-        """Whether there is room for so many more characters; that there is none is said once."""
+        """Whether there is room for more characters; a lack is reported once."""
         if self._room >= 0 > self._room - size:
             message = f"the layout with its parts and variables is larger than {self._largest}"
             self._wrong(place, f"{message} characters; a layout is a few thousand long")

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from rune_tui.layout.spec import ArrangementSpec, PlaceSpec
 
 _SHARE_OF_STRIP = 4
-"""One row in so many is the most that full screen leaves for vital viewports."""
+"""Full screen leaves at most one row in this many for vital viewports."""
 _NARROW_ROWS = 2
 """Rows of a vital viewport in full screen that is not a line over the whole view."""
 _LEAST_COLUMNS = 24

@@ -28,12 +28,12 @@ class Section(enum.Enum):
 
 
 class Purpose(enum.Enum):
-    """What a widget does that the rest of the console has to know of, whatever its handler's name.
+    """Effects of a widget that the rest of the console must know.
 
     Attributes:
         DRIVE: Commands velocities all the time. Only one of a robot's such widgets acts at a time;
             it is a `DrivingWidget`.
-        STOP: Stops a robot. Its keys stop whatever covers the view.
+        STOP: Stops a robot. Its keys stop the robot under any page.
         QUIT: Ends the console. Its keys answer the question whether to end.
         TAKE_CONTROL: Takes control of a robot. It is a `TakingWidget`.
         RELEASE_CONTROL: Gives up control.
@@ -243,7 +243,7 @@ class HandlerRule:
         pointed: Whether it wants to know where the mouse was, and so needs events of the mouse.
         words: What a positive and a negative value do, by control (empty where there is none),
             for the help; those that have none know no amounts, and so no axes.
-        plane: The controls that a whole hat switch moves: the one whose positive is to the left,
+        plane: The controls that a whole hat switch moves: the one with left as positive,
             and the one whose positive is up or forward; None if it cannot.
         held: Whether it acts while an input is held, so that a mere moment of it is nothing.
         under_help: Whether its keys count while the help covers everything.

@@ -21,7 +21,7 @@ _Mark = tuple[int, int, int] | None
 
 
 class LayoutSource:
-    """Layouts by name, one of them open. Whoever asks for another keeps the old one if it is bad.
+    """Layouts by name, one of them open. A change to a layout with mistakes keeps the old one.
 
     Attributes:
         layout: The newest one without mistakes.

@@ -1,4 +1,4 @@
-"""What gamepads at other machines say at one robot's hub, and what they are told."""
+"""Messages of and to gamepads at other machines, through one robot's hub."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class PadLine:
         self._robot = robot
         self._pads: FarPads | None = None
         if tells:
-            client.every(1.0 / CONSOLE_HZ, self._tell)
+            client.every(1.0 / CONSOLE_HZ, self._announce)
 
     def follow(self, pads: FarPads | None) -> None:
         """Put what comes in there from now on; None: let nothing come."""
@@ -45,15 +45,15 @@ class PadLine:
             self._client.unsubscribe(PAD_DEVICE, self._device)
             self._client.unsubscribe(PAD_STATE, self._state)
 
-    def _tell(self) -> None:
+    def _announce(self) -> None:
         if self._pads is not None and self._client.connected:
             taken = np.array(self._pads.senders_read(self._robot), np.uint32)
             console = PadConsole(operator=self._pads.operator, taken=taken)
             self._client.publish(PAD_CONSOLE, console)
 
-    def _device(self, told: PadDevice, reception: MessageInfo) -> None:
+    def _device(self, announced: PadDevice, reception: MessageInfo) -> None:
         if self._pads is not None:
-            self._pads.device_came((self._robot, reception.publisher), told)
+            self._pads.device_came((self._robot, reception.publisher), announced)
 
     def _state(self, state: PadState, reception: MessageInfo) -> None:
         if self._pads is not None:

@@ -23,17 +23,17 @@ _FULL_RATE_S, _FAIR_RATE_S, _LEAST_RATE_S = _USE / 15.0, 0.125, 0.2
 """Service at 15 pictures a second with room for all else; at 8; and at 5, the least that people
 explore with at walking speed [s]."""
 _PROBE: Final = 3.0
-"""So many times too long may a better step seem and yet be tried: a part of the service is the
+"""A better step is tried if its estimated time is at most this multiple of the limit: a part of the
 robot's work, which does not grow with the bytes."""
 _NO_HELP: Final = 1.15
-"""A step that takes so many times as long as a lower one hardly does: bytes are not what counts."""
+"""A lower step is no gain if the higher one takes at most this multiple of its time."""
 _SETTLED, _SURE = 3, 5
 """Answers before a step is left: downwards, upwards."""
 _FAR_TOO_MUCH: Final = 4.0
-"""What takes so many times as long is left at once."""
+"""A step that takes this multiple of the limit is left at once."""
 _DWELL_S: Final = 1.0
 _BAR_S, _LONGEST_BAR_S = 5.0, 120.0
-"""A step that was too much is not tried again for so long [s]; each time twice as long."""
+"""Time until a failed step is tried again [s]; it doubles each time."""
 _NEW: Final = 0.3
 """Part of the way from the mean to each new measurement."""
 
@@ -71,7 +71,7 @@ STEPS: Final = (
     Step(50.0, _FULL_RATE_S, 100, exact=True),
 )
 START: Final = 4
-"""Small enough for a link of 64 kbit/s, of which nothing is known yet."""
+"""First step, small enough for a link of 64 kbit/s."""
 
 
 class PictureChoice:
@@ -101,7 +101,7 @@ class PictureChoice:
 
         Args:
             size: Width and height that are shown [pixels].
-            wish: What the operator wants; a coding in it holds whatever the link carries.
+            wish: The operator's request; a coding in it is used on any link.
             near: Whether there is no link between, which could be too thin.
         """
         width, height = wish.width or size[0], wish.height or size[1]

@@ -79,7 +79,7 @@ class PictureStream:
         self._requests.look()
 
     def flow(self, seconds: float) -> PictureFlow | None:
-        """How pictures came in so many seconds since this was asked before."""
+        """Statistics of the pictures since the last call."""
         count, self._count = self._count, 0
         newest = self._newest
         if newest is None or not self._wanted or self._size is None:

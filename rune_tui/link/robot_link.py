@@ -73,13 +73,13 @@ _KEEP_ALIVE_LOOK_S = 1.0
 _REPEATED = 2
 """What is newly wanted is said so often again, each second: the robot may be starting too."""
 _LEASE_INTERVALS = 2.5
-"""What is wanted holds for so many intervals between two keep-alives; one of them may be lost."""
+"""A lease lasts for this number of keep-alive intervals, because one keep-alive may be lost."""
 _MOST_LETTERS = 1000
 _ALWAYS = frozenset(
     definition.name
     for definition in (ROBOT_DESCRIPTION, CAPABILITY_REPORTS, CONTROL_STATE, MISSION_STATE)
 )
-"""What is followed whatever the layout shows."""
+"""Messages that are subscribed to with every layout."""
 _ANSWERS = frozenset({vision.IMAGE.name, mapping.MAP.name})
 """What comes on request only."""
 _LACKS = {
@@ -227,11 +227,11 @@ class RobotLink:
             self._control.attended = self._clock()
 
     def tap(self, tap: Tap | None) -> None:
-        """Hand everything that comes and goes to somebody else as well; None: to nobody."""
+        """Copy all messages, received and sent, to a tap; None: to none."""
         self._tap = tap
 
     def record(self, definition: MessageDefinition[Any], value: object, measured: float) -> None:
-        """Hand a message that was measured then [s] to whom `tap` named."""
+        """Copy a message with its time of measurement [s] to the tap."""
         tap = self._tap
         if tap is not None:
             tap(definition, value, measured)
@@ -371,7 +371,7 @@ class RobotLink:
             self._change_link(owned_since=time.strftime("%H:%M", since) if self._owner else "")
 
     def _say(self, text: str) -> None:
-        """Have the operator told that something was refused."""
+        """Report a refusal to the operator."""
         link = self._state.link
         self._change_link(said=text[:_MOST_LETTERS], said_count=link.said_count + 1)
 

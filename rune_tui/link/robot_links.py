@@ -35,7 +35,7 @@ class RobotLinks(Mapping[str, RobotLink]):
             hubs: Endpoints instead of those in the layout, in the order of its robots; none or
                 one for each.
             keys: File of the operator's key, for hubs on other machines.
-            operator: Who sits here, as robots are told.
+            operator: The operator's name, as robots get it.
             tunnels: Open ways to the hubs, instead of `hubs`.
 
         Raises:
@@ -55,7 +55,7 @@ class RobotLinks(Mapping[str, RobotLink]):
 
     @property
     def operator(self) -> str:
-        """Who sits here, as robots are told."""
+        """The operator's name, as robots get it."""
         return self._operator
 
     def __getitem__(self, name: str) -> RobotLink:

@@ -24,7 +24,7 @@ _LATE_MESSAGES: Final = 5
 _SHARE: Final = 0.8
 """Part of the link's time that streams may take from pictures."""
 _STAY_S, _LONGEST_STAY_S = 10.0, 300.0
-"""Broadcasts are not tried again for so long [s]; each time twice as long."""
+"""Time until broadcasts are tried again [s]; it doubles each time."""
 _TIMEOUT_S: Final = 2.0
 _NEW: Final = 0.2
 

@@ -1,7 +1,7 @@
-"""The way to a robot's hub through ssh: opened, mended when ssh ends, and ended with the console.
+"""The tunnel to a robot's hub through ssh, restarted when ssh ends, closed with the console.
 
-The hub's sockets appear as files in a folder that only this user may enter, so no port is taken and
-nobody else on this machine drives the robot.
+The hub's sockets appear as files in a folder that only this user may enter, so it needs no port,
+and no other user of this machine can drive the robot.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ exit $code
 console is killed; then the folder, which is the script's name, goes too.
 """
 _MOST_WORDS: Final = 500
-"""Letters of what ssh says last; more would hide what else there is to say."""
+"""Longest excerpt of ssh's last words [characters]."""
 _DESTINATION: Final = re.compile(r"([^\s:@-][^\s:]*?)(?::([0-9]{1,5}))?")
 
 

@@ -1,4 +1,4 @@
-"""The banner at the upper edge: the gravest alarm, or that a robot moves by itself."""
+"""The banner at the upper edge: the most severe alarm, or that a robot moves by itself."""
 
 from __future__ import annotations
 

@@ -103,7 +103,7 @@ def _heading(entry: _Entry) -> str:
 
 
 def robot_words(robot: str) -> str:
-    """Whom an action concerns, for people."""
+    """The robot of an action, for people."""
     if robot == CHOSEN:
         return "the chosen robot"
     return robot or "the console"

@@ -98,7 +98,7 @@ class PageLayer:
             canvas.text(column + left + 1, row, words, ink_of(line.severity, theme))
 
     def _room(self, columns: int, rows: int, state: ConsoleState) -> int:
-        """How many lines are to be seen at once."""
+        """Number of visible lines."""
         return max(1, rows - _HEAD_ROWS) * self._widths(columns, state)[2]
 
     @staticmethod

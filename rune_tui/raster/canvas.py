@@ -148,9 +148,9 @@ class Canvas:
         """Lay an opaque picture on a canvas that shows finer ones.
 
         Args:
-            pixels: Twice as wide as they are to be seen, shape (height, 2 * width, 3).
+            pixels: Twice as wide as they are shown, shape (height, 2 * width, 3).
             x: Column of its left edge [pixels of the canvas]; inside, as is all of the picture.
-            y: Row of its upper edge [pixels]; likewise.
+            y: Row of its upper edge [pixels]; in the same way.
         """
         if self.fine is None:
             text = "this canvas shows no finer pictures; make it with fine=True"

@@ -18,7 +18,7 @@ Cells = npt.NDArray[np.int8]
 Places = npt.NDArray[np.intp]
 
 UNKNOWN: Final = -1
-"""A cell of which nothing is known; the others are 0 (free) to 100 (occupied)."""
+"""An unknown cell; the others are 0 (free) to 100 (occupied)."""
 OUTSIDE: Final = -2
 """Stands for what is beyond the grid."""
 

@@ -18,9 +18,9 @@ Point = tuple[float, float]
 """x right, y down from the upper left corner of the canvas [pixels]; pixel (0, 0) spans 0 to 1."""
 
 _FAR: Final = 4.0
-"""Lines that reach farther than so many times width and height of the canvas are cut."""
+"""Lines are cut at this multiple of the canvas's width and height."""
 _CORNERS: Final = 256
-"""Corners of what stands for a circle of which only a small part is seen."""
+"""Number of corners of a polygon that replaces a large circle with a small visible part."""
 _ARROW_BACK: Final = math.radians(140.0)
 """From an arrow's tip to its other two corners, seen from its middle [rad]."""
 
@@ -148,7 +148,7 @@ class Pen:
 
     @property
     def _far(self) -> float:
-        """Pillow takes time for each pixel of a rim, seen or not: so long may a radius be."""
+        """Largest radius [pixels]: Pillow takes time for each pixel of a rim, visible or not."""
         return 4.0 * _FAR * (self.width + self.height)
 
     def _visible(self, centre: Point, radius: float) -> float:

@@ -14,7 +14,7 @@ from rune_tui.layout.watching import LOOK_S, LayoutSource, first_problem
 
 _logger = logging.getLogger(__name__)
 
-_LONGEST_COMPLAINT = 500
+_LONGEST_FAULT = 500
 
 
 class LayoutFollower:
@@ -58,8 +58,8 @@ class LayoutFollower:
                 elif found is not None:
                     await self._open(found)
             except (ConsoleError, HubError) as error:
-                self._complain(f"The layout stays as it was: {error}"[:_LONGEST_COMPLAINT])
+                self._complain(f"The layout stays as it was: {error}"[:_LONGEST_FAULT])
             except Exception as error:  # an extension's code may fail in any way
                 _logger.exception("a layout cannot be opened")
                 text = f"The layout stays as it was: {type(error).__name__}: {error}"
-                self._complain(text[:_LONGEST_COMPLAINT])
+                self._complain(text[:_LONGEST_FAULT])

@@ -45,7 +45,7 @@ def open_layout(name_or_path: str | Path, variables: Mapping[str, str] | None = 
 
 
 def layout_path(name_or_path: str) -> Path:
-    """Where the layout is that goes by this name or path."""
+    """The file of the layout with this name or path."""
     path = Path(name_or_path)
     if _is_bare(path, name_or_path) and not path.exists():
         for folder in _SHIPPED:

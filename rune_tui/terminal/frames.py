@@ -20,7 +20,7 @@ _CELL_BYTES: Final = 52
 
 @dataclasses.dataclass(frozen=True, slots=True, kw_only=True)
 class Frame:
-    """What is to be written, in this order; either may be empty.
+    """The bytes to write, in this order; either may be empty.
 
     Attributes:
         first: What is around the picture: stops and alarms, drive state, ranges, all else.
@@ -61,7 +61,7 @@ class FrameWriter:
         """The next frame.
 
         Args:
-            cells: What is to be seen.
+            cells: The picture to show.
             urgencies: What each cell shows, shape (rows, columns).
             covered: Cells that something else covers.
         """
@@ -129,7 +129,7 @@ class FrameWriter:
 
 
 def coarsened(cells: Cells, grain: int) -> Cells:
-    """The cells with pixels in squares of so many, each the mean of what it was.
+    """The cells with pixels in squares of this size, each with its mean colour.
 
     The last square of a row or column may be smaller.
     """

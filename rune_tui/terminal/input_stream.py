@@ -67,7 +67,7 @@ class KeyReport:
     """A key moved.
 
     Attributes:
-        code: What the terminal calls the key, whatever it types.
+        code: The terminal's number of the key, for any character.
         move: What it did.
         press: What a terminal that tells presses alone would have sent for the press.
         keypad: Its name if it is one of the keypad, such as "kp_8", else empty.
@@ -81,7 +81,7 @@ class KeyReport:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class KeyboardReport:
-    """What the terminal tells of keys.
+    """The terminal's reports of keys.
 
     Attributes:
         tells_releases: Whether it tells when keys repeat and go up.
@@ -96,18 +96,18 @@ InputPart = str | CursorReport | KeyReport | KeyboardReport
 class InputStream:
     """Takes what was read, in pieces of any size.
 
-    Once the terminal has said that it tells when keys go up, keys come as `KeyReport`s. Where it
-    tells so only of some, as of arrows and not of letters, all come as from one that tells of none.
-    Reports of the cursor below the first row are answers; in the first row they are what xterm
-    sends for F3 with a modifier. Sequences that nobody understands, such as late answers to other
-    questions, are left out: as keys, they would drive.
+    Once the terminal has said that it tells when keys go up, keys come as `KeyReport`s. If it
+    reports releases of some keys only, such as arrows, all keys count as without them. Reports of
+    the cursor below the first row are answers; in the first row they are what xterm sends for F3
+    with a modifier. Sequences that nobody understands, such as late answers to other questions, are
+    left out: as keys, they would drive.
     """
 
     def __init__(self, understood: Callable[[str], bool]) -> None:
         """Prepare.
 
         Args:
-            understood: Whether whoever gets the rest knows what an escape sequence means.
+            understood: Whether the receiver of the rest understands escape sequences.
         """
         self._understood = understood
         self._held = ""

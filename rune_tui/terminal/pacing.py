@@ -19,14 +19,14 @@ TIMEOUT_S: Final = 1.0
 """An answer that takes longer may be lost [s]; the next time, it may take twice as long."""
 _LONGEST_S: Final = 8.0
 _MISSES: Final = 4
-"""A terminal that leaves so many frames unanswered in a row no longer answers, nor does one that
-says so often what it was not asked."""
+"""After this number of unanswered frames in a row, or of wrong answers, the terminal counts as one
+without answers."""
 _NARROWEST: Final = 8_000.0
 """What the narrowest way takes that can be worked with [bytes/s]."""
 _ROW: Final = 2
 """Where the cursor is put for the question; in the first row, answers look like keys."""
 _NUMBERS: Final = 8
-"""Frames are told apart by so many columns; any terminal has them."""
+"""Number of columns that number the frames; any terminal has them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,7 +96,7 @@ class FramePacer:
         return tuple(self._under_way)
 
     def may_send(self, now: float, window: int = WINDOW) -> bool:
-        """Whether another frame may follow with so many under way; late ones are given up."""
+        """Whether another frame may follow, given the unanswered ones; late ones are dropped."""
         if self._under_way and now - self._under_way[0].sent >= self._patience():
             self._under_way.clear()
             self._timeout = min(_LONGEST_S, 2.0 * self._timeout)
@@ -105,7 +105,7 @@ class FramePacer:
         return not self.answers or len(self._under_way) < window
 
     def sent(self, now: float, size: int) -> str:
-        """A frame of so many bytes is handed over; the question that has to follow it."""
+        """Note a frame of this size [bytes]; returns the question that must follow it."""
         if not self.answers:
             self._under_way.clear()
         frame = SentFrame(number=self._number, size=size, sent=now, behind=bool(self._under_way))

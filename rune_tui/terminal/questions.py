@@ -68,7 +68,7 @@ class Answers:
 
 
 def read_answers(data: bytes) -> Answers:
-    """The answers among what a terminal sent, whatever else there is."""
+    """The answers in the input of a terminal, among other input."""
     mode, keyboard = _SYNCHRONIZED.search(data), _KEYBOARD.search(data)
     return Answers(
         complete=_ATTRIBUTES.search(data) is not None,

@@ -22,8 +22,8 @@ class Coarseness:
 
     Attributes:
         tolerance: How far colours may be off that neighbours share, 0 to 127.
-        threshold: How far a pixel may be off before it is drawn anew, 0 to 255.
-        grain: Pixels become one colour in squares of so many.
+        threshold: Largest error of a pixel before it is drawn again, 0 to 255.
+        grain: Edge of the squares of one colour [pixels].
         longest: A frame should not be under way for longer [s]; if it is, the next coarser way is
             better than fewer frames.
     """
@@ -44,13 +44,13 @@ LADDER: Final = (
     Coarseness(tolerance=16, threshold=20, grain=2, longest=1 / 4),
     Coarseness(tolerance=16, threshold=20, grain=4, longest=math.inf),
 )
-"""From exact to so coarse that it can hardly be told what is seen."""
+"""Steps of coarseness, from exact to hardly recognisable."""
 _FIRST: Final = 3
 """Where to begin, as long as nothing is known of the way."""
 _STEP: Final = 2.2
 """A finer way makes frames at most so much longer, as a rule."""
 _TOO_LONG: Final = 2.0
-"""A frame that would be under way for so many times the longest time is drawn again, coarser."""
+"""A frame that would take this multiple of the longest time is drawn again, coarser."""
 _TELLING_BYTES: Final = 2000
 """Shorter frames say how long the way is, not how wide."""
 _SAMPLES: Final = 5
@@ -117,7 +117,7 @@ class RateController:
             self._widths.append(width)
 
     def under_way(self, size: float) -> float:
-        """How long so many bytes need beyond the round trip [s]."""
+        """Time to send this number of bytes, without the round trip [s]."""
         return size / self.width
 
     def may_follow(self, now: float, frames: Iterable[SentFrame]) -> bool:
@@ -144,7 +144,7 @@ class RateController:
         return True
 
     def drawn(self, size: float) -> None:
-        """A picture of something that moves became so long; the next may be drawn otherwise."""
+        """Take the size of a moving picture, which adapts the coarseness of the next one."""
         last = self._level + 1 == len(LADDER)
         if not last and self._exceeds(size, 1.0):
             self._level += 1

@@ -11,7 +11,7 @@ from rune_tui.raster.canvas import halved
 
 _COLUMNS, _ROWS = 28, 4
 _BARS = 12
-"""So many columns have bars, the others a disc."""
+"""Number of columns with bars; the others have a disc."""
 _BRIGHT, _DARK = (236, 178, 60), (24, 62, 120)
 
 ADVICE = """\

@@ -15,7 +15,7 @@ USUAL_ASPECT: Final = 2.0
 """Height of a cell over its width, where nobody says."""
 _ASPECTS: Final = (1.0, 4.0)
 """What a font can be; others are taken for a fault."""
-_TOLD: Final = "the terminal says so"
+_REPORTED: Final = "the terminal says so"
 _GIVEN: Final = "the command line says so"
 _SILENT: Final = "the terminal does not say"
 
@@ -71,7 +71,7 @@ def traits_of(
         "depth": why_colours,
         "glyphs": why_blocks,
         "aspect": why_shape,
-        "synchronized": _SILENT if answers.synchronized is None else _TOLD,
+        "synchronized": _SILENT if answers.synchronized is None else _REPORTED,
         "acknowledges": "it answered where its cursor is"
         if answers.reports_cursor
         else "it did not answer where its cursor is",
@@ -100,7 +100,7 @@ def _colours(
     if environment.get("NO_COLOR"):
         return ColourDepth.MONO, "NO_COLOR is set"
     if answers.truecolour:
-        return ColourDepth.TRUECOLOUR, _TOLD
+        return ColourDepth.TRUECOLOUR, _REPORTED
     return colours_by_environment(environment)
 
 
@@ -115,12 +115,12 @@ def _blocks(depth: ColourDepth, given: GlyphSet | None) -> tuple[GlyphSet, str]:
 def _shape(answers: Answers, size: tuple[int, int], given: float | None) -> tuple[float, str]:
     if given is not None:
         return given, _GIVEN
-    told = answers.aspect(*size)
-    if told is None:
+    reported = answers.aspect(*size)
+    if reported is None:
         return USUAL_ASPECT, _SILENT
-    if not _ASPECTS[0] <= told <= _ASPECTS[1]:
-        return USUAL_ASPECT, f"the terminal says {told:.2f}, which no font has"
-    return told, _TOLD
+    if not _ASPECTS[0] <= reported <= _ASPECTS[1]:
+        return USUAL_ASPECT, f"the terminal says {reported:.2f}, which no font has"
+    return reported, _REPORTED
 
 
 def colours_by_environment(

@@ -1,13 +1,13 @@
 """Marks, changes and removals on the way to a robot: sent again until the robot confirms them.
 
-| what the robot tells | then |
+| report of the robot | action |
 | --- | --- |
-| it has it, on its disk | it is confirmed, and the operator told so |
-| it has it, in memory only, for ANSWER_S | an alarm; it waits on |
-| it refuses it | the link has told why; it is given up |
-| its map has another sheet | an alarm: the place says nothing any more; it is given up |
-| nothing for AGAIN_S | it is sent again, while there is a link |
-| nothing for ANSWER_S | an alarm, once; it is sent on |
+| it has the command, on its disk | confirm it, and report that to the operator |
+| it has it in memory only, for ANSWER_S | an alarm; wait |
+| it refuses it | drop it; the link has reported the reason |
+| its map has another sheet | an alarm: the place is not valid any more; drop it |
+| none for AGAIN_S | send it again, while there is a link |
+| none for ANSWER_S | an alarm, once; go on to send it |
 """
 
 from __future__ import annotations
@@ -42,13 +42,13 @@ class _Waiting:
     """A command that is not confirmed.
 
     Attributes:
-        robot: To whom.
+        robot: The robot.
         command: What was sent.
         after: The highest number of a point when it was made; a new one will be higher.
         sheet: The sheet of the map that it is on; 0: not known.
         since: When it was made [s].
         sent: When it was sent last [s].
-        alarmed: Whether the operator was told that it is not confirmed.
+        alarmed: Whether the operator got an alarm that it is not confirmed.
     """
 
     robot: str
@@ -71,7 +71,7 @@ class Confirming:
         """
         self._words = words
         self._waiting: list[_Waiting] = []
-        self._told: dict[str, tuple[int, int]] = {}
+        self._reported: dict[str, tuple[int, int]] = {}
 
     def send(
         self, command: PointCommand, robot: RobotState, state: ConsoleState
@@ -98,12 +98,12 @@ class Confirming:
 
     def _counts(self) -> Iterator[MarksWaiting]:
         """How many wait for each robot, where that has changed."""
-        for name in {waiting.robot for waiting in self._waiting} | self._told.keys():
+        for name in {waiting.robot for waiting in self._waiting} | self._reported.keys():
             alarmed = [waiting.alarmed for waiting in self._waiting if waiting.robot == name]
             now = len(alarmed), sum(alarmed)
-            if now != self._told.get(name, (0, 0)):
+            if now != self._reported.get(name, (0, 0)):
                 yield MarksWaiting(source=id(self), robot=name, count=now[0], overdue=now[1])
-            self._told[name] = now
+            self._reported[name] = now
 
     def _look(self, waiting: _Waiting, state: ConsoleState) -> Iterator[Effect]:
         robot = state.robot(waiting.robot)

@@ -51,7 +51,7 @@ class TakeControl(OrderWidget):
 
 
 class TakeOver(OrderWidget):
-    """Takes control from whoever has it."""
+    """Takes control from the present owner."""
 
     rule: ClassVar = HandlerRule(
         section=Section.ROBOT,

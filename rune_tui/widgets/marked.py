@@ -36,7 +36,7 @@ from rune_tui.widgets.widget import OrderWidget, PressWidget
 _FRESH_S = 1.0
 """A pose that is older says too little about where something is seen now [s]."""
 _REMOVED_S = 3.0
-"""So long after a point was removed it may still be among those last heard of [s]."""
+"""Time for which a removed point may still be in the last report [s]."""
 _RADIUS: Final = NumberOption(
     default=0.5, least=0.05, most=20.0, unit="m", meaning="no mark farther away counts"
 )

@@ -144,7 +144,7 @@ def _given(robot: RobotState, name: str) -> tuple[Effect, ...]:
 
 
 def _ending(robot: RobotState, mission: MissionState, state: ConsoleState) -> AskEffect:
-    """The question whether a mission is to end."""
+    """The question whether to end a mission."""
     waiting = state.unconfirmed_marks(robot.name)
     risk = f" {waiting} marks are NOT CONFIRMED yet!" if waiting else ""
 

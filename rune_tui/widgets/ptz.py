@@ -30,7 +30,7 @@ class _AdjustCamera(SteppingWidget):
 
 
 class AdjustPan(_AdjustCamera):
-    """Turns the camera; a positive value is to the left."""
+    """Turns the camera; a positive value means left."""
 
     rule: ClassVar = HandlerRule(
         section=Section.LOOK,

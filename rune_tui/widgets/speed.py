@@ -296,7 +296,7 @@ class SetSpeed:
         return NEUTRAL_PERIOD_S if self.velocity().neutral else ACTIVE_PERIOD_S
 
     def _go_on(self, seconds: float) -> None:
-        """Count what steps have commanded for so long; command no more than is left of them."""
+        """Count the steps commanded in this time; command at most the rest of them."""
         for spec, step in self._steps.items():
             if step.commanded:
                 step.left = max(0.0, step.left - abs(step.commanded) * seconds)

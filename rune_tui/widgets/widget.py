@@ -37,7 +37,7 @@ class Widget(Protocol):
         """Effects of time going by; called 20 times a second."""
 
     def release(self, state: ConsoleState) -> tuple[Effect, ...]:
-        """Forget what is held and leave the robot at rest, whatever was sent before."""
+        """Forget held input and stop the robot, after any command."""
 
 
 class DrivingWidget(Widget, Protocol):
@@ -110,7 +110,7 @@ class PressWidget(ABC):
 
 
 class OrderWidget(PressWidget):
-    """A widget each press of which is the same order to a robot; to nobody, nothing."""
+    """A widget with the same order to a robot for each press; without a robot, none."""
 
     @abstractmethod
     def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:

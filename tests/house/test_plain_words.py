@@ -44,21 +44,41 @@ AVOIDED = (
 AVOIDED_IN_CODE = (
     *AVOIDED,
     r"so many|so long|somebody else|nobody else|whom|ours|goes by|gone by|tells? of|told of",
-    r"chores?|errands?|complaints?|weather|severities?|by whoever|is nobody's",
+    r"chores?|errands?|complaints?|weather|moods?|by whoever|is nobody's",
 )
 """The same in docstrings, where a reader has no page around the word to understand it."""
 NAMES_TO_AVOID = re.compile(
     r"anew|bur(?:y|ied)|chores?|complaints?|deeds?|errands?|heeds?|hind(?:er|rances?)|lest|minds?"
-    r"|severities?|strangers?|tell|told|weather"
+    r"|moods?|strangers?|tell|told|weather"
 )
 """Words that name nothing of the field; they do not occur in names of the rooms that are done."""
 ROOMS = (
     "hub/grids",
+    "hub/inspection",
+    "hub/missions",
     "hub/modules/driver",
     "hub/modules/mapping",
     "hub/modules/navigation",
     "hub/modules/vision",
+    "hub/sim",
+    "hub/control_gate.py",
+    "hub/errors.py",
+    "hub/files.py",
+    "hub/paths.py",
+    "hub/runtime.py",
+    "hub/toml_reader.py",
+    "rune_tui/commands",
     "rune_tui/controls",
+    "rune_tui/export",
+    "rune_tui/files",
+    "rune_tui/layout",
+    "rune_tui/link",
+    "rune_tui/overlays",
+    "rune_tui/raster",
+    "rune_tui/startup",
+    "rune_tui/terminal",
+    "rune_tui/visualizers",
+    "rune_tui/widgets",
 )
 """Rooms, and files, whose names and docstrings are plain; a room that becomes plain is added."""
 _LIST_ITEM = re.compile(r"\s*(?:[-*]|\d+\.)\s+")

@@ -27,7 +27,7 @@ def versions() -> list[Finding]:
 
 
 def judged_version(name: str, version: str, ranges: str) -> Finding:
-    """What is to be said of a library; an empty version is none."""
+    """The findings about a library; an empty version: it is not installed."""
     if not version:
         return problem(f"{name} is not installed", f'pip install "{name}{ranges}"')
     if not fits(version, ranges):

@@ -29,7 +29,7 @@ _LINGERING = Path("/var/lib/systemd/linger")
 
 
 def user(robot_file: str) -> list[Finding]:
-    """As whom the doctor looks, which is as whom it can tell."""
+    """The user of the doctor: it can check only what this user may read."""
     name = _user_name()
     if os.geteuid() == 0:
         text = "all this was looked at as root, to whom everything is open"
@@ -98,7 +98,7 @@ def space(robot: RobotDescription) -> list[Finding]:
 
 
 def judged_space(free: int, folder: Path) -> Finding:
-    """What is to be said of so much room on a disk [bytes]."""
+    """The finding about the free space of a disk [bytes]."""
     text = f"{_amount(free)} free at {folder}"
     if free >= _GOOD_SPACE:
         return ok(text)
@@ -112,7 +112,7 @@ def memory() -> list[Finding]:
 
 
 def judged_memory(table: str) -> Finding:
-    """What is to be said of /proc/meminfo."""
+    """The finding about /proc/meminfo."""
     found = _AVAILABLE.search(table)
     if found is None:
         return warning("the system does not say how much memory there is", "see `free`")
@@ -130,7 +130,7 @@ def processors() -> list[Finding]:
 
 
 def judged_load(load: float, count: int) -> Finding:
-    """What is to be said of the load of the last minute on so many processors."""
+    """The finding about the load of the last minute, given the number of processors."""
     text = f"{count} of {platform.machine()}, load {load:.1f}"
     if load > _BUSY * count:
         return warning(text, "end what is not needed; see `top`")

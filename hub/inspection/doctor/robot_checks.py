@@ -28,7 +28,7 @@ _MOST_SHOWN = 8
 
 
 def keys(robot: RobotDescription) -> list[Finding]:
-    """Whether those who have keys can come in, and nobody else can read them."""
+    """Whether clients with keys can connect, and other users cannot read the keys."""
     if not robot.gateway:
         return [ok("not needed: there is no gateway")]
     make = "make one with: rune-hub keys make NAME --role operate"

@@ -63,7 +63,7 @@ def _processes() -> Iterator[int]:
 
 
 def _sockets(pid: int) -> Iterator[int]:
-    """Inodes of the sockets that a process has open; none where it is somebody else's."""
+    """Inodes of the open sockets of a process; none if it belongs to another user."""
     with contextlib.suppress(OSError):
         for file in Path(f"/proc/{pid}/fd").iterdir():
             with contextlib.suppress(OSError):  # it was closed meanwhile

@@ -257,8 +257,8 @@ def _route(robot: RobotState) -> Floats:
         return np.empty((0, 2))
     points = [(point.x, point.y) for point in received.value.path]
     path: Floats = np.array(points, np.float64).reshape(-1, 2)
-    told: Floats = path[np.isfinite(path).all(axis=1)]
-    return told
+    known: Floats = path[np.isfinite(path).all(axis=1)]
+    return known
 
 
 def _goal(robot: RobotState, now: float) -> tuple[tuple[float, float], str, Severity]:

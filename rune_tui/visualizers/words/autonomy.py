@@ -49,16 +49,16 @@ class VisualizeAutonomy:
             for row in wrapped(TextRow(part.text, part.severity), canvas.width)
         ]
         write_rows(canvas, rows, state.theme)
-        told = _told(robot)
-        if told is not None:
-            age, pause = told.age(state.now), pause_of(AUTONOMY_STATE)
+        report = _task_report(robot)
+        if report is not None:
+            age, pause = report.age(state.now), pause_of(AUTONOMY_STATE)
             fade_by_age(canvas, age, pause)
             mark_age(canvas, age, state.theme, pause)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with any word of it, and with the look of its age."""
-        told = _told(robot)
-        look = told and age_look(told, state.now, pause_of(AUTONOMY_STATE))
+        report = _task_report(robot)
+        look = report and age_look(report, state.now, pause_of(AUTONOMY_STATE))
         return _parts(robot, state), look, state.theme.name
 
 
@@ -68,7 +68,7 @@ def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     return tuple(part for part in rows if not is_in_banner(part, robot, state))
 
 
-def _told(robot: RobotState) -> Received[None] | None:
+def _task_report(robot: RobotState) -> Received[None] | None:
     """When what is written was said."""
     doing = doing_of(robot)
     return None if doing is None else Received(value=None, measured=doing.measured, number=0)

@@ -37,13 +37,13 @@ _STATES: Final[Mapping[str, Callable[[RobotState, ConsoleState], bool | None]]] 
     "night": lambda robot, state: robot.name in state.night,
 }
 """What a button can show the state of; None where it is not known."""
-_TOLD: Final = frozenset({"assistance"})
+_SHOWN: Final = frozenset({"assistance"})
 """Those of them that the robot tells."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Face:
-    """All that is to be seen of a button.
+    """The visible part of a button.
 
     Attributes:
         text: What it says.
@@ -124,7 +124,7 @@ class Button:
 
     def _age(self, robot: RobotState, state: ConsoleState) -> float:
         """How old the state is that it shows [s]; the console's own is of now."""
-        if robot.navigation is None or self.shows not in _TOLD:
+        if robot.navigation is None or self.shows not in _SHOWN:
             return 0.0
         return robot.navigation.age(state.now)
 

@@ -22,7 +22,7 @@ from rune_tui.visualizers.parts.staleness import age_look, fade_by_age, mark_age
 
 @dataclass(frozen=True, slots=True)
 class Control:
-    """A row each; a request that is to be answered here stands on the alarm's colour."""
+    """A row each; a request that this console must answer has the alarm's colour."""
 
     rule: ClassVar = VisualizerRule(
         meaning="who has control of the robot, who asks for it and for how long, who moves it, "
@@ -57,16 +57,16 @@ class Control:
                 with drawing(canvas) as pen:
                     pen.rectangle(0, 2 * index, canvas.width, 2 * index + 2, theme.alarm)
             canvas.text(0, index, cut(row.text, canvas.width), ink)
-        told = robot.newest(CONTROL_STATE)
-        if told is not None:
-            age, pause = told.age(state.now), pause_of(CONTROL_STATE)
+        reported = robot.newest(CONTROL_STATE)
+        if reported is not None:
+            age, pause = reported.age(state.now), pause_of(CONTROL_STATE)
             fade_by_age(canvas, age, pause)
             mark_age(canvas, age, theme, pause)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with any word of it, and with the look of its age."""
-        told = robot.newest(CONTROL_STATE)
-        look = told and age_look(told, state.now, pause_of(CONTROL_STATE))
+        reported = robot.newest(CONTROL_STATE)
+        look = reported and age_look(reported, state.now, pause_of(CONTROL_STATE))
         return _parts(robot, state), look, state.theme.name
 
 

@@ -1,4 +1,4 @@
-"""visualizeEventLog: what happened, as the console told the operator."""
+"""visualizeEventLog: the console's reports to the operator."""
 
 from __future__ import annotations
 

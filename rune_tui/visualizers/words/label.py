@@ -15,7 +15,7 @@ from rune_tui.raster.canvas import Canvas, printable_text
 from rune_tui.raster.lettering import Font, check_font, letter, measured
 
 _BETWEEN = " · "
-"""Between the pieces of a list, of which those that do not fit into one row are left out."""
+"""Separates the pieces of a list; pieces that do not fit into one row are left out."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,7 +22,7 @@ from rune_tui.visualizers.parts.staleness import ALARM_AFTER_S, Staleness, age_t
 _KILO = 1000.0
 _LONG_S = 120.0
 _TENS = 10
-"""Words change with so many milliseconds."""
+"""Step of the shown latency [ms]."""
 _COARSE = 5
 """From this coarseness on it is seen."""
 

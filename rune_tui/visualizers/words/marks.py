@@ -100,7 +100,7 @@ def _cells(point: InterestPoint) -> _Cells:
 
 
 def _clock(stamp: float) -> str:
-    """A time [s since the epoch] as the time of day here; empty where none is told."""
+    """A time [s since the epoch] as the time of day here; empty: there is none."""
     if not (math.isfinite(stamp) and stamp > 0.0):
         return ""
     return time.strftime("%H:%M:%S", time.localtime(stamp))

@@ -52,16 +52,16 @@ class VisualizeMission:
         if len(rows) > canvas.rows:
             rows.sort(key=lambda row: row.severity is not Severity.ALARM)  # equals keep their order
         write_rows(canvas, rows, state.theme)
-        told = robot.newest(MISSION_STATE)
-        if told is not None:
-            age, pause = told.age(state.now), pause_of(MISSION_STATE)
+        reported = robot.newest(MISSION_STATE)
+        if reported is not None:
+            age, pause = reported.age(state.now), pause_of(MISSION_STATE)
             fade_by_age(canvas, age, pause)
             mark_age(canvas, age, state.theme, pause)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with any word of it, and with the look of its age."""
-        told = robot.newest(MISSION_STATE)
-        look = told and age_look(told, state.now, pause_of(MISSION_STATE))
+        reported = robot.newest(MISSION_STATE)
+        look = reported and age_look(reported, state.now, pause_of(MISSION_STATE))
         return _parts(robot, state), look, state.theme.name
 
 

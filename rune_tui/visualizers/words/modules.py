@@ -1,4 +1,4 @@
-"""visualizeModules: the robot's modules and how they fare."""
+"""visualizeModules: the robot's modules and their states."""
 
 from __future__ import annotations
 

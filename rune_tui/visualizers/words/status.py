@@ -81,9 +81,9 @@ class Status:
         return self._unsaid(robot, state), state.theme.name
 
     def _unsaid(self, robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
-        """All that neither the banner nor another pane says.
+        """The parts that neither the banner nor another pane shows.
 
-        Beside full screen and pages no gauges are to be seen.
+        Beside full screen and pages no gauges are visible.
         """
         gauges = self.gauges and not (state.full or state.paged)
         return tuple(

@@ -54,7 +54,7 @@ _ROLLING_ON = {
     MotionState.NO_DRIVER: "NO DRIVER, and it moves",
     MotionState.WAITING: "STOPPING, then waits for a neutral command",
 }
-"""The same while the robot still moves, where it is not told to."""
+"""The same while the robot still moves without a command."""
 _FAULTS = frozenset({MotionState.SILENCE, MotionState.NO_DRIVER})
 """Nobody wanted these; a stop, somebody did."""
 _SHORT_MOTION = {
@@ -68,7 +68,7 @@ _SHORT_MOTION = {
 
 
 def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
-    """All that there is to say now, in the order in which it is shown."""
+    """All parts, in the order of the status line."""
     return (
         *_stop_key(robot, state),
         Part(state.title(robot.name), 2 if len(state.robots) == 1 else 8),
@@ -315,7 +315,7 @@ def side_of(sensor: int) -> str:
 
 
 def signed(value: float, digits: int) -> str:
-    """With its sign, but for what rounds to zero."""
+    """A number with its sign; zero has none."""
     if not math.isfinite(value):
         return "?"
     rounded = round(value, digits)

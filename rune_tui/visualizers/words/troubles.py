@@ -18,16 +18,16 @@ from rune_tui.visualizers.words.status_words import side_of, status_parts
 
 START_S: Final = 10.0
 """Modules that are not ready yet are no alarm for this time after a link began [s]."""
-TOLD_S: Final = 5.0
+REPORT_S: Final = 5.0
 """How long something that just happened stands over everything [s]."""
 
 _SIGNED: Final = frozenset({Severity.ALARM, Severity.WARNING})
-_TOLD_WEIGHT: Final = 8.5
+_REPORT_WEIGHT: Final = 8.5
 """A refusal passes, so it is shown before all but a lost link, an old state and a request."""
 
 
 def troubles(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
-    """Alarms, then cautions, the gravest first."""
+    """Alarms, then cautions, the most severe first."""
     parts = [part for part in status_parts(robot, state) if part.severity in _SIGNED]
     parts += _more(robot, state)
     # Python's sort keeps the order of equals.
@@ -37,7 +37,7 @@ def troubles(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
 
 
 def banner_of(state: ConsoleState) -> Banner | None:
-    """The gravest alarm of all robots, else what one does by itself, else None."""
+    """The most severe alarm of all robots, else a robot's own task, else None."""
     found: list[tuple[float, str, str]] = []
     for robot in state.robots.values():
         alarms = [part for part in troubles(robot, state) if part.severity is Severity.ALARM]
@@ -45,8 +45,8 @@ def banner_of(state: ConsoleState) -> Banner | None:
     newest = state.notices[-1] if state.notices else None
     gravest = max(found, key=lambda each: each[0], default=None)
     # What happened is not said beside what it brought about, such as a lost link.
-    passing = gravest is None or gravest[0] < _TOLD_WEIGHT
-    if passing and newest is not None and newest.alarm and state.now - newest.when <= TOLD_S:
+    passing = gravest is None or gravest[0] < _REPORT_WEIGHT
+    if passing and newest is not None and newest.alarm and state.now - newest.when <= REPORT_S:
         return Banner(robot=newest.robot, text=newest.text, more=len(found))
     if gravest is None:
         return next(_by_themselves(state), None)
@@ -54,7 +54,7 @@ def banner_of(state: ConsoleState) -> Banner | None:
 
 
 def _by_themselves(state: ConsoleState) -> Iterator[Banner]:
-    """What robots do by themselves, which whoever drives has to know."""
+    """Tasks of robots, which a driver must know."""
     for robot in state.robots.values():
         doing = doing_of(robot)
         if doing is None or not doing.under_way or state.now - doing.measured > SILENT_S:
