@@ -18,7 +18,7 @@ SILENT_S = 3.0
 
 _OUTCOME_WEIGHT = 2.5
 """Weight of an outcome: the owner, the battery and the nearest obstacle come first."""
-_MOODS = {
+_SEVERITIES = {
     Phase.WAITING: Severity.WARNING,
     Phase.DONE: Severity.GOOD,
     Phase.BLOCKED: Severity.WARNING,
@@ -40,7 +40,7 @@ def doing_parts(robot: RobotState, now: float) -> Iterator[Part]:
     doing = doing_of(robot)
     if doing is None or doing.phase is Phase.IDLE:
         return
-    severity = _MOODS.get(doing.phase, Severity.PLAIN)
+    severity = _SEVERITIES.get(doing.phase, Severity.PLAIN)
     if doing.under_way and now - doing.measured > SILENT_S:
         silent = duration(now - doing.measured)
         yield Part(f"{head(doing)}, NOT HEARD FOR {silent}", 7, Severity.WARNING)
@@ -58,7 +58,7 @@ def doing_rows(robot: RobotState, now: float) -> Iterator[Part]:
     if doing is None:
         yield Part("nothing yet: the robot has done nothing by itself", 0, Severity.FAINT)
         return
-    yield Part(head(doing), 0, _MOODS.get(doing.phase, Severity.PLAIN))
+    yield Part(head(doing), 0, _SEVERITIES.get(doing.phase, Severity.PLAIN))
     if doing.reason:
         yield Part(doing.reason, 0)
     if doing.under_way and math.isfinite(doing.x) and math.isfinite(doing.y):
@@ -92,7 +92,7 @@ def goal_word(doing: Doing, now: float) -> tuple[str, Severity]:
         return "", Severity.PLAIN
     if doing.phase is Phase.DONE:
         return "G reached", Severity.GOOD
-    return f"G {_OUTCOMES[doing.phase]}", _MOODS.get(doing.phase, Severity.FAINT)
+    return f"G {_OUTCOMES[doing.phase]}", _SEVERITIES.get(doing.phase, Severity.FAINT)
 
 
 def duration(seconds: float) -> str:

@@ -16,7 +16,7 @@ from rune_tui.visualizers.parts.severity import Severity
 
 _HEAD = Entry(("module", "phase", "starts", "cpu", "memory"), "why", Severity.FAINT)
 _WEIGHTS = (9, 8, 3, 4, 2, 6)
-_MOODS = {
+_SEVERITIES = {
     ModulePhase.WAITING: Severity.WARNING,
     ModulePhase.FAILED: Severity.ALARM,
     ModulePhase.STOPPED: Severity.FAINT,
@@ -44,7 +44,7 @@ class Modules(MessageGauge[ModuleReports, tuple[Entry, ...]]):
 
 
 def _line(report: ModuleReport) -> Entry:
-    severity = _MOODS.get(report.phase, Severity.PLAIN)
+    severity = _SEVERITIES.get(report.phase, Severity.PLAIN)
     word = report.phase.name
     cells = (
         report.name,
