@@ -30,7 +30,7 @@ from hub.ipc.roles import LOCAL
 from hub.ipc.transport import file_descriptors, heap, sockets
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.loop import Loop
-from hub.ipc.wire import control, control_codec, frames
+from hub.ipc.wire import control, control_codec
 
 _logger = logging.getLogger(__name__)
 
@@ -40,8 +40,6 @@ _GATEWAY_TURN_S = 2e-3
 """How long control messages of a gateway are taken before clients of this machine again [s]."""
 _CHECK_S = 0.1
 _TRIM_S = 5.0
-_LOOKING_S, _LOOKING_CLOSER_S = 1e-3, 20e-3
-"""How long broadcasts are looked at each time: while all is well, after something wrong [s]."""
 _HANDSHAKE_FAILURES = (
     zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL,
     zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL,
@@ -93,7 +91,7 @@ class Central:
         self._files: list[Path] = []
         self.endpoints: list[str] = []
         try:
-            self._planes = PlaneProxies(self._context, self.faults)
+            self._planes = PlaneProxies(self._context, self.faults, clock)
             self._steered, self._steering = sockets.pair(self._context, "inproc://steering-control")
             self._entrances = [self._bind(endpoints)]
             for open_gateway in gateways:
@@ -107,6 +105,7 @@ class Central:
             text = f"central cannot make its sockets: {error}"  # such as: too many open files
             raise EndpointError(text) from error
         self._sends = [sockets.sender(entrance.router) for entrance in self._entrances]
+        self._loop = Loop(clock=clock)
         self._thread = threading.Thread(target=self._serve, name="central-control", daemon=True)
         self._thread.start()
         self._planes.start()
@@ -184,7 +183,7 @@ class Central:
 
     def _serve(self) -> None:
         """The thread of control messages, of what the monitors see, and of the copies."""
-        self._loop = loop = Loop(clock=self._clock)
+        loop = self._loop
         self._register(loop)
         while not self._stopping.is_set():
             try:
@@ -214,7 +213,7 @@ class Central:
             for polled in gateway.polled:
                 loop.register(polled, functools.partial(self._serve_gateway, gateway, polled))
         loop.register(self._steered, self._see_stop)
-        loop.every(_CHECK_S, self._look_at_copies)
+        loop.every(_CHECK_S, lambda: self._planes.check(self._registry.broadcast))
         loop.every(_CHECK_S, self._check)
         loop.every(_TRIM_S, heap.give_back)
         loop.every(_CHECK_S, lambda: self._send(self._registry.expire()))
@@ -318,28 +317,6 @@ class Central:
         descriptor = sockets.descriptor_of(body[0])
         caller = Caller(identity, descriptor, principal, entrance.ports, entrance.paths)
         self._send(self._registry.handle(caller, message, attached))
-
-    def _look_at_copies(self) -> None:
-        """Count what is wrong with the broadcasts that pass.
-
-        Looking at each one as it passes would wake this thread, and take the processor from the
-        receiver of the message. Under a flood, some are not looked at.
-        """
-        began, longest = self._clock(), _LOOKING_S
-        while self._clock() - began < longest:
-            try:
-                raw = self._planes.copies.recv(zmq.NOBLOCK)
-            except zmq.Again:
-                return
-            if raw[:1] in (b"\0", b"\1"):
-                continue  # the proxy's own subscriptions pass here as well
-            try:
-                right = self._registry.broadcast(frames.unpack(raw))
-            except FrameError as error:
-                self.faults.count("malformed frame", str(error))
-                right = False
-            if not right:
-                longest = _LOOKING_CLOSER_S
 
     def _send(self, outgoing: Sequence[Outgoing]) -> None:
         pending = list(outgoing)

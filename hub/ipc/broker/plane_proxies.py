@@ -10,13 +10,19 @@ from collections.abc import Callable
 
 import zmq
 
+from hub.errors import FrameError
 from hub.ipc.broker.subscription_floods import FloodWatch
 from hub.ipc.definition import Plane
 from hub.ipc.transport import sockets
 from hub.ipc.transport.fault_counter import FaultCounter
+from hub.ipc.wire import frames
 
 _COPIES = {Plane.STATE: 400, Plane.COMMAND: 400, Plane.PICTURE: 8}
 """Broadcasts that wait to be looked at, at most; each holds its memory until then."""
+
+
+_LOOKING_S, _LOOKING_CLOSER_S = 1e-3, 20e-3
+"""How long broadcasts are looked at each time: while all is well, after something wrong [s]."""
 
 
 def inner_addresses(plane: Plane) -> tuple[str, str]:
@@ -33,14 +39,19 @@ class PlaneProxies:
         copies: Copies of the broadcasts (SUB).
     """
 
-    def __init__(self, context: sockets.Context, faults: FaultCounter) -> None:
+    def __init__(
+        self, context: sockets.Context, faults: FaultCounter, clock: Callable[[], float]
+    ) -> None:
         """Make the sockets.
 
         Args:
             context: Central's.
-            faults: Counts floods of subscriptions.
+            faults: Counts floods of subscriptions, and malformed broadcasts.
+            clock: Monotonic time [s].
         """
         self._context = context
+        self._faults = faults
+        self._clock = clock
         self.copies = sockets.make(context, zmq.SUB, 1)
         self.copies.subscribe(b"")
         self.ends: dict[str, sockets.Socket] = {}
@@ -65,6 +76,31 @@ class PlaneProxies:
         """Forward broadcasts from now on."""
         for thread in self._threads:
             thread.start()
+
+    def check(self, is_right: Callable[[frames.Frame], bool]) -> None:
+        """Look at broadcasts that have passed, and count what is wrong with them.
+
+        Looking at each one as it passes would wake central's thread, and take the processor from
+        the receiver of the message. Under a flood, some are not looked at.
+
+        Args:
+            is_right: Counts what is wrong with a broadcast; whether nothing is.
+        """
+        began, longest = self._clock(), _LOOKING_S
+        while self._clock() - began < longest:
+            try:
+                raw = self.copies.recv(zmq.NOBLOCK)
+            except zmq.Again:
+                return
+            if raw[:1] in (b"\0", b"\1"):
+                continue  # the proxy's own subscriptions pass here as well
+            try:
+                right = is_right(frames.unpack(raw))
+            except FrameError as error:
+                self._faults.count("malformed frame", str(error))
+                right = False
+            if not right:
+                longest = _LOOKING_CLOSER_S
 
     def stop(self) -> None:
         """Forward no more; the threads end soon."""

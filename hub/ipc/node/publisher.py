@@ -54,15 +54,6 @@ class Publisher:
         clock: Callable[[], float],
         faults: FaultCounter,
     ) -> None:
-        """Begin without central.
-
-        Args:
-            definition: The message.
-            connection: Gives the client's number and the hub's time.
-            queue: Sends the frames.
-            clock: Monotonic time [s].
-            faults: Counts what is not sent.
-        """
         self.definition = definition
         self._connection = connection
         self._hub_time = connection.hub_time
@@ -83,7 +74,7 @@ class Publisher:
         self._limit = _BATCH_ITEMS if definition.plane is Plane.STATE else _BATCH_DESCRIPTORS
         self._last: bytes | tuple[int, int, bytes | shared_ring.Place] | None = None
         self._last_is_item = False
-        self._ring: shared_ring.RingWriter | None = None
+        self._ring = shared_ring.GrowingRing()
         self._held: deque[tuple[int, int, bytes]] | None = None
         self._open = False
         self._open_by = 0.0
@@ -161,8 +152,8 @@ class Publisher:
             item = frames.pack_item(stamp, payload)
             self._last, self._last_is_item = item, True
             self._queue.add(self._combine, self._sequence, item, now, self._limit)
-        elif self._held is not None:
-            self._hold(stamp, payload)
+        elif (held := self._held) is not None:
+            self._hold(held, stamp, payload)
         else:
             self._emit(self._sequence, stamp, payload)
         self._queue.previous = now
@@ -233,7 +224,7 @@ class Publisher:
             return self._frame(old.sequence, old.stamp_ns, [old.payload])
         sequence, stamp, kept = last
         if isinstance(kept, shared_ring.Place):
-            found = self._ring.read(kept) if self._ring else None
+            found = self._ring.read(kept)
             return None if found is None else self._frame(sequence, stamp, [found])
         return self._frame(sequence, stamp, [kept])
 
@@ -253,9 +244,7 @@ class Publisher:
 
     def close(self) -> None:
         """Free the ring."""
-        if self._ring is not None:
-            self._ring.close()
-            self._ring = None
+        self._ring.close()
 
     def _address(self) -> None:
         """Set the topic: it says whether this client also sends to subscribers directly."""
@@ -266,10 +255,9 @@ class Publisher:
             self._flat = frames.FlatFrames(self._prefix, self.definition.fingerprint, letters)
             self._flat_length = self._flat.length
 
-    def _hold(self, stamp: int, payload: Sequence[Buffer]) -> None:
-        held = self._held
-        if held is None:
-            return
+    def _hold(
+        self, held: deque[tuple[int, int, bytes]], stamp: int, payload: Sequence[Buffer]
+    ) -> None:
         if held.maxlen == len(held):
             self._not_sent("central does not say who has subscribed")
         whole = b"".join(payload)  # the pieces may be views of what changes meanwhile
@@ -322,16 +310,12 @@ class Publisher:
         """Put a payload into the ring; None if there is no ring for it."""
         if not shared_ring.available:
             return None
-        length = frames.size(payload)
-        if self._ring is None or length > self._ring.capacity:
-            self.close()
-            try:
-                self._ring = shared_ring.RingWriter(length)
-            except OSError as error:
-                text = f"{self.definition.name} cannot use shared memory: {error}"
-                self._faults.count("no shared memory", text)
-                return None
-        return self._ring.write(payload)
+        try:
+            return self._ring.write(payload, frames.size(payload))
+        except OSError as error:
+            text = f"{self.definition.name} cannot use shared memory: {error}"
+            self._faults.count("no shared memory", text)
+            return None
 
     def _frame(
         self,

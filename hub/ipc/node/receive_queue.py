@@ -1,4 +1,11 @@
-"""What came of the messages a client subscribes to: read, waiting, and handed to the handlers."""
+"""The messages that came to a client, until their handlers have them.
+
+| the message | it goes to its handlers |
+| --- | --- |
+| all are kept, no priority, nothing waits | as it is read |
+| any other | when all that came is read; higher priority first |
+| older than its lifespan, or repeated | never, and is counted |
+"""
 
 from __future__ import annotations
 
@@ -8,19 +15,19 @@ from typing import Any
 
 import zmq
 
-from hub.errors import CodecError, FrameError, RangeError
 from hub.ipc.message_info import MessageInfo
+from hub.ipc.node.frame_reader import FrameReader
 from hub.ipc.node.subscription import Read, ReceivedFrame, Source, Subscription
-from hub.ipc.transport import shared_ring, sockets
+from hub.ipc.transport import sockets
 from hub.ipc.transport.clock_sync import ClockSync
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import frames
 
 _BATCH = 256
 _MOST_EVENTS = 2 * max(sockets.QUEUE.values())
-"""What can wait on the way from one neighbour, at his end and at ours [frames]."""
+"""What can wait between two clients of this machine, at both ends [frames]."""
 _SLICE_S = 0.005
-"""After so long of handling, what has come meanwhile is looked at: it may be more urgent [s]."""
+"""After this long of handling, read what has come: it may be more urgent [s]."""
 
 
 def _topics(name: str) -> list[bytes]:
@@ -53,7 +60,7 @@ class _Opened:
 
 
 class ReceiveQueue:
-    """Everything that came to one client and was not handed on yet."""
+    """All that came to one client and was not handed to the handlers yet."""
 
     def __init__(
         self,
@@ -74,13 +81,13 @@ class ReceiveQueue:
         self._clock = clock
         self._hub_time = hub_time
         self._faults = faults
-        self._no_ring = no_ring
+        self._reader = FrameReader(faults, no_ring)
+        self._decoded = self._reader.decoded
         self._topics: dict[bytes, Subscription] = {}
         self._waits = 0
         self._opened: list[_Opened] = []
         self._bundled: deque[bytes] = deque()
         self._queues: dict[int, deque[_Opened]] = {0: deque()}
-        self._rings = shared_ring.Readers()
 
     @property
     def pending(self) -> bool:
@@ -101,8 +108,8 @@ class ReceiveQueue:
             del self._topics[topic]
 
     def close_rings(self) -> None:
-        """Let go of all shared memory; what still waits there is opened again."""
-        self._rings.close()
+        """Close all shared memory; it is opened again for what still waits there."""
+        self._reader.close()
 
     def turn(self) -> None:
         """Hand on what waits."""
@@ -122,7 +129,7 @@ class ReceiveQueue:
         self._deliver(subscription, source, frame.publisher, frame.sequence, frame.stamp_ns, read)
 
     def _finish(self) -> None:
-        """Hand on what was begun: a handler that raised or listened itself has left it so."""
+        """Hand on the rest of what a handler interrupted, because it raised or listened itself."""
         while self._opened:
             self._hand_out(self._opened[-1])
         while self._bundled:
@@ -158,30 +165,23 @@ class ReceiveQueue:
                 raw = socket.recv(zmq.NOBLOCK)
             except zmq.Again:
                 return
-            for each in self._taken_apart(raw) if frames.is_bundle(raw) else [raw]:
+            for each in self._reader.split(raw) if frames.is_bundle(raw) else [raw]:
                 subscription = self._topics.get(each[: each.find(b"\0")])
                 if (
                     subscription is not None
                     and subscription.limit is None
-                    and (received := self._read(subscription, each))
+                    and (received := self._reader.read(subscription, each))
                 ):
                     self._put(subscription, received)
 
     def _take_bundle(self, raw: bytes) -> None:
-        self._bundled += self._taken_apart(raw)
+        self._bundled += self._reader.split(raw)
         self._finish()
-
-    def _taken_apart(self, bundle: bytes) -> list[bytes]:
-        try:
-            return frames.split_bundle(bundle)
-        except FrameError as error:
-            self._faults.count("malformed frame", str(error))
-            return []
 
     def _take_frame(self, raw: bytes) -> None:
         subscription = self._topics.get(raw[: raw.find(b"\0")])
         if subscription is None:
-            self._strange(raw)
+            self._reader.check(raw)
             return
         at_once = subscription.limit is None and subscription.priority == 0 and not self._waits
         if at_once and subscription.flat is not None and (found := subscription.flat.unpack(raw)):
@@ -191,7 +191,7 @@ class ReceiveQueue:
             if read is not None and self._arrived(subscription, source, sequence):
                 self._deliver(subscription, source, publisher, sequence, stamp_ns, read)
             return
-        received = self._read(subscription, raw)
+        received = self._reader.read(subscription, raw)
         if received is None:
             return
         if at_once:
@@ -199,16 +199,6 @@ class ReceiveQueue:
             self._hand_out(self._opened[-1])
         else:
             self._put(subscription, received)
-
-    def _read(self, subscription: Subscription, raw: bytes) -> ReceivedFrame | None:
-        """What a frame brings; None, and counted, if it is malformed and stands for nothing."""
-        try:
-            return subscription.read(raw)
-        except FrameError as error:
-            self._faults.count("malformed frame", str(error))
-        except CodecError as error:
-            self._faults.count("wrong format", str(error))
-        return subscription.unreadable()
 
     def _put(self, subscription: Subscription, received: ReceivedFrame) -> None:
         """Let messages wait; a limit lets the oldest of their publisher go."""
@@ -249,13 +239,6 @@ class ReceiveQueue:
             subscription.lost += sequence - source.arrived - 1
         source.arrived = sequence
         return True
-
-    def _strange(self, raw: bytes) -> None:
-        """A frame that is none of ours, or came after it was unsubscribed."""
-        try:
-            frames.unpack(raw)
-        except FrameError as error:
-            self._faults.count("malformed frame", str(error))
 
     def _hand_on(self) -> None:
         """Hand on what waits, most urgent first; after a while, look what has come meanwhile."""
@@ -338,47 +321,3 @@ class ReceiveQueue:
             ):  # one may unsubscribe another
                 handler, raw = each
                 handler(payload if raw else value, how)
-
-    def _decoded(self, subscription: Subscription, kind: int, message: Any) -> Read | None:
-        """The payload and its value; None if it is not there, or cannot be read."""
-
-        def note(text: str) -> None:
-            subscription.unfit = subscription.unfit or text
-            self._faults.count("value changed", text)
-
-        try:
-            if message.__class__ is tuple and subscription.receive is not None:
-                return message, subscription.receive(message, note)
-            payload = self._payload(subscription, kind, message)
-            return (
-                None
-                if payload is None
-                else (payload, subscription.definition.decode(payload, note))
-            )
-        except RangeError as error:
-            subscription.refused += 1
-            subscription.unfit = subscription.unfit or str(error)
-            self._faults.count("out of range", str(error))
-            return None
-        except (CodecError, FrameError) as error:
-            self._faults.count("wrong format", str(error))
-            return None
-
-    def _payload(
-        self, subscription: Subscription, kind: int, payload: memoryview
-    ) -> memoryview | None:
-        """The payload itself; None if it is not there any more."""
-        if kind == frames.INLINE:
-            return payload
-        if kind == frames.NO_RING:
-            self._no_ring(subscription, "its publisher has none")
-            return None
-        try:
-            found = self._rings.read(payload)
-        except OSError as error:
-            self._no_ring(subscription, str(error))
-            return None
-        if found is None:
-            subscription.lost += 1
-            self._faults.count("overwritten", f"{subscription.definition.name}: read too late")
-        return found

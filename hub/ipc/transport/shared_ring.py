@@ -136,6 +136,39 @@ class RingWriter:
         os.close(self._file)
 
 
+class GrowingRing:
+    """A ring of this process that is made for the first payload, and anew for a longer one."""
+
+    def __init__(self) -> None:
+        self._writer: RingWriter | None = None
+
+    @property
+    def capacity(self) -> int:
+        """The longest payload that fits now [bytes]; 0 without a ring."""
+        return self._writer.capacity if self._writer else 0
+
+    def write(self, payload: Sequence[Buffer], length: int) -> Place:
+        """Put a payload, given in pieces, `length` bytes together, into the ring.
+
+        Raises:
+            OSError: The system gives no memory for a ring.
+        """
+        if self._writer is None or length > self._writer.capacity:
+            self.close()
+            self._writer = RingWriter(length)
+        return self._writer.write(payload)
+
+    def read(self, place: Place) -> memoryview | None:
+        """What `write` put there; None if it was overwritten since."""
+        return self._writer.read(place) if self._writer else None
+
+    def close(self) -> None:
+        """Free the memory."""
+        if self._writer is not None:
+            self._writer.close()
+            self._writer = None
+
+
 class RingReader:
     """A ring of another process.
 

@@ -289,7 +289,7 @@ def test_picture_goes_through_shared_memory_and_is_a_copy_of_its_own(connect: Co
     pictures = [value for value, _ in received]
     assert [bool((p.pixels == int(p.name)).all()) for p in pictures] == [True] * len(pictures)
     assert all(not how.missed for _, how in received)
-    assert one.client._publishers.of(v.RING_PICTURE)._ring is not None
+    assert one.client._publishers.of(v.RING_PICTURE)._ring.capacity > 0
     last = other.call(lambda: other.client.last_value(v.RING_PICTURE, timeout=5.0))
     assert last.name == "99"
     one.publish(v.RING_PICTURE, _picture(7, size=900_000))
@@ -315,7 +315,7 @@ def test_picture_comes_the_plain_way_where_there_is_no_shared_memory(
         def gone(place: object) -> None:
             raise FileNotFoundError(str(place))
 
-        monkeypatch.setattr(other.client._subscriptions.receive_queue._rings, "read", gone)
+        monkeypatch.setattr(other.client._subscriptions.receive_queue._reader._rings, "read", gone)
     received, received_too = other.collect(v.RING_PICTURE), third.collect(v.RING_PICTURE)
     for each in (other, third):
         each.call(lambda each=each: each.client.wait_subscribed(5.0))

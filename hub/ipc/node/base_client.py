@@ -1,0 +1,268 @@
+"""What a client is before it publishes or asks anything: connected, served, with definitions."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import time
+from collections.abc import Callable, Iterable
+from typing import Any, TypeVar
+
+import zmq
+
+from hub.errors import (
+    CentralUnreachableError,
+    HubError,
+)
+from hub.ipc import endpoints
+from hub.ipc.definition import MessageDefinition
+from hub.ipc.node.connection import LOST_S
+from hub.ipc.node.directory import Directory
+from hub.ipc.node.publisher import Publisher
+from hub.ipc.node.session import Session
+from hub.ipc.security.client_keys import ClientKeys
+from hub.ipc.transport import heap, sockets
+from hub.ipc.transport.fault_counter import FaultCounter
+from hub.ipc.transport.loop import Loop
+from hub.ipc.transport.timers import Timer
+
+_logger = logging.getLogger(__name__)
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+_MAX_SOCKETS = 4096
+"""One for each plane and subscriber on this machine, and a few."""
+_ATTEND_S = 2.0
+
+
+def _never() -> bool:
+    return False
+
+
+class BaseClient:
+    """A connection to one central under a unique name.
+
+    Attributes:
+        name: The name.
+        endpoint: Where central is.
+        faults: What was dropped, by reason.
+        loop: The loop that serves it.
+        directory: What central knows of everybody.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        endpoint: str = endpoints.DEFAULT_ENDPOINT,
+        *,
+        clock: Callable[[], float] = time.monotonic,
+        loop: Loop | None = None,
+        keys: ClientKeys | None = None,
+        near: bool = True,
+    ) -> None:
+        """Start connecting; this never waits.
+
+        Args:
+            name: Unique at central.
+            endpoint: Where central is.
+            clock: Monotonic time [s]; that of `loop` if one is given.
+            loop: The loop of a program with several clients; default a loop of its own.
+            keys: For a central on another machine.
+            near: Whether messages to and from clients of this machine go past central.
+
+        Raises:
+            EndpointError: The endpoint is malformed, or not on this machine and there are no keys.
+        """
+        heap.keep_heap()
+        self.name = name
+        self.endpoint = endpoints.connectable(endpoint, with_keys=keys is not None)
+        self.loop = loop or Loop(clock=clock)
+        self._own_loop = loop is None
+        self._keys = keys
+        self._clock = clock = self.loop.clock
+        self.faults = FaultCounter(_logger, clock)
+        self._context: sockets.Context = zmq.Context(2)
+        self._context.max_sockets = _MAX_SOCKETS
+        self._ready_publishers: dict[MessageDefinition[Any], Publisher] = {}
+        self._session = Session(
+            name,
+            self.endpoint,
+            context=self._context,
+            loop=self.loop,
+            faults=self.faults,
+            keys=keys,
+            near=near,
+        )
+        self._connection, self._pending_queries = (
+            self._session.connection,
+            self._session.pending_queries,
+        )
+        self._publishers, self._subscriptions = (
+            self._session.publishers,
+            self._session.subscriptions,
+        )
+        self._responders = self._session.responders
+        self.directory = Directory(self._connection, self._wait, self._attend, self.endpoint)
+        self._session.directory = self.directory
+        self.loop.join(self._session)
+
+    @property
+    def connected(self) -> bool:
+        """Whether central knows this client and has answered lately."""
+        return self._connection.alive
+
+    @property
+    def number(self) -> int:
+        """This client's number at central, as in frame headers; 0 while it is not connected."""
+        return self._connection.publisher
+
+    @property
+    def near(self) -> bool:
+        """Whether the hub is on this machine, and there is no link between."""
+        return self._connection.near
+
+    @property
+    def round_trip(self) -> float:
+        """Shortest time in the last seconds for central to answer [s]; NaN before it has."""
+        return self._connection.hub_time.round_trip
+
+    @property
+    def refusal(self) -> HubError | None:
+        """Why central refused the connection, if it did."""
+        return self._connection.refusal
+
+    @property
+    def closed_by(self) -> str:
+        """The client that had central disconnect this one for good; empty if none."""
+        return self._connection.closed
+
+    def wait_connected(self, timeout: float, *, give_up: Callable[[], bool] = _never) -> None:
+        """Serve until this client is connected, or `give_up` says to stop waiting.
+
+        Raises:
+            CentralUnreachableError: It did not within `timeout` [s].
+            NotAllowedError: It refuses the key.
+            NameTakenError: Another live module has the name.
+        """
+        why = (
+            f"no hub answers at {self.endpoint}; is rune-hub running there? A gateway answers only "
+            "to a key: give its file with --keys"
+        )
+        if self._keys is not None:
+            # A hub does not answer at all to the key of another hub.
+            why = (
+                f"no hub answers at {self.endpoint} to the key in {self._keys.path}; is that its "
+                "gateway's port, and was the key made on that robot?"
+            )
+        self._wait(
+            lambda: self.connected or give_up(), timeout, why, lambda: _raise([self.refusal])
+        )
+
+    def wait_defined(self, timeout: float, *, give_up: Callable[[], bool] = _never) -> None:
+        """Serve until central has confirmed all definitions, or `give_up` says to stop waiting.
+
+        Raises:
+            RedefinedMessageError: One is defined with another format.
+            NotAllowedError: The key does not allow to define one.
+            CentralUnreachableError: Central did not answer within `timeout` [s].
+        """
+        self._wait(
+            lambda: self._session.defined or give_up(),
+            timeout,
+            f"the hub at {self.endpoint} does not confirm definitions",
+            lambda: _raise(self._session.refused.values()),
+        )
+
+    def wait_subscribed(self, timeout: float, *, give_up: Callable[[], bool] = _never) -> None:
+        """Serve until all subscriptions stand: no message published from then on is missed.
+
+        Raises:
+            CentralUnreachableError: Central did not say so within `timeout` [s].
+        """
+        self._wait(
+            lambda: (self._connection.publisher and self._subscriptions.standing) or give_up(),
+            timeout,
+            f"the hub at {self.endpoint} does not confirm subscriptions",
+        )
+
+    def wait_published(self, timeout: float) -> None:
+        """Serve until all published messages have left, so that the client may close.
+
+        Raises:
+            CentralUnreachableError: Central did not say within `timeout` [s] who has subscribed.
+        """
+        why = f"the hub at {self.endpoint} does not say who has subscribed"
+        self._wait(lambda: self.connected and not self._publishers.holding, timeout, why)
+
+    def define(self, *definitions: MessageDefinition[Any]) -> None:
+        """Make messages known at central; publishing, subscribing and answering define too.
+
+        Raises:
+            RedefinedMessageError: This client has defined one with another format.
+        """
+        for definition in definitions:
+            self._session.define(definition)
+
+    def demand_right(self, definition: MessageDefinition[Any]) -> None:
+        """Refuse a message that this client's key or name does not let it publish.
+
+        Raises:
+            NotAllowedError: The text says who may.
+        """
+        self._connection.demand_right(definition)
+
+    def every(self, period: float, work: Callable[[], None]) -> Timer:
+        """Call `work` every `period` [s]; see `Loop` for all timers and files."""
+        return self.loop.every(period, work)
+
+    def post(self, work: Callable[[], None]) -> None:
+        """Have `work` called by the loop; the one method that any thread may call."""
+        self.loop.post(work)
+
+    def listen(self, timeout: float) -> None:
+        """Wait for up to `timeout` [s] and serve what has come: messages, timers, posted work."""
+        self.loop.listen(timeout)
+
+    def close(self) -> None:
+        """Send BYE and free everything; nothing is sent afterwards."""
+        if self._context.closed:
+            return
+        self.loop.leave(self._session)
+        self._session.close()
+        self._context.term()
+        if self._own_loop:
+            self.loop.close()
+
+    def _wait(
+        self,
+        done: Callable[[], object],
+        timeout: float,
+        why: str,
+        look: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Serve until it is `done`.
+
+        Raises:
+            CentralUnreachableError: It was not within `timeout` [s].
+        """
+        deadline = self._clock() + timeout
+        while not done():
+            look()
+            left = deadline - self._clock()
+            if left <= 0:
+                raise CentralUnreachableError(why)
+            self.listen(min(left, 0.1))
+
+    def _attend(self) -> None:
+        """Before a query: connect again if this client has not listened for long."""
+        if self.loop.neglect > LOST_S:
+            with contextlib.suppress(HubError):  # the query itself reports it
+                self.listen(0.0)
+                self.wait_connected(_ATTEND_S)
+
+
+def _raise(errors: Iterable[HubError | None]) -> None:
+    for error in errors:
+        if error is not None:
+            raise error

@@ -1,0 +1,100 @@
+"""Reads frames for the subscriptions of a client: header, payload or shared memory, value."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from hub.errors import CodecError, FrameError, RangeError
+from hub.ipc.node.subscription import Read, ReceivedFrame, Subscription
+from hub.ipc.transport import shared_ring
+from hub.ipc.transport.fault_counter import FaultCounter
+from hub.ipc.wire import frames
+
+
+class FrameReader:
+    """Reads frames, and counts those that cannot be read."""
+
+    def __init__(self, faults: FaultCounter, no_ring: Callable[[Subscription, str], None]) -> None:
+        """Begin.
+
+        Args:
+            faults: Counts wrong frames.
+            no_ring: Called with the reason when shared memory cannot give a payload.
+        """
+        self._faults = faults
+        self._no_ring = no_ring
+        self._rings = shared_ring.Readers()
+
+    def close(self) -> None:
+        """Close all shared memory."""
+        self._rings.close()
+
+    def read(self, subscription: Subscription, raw: bytes) -> ReceivedFrame | None:
+        """What a frame brings; None, and counted, if it is malformed and stands for nothing."""
+        try:
+            return subscription.read(raw)
+        except FrameError as error:
+            self._faults.count("malformed frame", str(error))
+        except CodecError as error:
+            self._faults.count("wrong format", str(error))
+        return subscription.unreadable()
+
+    def check(self, raw: bytes) -> None:
+        """Count a frame without a subscription if it is malformed."""
+        try:
+            frames.unpack(raw)
+        except FrameError as error:
+            self._faults.count("malformed frame", str(error))
+
+    def split(self, bundle: bytes) -> list[bytes]:
+        """The frames of a bundle; none, and counted, if it is damaged."""
+        try:
+            return frames.split_bundle(bundle)
+        except FrameError as error:
+            self._faults.count("malformed frame", str(error))
+            return []
+
+    def decoded(self, subscription: Subscription, kind: int, message: Any) -> Read | None:
+        """The payload and its value; None if it is not there, or cannot be read."""
+
+        def note(text: str) -> None:
+            subscription.unfit = subscription.unfit or text
+            self._faults.count("value changed", text)
+
+        try:
+            if message.__class__ is tuple and subscription.receive is not None:
+                return message, subscription.receive(message, note)
+            payload = self._payload(subscription, kind, message)
+            return (
+                None
+                if payload is None
+                else (payload, subscription.definition.decode(payload, note))
+            )
+        except RangeError as error:
+            subscription.refused += 1
+            subscription.unfit = subscription.unfit or str(error)
+            self._faults.count("out of range", str(error))
+            return None
+        except (CodecError, FrameError) as error:
+            self._faults.count("wrong format", str(error))
+            return None
+
+    def _payload(
+        self, subscription: Subscription, kind: int, payload: memoryview
+    ) -> memoryview | None:
+        """The payload itself; None if it is not there any more."""
+        if kind == frames.INLINE:
+            return payload
+        if kind == frames.NO_RING:
+            self._no_ring(subscription, "its publisher has none")
+            return None
+        try:
+            found = self._rings.read(payload)
+        except OSError as error:
+            self._no_ring(subscription, str(error))
+            return None
+        if found is None:
+            subscription.lost += 1
+            self._faults.count("overwritten", f"{subscription.definition.name}: read too late")
+        return found
