@@ -1,11 +1,16 @@
 """Reading TOML files that people write: every key is checked, all mistakes are gathered.
 
-Arenas and robots are such files; each says its keys as a table of `Key`, and this file reads them.
+Arenas and robots are such files. A dataclass declares each key once, by `key` at the field that
+gets its value; `tables_of` collects the keys, `read_table` reads them.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import difflib
+import enum
+import functools
+import math
 import re
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
@@ -29,7 +34,9 @@ _TOO_DEEP = re.compile(rf"(?<![\w-]){_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{_DEEPES
 _KEY = re.compile(r"""\s*(["']?)([\w-]+)\1\s*=""")
 
 Reader = Callable[[object], Any]
+"""Turns what TOML gives into a value, or raises `RefusedError`."""
 REQUIRED: Any = object()
+_DECLARED = "key"
 
 
 class RefusedError(ValueError):
@@ -37,20 +44,80 @@ class RefusedError(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
+class Within:
+    """A reader that says which values it takes.
+
+    Attributes:
+        read: The reader.
+        allowed: The values, for people.
+    """
+
+    read: Reader
+    allowed: str
+
+    def __call__(self, value: object) -> Any:  # noqa: ANN401 - whatever the reader makes
+        """Read a value."""
+        return self.read(value)
+
+
+@dataclass(frozen=True, slots=True)
 class Key:
     """One key of a table.
 
     Attributes:
-        read: Turns what TOML gives into the value, or raises `RefusedError`.
+        read: Its reader.
         default: Value where the key is absent; `REQUIRED` where it must not be.
         field: Name of the value, if it is not the key's.
-        meaning: For people who ask for help.
+        meaning: For people.
+        without: What holds where the key is absent, for people; empty: the default says it.
     """
 
     read: Reader
     default: Any = REQUIRED
     field: str = ""
     meaning: str = ""
+    without: str = ""
+
+
+def key(
+    read: Reader,
+    default: Any = REQUIRED,  # noqa: ANN401 - as the reader makes it
+    meaning: str = "",
+    *,
+    at: str = "",
+    without: str = "",
+) -> Any:  # noqa: ANN401 - what dataclasses want for a field
+    """The field of a dataclass that gets the value of a key.
+
+    Args:
+        read: See `Key`, as for the others.
+        default: For file and field.
+        meaning: For people.
+        at: Where the key stands, if it is not called as the field: "NAME", or "TABLE.NAME" where
+            several tables fill one dataclass, or "TABLE." for the field's own name there.
+        without: For people.
+    """
+    declared = Key(read, default, meaning=meaning, without=without)
+    given = {} if default is REQUIRED else {"default": default}
+    return dataclasses.field(**given, metadata={_DECLARED: (at, declared)})
+
+
+@functools.lru_cache(maxsize=64)
+def tables_of(kind: Any) -> Mapping[str, Mapping[str, Key]]:  # noqa: ANN401 - a dataclass
+    """The keys that the fields of a dataclass declare: table, name in the file, key."""
+    tables: dict[str, dict[str, Key]] = {}
+    for field in dataclasses.fields(kind):
+        if _DECLARED in field.metadata:
+            at, declared = field.metadata[_DECLARED]
+            table, _, name = at.rpartition(".")
+            named = dataclasses.replace(declared, field=field.name)
+            tables.setdefault(table, {})[name or field.name] = named
+    return tables
+
+
+def keys_of(kind: Any) -> Mapping[str, Key]:  # noqa: ANN401 - a dataclass
+    """The keys that the fields of a dataclass declare, where it stands for one table."""
+    return tables_of(kind)[""]
 
 
 class Problems(list[str]):
@@ -81,7 +148,7 @@ class Problems(list[str]):
         self.append((f"line {line}: " if line else "") + text)
 
 
-def number(low: float, high: float) -> Reader:
+def number(low: float, high: float) -> Within:
     """A number from `low` to `high`."""
 
     def read(value: object) -> float:
@@ -94,10 +161,16 @@ def number(low: float, high: float) -> Reader:
             raise RefusedError(text)
         return float(value)
 
-    return read
+    return Within(read, f"{low:g} to {high:g}")
 
 
-def whole_number(low: int, high: int) -> Reader:
+def degrees(low: float, high: float) -> Within:
+    """An angle from `low` to `high` degrees, in radians."""
+    within = number(low, high)
+    return Within(lambda value: math.radians(within(value)), within.allowed)
+
+
+def whole_number(low: int, high: int) -> Within:
     """A whole number from `low` to `high`."""
     within = number(low, high)
 
@@ -107,10 +180,10 @@ def whole_number(low: int, high: int) -> Reader:
             raise RefusedError(text)
         return int(within(value))
 
-    return read
+    return Within(read, f"{low} to {high}")
 
 
-def numbers(count: int, low: float, high: float) -> Reader:
+def numbers(count: int, low: float, high: float) -> Within:
     """A list of `count` numbers from `low` to `high`, as a tuple."""
     one = number(low, high)
 
@@ -120,7 +193,7 @@ def numbers(count: int, low: float, high: float) -> Reader:
             raise RefusedError(text)
         return tuple(one(item) for item in value)
 
-    return read
+    return Within(read, f"each {one.allowed}")
 
 
 def truth(value: object) -> bool:
@@ -131,7 +204,7 @@ def truth(value: object) -> bool:
     return value
 
 
-def text(longest: int, *, any_character: bool = False) -> Reader:
+def text(longest: int, *, any_character: bool = False) -> Within:
     """A text of 1 to `longest` characters, printable unless any are allowed."""
 
     def read(value: object) -> str:
@@ -143,7 +216,7 @@ def text(longest: int, *, any_character: bool = False) -> Reader:
             raise RefusedError(reason)
         return value
 
-    return read
+    return Within(read, f"up to {longest} characters")
 
 
 def plain_name(longest: int) -> Reader:
@@ -192,7 +265,7 @@ def variables(longest: int, most: int) -> Reader:
     return read
 
 
-def choice(names: Iterable[str] | Mapping[str, Any]) -> Reader:
+def choice(names: Iterable[str] | Mapping[str, Any]) -> Within:
     """One of the names; what it stands for, where they are a mapping."""
     known = dict(names) if isinstance(names, Mapping) else {name: name for name in names}
 
@@ -202,7 +275,17 @@ def choice(names: Iterable[str] | Mapping[str, Any]) -> Reader:
         reason = f"{shorten(value)} is none of {', '.join(known)}{nearest(value, known)}"
         raise RefusedError(reason)
 
-    return read
+    return Within(read, ", ".join(f"`{name}`" for name in known))
+
+
+def shown(key: Key) -> str:
+    """What holds where a key is absent, for people; empty: it must not be absent."""
+    if key.default is REQUIRED or key.without:
+        return key.without
+    value = key.default.value if isinstance(key.default, enum.Enum) else key.default
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def shorten(value: object) -> str:

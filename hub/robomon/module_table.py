@@ -13,57 +13,96 @@ from hub.errors import ArenaError, RobotFileError, UnknownKindError
 from hub.gcm.capability import Capability
 from hub.robots.description import RobotDescription, find_robot_file, read_description
 from hub.robots.registry import kind_of
+from hub.toml_reader import choice, key, number, several, text, variables, whole_number
 
 _OWN_PACKAGE = "hub.modules."
 _OWN = "X_"
 """Capabilities that are not of the common vocabulary begin so."""
 
 
+def _capability(value: object) -> str:
+    """Read a capability: one of the vocabulary, or one of a module of one's own."""
+    known = tuple(Capability)
+    if isinstance(value, str) and (
+        value in known or (value.startswith(_OWN) and value.isidentifier() and len(value) <= 32)
+    ):
+        return value
+    reason = (
+        f"{toml.shorten(value)} is none of {', '.join(known)}, and no capability of your own, "
+        f"which begins with {_OWN}{toml.nearest(value, known)}"
+    )
+    raise toml.RefusedError(reason)
+
+
+_SECONDS = number(0.0, 3600.0)
+_CAPABILITIES = several(_capability, 64)
+_COMMAND = several(text(1000, any_character=True), 64)
+_START = choice({"always": True, "on demand": False})
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModuleSpec:
-    """A module that the daemon runs.
+    """A module that the daemon runs; the `key` of each field is one of its table.
 
     Attributes:
         name: Its name at central.
+        run: A Python module to execute; empty: `command` says what.
         command: What to execute; options for hub and robot are added.
-        capabilities: What the file says it can do; a hint, until the module says so itself.
-        needs: What the file says it needs of other modules; a hint as well.
-        always: Whether it runs always, or when one of its capabilities is wanted.
         keep_alive_s: Silence after which it counts as hanging [s]; 0: it does not announce itself;
             None: as long as its capabilities say.
-        start_timeout_s: Time from its start to its first announcement [s].
-        linger_s: Time that it goes on when nobody wants it any more [s].
-        restart_limit: Restarts within `restart_window_s` after which the daemon gives up.
-        restart_window_s: [s].
         settled_s: A module that ran for so long before it ended is started again at once [s].
-        backoff_s: Pause before the second restart of one that did not; each further pause is twice
-            as long [s]. The first restart is at once.
-        backoff_longest_s: Longest pause [s].
-        ask_timeout_s: Time between the common command STOP and SIGTERM [s].
-        stop_timeout_s: Time between the common command STOP and SIGKILL [s].
-        nice: What is added to its niceness.
-        memory_limit_mb: Resident memory from which on it is started anew [MB]; 0: no limit.
-        environment: Variables of its environment, beside the daemon's.
     """
 
     name: str
-    command: tuple[str, ...]
-    capabilities: tuple[str, ...] = ()
-    needs: tuple[str, ...] = ()
-    always: bool = True
-    keep_alive_s: float | None = None
-    start_timeout_s: float = 15.0
-    linger_s: float = 10.0
-    restart_limit: int = 10
-    restart_window_s: float = 60.0
-    settled_s: float = 2.0
-    backoff_s: float = 0.2
-    backoff_longest_s: float = 5.0
-    ask_timeout_s: float = 1.0
-    stop_timeout_s: float = 2.0
-    nice: int = 0
-    memory_limit_mb: float = 0.0
-    environment: tuple[tuple[str, str], ...] = ()
+    run: str = key(text(200), "", "a Python module", without="`command` says what to run")
+    command: tuple[str, ...] = key(
+        _COMMAND, (), "a program and its arguments", without="`run` says what to run"
+    )
+    capabilities: tuple[str, ...] = key(
+        _CAPABILITIES, (), "what it can do, until it says so itself", without="none"
+    )
+    needs: tuple[str, ...] = key(
+        _CAPABILITIES, (), "what it needs of other modules, until it says so itself", without="none"
+    )
+    always: bool = key(
+        _START,
+        default=True,
+        meaning="when it runs; on demand: while somebody wants one of its capabilities",
+        at="start",
+        without="`always`",
+    )
+    keep_alive_s: float | None = key(
+        _SECONDS,
+        None,
+        "silence after which it hangs [s]; 0: it does not announce itself",
+        without="1 for the driver, else 5",
+    )
+    start_timeout_s: float = key(
+        number(0.1, 3600.0), 15.0, "from its start to its first announcement [s]"
+    )
+    linger_s: float = key(_SECONDS, 10.0, "how long it goes on when nobody wants it any more [s]")
+    restart_limit: int = key(
+        whole_number(0, 1000), 10, "restarts within `restart_window_s`; then it is given up"
+    )
+    restart_window_s: float = key(number(1.0, 86400.0), 60.0, "[s]")
+    settled_s: float = key(
+        _SECONDS, 2.0, "a module that ran for so long is started again at once [s]"
+    )
+    backoff_s: float = key(
+        number(0.01, 3600.0),
+        0.2,
+        "pause before the second restart of one that did not; each further one is doubled [s]",
+    )
+    backoff_longest_s: float = key(number(0.01, 3600.0), 5.0, "longest pause [s]")
+    ask_timeout_s: float = key(number(0.0, 60.0), 1.0, "from the command to stop to SIGTERM [s]")
+    stop_timeout_s: float = key(number(0.1, 60.0), 2.0, "from the command to stop to SIGKILL [s]")
+    nice: int = key(whole_number(-20, 19), 0, "what is added to its niceness")
+    memory_limit_mb: float = key(
+        number(0.0, 1e6), 0.0, "resident memory above which it is started again [MB]; 0: no limit"
+    )
+    environment: tuple[tuple[str, str], ...] = key(
+        variables(4096, 256), (), "variables beside the daemon's own", without="none"
+    )
 
     @property
     def python_module(self) -> str:
@@ -84,46 +123,6 @@ class RobotTable:
 
     robot: RobotDescription
     modules: tuple[ModuleSpec, ...]
-
-
-def _capability(value: object) -> str:
-    """Read a capability: one of the vocabulary, or one of a module of one's own."""
-    known = tuple(Capability)
-    if isinstance(value, str) and (
-        value in known or (value.startswith(_OWN) and value.isidentifier() and len(value) <= 32)
-    ):
-        return value
-    text = (
-        f"{toml.shorten(value)} is none of {', '.join(known)}, and no capability of your own, "
-        f"which begins with {_OWN}{toml.nearest(value, known)}"
-    )
-    raise toml.RefusedError(text)
-
-
-_SECONDS = toml.number(0.0, 3600.0)
-_CAPABILITIES = toml.Key(toml.several(_capability, 64), ())
-_MODULE = {
-    "run": toml.Key(toml.text(200), ""),
-    "command": toml.Key(toml.several(toml.text(1000, any_character=True), 64), ()),
-    "capabilities": _CAPABILITIES,
-    "needs": _CAPABILITIES,
-    "start": toml.Key(
-        toml.choice({"always": True, "on demand": False}), default=True, field="always"
-    ),
-    "keep_alive_s": toml.Key(_SECONDS, None),
-    "start_timeout_s": toml.Key(toml.number(0.1, 3600.0), 15.0),
-    "linger_s": toml.Key(_SECONDS, 10.0),
-    "restart_limit": toml.Key(toml.whole_number(0, 1000), 10),
-    "restart_window_s": toml.Key(toml.number(1.0, 86400.0), 60.0),
-    "settled_s": toml.Key(_SECONDS, 2.0),
-    "backoff_s": toml.Key(toml.number(0.01, 3600.0), 0.2),
-    "backoff_longest_s": toml.Key(toml.number(0.01, 3600.0), 5.0),
-    "ask_timeout_s": toml.Key(toml.number(0.0, 60.0), 1.0),
-    "stop_timeout_s": toml.Key(toml.number(0.1, 60.0), 2.0),
-    "nice": toml.Key(toml.whole_number(-20, 19), 0),
-    "memory_limit_mb": toml.Key(toml.number(0.0, 1e6), 0.0),
-    "environment": toml.Key(toml.variables(4096, 256), ()),
-}
 
 
 def load_robot_table(name_or_path: str, settings: Sequence[str] = ()) -> RobotTable:
@@ -166,15 +165,15 @@ def _check_arena(robot: RobotDescription, problems: toml.Problems) -> None:
 
 def _module(name: str, values: Any, problems: toml.Problems) -> ModuleSpec:  # noqa: ANN401 - TOML
     place = f"[modules.{name}]"
-    fields = toml.read_table(_MODULE, values, place, problems)
+    fields = toml.read_table(toml.keys_of(ModuleSpec), values, place, problems)
     run, command = fields.pop("run"), fields.pop("command")
     if bool(run) == bool(command):
         problems.add(place, f"{place}: give either 'run', a Python module, or 'command', a list")
     elif run and not _importable(run):
         problems.add(place, f"{place}, key 'run': there is no Python module {run!r}", "run")
     if not name.isidentifier() or len(name) > 32:
-        text = f"{place}: a module's name is up to 32 letters, digits and underscores"
-        problems.add(place, text)
+        reason = f"{place}: a module's name is up to 32 letters, digits and underscores"
+        problems.add(place, reason)
     return ModuleSpec(name=name, command=command or (sys.executable, "-m", run), **fields)
 
 

@@ -16,6 +16,7 @@ from hub.gcm.body import MOST_CORNERS, Point32, RobotBody
 from hub.ipc.endpoints import DEFAULT_PORT
 from hub.robots.left_alone import SURFACE_AFTER_S, LeftAlone
 from hub.robots.video_source import video_source
+from hub.toml_reader import choice, degrees, key, number, plain_name, text, truth, whole_number
 
 SHIPPED = Path(__file__).parent / "files"
 ROBOTS_OWN = "robot"
@@ -39,104 +40,6 @@ class MissionBegin(enum.Enum):
     BY_HAND = "by hand"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RobotDescription:
-    """What a robot file says of the robot itself.
-
-    Attributes:
-        path: The file.
-        settings: Values that stand in place of the file's, each as "TABLE.KEY=VALUE".
-        name: The robot's name.
-        kind: Its kind; `hub.robots.registry` knows which there are.
-        port: TCP port of its central; 0 takes a free one.
-        gateway: tcp:// address where machines with keys may connect; empty: none may.
-        keys: Folder of the keys; empty: the user's own.
-        logs: Folder for folders of log files; empty: where the system has such files.
-        linear_limit: Largest forward velocity [m/s].
-        angular_limit: Largest turn rate [rad/s].
-        arena: Arena of a simulated robot: a shipped name, or a path.
-        seed: Seed of the simulation.
-        light: How bright the arena is, 0 (dark) to 1; None: as its file says.
-        linear_acceleration: Fastest change of the forward velocity, braking [m/s^2].
-        angular_acceleration: Fastest change of the turn rate, braking [rad/s^2].
-        radius: Of the circle around the robot's centre in which all of it lies [m].
-        footprint: Corners of the ground that it covers [m, m], counter-clockwise; none: the circle.
-        margin: How far it keeps from obstacles besides [m].
-        camera_source: Where pictures come from: "robot" for the robot's own camera, or a device,
-            file or network address.
-        camera_fov: Field of view from left to right of such another camera [rad].
-        camera_forward: Such another camera ahead of the robot's centre [m].
-        camera_height: Such another camera above the ground [m].
-        headlight: Whether it has one.
-        map_resolution: Edge of a cell of the map [m].
-        map_size: Extent of the map in both directions, the start in its middle [m].
-        map_folder: Where maps are saved; empty: the user's own folder of data.
-        mission_folder: Where missions are kept; empty: the user's own folder of states.
-        mission_begin: What begins a mission, besides a mark and the operator's word.
-        mission_largest_mb: Size of a mission from which on only marks are kept [MB].
-        mission_least_free_mb: Room on the disk below which only marks are kept [MB].
-        nothing_new_s: Exploring ends when nothing new came for this time, although it drove [s].
-        nothing_new_share: Nothing new means that the ground in reach grew by less than this.
-        longest_exploring_s: The robot is back from exploring after this time, as far as it can [s].
-        left_alone: What it does when it has lost its operator.
-        surface_after_s: If it surfaces then, for how long it keeps neutral before [s].
-        modules: The tables under [modules], not yet checked.
-    """
-
-    path: Path
-    settings: tuple[str, ...]
-    name: str
-    kind: str
-    port: int
-    gateway: str
-    keys: str
-    logs: str
-    linear_limit: float
-    angular_limit: float
-    arena: str
-    seed: int
-    light: float | None
-    linear_acceleration: float
-    angular_acceleration: float
-    radius: float
-    footprint: tuple[tuple[float, float], ...]
-    margin: float
-    camera_source: str
-    camera_fov: float
-    camera_forward: float
-    camera_height: float
-    headlight: bool
-    map_resolution: float
-    map_size: float
-    map_folder: str
-    mission_folder: str
-    mission_begin: MissionBegin
-    mission_largest_mb: float
-    mission_least_free_mb: float
-    nothing_new_s: float
-    nothing_new_share: float
-    longest_exploring_s: float
-    left_alone: LeftAlone
-    surface_after_s: float
-    modules: dict[str, Any]
-
-    @property
-    def body(self) -> RobotBody:
-        """What the hub tells about the robot."""
-        return RobotBody(
-            name=self.name,
-            kind=self.kind,
-            radius=self.radius,
-            footprint=tuple(Point32(x=x, y=y) for x, y in self.footprint),
-        )
-
-    @property
-    def simulated(self) -> bool:
-        """Whether its hardware is a simulation."""
-        return bool(self.kind) and self.kind.startswith("simulated-")
-
-
-_RADIUS = toml.number(0.02, 5.0)
 _USUAL_RADIUS = 0.205
 """Of a robot whose file says nothing of its body: a Magellan Pro's [m]."""
 _SAME_LENGTH = 1e-3
@@ -166,102 +69,183 @@ def _source(value: object) -> str:
     return source
 
 
-_TOP = {
-    "name": toml.Key(toml.plain_name(32)),
-    "kind": toml.Key(toml.text(64)),
-}
-_TABLES = {
-    "hub": {
-        "port": toml.Key(toml.whole_number(0, 65529), DEFAULT_PORT),
-        "gateway": toml.Key(toml.text(100), ""),
-        "keys": toml.Key(toml.text(200), ""),
-        "logs": toml.Key(toml.text(1000), ""),
-    },
-    "limits": {
-        "linear": toml.Key(toml.number(0.01, 3.0), 0.5, "linear_limit"),
-        "angular": toml.Key(toml.number(0.01, 6.0), 1.0, "angular_limit"),
-        "linear_acceleration": toml.Key(toml.number(0.05, 20.0), 2.0),
-        "angular_acceleration": toml.Key(toml.number(0.1, 50.0), 4.0),
-    },
-    "body": {
-        "radius": toml.Key(_RADIUS, None),
-        "footprint": toml.Key(_corners, ()),
-        "margin": toml.Key(toml.number(0.0, 1.0), 0.05),
-    },
-    "safety": {
-        "left_alone": toml.Key(
-            toml.choice({each.value: each for each in LeftAlone}), LeftAlone.STAND
-        ),
-        "surface_after_s": toml.Key(toml.number(0.0, 3600.0), SURFACE_AFTER_S),
-    },
-    "camera": {
-        "source": toml.Key(_source, ROBOTS_OWN, "camera_source"),
-        "fov_deg": toml.Key(toml.number(1.0, 170.0), 60.0, "camera_fov"),
-        "forward": toml.Key(toml.number(-5.0, 5.0), 0.0, "camera_forward"),
-        "height": toml.Key(toml.number(0.01, 5.0), 0.3, "camera_height"),
-        "headlight": toml.Key(toml.truth, default=True),
-    },
-    "mapping": {
-        "resolution": toml.Key(
-            toml.number(0.01, 1.0), 0.05, "map_resolution", "edge of a cell of the map [m]"
-        ),
-        "size": toml.Key(
-            toml.number(1.0, 1000.0), 40.0, "map_size", "extent of the map in both directions [m]"
-        ),
-        "folder": toml.Key(
-            toml.text(1000), "", "map_folder", "where maps are saved; without: the user's own"
-        ),
-    },
-    "mission": {
-        "folder": toml.Key(
-            toml.text(1000),
-            "",
-            "mission_folder",
-            "where missions are kept; without: the user's own",
-        ),
-        "begin": toml.Key(
-            toml.choice({each.value: each for each in MissionBegin}),
-            MissionBegin.WITH_CONTROL,
-            "mission_begin",
-            "what begins a mission, besides a mark and the operator's word",
-        ),
-        "largest_mb": toml.Key(
-            toml.number(1.0, 1e6),
-            500.0,
-            "mission_largest_mb",
-            "size of a mission from which on only marks are kept [MB]",
-        ),
-        "least_free_mb": toml.Key(
-            toml.number(0.0, 1e6),
-            50.0,
-            "mission_least_free_mb",
-            "room on the disk below which only marks are kept [MB]",
-        ),
-    },
-    "autonomy": {
-        "nothing_new_s": toml.Key(
-            toml.number(5.0, 86400.0),
-            NOTHING_NEW_S,
-            meaning="exploring ends when nothing new came for this time, although it drove [s]",
-        ),
-        "nothing_new_share": toml.Key(
-            toml.number(0.0, 1.0),
-            NOTHING_NEW_SHARE,
-            meaning="nothing new: the ground in reach grew by less than this share",
-        ),
-        "longest_s": toml.Key(
-            toml.number(30.0, 86400.0),
-            LONGEST_EXPLORING_S,
-            "longest_exploring_s",
-            meaning="exploring turns back in time to be at the start after this time [s]",
-        ),
-    },
-    "simulation": {
-        "arena": toml.Key(toml.text(200), "yellow"),
-        "seed": toml.Key(toml.whole_number(0, 2**63 - 1), 1),
-        "light": toml.Key(toml.number(0.0, 1.0), None),
-    },
-}
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotDescription:
+    """What a robot file says of the robot itself; the `key` of each field says how.
+
+    Attributes:
+        path: The file.
+        settings: Values that stand in place of the file's, each as "TABLE.KEY=VALUE".
+        camera_fov: Field of view from left to right of a camera that is not the robot's own [rad].
+        modules: The tables under [modules], not yet checked.
+    """
+
+    path: Path
+    settings: tuple[str, ...]
+    name: str = key(plain_name(32), meaning="the robot's name")
+    kind: str = key(text(64), meaning="its kind: a shipped one, or `FILE:NAME` of your own")
+    port: int = key(
+        whole_number(0, 65529), DEFAULT_PORT, "TCP port of its hub; 0 takes a free one", at="hub."
+    )
+    gateway: str = key(
+        text(100),
+        "",
+        "tcp:// address where machines with keys may connect",
+        at="hub.",
+        without="none may",
+    )
+    keys: str = key(text(200), "", "folder of the keys", at="hub.", without="the user's own")
+    logs: str = key(
+        text(1000),
+        "",
+        "folder for folders of log files",
+        at="hub.",
+        without="where the system has such files",
+    )
+    linear_limit: float = key(
+        number(0.01, 3.0), 0.5, "largest forward velocity [m/s]", at="limits.linear"
+    )
+    angular_limit: float = key(
+        number(0.01, 6.0), 1.0, "largest turn rate [rad/s]", at="limits.angular"
+    )
+    linear_acceleration: float = key(
+        number(0.05, 20.0),
+        2.0,
+        "fastest change of the forward velocity, braking [m/s^2]",
+        at="limits.",
+    )
+    angular_acceleration: float = key(
+        number(0.1, 50.0), 4.0, "fastest change of the turn rate, braking [rad/s^2]", at="limits."
+    )
+    radius: float = key(
+        number(0.02, 5.0),
+        math.nan,
+        "circle around the robot's centre in which all of it lies [m]",
+        at="body.",
+        without=f"encloses the footprint, else {_USUAL_RADIUS}",
+    )
+    footprint: tuple[tuple[float, float], ...] = key(
+        _corners,
+        (),
+        "corners `[x, y]` of the ground that it covers [m], x forward, y left",
+        at="body.",
+        without="the circle",
+    )
+    margin: float = key(
+        number(0.0, 1.0), 0.05, "how far navigation keeps from obstacles besides [m]", at="body."
+    )
+    left_alone: LeftAlone = key(
+        choice({each.value: each for each in LeftAlone}),
+        LeftAlone.STAND,
+        "what it does when it has lost its operator",
+        at="safety.",
+    )
+    surface_after_s: float = key(
+        number(0.0, 3600.0),
+        SURFACE_AFTER_S,
+        "how long it stays neutral before it surfaces [s]",
+        at="safety.",
+    )
+    camera_source: str = key(
+        _source,
+        ROBOTS_OWN,
+        "where pictures come from: `robot`, or a device, a file, a network address",
+        at="camera.source",
+    )
+    camera_fov: float = key(
+        degrees(1.0, 170.0),
+        math.radians(60.0),
+        "field of view from left to right of another camera [degrees]",
+        at="camera.fov_deg",
+        without="60",
+    )
+    camera_forward: float = key(
+        number(-5.0, 5.0),
+        0.0,
+        "another camera ahead of the robot's centre [m]",
+        at="camera.forward",
+    )
+    camera_height: float = key(
+        number(0.01, 5.0), 0.3, "another camera above the ground [m]", at="camera.height"
+    )
+    headlight: bool = key(
+        truth, default=True, meaning="whether the robot's own camera has one", at="camera."
+    )
+    map_resolution: float = key(
+        number(0.01, 1.0), 0.05, "edge of a cell of the map [m]", at="mapping.resolution"
+    )
+    map_size: float = key(
+        number(1.0, 1000.0), 40.0, "extent of the map in both directions [m]", at="mapping.size"
+    )
+    map_folder: str = key(
+        text(1000), "", "where maps are saved", at="mapping.folder", without="the user's own"
+    )
+    mission_folder: str = key(
+        text(1000), "", "where missions are kept", at="mission.folder", without="the user's own"
+    )
+    mission_begin: MissionBegin = key(
+        choice({each.value: each for each in MissionBegin}),
+        MissionBegin.WITH_CONTROL,
+        "what begins a mission, besides a mark and the operator's word",
+        at="mission.begin",
+    )
+    mission_largest_mb: float = key(
+        number(1.0, 1e6),
+        500.0,
+        "size of a mission from which on only marks are kept [MB]",
+        at="mission.largest_mb",
+    )
+    mission_least_free_mb: float = key(
+        number(0.0, 1e6),
+        50.0,
+        "room on the disk below which only marks are kept [MB]",
+        at="mission.least_free_mb",
+    )
+    nothing_new_s: float = key(
+        number(5.0, 86400.0),
+        NOTHING_NEW_S,
+        "exploring ends when nothing new came for this time, although it drove [s]",
+        at="autonomy.",
+    )
+    nothing_new_share: float = key(
+        number(0.0, 1.0),
+        NOTHING_NEW_SHARE,
+        "nothing new: the ground in reach grew by less than this share",
+        at="autonomy.",
+    )
+    longest_exploring_s: float = key(
+        number(30.0, 86400.0),
+        LONGEST_EXPLORING_S,
+        "exploring turns back in time to be at the start after this time [s]",
+        at="autonomy.longest_s",
+    )
+    arena: str = key(text(200), "yellow", "a shipped arena, or the path of one", at="simulation.")
+    seed: int = key(
+        whole_number(0, 2**63 - 1), 1, "the same seed gives the same run", at="simulation."
+    )
+    light: float | None = key(
+        number(0.0, 1.0),
+        None,
+        "how bright the arena is; 0 is dark",
+        at="simulation.",
+        without="as the arena's file says",
+    )
+    modules: dict[str, Any]
+
+    @property
+    def body(self) -> RobotBody:
+        """What the hub tells about the robot."""
+        return RobotBody(
+            name=self.name,
+            kind=self.kind,
+            radius=self.radius,
+            footprint=tuple(Point32(x=x, y=y) for x, y in self.footprint),
+        )
+
+    @property
+    def simulated(self) -> bool:
+        """Whether its hardware is a simulation."""
+        return bool(self.kind) and self.kind.startswith("simulated-")
 
 
 def find_robot_file(name_or_path: str) -> Path:
@@ -295,8 +279,10 @@ def read_description(
     """
     data, problems = toml.load(path, RobotFileError)
     toml.apply_settings(data, settings, problems)
-    fields = toml.read_table(_TOP, data, toml.TOP, problems, tables=[*_TABLES, "modules"])
-    for name, keys in _TABLES.items():
+    tables = dict(toml.tables_of(RobotDescription))
+    top = tables.pop("")
+    fields = toml.read_table(top, data, toml.TOP, problems, tables=[*tables, "modules"])
+    for name, keys in tables.items():
         fields |= toml.read_table(keys, data.get(name, {}), f"[{name}]", problems)
     fields["radius"] = _enclosing(fields["radius"], fields["footprint"], problems)
     modules = data.get("modules", {})
@@ -310,7 +296,6 @@ def read_description(
         fields["arena"] = _located(fields["arena"], beside)
     if fields["camera_source"] != ROBOTS_OWN and "://" not in fields["camera_source"]:
         fields["camera_source"] = _located(fields["camera_source"], beside)
-    fields["camera_fov"] = math.radians(fields["camera_fov"])
     return RobotDescription(
         path=path, settings=tuple(settings), modules=modules, **fields
     ), problems
@@ -318,20 +303,19 @@ def read_description(
 
 def settings(module: str) -> str:
     """What the robot file can set for a module, in words; empty: nothing."""
-    keys = _TABLES.get(module, {})
     told = [
-        f"{name} ({key.default}): {key.meaning}" if key.default != "" else f"{name}: {key.meaning}"
-        for name, key in keys.items()
+        f"{name} ({toml.shown(each)}): {each.meaning}"
+        for name, each in toml.tables_of(RobotDescription).get(module, {}).items()
     ]
     return f"its table [{module}] has: {'; '.join(told)}" if told else ""
 
 
 def _enclosing(
-    radius: float | None, corners: tuple[tuple[float, float], ...] | None, problems: toml.Problems
+    radius: float, corners: tuple[tuple[float, float], ...], problems: toml.Problems
 ) -> float:
     """The radius of the circle in which all of the body lies [m]."""
-    farthest = max((math.hypot(x, y) for x, y in corners or ()), default=0.0)
-    if radius is None:
+    farthest = max((math.hypot(x, y) for x, y in corners), default=0.0)
+    if math.isnan(radius):
         return farthest or _USUAL_RADIUS
     if radius < farthest - _SAME_LENGTH:
         text = (

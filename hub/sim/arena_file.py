@@ -1,12 +1,11 @@
 """Reads an arena file and checks every key; all mistakes are gathered, none stops the reading.
 
-`docs/writing-an-arena.md` is the author's side of this file; a test compares the two.
+`hub.sim.arena_specs` declares the keys.
 """
 
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,11 +14,7 @@ from typing import Any
 from hub import toml_reader as toml
 from hub.errors import ArenaError
 from hub.sim.arena_specs import (
-    COLOURS,
-    FACINGS,
-    GAPS,
-    POSES,
-    SURFACE_TEXTURES,
+    MAX_DOORWAYS,
     ArenaSpec,
     BoxSpec,
     CylinderSpec,
@@ -31,157 +26,32 @@ from hub.sim.arena_specs import (
     VictimSpec,
     WallSpec,
 )
-from hub.sim.geometry import Colour
 
 MAX_OBJECTS = 1000
-MAX_DOORWAYS = 16
-FARTHEST = 50.0
-"""Nothing lies farther from the origin in x or y than this [m]."""
 _SHORTEST_WALL = 0.01
 _ROUNDING = 1e-9
 
 
-def _colour(value: object) -> Colour:
-    if isinstance(value, str) and re.fullmatch("#[0-9a-fA-F]{6}", value):
-        red, green, blue = bytes.fromhex(value[1:])
-        return red, green, blue
-    if isinstance(value, str) and value in COLOURS:
-        return COLOURS[value]
-    hint = toml.nearest(value, COLOURS)
-    text = f"{toml.shorten(value)} is neither '#rrggbb' nor one of {', '.join(COLOURS)}{hint}"
-    raise toml.RefusedError(text)
-
-
-def _as_written(value: object) -> object:
-    """For what is checked later."""
-    return value
-
-
 @dataclass(frozen=True, slots=True)
 class _Table:
-    """A kind of table: what it becomes, its keys, its field of `ArenaSpec`, and how often it is."""
+    """A kind of table: what it becomes, its field of `ArenaSpec`, and how often it stands there."""
 
     spec: Callable[..., Any]
-    keys: Mapping[str, toml.Key]
-    field: str = ""
+    field: str
     repeated: bool = True
 
 
-_AT = toml.Key(toml.numbers(2, -FARTHEST, FARTHEST))
-_NAME = toml.Key(toml.text(64))
-_FACING = toml.Key(toml.choice(FACINGS))
-_HEIGHT = toml.number(0.02, 5.0)
-_BASE = toml.Key(toml.number(0.0, 5.0), 0.0)
-_DOORWAY = _Table(
-    DoorwaySpec,
-    {
-        "at": toml.Key(toml.number(0.0, 2 * FARTHEST)),
-        "width": toml.Key(toml.number(0.1, 20.0), 0.9),
-        "height": toml.Key(toml.number(0.1, 5.0), None),
-    },
-)
-_TOP = {"name": _NAME, "description": toml.Key(toml.text(500), "")}
-
-
-def _surface(texture: str, colour: str) -> dict[str, toml.Key]:
-    return {
-        "colour": toml.Key(_colour, COLOURS[colour]),
-        "texture": toml.Key(toml.choice(SURFACE_TEXTURES), texture),
-    }
-
-
 _TABLES: Mapping[str, _Table] = {
-    "start": _Table(
-        StartSpec,
-        {"at": _AT, "heading_deg": toml.Key(toml.number(-360.0, 360.0), 0.0)},
-        "start",
-        repeated=False,
-    ),
-    "hall": _Table(
-        HallSpec,
-        {
-            "ceiling": toml.Key(toml.number(1.0, 20.0), 3.0),
-            "floor_colour": toml.Key(_colour, COLOURS["grey"]),
-            "floor_texture": toml.Key(toml.choice(SURFACE_TEXTURES), "checker"),
-            "light": toml.Key(toml.number(0.0, 1.0), 1.0),
-        },
-        "hall",
-        repeated=False,
-    ),
-    "wall": _Table(
-        WallSpec,
-        {
-            "from": toml.Key(_AT.read, field="begin"),
-            "to": toml.Key(_AT.read, field="end"),
-            "height": toml.Key(_HEIGHT, 1.2),
-            "thickness": toml.Key(toml.number(0.02, 2.0), 0.1),
-            **_surface("panel", "sand"),
-            "doorways": toml.Key(_as_written, []),
-        },
-        "walls",
-    ),
-    "box": _Table(
-        BoxSpec,
-        {
-            "at": _AT,
-            "size": toml.Key(toml.numbers(3, 0.01, 20.0)),
-            "base": _BASE,
-            **_surface("plain", "brown"),
-        },
-        "boxes",
-    ),
-    "cylinder": _Table(
-        CylinderSpec,
-        {
-            "at": _AT,
-            "radius": toml.Key(toml.number(0.01, 5.0)),
-            "height": toml.Key(_HEIGHT),
-            "base": _BASE,
-            **_surface("plain", "grey"),
-        },
-        "cylinders",
-    ),
-    "victim": _Table(
-        VictimSpec,
-        {
-            "name": _NAME,
-            "at": _AT,
-            "facing": _FACING,
-            "pose": toml.Key(toml.choice(POSES), "sitting"),
-            "colour": toml.Key(_colour, COLOURS["blue"]),
-        },
-        "victims",
-    ),
-    "landmark": _Table(
-        LandmarkSpec,
-        {
-            "name": _NAME,
-            "at": _AT,
-            "facing": _FACING,
-            "height": toml.Key(toml.number(0.05, 5.0), 0.6),
-            "size": toml.Key(toml.number(0.05, 3.0), 0.4),
-            "colour": toml.Key(_colour),
-        },
-        "landmarks",
-    ),
-    "ring": _Table(
-        RingSpec,
-        {
-            "at": _AT,
-            "facing": _FACING,
-            "height": toml.Key(toml.number(0.05, 5.0), 0.6),
-            "gap_mm": toml.Key(toml.number(1.0, 200.0)),
-            "gap": toml.Key(toml.choice(GAPS)),
-        },
-        "rings",
-    ),
+    "start": _Table(StartSpec, "start", repeated=False),
+    "hall": _Table(HallSpec, "hall", repeated=False),
+    "wall": _Table(WallSpec, "walls"),
+    "box": _Table(BoxSpec, "boxes"),
+    "cylinder": _Table(CylinderSpec, "cylinders"),
+    "victim": _Table(VictimSpec, "victims"),
+    "landmark": _Table(LandmarkSpec, "landmarks"),
+    "ring": _Table(RingSpec, "rings"),
 }
-
-
-def known_keys() -> dict[str, tuple[str, ...]]:
-    """Every table of an arena file with its keys; the keys at the top stand under ''."""
-    tables = {name: tuple(table.keys) for name, table in _TABLES.items()}
-    return {"": tuple(_TOP), "doorways": tuple(_DOORWAY.keys), **tables}
+_DOORWAY = _Table(DoorwaySpec, "doorways")
 
 
 def read_arena_file(path: Path) -> ArenaSpec:
@@ -200,14 +70,15 @@ def read_arena_file(path: Path) -> ArenaSpec:
 def check_arena(data: Mapping[str, Any]) -> tuple[ArenaSpec | None, list[str]]:
     """Turn what the file says into a spec; None and all problems where it has mistakes."""
     problems = toml.Problems()
-    known = [*_TOP, *_TABLES]
+    top = toml.keys_of(ArenaSpec)
+    known = [*top, *_TABLES]
     problems += [
         f"unknown table or key {toml.shorten(name)}{toml.nearest(name, known)}"
         for name in data
         if name not in known
     ]
-    top = {name: value for name, value in data.items() if name in _TOP}
-    fields = toml.read_table(_TOP, top, "top of the file", problems)
+    values = {name: value for name, value in data.items() if name in top}
+    fields = toml.read_table(top, values, toml.TOP, problems)
     objects = sum(len(value) for value in data.values() if isinstance(value, list))
     if objects > MAX_OBJECTS:
         return None, [*problems, f"{objects} objects are more than the {MAX_OBJECTS} allowed"]
@@ -221,7 +92,8 @@ def check_arena(data: Mapping[str, Any]) -> tuple[ArenaSpec | None, list[str]]:
 
 
 def _read_single(name: str, table: _Table, data: Mapping[str, Any], problems: toml.Problems) -> Any:  # noqa: ANN401 - the table's spec
-    if name not in data and any(key.default is toml.REQUIRED for key in table.keys.values()):
+    keys = toml.keys_of(table.spec).values()
+    if name not in data and any(key.default is toml.REQUIRED for key in keys):
         problems.append(f"table [{name}] is missing")
         return None
     return _read_spec(table, data.get(name, {}), name, problems)
@@ -243,7 +115,7 @@ def _read_repeated(
 
 def _read_spec(table: _Table, values: object, place: str, problems: toml.Problems) -> Any:  # noqa: ANN401 - the table's spec
     before = len(problems)
-    fields = toml.read_table(table.keys, values, place, problems)
+    fields = toml.read_table(toml.keys_of(table.spec), values, place, problems)
     if table.spec is WallSpec:
         fields["doorways"] = _read_doorways(fields["doorways"], place, problems)
     if len(problems) > before:
@@ -255,6 +127,8 @@ def _read_spec(table: _Table, values: object, place: str, problems: toml.Problem
 
 
 def _read_doorways(value: object, place: str, problems: toml.Problems) -> tuple[Any, ...]:
+    if value == ():
+        return ()
     if not isinstance(value, list):
         problems.append(f"{place}, key 'doorways': {toml.shorten(value)} is not a list of tables")
         return ()

@@ -1,11 +1,17 @@
-"""What an arena file says, checked: one value for each kind of table, and the names it may use."""
+"""What an arena file says: a dataclass for each kind of table, and a key for each of its fields.
+
+Lengths are in metres. The `key` of a field says how the file's value is read, which values it may
+have, and what it means; the tables of `docs/writing-an-arena.md` say the same.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from hub.sim.geometry import Colour, Side
+from hub.toml_reader import RefusedError, choice, key, nearest, number, numbers, shorten, text
 
 COLOURS: Mapping[str, Colour] = {
     "white": (236, 236, 230),
@@ -32,109 +38,152 @@ POSES = ("sitting", "lying")
 Point = tuple[float, float]
 
 
+MAX_DOORWAYS = 16
+FARTHEST = 50.0
+"""Nothing lies farther from the origin in x or y than this [m]."""
+
+
+def _colour(value: object) -> Colour:
+    if isinstance(value, str) and re.fullmatch("#[0-9a-fA-F]{6}", value):
+        red, green, blue = bytes.fromhex(value[1:])
+        return red, green, blue
+    if isinstance(value, str) and value in COLOURS:
+        return COLOURS[value]
+    hint = nearest(value, COLOURS)
+    reason = f"{shorten(value)} is neither '#rrggbb' nor one of {', '.join(COLOURS)}{hint}"
+    raise RefusedError(reason)
+
+
+def _as_written(value: object) -> object:
+    """Take a value that is checked later."""
+    return value
+
+
+_PLACE = numbers(2, -FARTHEST, FARTHEST)
+_TEXTURE = choice(SURFACE_TEXTURES)
+_FACING = choice(FACINGS)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StartSpec:
-    """Where the robot starts: `at` [m] and `heading_deg`."""
+    """Where the robot starts."""
 
-    at: Point
-    heading_deg: float
+    at: Point = key(_PLACE, meaning="x and y")
+    heading_deg: float = key(number(-360.0, 360.0), 0.0, "the way the robot looks")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HallSpec:
-    """The hall around the arena: height of its ceiling [m], its floor, its light (0 to 1)."""
+    """The hall around the arena."""
 
-    ceiling: float
-    floor_colour: Colour
-    floor_texture: str
-    light: float
+    ceiling: float = key(number(1.0, 20.0), 3.0, "height of the ceiling")
+    floor_colour: Colour = key(_colour, COLOURS["grey"], "colour of the floor")
+    floor_texture: str = key(_TEXTURE, "checker", "texture of the floor")
+    light: float = key(
+        number(0.0, 1.0),
+        1.0,
+        "how bright it is; in the dark, at 0, a camera sees nothing without a headlight",
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DoorwaySpec:
-    """A gap in a wall: its middle `at` [m] from the wall's begin, `width` and `height` [m]."""
+    """A gap in a wall."""
 
-    at: float
-    width: float
-    height: float | None
+    at: float = key(
+        number(0.0, 2 * FARTHEST),
+        meaning="middle of the doorway, along the wall, counted from `from`",
+    )
+    width: float = key(number(0.1, 20.0), 0.9)
+    height: float | None = key(
+        number(0.1, 5.0), None, "the wall goes on above it", without="the wall's"
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WallSpec:
-    """A wall along x or y from `begin` to `end` [m]."""
+    """A wall along x or y."""
 
-    begin: Point
-    end: Point
-    height: float
-    thickness: float
-    colour: Colour
-    texture: str
-    doorways: tuple[DoorwaySpec, ...]
+    begin: Point = key(_PLACE, meaning="x and y of one end, in the middle of the wall", at="from")
+    end: Point = key(_PLACE, meaning="x and y of the other end", at="to")
+    height: float = key(number(0.02, 5.0), 1.2)
+    thickness: float = key(number(0.02, 2.0), 0.1)
+    colour: Colour = key(_colour, COLOURS["sand"])
+    texture: str = key(_TEXTURE, "panel")
+    doorways: tuple[DoorwaySpec, ...] = key(
+        _as_written, (), f"a list of up to {MAX_DOORWAYS} tables, each with the keys below"
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BoxSpec:
-    """A box: middle `at`, `size` along x, y, z, and `base`, the height of its bottom [m]."""
+    """A box: furniture, crates, rubble."""
 
-    at: Point
-    size: tuple[float, float, float]
-    base: float
-    colour: Colour
-    texture: str
+    at: Point = key(_PLACE, meaning="x and y of its middle")
+    size: tuple[float, float, float] = key(numbers(3, 0.01, 20.0), meaning="along x, y and z")
+    base: float = key(number(0.0, 5.0), 0.0, "height of its bottom above the floor")
+    colour: Colour = key(_colour, COLOURS["brown"])
+    texture: str = key(_TEXTURE, "plain")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CylinderSpec:
-    """An upright cylinder: axis `at`, `radius`, `height`, and `base` [m]."""
+    """An upright cylinder: drums, pipes, posts."""
 
-    at: Point
-    radius: float
-    height: float
-    base: float
-    colour: Colour
-    texture: str
+    at: Point = key(_PLACE, meaning="x and y of its axis")
+    radius: float = key(number(0.01, 5.0))
+    height: float = key(number(0.02, 5.0))
+    base: float = key(number(0.0, 5.0), 0.0, "height of its bottom above the floor")
+    colour: Colour = key(_colour, COLOURS["grey"])
+    texture: str = key(_TEXTURE, "plain")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VictimSpec:
-    """A person to be found: middle `at` [m], which way it looks, `pose`, colour of the clothes."""
+    """A person to be found."""
 
-    name: str
-    at: Point
-    facing: Side
-    pose: str
-    colour: Colour
+    name: str = key(text(64), meaning="its name, which stands once")
+    at: Point = key(_PLACE, meaning="x and y of the middle")
+    facing: Side = key(_FACING, meaning="where the face looks, or, lying, where the head points")
+    pose: str = key(
+        choice(POSES), "sitting", "`sitting` (0.9 m deep, 0.6 m wide) or `lying` (1.6 m long)"
+    )
+    colour: Colour = key(_colour, COLOURS["blue"], "of the clothes")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LandmarkSpec:
-    """A coloured sign: middle of its back `at`, `height` of its middle, `size` [m]."""
+    """A square coloured sign with a white diamond."""
 
-    name: str
-    at: Point
-    facing: Side
-    height: float
-    size: float
-    colour: Colour
+    name: str = key(text(64), meaning="its name, which stands once")
+    at: Point = key(
+        _PLACE, meaning="x and y of the middle of its back: a point on the surface of a wall"
+    )
+    facing: Side = key(_FACING)
+    height: float = key(number(0.05, 5.0), 0.6, "of its middle above the floor")
+    size: float = key(number(0.05, 3.0), 0.4, "its side")
+    colour: Colour = key(_colour)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RingSpec:
-    """A Landolt C on a white panel: its gap is `gap_mm` wide and on the side `gap`."""
+    """A Landolt C, an open ring, on a white panel."""
 
-    at: Point
-    facing: Side
-    height: float
-    gap_mm: float
-    gap: str
+    at: Point = key(
+        _PLACE, meaning="x and y of the middle of its back: a point on the surface of a wall"
+    )
+    facing: Side = key(_FACING)
+    height: float = key(number(0.05, 5.0), 0.6, "of its middle above the floor")
+    gap_mm: float = key(number(1.0, 200.0), meaning="width of the gap in millimetres")
+    gap: str = key(choice(GAPS), meaning="where the gap is, for who looks at it")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ArenaSpec:
     """Everything an arena file says."""
 
-    name: str
-    description: str
+    name: str = key(text(64), meaning="the arena's name")
+    description: str = key(text(500), "", "what it is for")
     start: StartSpec
     hall: HallSpec
     walls: tuple[WallSpec, ...]

@@ -75,8 +75,8 @@ def test_when_exploring_ends_is_set_in_the_robot_file_and_told_to_who_asks(tmp_p
     table = load_robot_table(str(robot))
     assert (table.robot.nothing_new_s, table.robot.nothing_new_share) == (90.0, 0.05)
     assert table.robot.longest_exploring_s == 900.0
-    new = f"nothing_new_s ({description.NOTHING_NEW_S}): "
-    for setting in (new, "nothing_new_share (0.02): ", "longest_s (600.0): "):
+    new = f"nothing_new_s ({description.NOTHING_NEW_S:g}): "
+    for setting in (new, "nothing_new_share (0.02): ", "longest_s (600): "):
         assert setting in description.settings("autonomy")
     assert not description.settings("vision")
 

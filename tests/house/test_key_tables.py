@@ -1,0 +1,78 @@
+"""The tables of keys on the pages are those of the code.
+
+After a wanted change, write them anew: RUNE_WRITE_SNAPSHOTS=1 pytest tests/house/test_key_tables.py
+"""
+
+from __future__ import annotations
+
+import itertools
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import pytest
+
+from hub import toml_reader
+from hub.robomon.module_table import ModuleSpec
+from hub.robots.description import RobotDescription
+from hub.sim import arena_specs
+from hub.toml_reader import REQUIRED, Key, Within, keys_of, tables_of
+
+_DOCS = Path(__file__).parents[2] / "docs"
+_COLOURS = {colour: f"`{name}`" for name, colour in arena_specs.COLOURS.items()}
+_ARENA = {
+    "At the top of the file": arena_specs.ArenaSpec,
+    "`[start]`": arena_specs.StartSpec,
+    "`[hall]`": arena_specs.HallSpec,
+    "`[[wall]]`": arena_specs.WallSpec,
+    "Each of `doorways`": arena_specs.DoorwaySpec,
+    "`[[box]]`": arena_specs.BoxSpec,
+    "`[[cylinder]]`": arena_specs.CylinderSpec,
+    "`[[victim]]`": arena_specs.VictimSpec,
+    "`[[landmark]]`": arena_specs.LandmarkSpec,
+    "`[[ring]]`": arena_specs.RingSpec,
+}
+
+
+def _pages() -> Iterator[tuple[str, str, Mapping[str, Key]]]:
+    """Page, how the line before the table begins, and the keys."""
+    for heading, kind in _ARENA.items():
+        yield "writing-an-arena.md", heading, keys_of(kind)
+    for table, keys in tables_of(RobotDescription).items():
+        heading = f"`[{table}]`" if table else "At the top of the file"
+        yield "writing-a-robot.md", heading, keys
+    yield "writing-a-robot.md", "`[modules.NAME]`", keys_of(ModuleSpec)
+
+
+def _row(name: str, key: Key) -> str:
+    allowed = key.read.allowed if isinstance(key.read, Within) else ""
+    default = key.default if isinstance(key.default, tuple) else ()
+    shown = _COLOURS.get(default) or toml_reader.shown(key)
+    if shown in ("", "()") and key.default is not REQUIRED:
+        shown = "none"
+    elif isinstance(key.default, str) and not key.without:
+        shown = f"`{shown}`"
+    return "| " + " | ".join((f"`{name}`", key.meaning, allowed, shown)) + " |"
+
+
+@pytest.mark.parametrize("page", ["writing-an-arena.md", "writing-a-robot.md"])
+def test_tables_of_keys_are_those_of_the_code(page: str) -> None:
+    path = _DOCS / page
+    lines = path.read_text().splitlines()
+    for where, heading, keys in _pages():
+        if where != page:
+            continue
+        starts = [place for place, line in enumerate(lines) if line.startswith(heading)]
+        assert starts, f"{page} has no line that begins with {heading}"
+        first = next(n for n in itertools.count(starts[-1]) if lines[n].startswith("|"))
+        last = next(n for n in itertools.count(first) if not lines[n].startswith("|"))
+        rows = [_row(name, key) for name, key in keys.items()]
+        lines[first:last] = [
+            "| key | meaning | values | without it |",
+            "| --- | --- | --- | --- |",
+            *rows,
+        ]
+    wanted = "\n".join(lines) + "\n"
+    if os.environ.get("RUNE_WRITE_SNAPSHOTS"):
+        path.write_text(wanted)
+    assert path.read_text() == wanted, "write the tables anew, as this file's docstring says"
