@@ -4,27 +4,27 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Protocol
 
 from rune_tui.controls.devices.device_reader import Gone, News, Opened, Refused, Scanned
 from rune_tui.controls.devices.hid_reader import HidMissingError
 from rune_tui.controls.devices.inbox import Inbox
-from rune_tui.controls.devices.matching import DeviceInfo, assigned, is_meant, is_particular
-from rune_tui.controls.devices.udev_rules import rule_advice
+from rune_tui.controls.devices.matching import DeviceInfo, assigned
 from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.hid.device_controls import PhysicalControl
-from rune_tui.controls.joystick.calibration import Guide
+from rune_tui.controls.joystick.calibration import Calibration, Guide
 from rune_tui.controls.joystick.calibration_store import CalibrationStore
 from rune_tui.controls.joystick.logical import LogicalJoystick
 from rune_tui.controls.joystick.mappings import Mappings
+from rune_tui.controls.joystick_seat import JoystickSeat
 from rune_tui.controls.joystick_sources import Devices
 from rune_tui.layout.spec import ControlKind, JoystickSpec
-from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
+from rune_tui.model.joystick_state import Absence, JoystickState
 
 MOST_FAULTS = 3
 """A device that fell silent so often while it was plugged in is given up."""
+_FALLS_SILENT = "it falls silent again and again; unplug it, wait, plug it in"
 
 
 class Reader(Devices, Protocol):
@@ -35,28 +35,6 @@ class Reader(Devices, Protocol):
 
     def absence(self, path: str) -> Absence | None:
         """Why another machine's device is gone; None: not known."""
-
-
-@dataclass(slots=True)
-class _Seat:
-    """A joystick of the layout, and the device that sits there."""
-
-    joystick: LogicalJoystick
-    device: DeviceInfo | None = None
-    controls: tuple[PhysicalControl, ...] = ()
-    phase: JoystickPhase = JoystickPhase.MISSING
-    why: str = ""
-    heard: float | None = None
-    guide: Guide | None = None
-    absence: Absence = Absence.UNPLUGGED
-
-    @property
-    def name(self) -> str:
-        return self.joystick.spec.name
-
-    @property
-    def connected(self) -> bool:
-        return self.phase is JoystickPhase.CONNECTED
 
 
 class Joysticks:
@@ -81,15 +59,14 @@ class Joysticks:
         self.unsaved = False
         self._mappings = Mappings()
         self._reader = reader
-        self._running = False
-        self._hindered = ""
+        self._running, self._hindered = False, ""
         self._devices: tuple[DeviceInfo, ...] = ()
         self._faults: dict[str, int] = {}
         self._unfit: dict[str, str] = {}
         self._said: list[str] = []
         self._waiting: deque[ControlEvent] = deque()
         self._notify: Callable[[], None] | None = None
-        self._seats = [_Seat(LogicalJoystick(spec)) for spec in specs]
+        self._seats = [JoystickSeat(LogicalJoystick(spec)) for spec in specs]
         self._shown: Mapping[str, JoystickState] | None = None
         self._measured: tuple[float | None, ...] = ()
 
@@ -126,16 +103,16 @@ class Joysticks:
         self._seats = []
         self._shown = None
         for spec in specs:
-            seat = before.get(spec.name, _Seat(LogicalJoystick(spec)))
+            seat = before.get(spec.name, JoystickSeat(LogicalJoystick(spec)))
             seat.joystick, seat.guide = LogicalJoystick(spec), None
             self._seats.append(seat)
         self._start()
         self._mark_hindered()
-        kept = {seat.name: seat for seat in self._seats if self._still_fits(seat)}
+        kept = {seat.name: seat for seat in self._seats if seat.still_fits}
         for name, seat in before.items():
             if name not in kept and seat.device is not None:
                 self._reader.stop(seat.device.path)
-                self._vacate(seat)
+                seat.vacate()
                 seat.device = None
         for seat in kept.values():
             if seat.connected:
@@ -221,19 +198,7 @@ class Joysticks:
             self._measured = measured
             self._shown = MappingProxyType(
                 {
-                    seat.name: JoystickState(
-                        name=seat.name,
-                        device=seat.device.shown if seat.device else "",
-                        phase=seat.phase,
-                        why=seat.why,
-                        values=dict(seat.joystick.values),
-                        waiting=frozenset() if seat.guide else seat.joystick.waiting,
-                        heard=seat.heard,
-                        prompt=seat.guide.prompt if seat.guide else "",
-                        machine=seat.device.machine if seat.device else "",
-                        measured=when,
-                        absence=seat.absence,
-                    )
+                    seat.name: seat.state(when)
                     for seat, when in zip(self._seats, measured, strict=True)
                 }
             )
@@ -251,13 +216,13 @@ class Joysticks:
             seat.absence = absence
         return changed
 
-    def _inbox(self, seat: _Seat) -> Inbox | None:
+    def _inbox(self, seat: JoystickSeat) -> Inbox | None:
         if not seat.connected or seat.device is None:
             return None
         return self._reader.inbox(seat.device.path)
 
     def _fed(
-        self, seat: _Seat, values: Sequence[tuple[int, int | None]], now: float
+        self, seat: JoystickSeat, values: Sequence[tuple[int, int | None]], now: float
     ) -> tuple[ControlEvent, ...]:
         events = seat.joystick.feed(values, now)
         if seat.guide is None:
@@ -269,7 +234,7 @@ class Joysticks:
             self._conclude(seat, now)
         return ()
 
-    def _conclude(self, seat: _Seat, now: float) -> None:
+    def _conclude(self, seat: JoystickSeat, now: float) -> None:
         """Use what the operator has shown, if that is all."""
         guide = seat.guide
         if guide is None or not guide.ended or seat.device is None:
@@ -292,20 +257,20 @@ class Joysticks:
             case Opened(path=path, controls=controls):
                 for seat in self._at(path):
                     self._seated(seat, self._mapped(seat, controls), now)
-                    self._ask_for_ends(seat, now)
+                    seat.ask_for_ends(self._known(seat), now)
             case Refused():
                 self._refused(news)
             case Gone(path=path):
                 self._reader.stop(path)
                 self._faults[path] = self._faults.get(path, 0) + 1
-                return tuple(event for seat in self._at(path) for event in self._vacate(seat))
+                return tuple(event for seat in self._at(path) for event in seat.vacate())
         return ()
 
-    def _at(self, path: str) -> list[_Seat]:
+    def _at(self, path: str) -> list[JoystickSeat]:
         return [seat for seat in self._seats if seat.device and seat.device.path == path]
 
     def _mapped(
-        self, seat: _Seat, controls: tuple[PhysicalControl, ...]
+        self, seat: JoystickSeat, controls: tuple[PhysicalControl, ...]
     ) -> tuple[PhysicalControl, ...]:
         """With the roles that the user's own file gives them."""
         if seat.device is not None:
@@ -314,43 +279,25 @@ class Joysticks:
             self._said.append(self._mappings.trouble)
         return controls
 
-    def _seated(self, seat: _Seat, controls: tuple[PhysicalControl, ...], now: float) -> None:
+    def _seated(
+        self, seat: JoystickSeat, controls: tuple[PhysicalControl, ...], now: float
+    ) -> None:
         """Take an open device; a control that is deflected now must be neutral first."""
-        known = self.store.of(seat.device.key) if seat.device else {}
-        missing = seat.joystick.connect(controls, known)
-        seat.controls = controls
-        seat.phase = JoystickPhase.CONNECTED
-        seat.why = f"it has no {', '.join(missing)}" if missing else ""
+        seat.connect(controls, self._known(seat))
         inbox = self._inbox(seat)
         seat.joystick.feed(inbox.everything() if inbox else (), now)
         seat.joystick.release_all()
 
-    def _ask_for_ends(self, seat: _Seat, now: float) -> None:
-        """Begin the calibration of the axes that the layout names, if they have none."""
-        known = self.store.of(seat.device.key) if seat.device else {}
-        marked = {spec.name for spec in seat.joystick.spec.controls if spec.calibrate}
-        axes = [axis for axis in seat.joystick.to_calibrate() if axis.control in marked]
-        unknown = [axis for axis in axes if axis.usage not in known]
-        if unknown:
-            seat.guide = Guide(unknown, now)
+    def _known(self, seat: JoystickSeat) -> Mapping[str, Calibration]:
+        """What is known of the axes of its device, by usage."""
+        return self.store.of(seat.device.key) if seat.device else {}
 
     def _refused(self, news: Refused) -> None:
         self._reader.stop(news.path)
         if news.unsuitable:
             self._unfit[news.path] = news.why
         for seat in self._at(news.path):
-            if news.forbidden and seat.device is not None:
-                seat.phase = JoystickPhase.FORBIDDEN
-                seat.why = f"no permission to read it; {rule_advice(seat.device)}"
-            elif news.unsuitable:
-                seat.phase, seat.why = JoystickPhase.UNSUITABLE, news.why
-
-    def _vacate(self, seat: _Seat) -> tuple[ControlEvent, ...]:
-        """Drop a device that is gone; its identity is kept."""
-        was_connected = seat.connected
-        seat.phase, seat.why = JoystickPhase.MISSING, ""
-        seat.guide = self._shown = None
-        return seat.joystick.lost() if was_connected else ()
+            seat.refuse(news)
 
     def _assign(self) -> tuple[ControlEvent, ...]:
         """Assign devices to joysticks."""
@@ -366,9 +313,9 @@ class Joysticks:
             device = found.get(seat.name)
             if seat.device is not None and device != seat.device:
                 self._reader.stop(seat.device.path)
-                events += self._vacate(seat)
+                events += seat.vacate()
             if device is None:
-                self._explain(seat)
+                seat.explain(self._devices, self._hindered)
                 continue
             if device != seat.device:
                 seat.absence = Absence.SILENT if device.machine else Absence.UNPLUGGED
@@ -377,33 +324,16 @@ class Joysticks:
                 self._open(seat, device)
         return tuple(events)
 
-    def _open(self, seat: _Seat, device: DeviceInfo) -> None:
+    def _open(self, seat: JoystickSeat, device: DeviceInfo) -> None:
         if self._faults.get(device.path, 0) > MOST_FAULTS:
-            self._unfit[device.path] = (
-                "it falls silent again and again; unplug it, wait, plug it in"
-            )
+            self._unfit[device.path] = _FALLS_SILENT
         if device.path in self._unfit:
-            seat.phase, seat.why = JoystickPhase.UNSUITABLE, self._unfit[device.path]
+            seat.mark_unsuitable(self._unfit[device.path])
         else:
             self._reader.read(device)
-
-    def _explain(self, seat: _Seat) -> None:
-        """Nothing that fits is plugged in; something may be that was meant all the same."""
-        spec = seat.joystick.spec
-        meant = next((each for each in self._devices if is_meant(spec, each)), None)
-        if meant is not None and not meant.joystick and is_particular(spec):
-            seat.phase = JoystickPhase.UNSUITABLE
-            seat.why = f"{meant.shown} is no joystick"
-        elif self._hindered and not (seat.device and seat.device.machine):
-            seat.phase, seat.why = JoystickPhase.UNSUITABLE, self._hindered
-        else:
-            seat.phase, seat.why = JoystickPhase.MISSING, ""
-
-    def _still_fits(self, seat: _Seat) -> bool:
-        return seat.device is not None and is_meant(seat.joystick.spec, seat.device)
 
     def _mark_hindered(self) -> None:
         for seat in self._seats if self._hindered else ():
             if not seat.connected:
-                seat.phase, seat.why = JoystickPhase.UNSUITABLE, self._hindered
+                seat.mark_unsuitable(self._hindered)
         self._shown = None

@@ -36,22 +36,14 @@ show that the finger is down now, if the line paused for at most 1 s and no stop
 from __future__ import annotations
 
 import math
-import statistics
-from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 
 from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.release_guard import GuardAction, GuardState, ReleaseGuard
+from rune_tui.controls.repeat_rate import FIRST_HOLD_S, RepeatRate
 from rune_tui.layout.names import canonical_key
 
-FIRST_HOLD_S = 0.6
-"""Duration of a hold after a press, and the longest after a repeat [s]."""
-_LEAST_HOLD_S = 0.15
-"""Shortest hold after a repeat [s]."""
-_REPEAT_FACTOR = 2.5
-"""Duration of a hold after a repeat [repeat intervals]."""
-_REPEATS_MEASURED = 6
 _BURST_S = 0.01
 """Repeats closer than this came together over a slow line and do not measure the rate [s]."""
 _SILENT_S = 5.0
@@ -115,29 +107,31 @@ class _Hold:
     live: int = 0
     """Number of live repeats in a row."""
 
+    def is_live(self, read: float) -> bool:
+        """Whether live repeats show that a key from before a pause of the line is down now."""
+        self.live = self.live + 1 if read - self.last >= self.live_from else 0
+        return self.live >= _LIVE_REPEATS
+
+    def proven_press(self, key: str) -> ControlEvent:
+        """The press of a key that is shown to be down."""
+        return ControlEvent(name=key, pressed=True, fine=self.fine, timed=True, proven=True)
+
 
 class KeyboardHold:
     """Turns reports of the terminal into presses, repeats and releases; the clock is passed in.
-
-    It measures the repeat interval over the last repeats of all keys. The longest interval counts,
-    because a slow line delivers repeats in bursts.
 
     Attributes:
         drives: Whether a key drives a robot; the guard gets only those keys.
     """
 
     def __init__(self, drives: Callable[[str], bool] = lambda _: True) -> None:
-        """Start without keys.
-
-        Args:
-            drives: Whether a key drives a robot; the guard gets only those keys.
-        """
+        """Start without keys; `drives` says whether a key drives a robot."""
         self.drives = drives
         self._guard = ReleaseGuard()
         self._holds: dict[str, _Hold] = {}
         self._paused: dict[str, tuple[float, float]] = {}
         self._resumable = False
-        self._intervals: deque[float] = deque(maxlen=_REPEATS_MEASURED)
+        self._rate = RepeatRate()
 
     @property
     def held(self) -> tuple[str, ...]:
@@ -182,18 +176,18 @@ class KeyboardHold:
         hold = self._holds.get(key)
         if stale and self.drives(key):
             self._guard.saw(key, read)
-            self._stop({key}, now)
+            self.stop({key}, now)
         if hold is None:
             return (*due, self._first(key, read, now, fine=fine, stale=stale))
-        live = self._is_live(hold, read)
+        live = hold.is_live(read)
         self._repeated(hold, read)
-        hold.deadline = now + self._repeat_hold()
+        hold.deadline = now + self._rate.hold_s
         if hold.must_release and live and self._resumable:
             self._guard.resume()
             hold.must_release = hold.ended = False
             hold.at_once, hold.live_from = 0, math.inf
             hold.fine = fine
-            return (*due, self._proven_press(key, hold))
+            return (*due, hold.proven_press(key))
         if self.drives(key):
             if hold.must_release:
                 self._guard.key(key, read)
@@ -245,7 +239,7 @@ class KeyboardHold:
             self._repeated(hold, now)
         self._guarded(key, hold, now, repeat=repeat)
         if stale and self.drives(key):
-            self._stop({key}, now)
+            self.stop({key}, now)
         hold.must_release = hold.must_release or stale
         hold.ended = hold.ended or stale or (repeat and hold.must_release)
         self.heard(now)
@@ -297,7 +291,7 @@ class KeyboardHold:
     @property
     def hold_s(self) -> float:
         """Duration of a hold after a repeat, where releases are not reported [s]."""
-        return self._repeat_hold()
+        return self._rate.hold_s
 
     @property
     def answers(self) -> bool:
@@ -317,13 +311,9 @@ class KeyboardHold:
         due = sorted((end, key) for end, key in ends if end <= now)
         for _, key in due:
             hold = self._holds[key]
-            if (
-                self._intervals
-                and hold.repeats
-                and not (hold.releases_reported or hold.must_release)
-            ):
-                usual = statistics.median(self._intervals)
-                self._paused[key] = hold.last + _RESUMES_S, _LIVE_SHARE * usual
+            reported = hold.releases_reported
+            if self._rate and hold.repeats and not (reported or hold.must_release):
+                self._paused[key] = hold.last + _RESUMES_S, _LIVE_SHARE * self._rate.usual
         return self._ended(key for _, key in due)
 
     def _proven(self, now: float) -> tuple[ControlEvent, ...]:
@@ -333,34 +323,27 @@ class KeyboardHold:
             return ()
         hold.must_release = False
         hold.deadline = now + FIRST_HOLD_S  # same as a press now
-        return (self._proven_press(key, hold),)
-
-    @staticmethod
-    def _proven_press(key: str, hold: _Hold) -> ControlEvent:
-        return ControlEvent(name=key, pressed=True, fine=hold.fine, timed=True, proven=True)
+        return (hold.proven_press(key),)
 
     def release_all(self, now: float) -> tuple[ControlEvent, ...]:
         """Release all keys: the terminal lost the focus, the console was suspended, or it ends."""
-        self._stop(None, now)
+        self.stop(None, now)
         return self._ended(tuple(self._holds))
 
-    def stop(self, keys: Iterable[str], now: float) -> None:
+    def stop(self, keys: Collection[str] | None, now: float) -> None:
         """A robot was stopped or its owner changed: its keys that are down must be released.
 
         Args:
-            keys: The keys that drive it.
+            keys: The keys that drive it; None: all.
             now: The time [s].
         """
-        self._stop(set(keys), now)
-
-    def _stop(self, keys: set[str] | None, now: float) -> None:
         self._resumable = False
         self._paused.clear()
         for key, hold in self._holds.items():
             hold.live_from = math.inf
             if keys is None or key in keys:
                 hold.must_release = hold.must_release or self.drives(key)
-        self._guard.stop(keys, now)
+        self._guard.stop(None if keys is None else set(keys), now)
 
     def _first(self, key: str, read: float, now: float, *, fine: bool, stale: bool) -> ControlEvent:
         """The press of a key that was UP, on a terminal that reports no releases."""
@@ -400,15 +383,9 @@ class KeyboardHold:
         else:
             hold.must_release = self._guard.press(key, now) is not GuardAction.DRIVE
 
-    def _is_live(self, hold: _Hold, read: float) -> bool:
-        """Whether live repeats show that a key from before a pause of the line is down now."""
-        hold.live = hold.live + 1 if read - hold.last >= hold.live_from else 0
-        return hold.live >= _LIVE_REPEATS
-
     def _release_reported(self) -> tuple[ControlEvent, ...]:
         """Release all keys whose releases may go to another window from now on."""
-        releases_reported = [key for key, hold in self._holds.items() if hold.releases_reported]
-        return self._ended(releases_reported)
+        return self._ended([key for key, hold in self._holds.items() if hold.releases_reported])
 
     def _ended(self, keys: Iterable[str]) -> tuple[ControlEvent, ...]:
         ends = [(key, self._holds.pop(key)) for key in keys]
@@ -424,9 +401,8 @@ class KeyboardHold:
         for hold in self._holds.values():
             if hold.releases_reported:
                 hold.silent_at = now + _SILENT_S
-        if repeats is not None and self._intervals:
-            soon = max(FIRST_HOLD_S, _REPEAT_FACTOR * max(self._intervals))
-            repeats.silent_at = now + min(_SILENT_S, soon)
+        if repeats is not None and self._rate:
+            repeats.silent_at = now + min(_SILENT_S, self._rate.silence_s)
 
     def _repeated(self, hold: _Hold, read: float) -> None:
         """Measure the repeat interval, and count repeats that came together with the press."""
@@ -436,11 +412,6 @@ class KeyboardHold:
             hold.at_once += 1
         # The time from press to first repeat is the keyboard's delay, not its interval.
         if hold.repeats and not together:
-            self._intervals.append(read - hold.last)
+            self._rate.add(read - hold.last)
         hold.repeats += 1
         hold.last = read
-
-    def _repeat_hold(self) -> float:
-        if not self._intervals:
-            return FIRST_HOLD_S
-        return min(FIRST_HOLD_S, max(_LEAST_HOLD_S, _REPEAT_FACTOR * max(self._intervals)))

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import dataclasses
 import logging
-import math
 import os
 import threading
 import time
+import traceback
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
@@ -26,11 +26,7 @@ from hub.gcm.navigation import VELOCITY_COMMAND
 from hub.gcm.providers import PROVIDED_BY
 from hub.gcm.supervision import (
     CAPABILITY_REPORTS,
-    CAPABILITY_WANTS,
-    LEASE_S,
-    CapabilityPhase,
     CapabilityReports,
-    CapabilityWants,
 )
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
@@ -38,20 +34,19 @@ from hub.ipc.message_info import MessageInfo
 from hub.ipc.security.client_keys import read_client_keys
 from hub.ipc.security.publish_rights import may_publish
 from rune_tui.controls.remote_pad.far_pads import FarPads
-from rune_tui.layout.names import CAPABILITY_INTERVALS_MS
 from rune_tui.layout.spec import RobotSpec
 from rune_tui.link.control_line import ControlLine
+from rune_tui.link.map_stream import MapStream
 from rune_tui.link.mission_line import MissionLine
 from rune_tui.link.pad_line import PadLine
 from rune_tui.link.picture_stream import PictureStream
 from rune_tui.link.pictures import map_of, picture_of
-from rune_tui.link.requests import Requester
 from rune_tui.link.streams import Streams
+from rune_tui.link.traffic import Traffic
 from rune_tui.link.tunnel import Tunnel
+from rune_tui.link.wants_line import WantsLine
 from rune_tui.model.console_state import PictureWish
 from rune_tui.model.robot_state import (
-    Lack,
-    LackKind,
     LinkPhase,
     LinkState,
     Received,
@@ -67,13 +62,6 @@ Tap = Callable[[MessageDefinition[Any], object, float], None]
 _LISTEN_S = 0.2
 _REQUEST_CHECK_S = 0.01
 _COUNT_S = 1.0
-_USUAL_KEEP_ALIVE_S = CAPABILITY_INTERVALS_MS[Capability.CON_REAL] / 1000
-_KEEP_ALIVE_LOOK_S = 1.0
-"""How often is looked whether it is time to say again what is wanted [s]."""
-_REPEATED = 2
-"""What is newly wanted is said so often again, each second: the robot may be starting too."""
-_LEASE_INTERVALS = 2.5
-"""A lease lasts for this number of keep-alive intervals, because one keep-alive may be lost."""
 _MOST_LETTERS = 1000
 _ALWAYS = frozenset(
     definition.name
@@ -82,13 +70,6 @@ _ALWAYS = frozenset(
 """Messages that are subscribed to with every layout."""
 _ANSWERS = frozenset({vision.IMAGE.name, mapping.MAP.name})
 """What comes on request only."""
-_LACKS = {
-    CapabilityPhase.AVAILABLE: Lack(kind=LackKind.COMING, why="not started yet"),
-    CapabilityPhase.STARTING: Lack(kind=LackKind.COMING, why="starting"),
-    CapabilityPhase.UNAVAILABLE: Lack(kind=LackKind.BROKEN, why="its modules cannot be started"),
-}
-_ABSENT = Lack(kind=LackKind.ABSENT, why="this robot has no module for it")
-_UNDECLARED = Lack(kind=LackKind.COMING, why="its modules have not said yet what they can do")
 
 
 class RobotLink:
@@ -126,9 +107,7 @@ class RobotLink:
         self._spec = spec
         self._numbers = 0
         self._owner = 0
-        self._counted = (clock(), 0, 0)
-        self._want_due, self._unheard = clock(), _REPEATED
-        self._messages = self._bytes = 0
+        self._traffic, self._counted = Traffic(clock()), clock()
         self._tap: Tap | None = None
         self._faults: set[tuple[type, object]] = set()
         self._control: ControlLine | None = None
@@ -149,22 +128,14 @@ class RobotLink:
         self._pictures = PictureStream(
             self._client, take=self._take_picture, fail=self._no_picture, clock=clock
         )
-        self._maps = Requester(
-            self._client,
-            mapping.MAP_REQUEST,
-            mapping.MAP,
-            ask=self._map_request,
-            take=self._take_map,
-            fail=lambda _: None,
-            clock=clock,
-        )
+        self._maps = MapStream(self._client, self._take_map, clock)
         self._streams = Streams(self._client, self._store, clock)
         self._pads = PadLine(self._client, spec.name, tells=link.may_command)
         self._pads.follow(pads)
+        self._wants = WantsLine(self._client, clock)
         self._adopt(spec)
         if link.may_command:
-            self._client.define(CAPABILITY_WANTS)
-            self._client.every(_KEEP_ALIVE_LOOK_S, self._keep_alive)
+            self._wants.begin()
             self._control = ControlLine(self._client, operator, lambda: self._state, self._say)
             self._mission = MissionLine(self._client, operator, self._say)
         self._client.every(_REQUEST_CHECK_S, self._pictures.look)
@@ -248,14 +219,10 @@ class RobotLink:
         """Take over what a layout wants of the robot."""
         self._spec = spec
         wanted = {capability.name: capability for capability in spec.capabilities}
-        self._wanted = frozenset(wanted)
-        self._want_due, self._unheard = self._clock(), _REPEATED
-        real_time = wanted.get(Capability.CON_REAL)
-        self._keep_alive_s = real_time.interval_s if real_time else _USUAL_KEEP_ALIVE_S
+        self._wants.follow(spec)
         video = wanted.get(Capability.VIS_VID)
         self._pictures.follow(video.interval_s if video else None)
-        if Capability.PRO_MAP in wanted:
-            self._maps.pace.interval = wanted[Capability.PRO_MAP].interval_s
+        self._maps.follow(spec)
         self._least_s = {
             message: wanted[capability].interval_s
             for message, capabilities in PROVIDED_BY.items()
@@ -270,27 +237,8 @@ class RobotLink:
         commands = filter(self._state.link.may_send, sorted(spec.commands))
         self._client.define(*(BY_NAME[name] for name in commands))
 
-    def _keep_alive(self) -> None:
-        if self._clock() >= self._want_due:
-            self._want()
-
-    def _want(self) -> None:
-        """Have the robot run what the layout wants; it holds for a few intervals only."""
-        if self._client.connected and self._wanted:
-            interval = self._keep_alive_s
-            wants = CapabilityWants(
-                holder=self._client.name,
-                capabilities=" ".join(sorted(self._wanted)),
-                lease_s=max(LEASE_S, _LEASE_INTERVALS * interval),
-            )
-            self._client.publish(CAPABILITY_WANTS, wants)
-            # Looked at now and then, so that it is rather early than late.
-            self._want_due = self._clock() - _KEEP_ALIVE_LOOK_S / 2
-            self._want_due += min(interval, _KEEP_ALIVE_LOOK_S) if self._unheard else interval
-            self._unheard = max(0, self._unheard - 1)
-
     def _store(self, name: str, value: object, reception: MessageInfo) -> None:
-        self._messages += 1
+        self._traffic.add()
         if self._too_soon(name, reception.measured):
             return
         self.record(BY_NAME[name], value, reception.measured)
@@ -329,10 +277,8 @@ class RobotLink:
 
     def _note_fault(self, error: Exception) -> None:
         """Log a fault and tell the operator; each only once, as it may come with every message."""
-        place = error.__traceback__
-        while place is not None and place.tb_next is not None:
-            place = place.tb_next
-        where = (type(error), place.tb_frame.f_code if place else None)
+        frames = list(traceback.walk_tb(error.__traceback__))
+        where = (type(error), frames[-1][0].f_code if frames else None)
         if where not in self._faults:
             self._faults.add(where)
             _logger.error("the link to %s goes on after a fault", self._state.name, exc_info=error)
@@ -345,8 +291,7 @@ class RobotLink:
             known = link.detail if link.phase is LinkPhase.CONNECTED else ""
             phase, detail = LinkPhase.CONNECTED, known
             if link.phase is not LinkPhase.CONNECTED and link.may_command:
-                self._unheard = _REPEATED
-                self._want()
+                self._wants.connected()
         elif link.phase is LinkPhase.CONNECTING:
             phase, detail = LinkPhase.CONNECTING, self._why_not()
         else:
@@ -391,35 +336,25 @@ class RobotLink:
         self._state = self._state.with_(link=link)
 
     def _note_lacking(self, reports: CapabilityReports) -> None:
-        known = {report.name: report for report in reports.capabilities if report.modules}
-        unknown = _UNDECLARED if reports.undeclared else _ABSENT
-        lacks = {
-            name: _LACKS.get(known[name].phase) if name in known else unknown
-            for name in sorted(self._wanted)
-            if name != Capability.CON_REAL
-        }
-        lacking = {name: lack for name, lack in lacks.items() if lack is not None}
+        lacking = self._wants.lacking(reports)
         if lacking != self._state.link.lacking:
             self._change_link(lacking=lacking)
 
     def _count(self) -> None:
         """Note how much has come in since the last time."""
-        then, messages, size = self._counted
         now = self._clock()
-        if now > then:
+        if now > self._counted:
             self._change_link(
-                messages_per_s=(self._messages - messages) / (now - then),
-                bytes_per_s=(self._bytes - size) / (now - then),
+                **self._traffic.rates(now),
                 round_trip=self._pictures.round_trip,
                 missed=self._client.lost,
                 unfit=self._client.unfit,
-                pictures=self._pictures.flow(now - then),
+                pictures=self._pictures.flow(now - self._counted),
             )
-        self._counted = (now, self._messages, self._bytes)
+        self._counted = now
 
     def _take_picture(self, image: vision.Image, reception: MessageInfo) -> int:
-        self._messages += 1
-        self._bytes += image.data.size
+        self._traffic.add(image.data.size)
         self.record(vision.IMAGE, image, reception.measured)
         received = self._received(picture_of(image), reception)
         self._state = self._state.with_(picture=received)
@@ -429,13 +364,8 @@ class RobotLink:
         detail = "the robot sends no pictures" if why == "nobody answers" else why
         self._set_link(self._state.link.phase, detail)
 
-    def _map_request(self) -> mapping.MapRequest | None:
-        wanted = mapping.MAP.name in self._spec.messages
-        return mapping.MapRequest(x=math.nan) if wanted else None
-
     def _take_map(self, coded: mapping.Map, reception: MessageInfo) -> int:
-        self._messages += 1
-        self._bytes += coded.data.size
+        self._traffic.add(coded.data.size)
         self.record(mapping.MAP, coded, reception.measured)
         self._state = self._state.with_(map=self._received(map_of(coded), reception))
         return 0

@@ -14,8 +14,9 @@ from hypothesis import strategies as st
 from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Twist
 from hub.gcm.vision import CAMERA_COMMAND
 from rune_tui.controls.events import ControlEvent
-from rune_tui.controls.keyboard import FIRST_HOLD_S, KeyboardHold
+from rune_tui.controls.keyboard import KeyboardHold
 from rune_tui.controls.release_guard import SLOW_PROOF_S
+from rune_tui.controls.repeat_rate import FIRST_HOLD_S
 from rune_tui.dispatch import Dispatch
 from rune_tui.layout.actions import actions_of
 from rune_tui.layout.spec import LayoutSpec

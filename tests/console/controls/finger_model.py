@@ -218,7 +218,8 @@ def _copied(keyboard: KeyboardHold) -> KeyboardHold:
     made._guard = guard
     made._holds = {key: copy.copy(hold) for key, hold in keyboard._holds.items()}
     made._paused = dict(keyboard._paused)
-    made._intervals = keyboard._intervals.copy()
+    made._rate = copy.copy(keyboard._rate)
+    made._rate.intervals = keyboard._rate.intervals.copy()
     guard._down, guard._reported, guard._timed = (
         set(guard._down),
         set(guard._reported),
@@ -247,7 +248,7 @@ def _frozen(keyboard: KeyboardHold, now: float) -> tuple[Any, ...]:
             for key, hold in keyboard._holds.items()
         ),
         tuple((key, at(until), apart) for key, (until, apart) in keyboard._paused.items()),
-        tuple(round(each, 4) for each in keyboard._intervals),
+        tuple(round(each, 4) for each in keyboard._rate.intervals),
         keyboard._resumable,
         (guard.state.value, guard._candidate, min(guard._repeats, 3), guard._needed),
         (at(guard._last), at(guard._stopped)),

@@ -1,0 +1,104 @@
+"""Tells a robot which capabilities the layout wants, and knows which of them it lacks.
+
+A want holds for a few intervals only, so it is repeated:
+
+| event | sent next |
+| --- | --- |
+| the layout wants something new, or the link is up again | at once, and each second, 2 times more |
+| an interval of `CON_REAL` is over, 6 s unless the layout says otherwise | then |
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from hub.gcm.capability import Capability
+from hub.gcm.supervision import (
+    CAPABILITY_WANTS,
+    LEASE_S,
+    CapabilityPhase,
+    CapabilityReports,
+    CapabilityWants,
+)
+from hub.ipc.client import Client
+from rune_tui.layout.names import CAPABILITY_INTERVALS_MS
+from rune_tui.layout.spec import RobotSpec
+from rune_tui.model.robot_state import Lack, LackKind
+
+_USUAL_KEEP_ALIVE_S = CAPABILITY_INTERVALS_MS[Capability.CON_REAL] / 1000
+_LOOK_S = 1.0
+"""Time between two looks whether it is time to repeat the wants [s]."""
+_REPEATED = 2
+"""How often new wants are repeated, once a second: the robot may be starting too."""
+_LEASE_INTERVALS = 2.5
+"""A lease lasts for this number of keep-alive intervals, because one keep-alive may be lost."""
+_LACKS = {
+    CapabilityPhase.AVAILABLE: Lack(kind=LackKind.COMING, why="not started yet"),
+    CapabilityPhase.STARTING: Lack(kind=LackKind.COMING, why="starting"),
+    CapabilityPhase.UNAVAILABLE: Lack(kind=LackKind.BROKEN, why="its modules cannot be started"),
+}
+_ABSENT = Lack(kind=LackKind.ABSENT, why="this robot has no module for it")
+_UNDECLARED = Lack(kind=LackKind.COMING, why="its modules have not said yet what they can do")
+
+
+class WantsLine:
+    """Repeats the wants; used by the link's thread."""
+
+    def __init__(self, client: Client, clock: Callable[[], float]) -> None:
+        """Nothing is wanted yet.
+
+        Args:
+            client: The link's.
+            clock: The time [s].
+        """
+        self._client, self._clock = client, clock
+        self._wanted: frozenset[str] = frozenset()
+        self._interval_s = _USUAL_KEEP_ALIVE_S
+        self._due, self._to_repeat = clock(), _REPEATED
+
+    def begin(self) -> None:
+        """Send wants from now on."""
+        self._client.define(CAPABILITY_WANTS)
+        self._client.every(_LOOK_S, self._look)
+
+    def follow(self, spec: RobotSpec) -> None:
+        """Want what a layout wants."""
+        wanted = {capability.name: capability for capability in spec.capabilities}
+        self._wanted = frozenset(wanted)
+        self._due, self._to_repeat = self._clock(), _REPEATED
+        real_time = wanted.get(Capability.CON_REAL)
+        self._interval_s = real_time.interval_s if real_time else _USUAL_KEEP_ALIVE_S
+
+    def connected(self) -> None:
+        """The link is up: send the wants now."""
+        self._to_repeat = _REPEATED
+        self._send()
+
+    def lacking(self, reports: CapabilityReports) -> dict[str, Lack]:
+        """The wanted capabilities that the robot does not provide now, by name."""
+        known = {report.name: report for report in reports.capabilities if report.modules}
+        unknown = _UNDECLARED if reports.undeclared else _ABSENT
+        lacks = {
+            name: _LACKS.get(known[name].phase) if name in known else unknown
+            for name in sorted(self._wanted)
+            if name != Capability.CON_REAL
+        }
+        return {name: lack for name, lack in lacks.items() if lack is not None}
+
+    def _look(self) -> None:
+        if self._clock() >= self._due:
+            self._send()
+
+    def _send(self) -> None:
+        if not (self._client.connected and self._wanted):
+            return
+        wants = CapabilityWants(
+            holder=self._client.name,
+            capabilities=" ".join(sorted(self._wanted)),
+            lease_s=max(LEASE_S, _LEASE_INTERVALS * self._interval_s),
+        )
+        self._client.publish(CAPABILITY_WANTS, wants)
+        # Looks come once a second, so half a second early is better than late.
+        self._due = self._clock() - _LOOK_S / 2
+        self._due += min(self._interval_s, _LOOK_S) if self._to_repeat else self._interval_s
+        self._to_repeat = max(0, self._to_repeat - 1)
