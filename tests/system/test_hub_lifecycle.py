@@ -79,49 +79,42 @@ def test_a_killed_module_is_started_again_and_works(hub: HubProcess, observer: O
     assert answers[-1].width_px == 16
 
 
-def _daemon_of(folder: Path, module: str, misbehaving: str, option: str) -> subprocess.Popen[str]:
-    """A daemon with one module, which misbehaves; its log is on the pipe `stderr`."""
-    robot = folder / "robot.toml"
-    program = Path(__file__).parents[1] / "misbehaving" / misbehaving
+def _program(name: str) -> str:
+    return f'command = ["{sys.executable}", "{Path(__file__).parents[1] / "misbehaving" / name}"]'
+
+
+def test_it_gives_up_a_module_that_always_crashes_and_ends_those_that_do_not_want_to(
+    tmp_path: Path,
+) -> None:
+    """One ignores SIGTERM, and one has started another program."""
+    robot, log, pids = tmp_path / "robot.toml", tmp_path / "log", tmp_path / "pids"
+    script = f"sleep 300 & echo $! > {pids}; exec sleep 300"
     robot.write_text(
-        f'name = "x"\nkind = "simulated-magellan"\n[hub]\nport = 0\n[modules.{module}]\n'
-        f'command = ["{sys.executable}", "{program}"]\n{option}\n'
+        'name = "x"\nkind = "simulated-magellan"\n[hub]\nport = 0\n'
+        f"[modules.bad]\n{_program('crash_on_start.py')}\nrestart_limit = 2\n"
+        f"[modules.stubborn]\n{_program('ignores_sigterm.py')}\nstop_timeout_s = 0.5\n"
+        f'[modules.parent]\ncommand = ["/bin/sh", "-c", "{script}"]\n'
     )
-    return subprocess.Popen(
-        [sys.executable, "-m", "hub", "run", str(robot)],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-
-
-def test_a_module_that_always_crashes_is_given_up(tmp_path: Path) -> None:
-    daemon = _daemon_of(tmp_path, "bad", "crash_on_start.py", "restart_limit = 2")
-    assert daemon.stderr is not None
-    lines: list[str] = []
-    for line in daemon.stderr:
-        lines.append(line)
-        if "given up" in line:
-            break
-    daemon.send_signal(signal.SIGINT)
-    _, rest = daemon.communicate(timeout=10.0)
-    assert sum("started (pid" in line for line in lines) == 3
-    assert daemon.returncode == 1
-    assert "Traceback" not in rest
-
-
-def test_a_module_that_ignores_sigterm_is_killed(tmp_path: Path) -> None:
-    daemon = _daemon_of(tmp_path, "stubborn", "ignores_sigterm.py", "stop_timeout_s = 0.5")
-    assert daemon.stderr is not None
-    for line in daemon.stderr:
-        if "stubborn is ready" in line:
-            break
-    started = time.monotonic()
-    processes = family(daemon.pid)
-    daemon.send_signal(signal.SIGINT)
-    daemon.communicate(timeout=10.0)
+    with log.open("w") as said:
+        daemon = subprocess.Popen(
+            [sys.executable, "-m", "hub", "run", str(robot)], stdout=subprocess.DEVNULL, stderr=said
+        )
+    try:
+        until(lambda: "given up" in log.read_text(), 20.0, log.read_text)
+        until(lambda: "stubborn is ready" in log.read_text(), 10.0, log.read_text)
+        until(lambda: pids.exists() and pids.read_text().strip(), 10.0)
+        processes = family(daemon.pid)
+        assert int(pids.read_text()) in [each.pid for each in processes]
+        started = time.monotonic()
+    finally:
+        daemon.send_signal(signal.SIGINT)
+        code = daemon.wait(15.0)
     assert time.monotonic() - started >= 0.5
-    until(lambda: gone(processes), 5.0, "it lives on")
+    until(lambda: gone(processes), 5.0, "some live on")
+    assert code == 1
+    lines = log.read_text().splitlines()
+    assert sum("bad started (pid" in line for line in lines) == 3, lines
+    assert "Traceback" not in log.read_text()
 
 
 def test_a_module_that_hangs_does_not_keep_the_robot_driving(
@@ -156,26 +149,6 @@ def test_a_module_that_hangs_does_not_keep_the_robot_driving(
     assert time.monotonic() - signalled < 1.5  # 2 s is what the module that hangs may take
     hub.process.wait(15.0)
     driver.close()
-
-
-def test_what_a_module_has_started_ends_with_it(tmp_path: Path) -> None:
-    robot = tmp_path / "robot.toml"
-    pids = tmp_path / "pids"
-    script = f"sleep 300 & echo $! > {pids}; exec sleep 300"
-    robot.write_text(
-        'name = "x"\nkind = "simulated-magellan"\n[hub]\nport = 0\n[modules.parent]\n'
-        f'command = ["/bin/sh", "-c", "{script}"]\n'
-    )
-    daemon = subprocess.Popen(
-        [sys.executable, "-m", "hub", "run", str(robot)],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )
-    until(lambda: pids.exists() and pids.read_text().strip(), 10.0)
-    grandchild = psutil.Process(int(pids.read_text()))
-    daemon.send_signal(signal.SIGINT)
-    daemon.wait(10.0)
-    until(lambda: gone([grandchild]), 5.0, "it lives on")
 
 
 def test_a_log_that_nobody_reads_does_not_stop_the_hub(tmp_path: Path) -> None:

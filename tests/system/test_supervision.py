@@ -110,6 +110,41 @@ def module(name: str, way: str, **keys: Any) -> str:
     return "\n".join([f"[modules.{name}]", f"command = {json.dumps(command)}", *lines, ""])
 
 
+CRASHES = f"""[modules.bad]
+command = {json.dumps([sys.executable, "-c", "import sys; sys.exit(7)"])}
+start = "on demand"
+restart_limit = 2
+backoff_s = 0.1
+"""
+
+
+@pytest.fixture(scope="module")
+def workshop(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
+    """A daemon whose modules misbehave each in its way, once somebody starts them."""
+    folder = tmp_path_factory.mktemp("workshop")
+    modules = [
+        module("hang", "hang", start="on demand", keep_alive_s=2.0),
+        module("deaf", "deaf", start="on demand", ask_timeout_s=0.2, stop_timeout_s=0.6),
+        module("leak", "leak", start="on demand", memory_limit_mb=150),
+        module("fork", "fork", start="on demand"),
+        module("undescribed", "no_description", start="on demand", capabilities=["VIS_VID"]),
+        CRASHES,
+    ]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_STATE_HOME", str(folder))
+        with closing(Robot(folder, "".join(modules))) as robot:
+            yield robot
+
+
+@contextlib.contextmanager
+def running(robot: Robot, name: str) -> Iterator[None]:
+    """Start this module, and stop it at the end."""
+    assert robot.order(name, supervision.ModuleOrder.START).done
+    yield
+    assert robot.order(name, supervision.ModuleOrder.STOP).done
+    robot.until(lambda: robot.phase(name) is ModulePhase.STOPPED)
+
+
 def test_capability_runs_while_somebody_wants_it(start: Start) -> None:
     robot = start(module("one", "well", start="on demand", linger_s=0.5))
     robot.until(lambda: robot.modules["one"].asked)
@@ -141,42 +176,41 @@ def test_module_that_crashes_is_replaced_and_its_capability_stays(start: Start) 
     robot = start(module("bad", "crash_soon", start="always") + spare)
     robot.until(lambda: robot.phase("spare") is ModulePhase.RUNNING)
     robot.until(lambda: robot.capabilities["X_crash_soon"].module == "spare")
-    assert robot.modules["bad"].starts == 2
+    assert robot.modules["bad"].starts >= 2  # more, where the other takes its time to start
     assert "spare does its work" in robot.modules["bad"].why
     assert "was ended by signal 11" in robot.log.read_text()
 
 
-def test_module_that_crashes_at_every_start_is_reported_without_a_storm(start: Start) -> None:
-    command = json.dumps([sys.executable, "-c", "import sys; sys.exit(7)"])
-    robot = start(f"[modules.bad]\ncommand = {command}\nrestart_limit = 2\nbackoff_s = 0.1\n")
-    robot.until(lambda: robot.phase("bad") is ModulePhase.FAILED)
-    assert robot.modules["bad"].starts == 3
-    assert "exit code 7" in robot.modules["bad"].why
-    assert robot.order("bad", supervision.ModuleOrder.START).done
-    robot.until(lambda: robot.modules["bad"].starts == 6)
+def test_module_that_crashes_at_every_start_is_reported_without_a_storm(workshop: Robot) -> None:
+    with running(workshop, "bad"):
+        workshop.until(lambda: workshop.phase("bad") is ModulePhase.FAILED)
+        assert workshop.modules["bad"].starts == 3
+        assert "exit code 7" in workshop.modules["bad"].why
+        assert workshop.order("bad", supervision.ModuleOrder.START).done
+        workshop.until(lambda: workshop.modules["bad"].starts == 6)
 
 
-def test_module_that_hangs_is_started_anew(start: Start) -> None:
-    robot = start(module("one", "hang", keep_alive_s=2.0))
-    robot.until(lambda: robot.modules["one"].starts >= 2)
-    assert "hung: silent for 2 s" in robot.log.read_text()
+def test_module_that_hangs_is_started_anew(workshop: Robot) -> None:
+    with running(workshop, "hang"):
+        workshop.until(lambda: workshop.modules["hang"].starts >= 2)
+        assert "hung: silent for 2 s" in workshop.log.read_text()
 
 
-def test_module_that_is_deaf_is_killed(start: Start) -> None:
-    robot = start(module("one", "deaf", ask_timeout_s=0.2, stop_timeout_s=0.6))
-    robot.until(lambda: robot.phase("one") is ModulePhase.RUNNING)
-    deaf_from = time.monotonic() + 0.7
-    robot.until(lambda: time.monotonic() > deaf_from)
-    pid = robot.modules["one"].pid
-    assert robot.order("one", supervision.ModuleOrder.RESTART).done
-    robot.until(lambda: robot.modules["one"].starts == 2)
-    assert not psutil.pid_exists(pid)
+def test_module_that_is_deaf_is_killed(workshop: Robot) -> None:
+    with running(workshop, "deaf"):
+        workshop.until(lambda: workshop.phase("deaf") is ModulePhase.RUNNING)
+        deaf_from = time.monotonic() + 0.7
+        workshop.until(lambda: time.monotonic() > deaf_from)
+        pid = workshop.modules["deaf"].pid
+        assert workshop.order("deaf", supervision.ModuleOrder.RESTART).done
+        workshop.until(lambda: workshop.modules["deaf"].starts == 2)
+        assert not psutil.pid_exists(pid)
 
 
-def test_module_that_grows_is_started_anew(start: Start) -> None:
-    robot = start(module("one", "leak", memory_limit_mb=150))
-    robot.until(lambda: robot.modules["one"].starts >= 2)
-    assert "MB and may take 150" in robot.log.read_text()
+def test_module_that_grows_is_started_anew(workshop: Robot) -> None:
+    with running(workshop, "leak"):
+        workshop.until(lambda: workshop.modules["leak"].starts >= 2)
+        assert "MB and may take 150" in workshop.log.read_text()
 
 
 def test_flood_of_output_is_cut_and_kept_within_bounds(start: Start) -> None:
@@ -192,15 +226,14 @@ def test_flood_of_output_is_cut_and_kept_within_bounds(start: Start) -> None:
     assert (robot.folder / "logs" / "test" / "one.log").stat().st_size > 0
 
 
-def test_what_a_module_has_forked_ends_with_it(start: Start) -> None:
+def test_what_a_module_has_forked_ends_with_it(workshop: Robot) -> None:
     """Also what has made itself a session of its own."""
-    robot = start(module("one", "fork"))
-    robot.until(lambda: robot.log.read_text().count("child ") == 2)
-    words = robot.log.read_text().split()
-    pids = [int(words[place + 1]) for place, word in enumerate(words) if word == "child"]
-    children = [psutil.Process(pid) for pid in pids]
-    robot.order("one", supervision.ModuleOrder.STOP)
-    robot.until(lambda: gone(children))
+    with running(workshop, "fork"):
+        workshop.until(lambda: workshop.log.read_text().count("child ") == 2)
+        words = workshop.log.read_text().split()
+        pids = [int(words[place + 1]) for place, word in enumerate(words) if word == "child"]
+        children = [psutil.Process(pid) for pid in pids]
+    workshop.until(lambda: gone(children))
 
 
 def test_deaf_module_ends_when_the_daemon_is_killed(start: Start) -> None:
@@ -213,13 +246,11 @@ def test_deaf_module_ends_when_the_daemon_is_killed(start: Start) -> None:
     until(lambda: gone(processes), 10.0, "it lives on")
 
 
-def test_module_without_a_description_counts_for_what_the_file_says(start: Start) -> None:
-    way = module("one", "no_description", start="on demand", capabilities=["VIS_VID"])
-    robot = start(way)
-    until(lambda: "does not say what it can do" in robot.log.read_text(), 20.0)
-    assert "with --describe, but '{ no answer';" in robot.log.read_text()
-    assert robot.modules["one"].capabilities == "VIS_VID"
-    assert not robot.modules["one"].asked
+def test_module_without_a_description_counts_for_what_the_file_says(workshop: Robot) -> None:
+    until(lambda: "does not say what it can do" in workshop.log.read_text(), 20.0)
+    assert "with --describe, but '{ no answer';" in workshop.log.read_text()
+    assert workshop.modules["undescribed"].capabilities == "VIS_VID"
+    assert not workshop.modules["undescribed"].asked
 
 
 def test_common_commands_are_obeyed(start: Start) -> None:
