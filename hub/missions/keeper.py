@@ -59,6 +59,7 @@ class MissionKeeper:
 
     Attributes:
         book: The state of the mission.
+        folder: The folder of the missions.
         id: Name of its folder; empty: none yet.
         opened: Whether the running mission is known; if not, call `open` again.
     """
@@ -82,7 +83,8 @@ class MissionKeeper:
         self.book = MissionBook()
         self.id = ""
         self.opened = False
-        self._folder, self._limits = folder, limits
+        self.folder = folder
+        self._limits = limits
         self._clock, self._calendar = clock, calendar
         self._lock: int | None = None
         self._journal: JournalFile | None = None
@@ -101,14 +103,14 @@ class MissionKeeper:
         self._faults.pop("open", None)
         try:
             self._take_lock()
-            mission = self._folder.running()
+            mission = self.folder.running()
             if not mission:
                 return None
-            book, reading = self._folder.reading(mission)
+            book, reading = self.folder.reading(mission)
             if not book.running:
-                self._folder.set_running("")
+                self.folder.set_running("")
                 return None
-            journal = JournalFile(self._folder.journal_of(mission), reading)
+            journal = JournalFile(self.folder.journal_of(mission), reading)
         except MissionFileError as error:
             self._faults["open"] = str(error)
             return None
@@ -121,10 +123,10 @@ class MissionKeeper:
         return self._open_map()
 
     def _open_map(self) -> LogOdds | None:
-        self._track = Track(self._folder.track_of(self.id))
+        self._track = Track(self.folder.track_of(self.id))
         self.look()
         try:
-            grid = self._folder.grid(self.id, self.book.sheet)
+            grid = self.folder.grid(self.id, self.book.sheet)
         except MissionFileError as error:
             self._faults["damage"] = str(error)
             return None
@@ -158,7 +160,7 @@ class MissionKeeper:
         self._close_mission()
         self.book, self._lost = MissionBook(), frozenset()
         self._record(
-            Begun(robot=self._folder.robot, name=name, by=_who(by), stamp=stamp),
+            Begun(robot=self.folder.robot, name=name, by=_who(by), stamp=stamp),
             SheetBegun(number=1, frame=frame, carries=False, why="the mission begins", stamp=stamp),
         )
 
@@ -191,7 +193,7 @@ class MissionKeeper:
         except MissionFileError as error:
             problems.append(f"the journal does not say that the mission is ended: {error}")
         try:
-            self._folder.set_running("")
+            self.folder.set_running("")
         except MissionFileError as error:
             problems.append(f"a restart of mapping takes the mission up again: {error}")
         self.book.apply(ended)
@@ -314,7 +316,7 @@ class MissionKeeper:
         if not self._may_write():
             return
         try:
-            self._folder.save_grid(self.id, self.book.sheet, grid)
+            self.folder.save_grid(self.id, self.book.sheet, grid)
             self._map_saved = self._clock()
             if self._track is not None:
                 self._track.save()
@@ -338,7 +340,7 @@ class MissionKeeper:
             if self._journal is not None:
                 self._pending.write(self._journal)
             if self._pointer_due:
-                self._folder.set_running(self.id)
+                self.folder.set_running(self.id)
                 self._pointer_due = False
             self._faults.pop("journal", None)
         except MissionFileError as error:
@@ -350,14 +352,14 @@ class MissionKeeper:
         full = self.book.running and self._refusal(Noted(text="", stamp=0.0))
         if full and not self._pending:
             self._faults["full"] = full
-        self._size = self._folder.size(self.id) if self.id else 0
-        self._free = self._folder.free()
+        self._size = self.folder.size(self.id) if self.id else 0
+        self._free = self.folder.free()
         self._may_write()
 
     @property
     def path(self) -> Path:
         """The folder of the mission, or of all missions while it has none."""
-        return self._folder.path / self.id
+        return self.folder.path / self.id
 
     @property
     def unkept(self) -> int:
@@ -399,7 +401,7 @@ class MissionKeeper:
             size_mb=self._size / _MB,
             free_mb=min(self._free / _MB, 1e9),
             fault=self.fault,
-            folder=str(self._folder.path.absolute()),
+            folder=str(self.folder.path.absolute()),
         )
 
     def _record(self, *records: Record) -> None:
@@ -442,14 +444,14 @@ class MissionKeeper:
         if begun is None:
             return
         if not self.id:
-            self.id = self._folder.make(begun.stamp)
-        self._journal = JournalFile(self._folder.journal_of(self.id))
-        self._track = Track(self._folder.track_of(self.id))
+            self.id = self.folder.make(begun.stamp)
+        self._journal = JournalFile(self.folder.journal_of(self.id))
+        self._track = Track(self.folder.track_of(self.id))
         self._pointer_due = True
 
     def _take_lock(self) -> None:
         if self._lock is None:
-            self._lock = self._folder.lock()
+            self._lock = self.folder.lock()
 
     def _close_mission(self) -> None:
         if self._journal is not None:

@@ -132,7 +132,7 @@ class Module:
         if self._client.connected is not self._connected:
             self._connected = not self._connected
             kind = Row.CONNECTED if self._connected else Row.LOST
-            self._row(kind, 0, self._client._connection.publisher, 0, 0, 0, 0)
+            self._row(kind, 0, self._client.number, 0, 0, 0, 0)
         self._record.flush()
 
     def _publish(self) -> None:

@@ -70,7 +70,7 @@ class Peer:
 
     def publish(self, definition: MessageDefinition[T], value: T, age: float = 0.0) -> None:
         def send() -> None:
-            measured = self.client._clock() - age
+            measured = self.client.loop.clock() - age
             self.client.publish(definition, value, measured=measured)
 
         self.call(send)

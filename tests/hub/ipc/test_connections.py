@@ -69,10 +69,10 @@ def test_newcomer_is_not_taken_for_who_had_its_descriptor_before(
     until(said.is_set, 5.0, meanwhile=lambda: newcomer.listen(0.02))
     go.set()
     newcomer.wait_connected(5.0)
-    number = newcomer._connection.publisher
+    number = newcomer.number
     for _ in range(3):
         newcomer.directory.listing(5.0)
-    assert newcomer._connection.publisher == number
+    assert newcomer.number == number
     newcomer.close()
     for each in passing:
         each.close()

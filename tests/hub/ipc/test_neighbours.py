@@ -187,12 +187,12 @@ def test_message_that_is_too_long_is_counted_and_the_next_ones_still_come(
 
 def test_last_value_that_is_too_long_for_a_frame_is_none(make: Make) -> None:
     one, other = make("one"), make("other")
-    number = one.client._connection.publisher
+    number = one.client.number
     one.publish(LARGE, _large(frames.MAX_FRAME))
     one.call(lambda: one.client.wait_published(5.0))
     with pytest.raises(QueryError):
         other.call(lambda: other.client.last_value(LARGE, timeout=5.0))
-    assert one.client._connection.publisher == number
+    assert one.client.number == number
 
 
 def test_who_subscribes_again_gets_everything_in_order(make: Make) -> None:

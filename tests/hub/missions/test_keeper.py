@@ -122,18 +122,18 @@ def test_on_a_full_disk_marks_are_shown_as_not_kept_until_they_are(
     keeper: MissionKeeper,
 ) -> None:
     keeper.mark(victim(), "Ada")
-    size = keeper._folder.journal_of(keeper.id).stat().st_size
+    size = keeper.folder.journal_of(keeper.id).stat().st_size
     with files_no_longer_than(size + 100):
         keeper.mark(victim(2.0, thumbnail=np.ones(4000, np.uint8)), "Ada")
         assert [point.kept for point in keeper.points.points] == [1, 0]
         assert keeper.unkept == 1
         assert "cannot be written" in keeper.state.fault
-        torn = keeper._folder.read(keeper.id)
+        torn = keeper.folder.read(keeper.id)
         assert ([point.number for point in torn[0].points.points], torn[1]) == ([1], 0)
     keeper.look()
     assert [point.kept for point in keeper.points.points] == [1, 1]
     assert (keeper.unkept, keeper.fault) == (0, "")
-    assert len(keeper._folder.read(keeper.id)[0].points.points) == 2
+    assert len(keeper.folder.read(keeper.id)[0].points.points) == 2
 
 
 def test_a_folder_that_cannot_be_written_is_a_fault_and_tried_again(tmp_path: Path) -> None:
@@ -158,7 +158,7 @@ def test_two_hubs_of_one_name_do_not_write_into_one_mission(
     other.mark(victim(8.0), "Bob")
     assert "in use by another hub" in other.state.fault
     assert [point.kept for point in other.points.points] == [0]
-    assert len(keeper._folder.read(keeper.id)[0].points.points) == 1
+    assert len(keeper.folder.read(keeper.id)[0].points.points) == 1
     other.close()
 
 
@@ -168,10 +168,10 @@ def test_missions_of_other_robots_are_never_taken_up(keeper: MissionKeeper, tmp_
         other = keeper_of(tmp_path, name)
         other.open()
         assert not other.points.points
-        assert other._folder.path.parent == tmp_path
+        assert other.folder.path.parent == tmp_path
         other.close()
     # Somebody copies the folder of one robot to another.
-    keeper._folder.path.rename(tmp_path / "copy")
+    keeper.folder.path.rename(tmp_path / "copy")
     other = keeper_of(tmp_path, "copy")
     os.close(keeper._lock or -1)
     keeper._lock = None
@@ -185,7 +185,7 @@ def test_a_journal_whose_beginning_is_damaged_keeps_its_marks(
     keeper: MissionKeeper, tmp_path: Path
 ) -> None:
     keeper.mark(victim(), "Ada")
-    path = keeper._folder.journal_of(keeper.id)
+    path = keeper.folder.journal_of(keeper.id)
     raw = bytearray(path.read_bytes())
     raw[3] ^= 1
     path.write_bytes(bytes(raw))
@@ -263,7 +263,7 @@ def test_an_end_is_permitted_while_the_disk_refuses_and_says_what_is_lost(
     keeper: MissionKeeper, tmp_path: Path
 ) -> None:
     keeper.mark(victim(), "Ada")
-    size = keeper._folder.journal_of(keeper.id).stat().st_size
+    size = keeper.folder.journal_of(keeper.id).stat().st_size
     with files_no_longer_than(size + 10):
         keeper.mark(victim(2.0), "Ada")
         lost = keeper.end("Ada")
@@ -312,10 +312,10 @@ def test_changes_leave_room_for_new_marks_removals_and_the_end(
     keeper.look()
     assert "no room" in keeper.state.fault
     assert keeper.unkept == 0
-    assert keeper._folder.journal_of(keeper.id).stat().st_size < small_journal
+    assert keeper.folder.journal_of(keeper.id).stat().st_size < small_journal
     mission = keeper.id
     assert keeper.end("Ada") == ""
-    book, damaged = keeper._folder.read(mission)
+    book, damaged = keeper.folder.read(mission)
     assert (len(book.points.earlier), book.running, damaged) == (50, False, 0)
     keeper.begin("next", "Ada")
     assert keeper.fault == ""
@@ -331,7 +331,7 @@ def test_many_small_records_leave_places_for_the_end(
     keeper.mark(victim(), "Ada")
     mission = keeper.id
     assert keeper.end("Ada") == ""
-    assert len(keeper._folder.read(mission)[0].points.points) == 1
+    assert len(keeper.folder.read(mission)[0].points.points) == 1
 
 
 def test_a_change_writes_its_picture_only_if_it_is_another(
@@ -339,14 +339,14 @@ def test_a_change_writes_its_picture_only_if_it_is_another(
 ) -> None:
     pictures = [np.full(4000, value, np.uint8) for value in (1, 2)]
     point = keeper.mark(victim(thumbnail=pictures[0]), "Ada")
-    path = keeper._folder.journal_of(keeper.id)
+    path = keeper.folder.journal_of(keeper.id)
     before = path.stat().st_size
     point = keeper.mark(dataclasses.replace(point, note="waves"), "Ada")
     assert path.stat().st_size - before < 1000
     for picture, note in ((pictures[0], "waves"), (pictures[1], "other")):
         if note == "other":
             point = keeper.mark(dataclasses.replace(point, note=note, thumbnail=picture), "Ada")
-        book, _ = keeper._folder.read(keeper.id)
+        book, _ = keeper.folder.read(keeper.id)
         assert book.points.points[0].note == note
         assert np.array_equal(book.points.points[0].thumbnail, picture)
         assert np.array_equal(keeper.points.points[0].thumbnail, picture)
@@ -454,7 +454,7 @@ def test_what_waits_for_the_disk_is_bounded_and_the_disk_is_asked_by_look_alone(
         keeper.begin_sheet("the robot has lost its place", frame=frame)
     keeper.look()
     assert (keeper.unkept, keeper.fault) == (0, "")
-    book, _ = keeper._folder.read(keeper.id)
+    book, _ = keeper.folder.read(keeper.id)
     assert (book.sheet, book.frame) == (keeper.book.sheet, 99)
     keeper.close()
 
@@ -467,7 +467,7 @@ def test_another_robots_journal_is_not_mended_and_leaves_no_file_open(tmp_path: 
     keeper.close()
     (tmp_path / "other").rename(tmp_path / "mine")
     mine = keeper_of(tmp_path, "mine")
-    path = mine._folder.journal_of(mission)
+    path = mine.folder.journal_of(mission)
     torn = path.read_bytes() + b"0123"
     path.write_bytes(torn)
     mine.open()

@@ -138,7 +138,7 @@ def test_publisher_that_finds_no_way_to_a_subscriber_publishes_to_the_others(mak
     for each in (other, third):
         each.stands()
     one.open(v.LOG)
-    number = third.client._connection.publisher
+    number = third.client.number
     nowhere = Subscriber(name="T_Log", subscriber=number, inbox="ipc:///nowhere")
     one.call(lambda: one.client._publishers.subscriber(nowhere))
     assert one.direct(v.LOG) == 1
