@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import gc
 import io
 import logging
 import os
@@ -218,10 +219,14 @@ def _tend_keys(options: argparse.Namespace) -> int:
 def _run_daemon(options: argparse.Namespace) -> int:
     import dataclasses
 
-    from hub.robomon import daemon
-    from hub.robomon.module_table import load_robot_table
+    gc.disable()  # nothing that is imported becomes garbage
+    try:
+        from hub.robomon import daemon
+        from hub.robomon.module_table import load_robot_table
 
-    table = load_robot_table(options.robot, options.set)
+        table = load_robot_table(options.robot, options.set)
+    finally:
+        gc.enable()
     if options.port is not None:
         table = dataclasses.replace(
             table, robot=dataclasses.replace(table.robot, port=options.port)

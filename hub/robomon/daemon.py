@@ -69,7 +69,7 @@ def run(table: RobotTable, *, spawn: bool, as_json: bool, stop_with_stdin: bool)
         parent = WarmParent(common_imports(table))
         parent.fork_from_here()
     start_logging("hub", logging.INFO)
-    gc.freeze()  # what was loaded stays: no search for rubbish, and no end, goes through it
+    gc.freeze()  # no collection, and no end of the process, goes through what was imported
     return Daemon(table, parent, as_json=as_json).run(stop_with_stdin=stop_with_stdin)
 
 

@@ -72,12 +72,14 @@ class ForkRequest:
 
 def preload(imports: Iterable[str]) -> None:
     """Import these Python modules; nothing here is collected any more."""
+    gc.disable()
     for name in imports:
         with contextlib.suppress(ImportError):  # the module that needs it reports it
             importlib.import_module(name)
         if name.endswith(".__main__"):
             sys.modules.pop(name, None)  # each process runs its own
     gc.freeze()  # a collection would write to pages that the processes share
+    gc.enable()
 
 
 def has_one_thread() -> bool:

@@ -23,7 +23,7 @@ from hub.robomon.warm_parent import WarmParent
 from tests.support.waiting import until
 
 FACTS = """
-import faulthandler, json, os, random, resource, secrets, signal, sys, threading, time
+import faulthandler, gc, json, os, random, resource, secrets, signal, sys, threading, time
 import numpy
 print(json.dumps({
     "name": __name__,
@@ -44,6 +44,7 @@ print(json.dumps({
     "zone": time.tzname,
     "threads": [each.name for each in threading.enumerate()],
     "faults": faulthandler.is_enabled(),
+    "collects": gc.isenabled(),
     "reads": sys.stdin.readline() if "reads" in sys.argv else "",
 }))
 print([random.random(), secrets.token_hex(8), numpy.random.random()])
