@@ -48,7 +48,7 @@ class IpcEndpoint:
 
 
 def parse_endpoint(text: str, *, beyond_loopback: bool = False) -> TcpEndpoint | IpcEndpoint:
-    """The endpoint that a person wrote, for a hub to listen at.
+    """The endpoint in a text, for a hub to listen at.
 
     Args:
         text: Such as tcp://127.0.0.1:1381 or ipc:///a/path.
@@ -77,7 +77,7 @@ def parse_endpoint(text: str, *, beyond_loopback: bool = False) -> TcpEndpoint |
 
 
 def connectable(text: str, *, with_keys: bool = False) -> str:
-    """The endpoint that a person wrote, as the address a client connects to.
+    """The endpoint in a text, as the address that a client connects to.
 
     Args:
         text: Such as tcp://127.0.0.1:1381; with keys also tcp://robot.example:1481.

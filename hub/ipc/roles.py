@@ -42,7 +42,7 @@ ON_THE_ROBOT = "do it on the robot's machine, where no key is needed"
 class Action(enum.Enum):
     """What a client asks central for; the value says it in an error.
 
-    Who may publish, and query on the command plane, is in `publish_rights`.
+    Rights to publish, and to query on the command plane, are in `publish_rights`.
     """
 
     SUBSCRIBE = "subscribe"
@@ -67,14 +67,14 @@ _ACTIONS = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Principal:
-    """Who is at the other end of a connection: the holder of a key.
+    """The holder of a key, at the other end of a connection.
 
     Two keys are two principals, also if one was made after the other under the same name.
 
     Attributes:
         name: Of the key.
         role: What the key is for.
-        key: Fingerprint of the public key; empty for who connects without one.
+        key: Fingerprint of the public key; empty without one.
     """
 
     name: str
@@ -97,7 +97,7 @@ class Principal:
 
 
 LOCAL = Principal(name="this machine", role=Role.MODULE)
-"""Whoever connects without a key; that works on this machine only, whose users are trusted."""
+"""A client without a key. It connects on this machine only, whose users are trusted."""
 
 
 @functools.lru_cache(maxsize=_KNOWN_BEARERS)

@@ -1,4 +1,4 @@
-"""Whether a control message that came through the gateway is served: whose it is, and its quota."""
+"""Decides whether a control message from another machine is served: its key, and its quota."""
 
 from __future__ import annotations
 

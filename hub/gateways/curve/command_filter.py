@@ -1,8 +1,8 @@
-"""The door of commands from other machines: each frame is looked at before the robot gets it.
+"""Filters the commands from other machines: each frame is checked before the robot gets it.
 
 ZeroMQ adds to every frame the role, name and fingerprint of the key that its connection was made
-with. So the door knows who sends, whatever the frame says. It lets in what that key may publish
-under a number that central gave a client with the same key.
+with. So the filter knows the sender, whatever the frame says. It lets a command pass if that key
+may publish it, under a number that central gave a client with the same key.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from hub.ipc.wire import frames
 _logger = logging.getLogger(__name__)
 
 LONGEST = 1 << 16
-"""Longest command from another machine [bytes]; ZeroMQ disconnects who sends a longer one."""
+"""Longest command from another machine [bytes]; a longer one ends its connection."""
 QUEUE = 100
-"""Commands of one connection that wait at the door."""
+"""Commands of one connection that wait for the filter."""
 _BATCH = 32
 _PAUSE_MS = 2
 """Rest after a full batch [ms]. A flood of commands takes no more of the processor than this."""
@@ -56,7 +56,7 @@ class CommandFilter:
         """Start to decide.
 
         Args:
-            peer_of: Who has a number at central; None if nobody has it.
+            peer_of: The peer of a number at central; None if there is none.
             holds: Whether this key was not removed.
             faults: Counts what is dropped.
             clock: Monotonic time [s].
@@ -70,7 +70,7 @@ class CommandFilter:
         self._next_word = 0.0
 
     def admit(self, raw: bytes, user_id: str) -> bytes | None:
-        """The frame to hand on; None, and counted, if it is dropped.
+        """The frame to pass on; None, and counted, if it is dropped.
 
         Args:
             raw: A frame as it came.
@@ -89,7 +89,7 @@ class CommandFilter:
             self._faults.count("malformed command", f"from {user_id[:80]}: {error}")
         except NotAllowedError as error:
             self._faults.count("command not allowed", str(error))
-        except Exception:  # a fault of ours must not end the thread: no stop would come in
+        except Exception:  # a fault of the filter must not end the thread: no stop would pass
             self._faults.count("internal fault", "the gateway goes on after it")
             if self._faults.counts["internal fault"] == 1:
                 _logger.exception("the first internal fault")
@@ -118,11 +118,11 @@ class CommandFilter:
         self._faults.count("too many commands", text)
 
     def _stop(self, raw: bytes, principal: Principal) -> bytes | None:
-        """A stop passes whatever else stands in it, but under nobody else's number."""
+        """Pass a stop, whatever its frame says, but not under the number of another sender."""
         now = self._clock()
         if not self._accounts.of(principal).may_stop(now):
             self._too_many(principal)
-            return None  # the last one that passed was a moment ago
+            return None  # another one has just passed
         if now >= self._next_word:
             self._next_word = now + _SAY_STOP_S
             _logger.info("a stop comes from the holder of the key %s", principal)
@@ -131,7 +131,7 @@ class CommandFilter:
         except FrameError:
             frame = None
         if frame is None or frame.kind != frames.INLINE:
-            # Who receives a bare name cannot read it, and stops all the same.
+            # A receiver of a bare name cannot read it, and stops all the same.
             return frames.topic(frames.name_of(raw), frames.FAR)
         own = self._sender(frame.publisher, principal) is not None
         return frames.pack(
@@ -144,37 +144,37 @@ class CommandFilter:
         )
 
     def _sender(self, publisher: int, principal: Principal) -> Peer | None:
-        """Whose number this is, if it was given to a client with this key."""
+        """The peer of this number, if it has this key."""
         peer = self._peer_of(publisher)
         return peer if peer is not None and peer.principal == principal else None
 
 
-def carry(outer: Socket, inner: Socket, told: Socket, judge: Judge) -> None:
-    """Carry commands in and subscriptions out until something comes from `told`.
+def carry(outer: Socket, inner: Socket, steered: Socket, judge: Judge) -> None:
+    """Carry commands in and subscriptions out until something comes from `steered`.
 
-    ZeroMQ takes one frame of each connection in turn, so one that floods the door does not keep
-    the others out. It does not keep the processor from others either: after a batch the door rests.
+    ZeroMQ takes one frame of each connection in turn, so a flood on one does not keep the
+    others out. A flood does not take all of the processor either: after a batch the filter rests.
 
     Args:
         outer: XSUB of the gateway.
         inner: XPUB to central.
-        told: Says when to end.
+        steered: Receives something when this shall end.
         judge: Decides about each frame.
     """
     poller = zmq.Poller()
-    for socket in (outer, inner, told):
+    for socket in (outer, inner, steered):
         poller.register(socket, zmq.POLLIN)
     while True:
         ready = dict(poller.poll())
-        if told in ready:
+        if steered in ready:
             return
         if inner in ready:
-            _tell_subscriptions(inner, outer)
-        if outer in ready and _take(outer, inner, judge) and told.poll(_PAUSE_MS):
+            _pass_subscriptions(inner, outer)
+        if outer in ready and _take(outer, inner, judge) and steered.poll(_PAUSE_MS):
             return
 
 
-def _tell_subscriptions(inner: Socket, outer: Socket) -> None:
+def _pass_subscriptions(inner: Socket, outer: Socket) -> None:
     for _ in range(_SUBSCRIPTIONS):
         try:
             subscription = inner.recv(zmq.NOBLOCK)

@@ -1,4 +1,4 @@
-"""Who connects to the gateway from where, and how often: no address takes all there is."""
+"""Limits the connections of each address to the gateway: how many, and how often."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ AT_ONCE, PER_S = 300, 40.0
 CONTROLS = 128
 """Connections of one address where control messages come in."""
 SPARE = 8
-"""An address has so many connections more to each other place than to that of control messages."""
+"""An address may have this many more connections to each other place than for control messages."""
 SILENT_S = 5.0
-"""A control connection without a HELLO is ended after so long [s]."""
+"""A control connection without a HELLO is ended after this long [s]."""
 _MAX_ADDRESSES = 4096
 
 
@@ -77,7 +77,7 @@ class ConnectionRates:
         return [each for each, found in self._connections.items() if found.place in places]
 
     def look(self, known: Callable[[int], bool], now: float) -> None:
-        """End control connections that never said who they are; to be called every second or so.
+        """End control connections that sent no HELLO; to be called every second or so.
 
         Args:
             known: Whether a connected client has this descriptor.

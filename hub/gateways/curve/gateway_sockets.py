@@ -69,13 +69,13 @@ class GatewaySockets:
 
         Args:
             context: Central's. If it has more than one I/O thread, CURVE has the second for
-                itself, so that strangers do not take time from the local modules.
+                itself, so that other machines take no time from local modules.
             endpoint: Port p takes p and two more for each plane; 0 takes free ones.
             keyring: Who may connect, and the hub's own keys.
             planes: By name, the inproc addresses of central's XSUB and XPUB, which are bound.
             faults: Counts the refused.
             make: A socket with the bus's options: ZeroMQ type, plane or `roles.CONTROL`.
-            accounts: What each key has used; who connects too often is refused for a while.
+            accounts: What each key has used; a key that connects too often is refused for a while.
             clock: Monotonic time [s].
             judge: Decides which commands come in; called by a thread of the gateway.
 
@@ -87,7 +87,7 @@ class GatewaySockets:
         self._clock = clock
         self._rates = ConnectionRates(faults, self.hang_up)
         self._judge = judge
-        self._reserve = Reserve(faults, part=BEYOND)  # strangers leave some to local modules
+        self._reserve = Reserve(faults, part=BEYOND)  # other machines leave some to local modules
         self._made: list[_Socket] = []
         self._steering: list[_Socket] = []
         self._threads: list[threading.Thread] = []
@@ -95,7 +95,7 @@ class GatewaySockets:
         self._floods: dict[str, FloodWatch] = {}
         keys = keyring.hub_keys()
         keyring.holders()  # a list that cannot be read is said now, not at the first handshake
-        # First of all: there is no moment in which a secure socket has nobody to ask.
+        # Before the secure sockets: none of them is ever without an answer to a handshake.
         self._zap = ZapHandler(context, keyring, faults, accounts=accounts, clock=clock)
         self._affinity = 2 if context.get(zmq.IO_THREADS) > 1 else 0
         try:
@@ -111,7 +111,7 @@ class GatewaySockets:
             thread.start()
 
     def serve(self, ready: Mapping[_Socket, int]) -> list[int]:
-        """Let in and refuse, and see who left; returns without waiting.
+        """Let in and refuse, and see which connections ended; returns without waiting.
 
         Args:
             ready: What the poll gave; sockets of others in it are left alone.
@@ -147,13 +147,13 @@ class GatewaySockets:
         self._rates.look(known, now)
 
     def hang_up(self, descriptor: int) -> None:
-        """End a connection of ours; one of somebody else who has its descriptor now goes on."""
+        """End a connection of the gateway; another one that has its descriptor now goes on."""
         ends = ends_of(descriptor)
         if ends is not None and ends[0] in self._all_ports:
             hang_up(descriptor)
 
     def end_broadcasts(self) -> None:
-        """End all connections where states and pictures pass; who may come back does so at once.
+        """End all connections where states and pictures pass; clients with a key come back at once.
 
         ZeroMQ does not say which of them belong to a key. Connections of commands stay, so that no
         stop is lost: there each frame is looked at.
@@ -225,7 +225,7 @@ class GatewaySockets:
         socket.curve_publickey = keys.public.encode()
         socket.curve_secretkey = keys.secret.encode()
         socket.zap_domain = place.encode()
-        # Without this ZeroMQ lets everybody in while nobody answers for the domain.
+        # Without this ZeroMQ lets every client in while no handler answers for the domain.
         socket.setsockopt(zmq.ZAP_ENFORCE_DOMAIN, 1)
         socket.affinity = self._affinity
         self._monitors[socket.get_monitor_socket(_WATCHED)] = place

@@ -1,4 +1,4 @@
-"""Notices that keys were removed from the list while somebody is connected with them."""
+"""Notices that keys were removed from the list, and ends their connections."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ LOOK_S = 1.0
 
 
 class RemovedKeys:
-    """Keys that are on the list no longer; `holds` is for any thread, the rest for one.
+    """The keys that are no longer on the list. Any thread may call `holds`, one thread the rest.
 
     A removed key stays refused until the same key is on the list again, with its role and name.
     Another key of that name is another principal, and changes nothing for the removed one.
 
-    A list that cannot be read changes nothing here: who is connected stays, and nobody else comes
-    in.
+    A list that cannot be read changes nothing here: connected clients stay, and no
+    other client comes in.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class RemovedKeys:
         Args:
             keyring: The list.
             admitted: The keys that the gateway let in since it started.
-            end: Ends the connections of who has this key.
+            end: Ends the connections that were made with this key.
         """
         self._keyring = keyring
         self._admitted = admitted

@@ -1,4 +1,4 @@
-"""Who may connect beyond loopback: ZeroMQ asks here about every CURVE handshake (ZAP, RFC 27).
+"""Decides about every CURVE handshake of the gateway: ZeroMQ asks here (ZAP, RFC 27).
 
 Each secure socket has a ZAP domain of its own, its place (`roles.CONTROL`, "state in", ...). So
 a key is let in or refused place by place, before a single message of its holder is read.
@@ -45,7 +45,7 @@ class ZapVerdict:
 
 
 class ZapHandler:
-    """Answers ZeroMQ's questions; owned by the thread that polls its socket.
+    """Answers ZeroMQ's requests; owned by the thread that polls its socket.
 
     Attributes:
         socket: To be polled for input; then call `serve`.
@@ -70,7 +70,7 @@ class ZapHandler:
             clock: Monotonic time [s].
 
         Raises:
-            EndpointError: This process has another gatekeeper in the same ZeroMQ context.
+            EndpointError: This process has another ZAP handler in the same ZeroMQ context.
         """
         self._keyring = keyring
         self._faults = faults
@@ -129,7 +129,7 @@ class ZapHandler:
         place = domain.decode(errors="replace")
         verdict = self.judge(place, mechanism.decode(errors="replace"), key)
         if verdict.status != "200":
-            # The key is public: with it the owner can see whose it is, or make an entry of it.
+            # The key is public: the owner of the robot can look for it, or put it on the list.
             shown = f"from {address.decode(errors='replace')}, key {z85.encode(key).decode()}"
             self._faults.count(
                 f"refused at the gateway's {place}: {verdict.reason}", verdict.detail + shown

@@ -41,7 +41,7 @@ def bind(socket: sockets.Socket, endpoint: endpoints.TcpEndpoint | endpoints.Ipc
 
 
 def _refuse_taken(endpoint: endpoints.IpcEndpoint) -> None:
-    """Refuse the path of a live socket or of somebody's file: ZeroMQ would delete either."""
+    """Refuse the path of a live socket or of a file: ZeroMQ would delete either."""
     path = Path(endpoint.path)
     if endpoint.path.startswith("@") or not path.exists():
         return

@@ -1,9 +1,9 @@
-"""Floods of subscriptions: who makes one is seen and disconnected.
+"""Floods of subscriptions: a connection that makes one is ended.
 
 ZeroMQ (4.3.5) takes any number of subscriptions from a connection, hands each on to all publishers,
-and takes all of them back at once when the connection ends. It tells how many there are, and not
-whose. But central takes them in so slowly (see `sockets`) that a flood piles up in front of
-it, and how much waits is known of each connection.
+and takes all of them back at once when the connection ends. It says how many there are, but not
+of which connection. But central takes them in slowly (see `sockets`), so a flood waits in front of
+it, and the system knows how much waits of each connection.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.file_descriptors import hang_up, received
 
 _SUSPICIOUS = 200
-"""So many more subscriptions from one look to the next are looked into."""
+"""When there are this many more subscriptions than at the last look, connections are examined."""
 MOST = 3 * 4096
 """What one connection may add in one go: its 4096 messages, a mark for each, and some more."""
 _LOOK_CLOSELY_S = 1.0
@@ -38,7 +38,7 @@ class Bounds:
         topics: Different topics that all of them together subscribe to.
         bytes_per_s: What one connection may send, which is nothing but subscriptions [B/s].
         bytes_at_once: The same, in one burst after a rest [B].
-        modest: An address that has sent no more is not blamed for the number of topics [B].
+        modest: An address that has sent no more than this is not ended for too many topics [B].
     """
 
     topics: int = 1024
@@ -121,7 +121,7 @@ class FloodWatch:
                 self._end(descriptor, f"after about {MOST} in one go")
 
     def _look_closely(self, bounds: Bounds, now: float) -> None:
-        """End who sends too much; while there are too many topics, one of who has sent the most."""
+        """End connections that send too much; with too many topics, one of the busiest address."""
         for descriptor, sender in list(self._senders.items()):
             sent = received(descriptor)
             new, sender.sent = sent - sender.sent, sent

@@ -59,7 +59,7 @@ class DirectResponder:
         self._faults = faults
         self._socket = sockets.make(context, zmq.ROUTER, _QUEUE)
         self._socket.router_handover = True
-        sockets.keep_to_ourselves(self._socket)
+        sockets.allow_own_user_only(self._socket)
         self._socket.bind(self.address)
         self._send = sockets.sender(self._socket)
         self._file = loop.register(self._socket, self._receive)

@@ -39,7 +39,7 @@ _new = tuple.__new__
 
 
 class _Opened:
-    """Messages of one publisher on their way to the handlers.
+    """Messages of one publisher that are being handed to the handlers.
 
     Attributes:
         messages: Stamp [ns] and payload, or the numbers of a flat format, of each that is left.
@@ -103,7 +103,7 @@ class ReceiveQueue:
             self._queues = dict(sorted(self._queues.items(), reverse=True))
 
     def remove(self, subscription: Subscription) -> None:
-        """Take them no longer; what waits goes to no handler if the subscription has none."""
+        """Take them no longer; messages that wait find no handler."""
         for topic in _topics(subscription.definition.name):
             del self._topics[topic]
 
@@ -118,7 +118,7 @@ class ReceiveQueue:
             self._hand_on()
 
     def accept(self, subscription: Subscription, frame: frames.Frame) -> None:
-        """Hand on a message that came another way, unless it or a later one has come already."""
+        """Handle a message that came as an answer, unless it or a later one has come already."""
         source = subscription.source(frame.publisher)
         if frame.sequence <= source.arrived:
             return
@@ -138,8 +138,7 @@ class ReceiveQueue:
     def take(self, socket: sockets.Socket) -> bool:
         """Take a batch from a socket; whether there may be more.
 
-        What is kept in full and has no priority is handed on as it is read, as long as nothing
-        waits; all else when everything was read, since something newer or more urgent may come.
+        Something newer or more urgent may come, so most messages wait until all are read.
         """
         self._finish()
         receive = socket.recv
@@ -158,7 +157,7 @@ class ReceiveQueue:
         return True
 
     def take_events(self, socket: sockets.Socket) -> None:
-        """Let what a socket holds of messages that are kept in full wait, and drop all else."""
+        """Keep the messages in a socket that are kept in full, and drop all others."""
         self._finish()
         for _ in range(_MOST_EVENTS):
             try:

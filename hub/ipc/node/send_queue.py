@@ -61,6 +61,9 @@ class SendQueue:
         self._faults = faults
         # Each: how to combine, the number of the first (0: a whole frame), the messages.
         self._runs: list[tuple[Combine, int, list[bytes]]] = []
+        # Of the last run, if messages can still join it.
+        self._last_combine: Combine | None = None
+        self._last_messages: list[bytes] = []
         self._count = 0
         self._since = 0.0
         self._wake = threading.Event()
@@ -101,15 +104,16 @@ class SendQueue:
             limit: All are sent when this many wait.
         """
         with self.lock:
-            runs = self._runs
-            if number and runs and runs[-1][0] is combine and runs[-1][1]:
-                runs[-1][2].append(message)
+            if number and combine is self._last_combine:
+                self._last_messages.append(message)
             else:
-                if not runs:
+                if not self._runs:
                     self._since = now
                     if not self._woken:
                         self._wake_thread()
-                runs.append((combine, number, [message]))
+                self._last_messages = [message]
+                self._runs.append((combine, number, self._last_messages))
+                self._last_combine = combine if number else None
             self._count += 1
             if self._count >= limit or now - self._since > WAIT_S:
                 self._send_waiting()
@@ -128,6 +132,7 @@ class SendQueue:
         """Forget all that waits; the caller holds the lock."""
         self._runs.clear()
         self._count = 0
+        self._last_combine = None
 
     def close(self) -> None:
         """Send all that waits and end the thread."""
@@ -139,6 +144,7 @@ class SendQueue:
 
     def _send_waiting(self) -> None:
         runs, self._runs, self._count = self._runs, [], 0
+        self._last_combine = None
         bundles: dict[Send, list[bytes]] = {}
         before: tuple[Send, ...] = ()
         open_bundles: list[list[bytes]] = []

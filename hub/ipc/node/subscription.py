@@ -1,4 +1,4 @@
-"""One message on its way to its handlers: what came of it, from whom, and how it is read."""
+"""One message that a client subscribes to: its handlers, its publishers, and how it is read."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Handler = Callable[[Any, MessageInfo], None]
 _MAX_PUBLISHERS = 256
 _MAX_JUMP = 1 << 24
 _CONVINCING = 3
-"""So many messages in a row with numbers that cannot be are believed."""
+"""This many impossible numbers in a row are believed: then an earlier one was wrong."""
 
 
 class Source:
@@ -39,8 +39,8 @@ class Source:
     def accepts(self, sequence: int) -> bool:
         """Whether a message of this number may follow.
 
-        A number that was used or is far away is not believed, but several in a row are: then it was
-        an earlier one that was wrong. So one damaged frame costs no more than itself and a few.
+        A number that was used or is far away is not believed, but several in a row are: then an
+        earlier one was wrong. So a damaged frame costs itself and a few more at most.
         """
         if self.arrived < sequence <= self.arrived + _MAX_JUMP or (not self.arrived and sequence):
             self._doubts = 0
@@ -77,12 +77,12 @@ _JUST_NOW = 1 << 62
 
 
 class Subscription:
-    """One message on its way to its handlers.
+    """One message that a client subscribes to.
 
     Attributes:
         definition: The message.
-        handlers: Who gets it, and whether as a raw payload.
-        limit: How many of each publisher wait at most; the oldest are left out. None: all wait.
+        handlers: The handlers, and whether each gets the raw payload.
+        limit: How many of each publisher wait at most; the oldest are dropped. None: all wait.
         priority: The higher, the sooner it is handed on.
         in_ring: Whether it is asked for by descriptors.
         token: Of the subscription that is under way; empty when it stands.
@@ -109,7 +109,7 @@ class Subscription:
         self.lifespan_s = definition.lifespan_s
         self.unordered = definition.unreadable is not None
         self._sources: dict[int, Source] = {}
-        self._told = (0, 0, 0, 0)
+        self._reported = (0, 0, 0, 0)
         self._fingerprint = definition.fingerprint
         self._name = definition.name
         self._start = len(frames.prefix(definition.name))
@@ -120,7 +120,7 @@ class Subscription:
         self.receive: Callable[..., Any] | None = None
 
     def add(self, handler: Handler, *, raw: bool) -> None:
-        """Hand it to this one too."""
+        """Call this handler too."""
         self.handlers.append((handler, raw))
         letters = self.definition.flat_letters
         if letters is None or any(raw for _, raw in self.handlers):
@@ -131,7 +131,7 @@ class Subscription:
             self.receive = self.definition.receive_flat
 
     def forget(self) -> None:
-        """The publishers' numbers mean others now."""
+        """Forget the publishers: their numbers belong to others now."""
         self._sources.clear()
 
     def source(self, publisher: int) -> Source:
@@ -147,7 +147,7 @@ class Subscription:
         """What a frame of this message brings.
 
         Raises:
-            FrameError: It is no frame of ours.
+            FrameError: It is no frame.
             CodecError: It is in another format.
         """
         start = self._starts.get(raw[0], self._start)
@@ -193,9 +193,9 @@ class Subscription:
     def report(self) -> control.Received | None:
         """What came since the last time; None if nothing."""
         now = (self.received, self.lost, self.expired, self.refused)
-        if now == self._told:
+        if now == self._reported:
             return None
-        before, self._told = self._told, now
+        before, self._reported = self._reported, now
         oldest, self.oldest = self.oldest, 0.0
         return control.Received(
             name=self._name,

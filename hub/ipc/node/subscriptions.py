@@ -1,4 +1,4 @@
-"""The receiving side of a client's broadcasts: a subscription for each message it subscribes to."""
+"""All messages that a client subscribes to, and the sockets where they come in."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Subscriptions:
             clock=loop.clock,
             hub_time=connection.hub_time,
             faults=faults,
-            no_ring=self._go_plain,
+            no_ring=self._use_whole_payloads,
         )
         self._sockets: dict[Plane, sockets.Socket] = {}
         self._files: dict[Plane, int] = {}
@@ -77,11 +77,11 @@ class Subscriptions:
 
     @property
     def standing(self) -> bool:
-        """Whether every subscription has reached everybody who publishes its message."""
+        """Whether every subscription has reached all publishers of its message."""
         return not self._under_way
 
     def connect(self, addresses: Sequence[str], *, near: bool, same_run: bool) -> None:
-        """Connect where each plane comes out, at a central that does not know us."""
+        """Connect to where each plane comes out, at a new central."""
         self._near = near
         self._where = dict(zip(sockets.PLANES, addresses, strict=True))
         # Commands first: they must not wait behind a burst of states.
@@ -93,7 +93,7 @@ class Subscriptions:
             subscription.in_ring = self._may_ring(subscription.definition)
 
     def drop_pictures(self) -> None:
-        """Connect the plane of pictures anew: what lies there is old."""
+        """Connect the plane of pictures anew: the waiting ones are old."""
         if Plane.PICTURE in self._sockets:
             self._disconnect(Plane.PICTURE)
             self._connect(Plane.PICTURE)
@@ -102,7 +102,7 @@ class Subscriptions:
                     self._ask_for(subscription)
 
     def take_events(self) -> None:
-        """Take what came of messages that are kept in full, and forget all else that came."""
+        """Take the messages that are kept in full, and drop all others that came."""
         for plane in tuple(self._sockets):
             if plane is not Plane.PICTURE:
                 self.receive_queue.take_events(self._sockets[plane])
@@ -128,7 +128,7 @@ class Subscriptions:
             self._ask_for(subscription)
 
     def disconnect(self) -> None:
-        """Central is gone; what was taken is still handed on."""
+        """Central is gone; what was received is still handled."""
         for plane in tuple(self._sockets):
             self._disconnect(plane)
         self._under_way.clear()
@@ -152,7 +152,7 @@ class Subscriptions:
         queue: int | None = None,
         priority: int | None = None,
     ) -> None:
-        """Hand every message of `definition` to `handler` too."""
+        """Call `handler` for every message of `definition`."""
         known = self._subscriptions.get(definition.name)
         subscription = known or Subscription(definition)
         subscription.add(handler, raw=raw)
@@ -168,7 +168,7 @@ class Subscriptions:
                 self._ask_for(subscription)
 
     def unsubscribe(self, name: str, handler: Handler | None) -> None:
-        """Hand the message to `handler` no longer, or to nobody; what waits is not handed on."""
+        """Call `handler` no longer, or none; messages that wait are dropped."""
         subscription = self._subscriptions.get(name)
         if subscription is None:
             return
@@ -194,7 +194,7 @@ class Subscriptions:
         return tuple(report for report in made if report is not None)
 
     def accept(self, frame: frames.Frame) -> None:
-        """Hand on a message that came another way, such as the last value that was asked for."""
+        """Handle a message that came as an answer, such as the last value."""
         subscription = self._subscriptions.get(frame.name)
         if subscription is None:
             return
@@ -216,7 +216,7 @@ class Subscriptions:
         return not more
 
     def _ask_for(self, subscription: Subscription) -> None:
-        """Subscribe, and have central say when nothing can be missed any more."""
+        """Subscribe; central says when no message can be missed any more."""
         definition = subscription.definition
         self._under_way.pop(subscription.token, None)
         self._tokens += 1
@@ -233,7 +233,7 @@ class Subscriptions:
             )
         )
         if not self._connection.may_connect(definition.plane):
-            # Who only listens cannot see its own mark come back.
+            # A client that only listens cannot see its own mark come back.
             self._connection.send(control.Ready(token=subscription.token))
 
     def _inbox(self, subscription: Subscription) -> DirectInbox | None:
@@ -242,7 +242,7 @@ class Subscriptions:
         )
 
     def _stands(self, token: str) -> None:
-        """The mark of a subscription has done its work."""
+        """A subscription stands: take its mark back."""
         subscription = self._under_way.pop(token, None)
         if subscription is not None:
             subscription.token = ""
@@ -265,12 +265,12 @@ class Subscriptions:
                 socket.subscribe(publishers.mark(topic, subscription.token))
 
     def _filters(self, subscription: Subscription) -> list[bytes]:
-        """What comes from central: what neighbours send only if we are none."""
+        """The topics that come through central; without direct messages, all of them."""
         kinds = (frames.FAR,) if self._near else (frames.FAR, b"")
         return [frames.topic(subscription.definition.name, kind) for kind in kinds]
 
-    def _go_plain(self, subscription: Subscription, why: str) -> None:
-        """Ask for the payloads themselves from now on."""
+    def _use_whole_payloads(self, subscription: Subscription, why: str) -> None:
+        """Ask for whole payloads from now on, not for descriptors."""
         if subscription.in_ring and self._sockets:
             self._faults.count("no shared memory", f"{subscription.definition.name}: {why}")
             self._stands(subscription.token)

@@ -1,4 +1,4 @@
-"""Where neighbours send one client's messages to directly, past central."""
+"""The socket where a client receives messages directly from other clients of its machine."""
 
 from __future__ import annotations
 
@@ -47,12 +47,12 @@ class DirectInbox:
     def take_now(self) -> bool:
         """Read what has come, out of turn; whether there may be more.
 
-        The loop reads on: a socket tells of what comes only after it was found empty.
+        The loop reads on: a socket announces new messages only after it was found empty.
         """
         self._loop.touch(self._file)
         return self._take()
 
     def close(self) -> None:
-        """Close; what lies in it is forgotten."""
+        """Close; messages in it are dropped."""
         self._loop.unregister(self._file)
         self.socket.close(0)

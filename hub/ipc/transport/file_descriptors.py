@@ -1,4 +1,4 @@
-"""Descriptors that central keeps free: who connects when too few are left is turned away.
+"""Descriptors that central keeps free: when too few are left, new connections are turned away.
 
 A process without a free descriptor can neither take the connections that wait for it nor refuse
 them. ZeroMQ (4.3.5) then tries again without a pause and takes a processor for itself; at an ipc://
@@ -17,12 +17,12 @@ with contextlib.suppress(ImportError):  # Windows has no such limits, and no nei
     import resource
 
 WANTED = 16_384
-"""As many as central would like to be allowed."""
+"""How many descriptors central asks the system for."""
 LOCAL, BEYOND = 1 / 2, 3 / 8
 """The part of the descriptors that may be in use when a connection from this machine, or from
-another one, is taken. ZeroMQ's thread takes those that wait before ours can turn one away. It may
-be ahead by the 1000 events that each of the seven sockets queues for us at each end; with as many
-descriptors as we want, half of them has room for most of that."""
+another one, is taken. ZeroMQ's thread takes waiting connections before central can turn one away.
+It may be ahead by the 1000 events that each of the seven sockets queues at each end. With `WANTED`
+descriptors, half of them has room for most of that."""
 
 _ANY = socket.AF_INET6
 """Has room for an address of each family; to ask for the family takes as long as all else."""
@@ -32,7 +32,7 @@ _TCP_INFO_SIZE, _RECEIVED_AT, _RECEIVED = 192, 128, struct.Struct("=Q")
 
 
 def allow_many() -> None:
-    """Let this process have as many descriptors as we want, or as the system gives."""
+    """Raise this process's limit to `WANTED` descriptors, or to what the system gives."""
     now, most = resource.getrlimit(resource.RLIMIT_NOFILE)
     wanted = WANTED if most == resource.RLIM_INFINITY else min(WANTED, most)
     if now != resource.RLIM_INFINITY and now < wanted:

@@ -12,8 +12,8 @@ from hub.ipc.transport import sockets
 class Handshakes:
     """Handshakes under way.
 
-    To central, who closes a socket in the middle of one looks like a stranger who does not speak
-    the protocol. So who leaves waits for them, which takes a moment.
+    A socket that is closed during its handshake looks to central like a program that does not speak
+    the protocol. So a client that closes waits for its handshakes first, which takes a moment.
     """
 
     def __init__(self) -> None:
@@ -24,14 +24,14 @@ class Handshakes:
         self._monitors[socket] = socket.get_monitor_socket(zmq.EVENT_HANDSHAKE_SUCCEEDED)
 
     def end(self, socket: sockets.Socket) -> None:
-        """This one's is over, or the socket is going to be closed."""
+        """The handshake is over, or the socket is going to be closed."""
         monitor = self._monitors.pop(socket, None)
         if monitor is not None:
             socket.disable_monitor()
             monitor.close(0)
 
     def look(self) -> None:
-        """See which are over; a socket that goes on being watched fills its monitor."""
+        """Stop watching those that are over: they would fill their monitors."""
         self.wait(0.0)
 
     def wait(self, timeout: float) -> None:

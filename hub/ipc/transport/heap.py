@@ -1,4 +1,4 @@
-"""Keeps the C heap from giving memory back after each large message, only to ask for it again."""
+"""Keeps the C heap from returning memory after each large message and asking for it again."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def keep_heap() -> bool:
 
     A picture's buffer lies at the top of the heap. By default that is returned to the system when
     it is freed and faulted in again, page by page, for the next picture, which costs more than
-    copying the picture does. Who set the allocator by its environment variables is left alone.
+    copying the picture does. Settings of the user, by environment variables, are kept.
     """
     if sys.platform != "linux" or any(name in os.environ for name in _SET_ALREADY):
         return False
@@ -45,7 +45,7 @@ def _trimmer() -> Callable[[int], int] | None:
 
 
 def give_back() -> None:
-    """Return to the system what a crowd of connections has left unused in the heap."""
+    """Return unused memory to the system, such as after many connections."""
     trim = _trimmer()
     if trim is not None:
         trim(_KEPT_BYTES)

@@ -27,7 +27,7 @@ Serve = Callable[[], bool]
 """Reads a socket; whether there may be more in it."""
 
 _NEGLECT_S = 0.3
-"""A loop that does not look for this long has old things before it [s]."""
+"""After a pause this long, what waits in the sockets counts as old [s]."""
 
 
 _READ = selectors.EVENT_READ
@@ -41,7 +41,7 @@ class _Poller(Protocol):
 
 
 class _Selector:
-    """What waits on systems without epoll(7)."""
+    """Waits on systems without epoll(7)."""
 
     def __init__(self) -> None:
         self._selector = selectors.DefaultSelector()
@@ -217,7 +217,7 @@ class Loop:
 
     @property
     def neglect(self) -> float:
-        """How long nobody has looked what came [s]."""
+        """How long ago the loop last looked for messages [s]."""
         return max(0.0, self.clock() - self._looked)
 
     def files(self) -> dict[int, Serve]:

@@ -39,15 +39,15 @@ _LONGEST_SUBSCRIPTION = 320
 some 300 bytes. A byte of a topic takes 0.3 kB of central's memory [B]."""
 _CONNECTING = 1024
 """Publishers that may wait to be taken by an inbox: more than central has clients."""
-_NEIGHBOURS_THREAD = 0b10
-"""A client's second thread is for neighbours: what floods central's proxies does not delay them."""
+_DIRECT_THREAD = 0b10
+"""A client's second I/O thread is for direct messages: a flood at central does not delay them."""
 
 
 def make(context: Context, kind: int, queue: int, keys: ClientKeys | None = None) -> Socket:
     """A socket with the bus's options, and a client's keys if it has some.
 
     Queues are bounded; closing never waits. What frees the connections of a dead peer is the
-    system's own keep-alive; that it is dead, its missing pings have told before. ZeroMQ's
+    system's own keep-alive; its missing PINGs have shown before that it is dead. ZeroMQ's
     heartbeats would do it too, but libzmq 4.3.5 aborts the process when one is due while a
     connection's queue has been full for a while, or when it ends just then.
     """
@@ -103,20 +103,20 @@ def pair(context: Context, address: str) -> tuple[Socket, Socket]:
 
 
 def make_inbox(context: Context, kind: int, plane: Plane) -> Socket:
-    """What neighbours send to directly, by its plane: PULL to receive, PUSH to send."""
+    """A socket for direct messages of one plane: PULL to receive, PUSH to send."""
     made = make(context, kind, QUEUE[plane])
     if kind == zmq.PULL:
-        keep_to_ourselves(made)
-        # A subscriber is perhaps held up when all its publishers connect.
+        allow_own_user_only(made)
+        # A busy subscriber takes the connections of all its publishers later.
         made.backlog = _CONNECTING
-    made.affinity = _NEIGHBOURS_THREAD
+    made.affinity = _DIRECT_THREAD
     if plane is Plane.PICTURE:
         made.sndbuf = made.rcvbuf = _PICTURE_BUFFER
     return made
 
 
-def keep_to_ourselves(socket: Socket) -> None:
-    """Let nobody connect but this user: an abstract Unix socket has no permissions of its own."""
+def allow_own_user_only(socket: Socket) -> None:
+    """Let only this user connect: an abstract Unix socket has no permissions of its own."""
     socket.setsockopt(zmq.IPC_FILTER_UID, os.getuid())
 
 

@@ -1,4 +1,4 @@
-"""What a loop does beside messages: timers, and work that other threads post to it."""
+"""Timers of a loop, and calls that other threads post to it."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Timer:
         self._work = work
 
     def cancel(self) -> None:
-        """Never again."""
+        """Stop."""
         self.left = 0
 
     def run(self, now: float) -> None:

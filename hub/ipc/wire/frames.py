@@ -12,8 +12,8 @@ The topic is the message's name; `!` and the name if its publisher reaches nobod
 payload may lie in a ring of shared memory instead; then the topic is `@` and the name, and what is
 sent is a descriptor of the place.
 
-What goes directly to a neighbour needs no topic of its own: a bundle is one ZeroMQ frame with
-several of these frames in it, behind a `*`.
+A direct message needs no topic for filters: a bundle is one ZeroMQ frame with several of these
+frames in it, behind a `*`.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ VERSION = 4
 """Protocol version; peers with another one are refused."""
 
 MAX_FRAME = 4 << 20
-"""Largest frame any socket takes [bytes]; ZeroMQ drops the connection of who sends more."""
+"""Largest frame any socket takes [bytes]; ZeroMQ ends a connection that sends more."""
 
 INLINE, IN_RING, NO_RING, BATCH, RING_BATCH = 0, 1, 2, 3, 4
 """What a frame holds: a payload; the descriptor of a place in a ring; nothing, for want of a ring;
@@ -39,7 +39,7 @@ RING_KINDS = (IN_RING, NO_RING, RING_BATCH)
 """Those that travel under the topic of descriptors."""
 
 FAR, RING = b"!", b"@"
-"""What stands before the name in a topic: of who sends nothing directly, and of descriptors."""
+"""The mark before the name in a topic: of publishers that send nothing directly; of descriptors."""
 
 _HEADER = struct.Struct("<HHIQQqI")
 _ITEM = struct.Struct("<qI")
