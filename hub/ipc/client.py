@@ -108,7 +108,7 @@ class Client(BaseClient):
         self._subscriptions.unsubscribe(definition.name, handler)
 
     def last_value(self, definition: MessageDefinition[T], *, timeout: float) -> T:
-        """The last value that a connected module published, also if nobody subscribed.
+        """The last value that a connected module published, also without any subscriber.
 
         Raises:
             QueryError: Nobody publishes it, nothing was published yet, or the time ran out.

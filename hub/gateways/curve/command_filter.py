@@ -135,7 +135,7 @@ class CommandFilter:
             return frames.topic(frames.name_of(raw), frames.FAR)
         own = self._sender(frame.publisher, principal) is not None
         return frames.pack(
-            frames.prefix(frame.name, frames.FAR),  # everybody listens to this topic
+            frames.prefix(frame.name, frames.FAR),  # every receiver subscribes to this topic
             publisher=frame.publisher if own else 0,
             fingerprint=frame.fingerprint,
             sequence=frame.sequence,

@@ -53,7 +53,7 @@ class Connections:
 
         Args:
             peers: Where peers are added and removed.
-            presence: Reports who connects and who is gone.
+            presence: Reports which peers connect and which are gone.
             forget: Ends all that a removed peer did.
             reserved: Names that only the robot's own modules may have.
             clock: Monotonic time [s].

@@ -106,7 +106,7 @@ class Gateway(Protocol):
         """Report all control connections that ended up to now."""
 
     def check(self) -> None:
-        """Look for what nobody announces, such as floods; called ten times a second or so."""
+        """Look for what no socket shows, such as floods; called ten times a second or so."""
 
     def close(self) -> None:
         """Free everything; called when central's thread has ended."""

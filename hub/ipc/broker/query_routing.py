@@ -18,7 +18,7 @@ _logger = logging.getLogger(__name__)
 MAX_QUERIES = 4096
 MAX_QUERY_S = 60.0
 _MAX_KEPT = 16 << 10
-"""A longer query is not kept, so nobody can take it over [bytes]."""
+"""A longer query is not kept, so no other handler can take it over [bytes]."""
 
 Asked = control.Query | control.Last
 Answer = control.Response | control.Failure

@@ -48,7 +48,7 @@ class BaseClient:
         endpoint: Where central is.
         faults: What was dropped, by reason.
         loop: The loop that serves it.
-        directory: What central knows of everybody.
+        directory: What central knows of all peers.
     """
 
     def __init__(
@@ -190,9 +190,9 @@ class BaseClient:
         """Serve until all published messages have left, so that the client may close.
 
         Raises:
-            CentralUnreachableError: Central did not say within `timeout` [s] who has subscribed.
+            CentralUnreachableError: Central did not list the subscribers within `timeout` [s].
         """
-        why = f"the hub at {self.endpoint} does not say who has subscribed"
+        why = f"the hub at {self.endpoint} does not list the subscribers"
         self._wait(lambda: self.connected and not self._publishers.holding, timeout, why)
 
     def define(self, *definitions: MessageDefinition[Any]) -> None:
@@ -208,7 +208,7 @@ class BaseClient:
         """Refuse a message that this client's key or name does not let it publish.
 
         Raises:
-            NotAllowedError: The text says who may.
+            NotAllowedError: The text names the role that may.
         """
         self._connection.demand_right(definition)
 

@@ -137,7 +137,7 @@ class Connection:
         """Refuse a message that this client's key or name does not let it publish.
 
         Raises:
-            NotAllowedError: The text says who may.
+            NotAllowedError: The text names the role that may.
         """
         principal = self.keys.principal if self.keys is not None else LOCAL
         demand_right(principal, self._name, definition.name, definition.plane.value)

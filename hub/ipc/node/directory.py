@@ -1,4 +1,4 @@
-"""What central knows of everybody, and what a client may ask it to do."""
+"""What central knows of all peers, and what a client may ask it to do."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Directory:
         }
 
     def listing(self, timeout: float) -> control.Listing:
-        """All that central knows: modules, messages, who does what with them, what was dropped.
+        """All that central knows: modules, messages, how they are used, what was dropped.
 
         Raises:
             CentralUnreachableError: It did not answer within `timeout` [s].

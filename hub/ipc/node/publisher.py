@@ -104,7 +104,7 @@ class Publisher:
         return bool(self.direct or self.direct_in_ring) or self._wanted_at_central
 
     def publish(self, value: Any, measured: float | None) -> None:
-        """Send to all who subscribe.
+        """Send to all subscribers.
 
         Raises:
             CodecError: The value does not fit the format.
@@ -139,7 +139,7 @@ class Publisher:
             queue.send(frame, self.direct, self.topic, self._plane)
 
     def publish_payload(self, payload: Sequence[Buffer], measured: float | None) -> None:
-        """Send a payload, given in pieces, to all who subscribe."""
+        """Send a payload, given in pieces, to all subscribers."""
         now = self._clock()
         when = now if measured is None else measured
         stamp = int((when + self._hub_time.offset) * 1e9)
@@ -159,7 +159,7 @@ class Publisher:
         self._queue.previous = now
 
     def advertised(self, *, subscribed: bool, now: float) -> None:
-        """Central knows that we publish this; hold on until an announced subscription has come."""
+        """Central answers ADVERTISE; an announced subscription is waited for."""
         if self._held is None:
             return
         if not subscribed or self._wanted_at_central:
@@ -187,7 +187,7 @@ class Publisher:
     def end(self) -> None:
         """Central is gone; drop the held messages, which would be old."""
         for _ in self._held or ():
-            self._not_sent("the hub was gone before it said who has subscribed")
+            self._not_sent("the hub was gone before it listed the subscribers")
         self._held = None
         self._open = False
         self.direct = self.direct_in_ring = ()
@@ -259,7 +259,7 @@ class Publisher:
         self, held: deque[tuple[int, int, bytes]], stamp: int, payload: Sequence[Buffer]
     ) -> None:
         if held.maxlen == len(held):
-            self._not_sent("central does not say who has subscribed")
+            self._not_sent("central does not list the subscribers")
         whole = b"".join(payload)  # the pieces may be views of what changes meanwhile
         self._last = (self._sequence, stamp, whole)
         held.append(self._last)

@@ -79,7 +79,7 @@ class Publishers:
         """The publisher of a message that is defined; a new one is advertised at central.
 
         Raises:
-            NotAllowedError: Our key, or our name, does not let us publish it.
+            NotAllowedError: The client's key or name does not allow it.
         """
         publisher = self._publishers.get(definition.name)
         if publisher is None:
@@ -180,7 +180,7 @@ class Publishers:
         self._queue.flush()
 
     def is_wanted(self, topic: bytes) -> bool:
-        """Whether somebody at central subscribes to the topic."""
+        """Whether any subscriber at central wants the topic."""
         return topic in self._queue.topics
 
     def check(self) -> None:

@@ -36,11 +36,11 @@ class Session:
 
     Attributes:
         connection: To central.
-        publishers: What we publish.
-        subscriptions: What we subscribe to.
-        questions: What we ask.
-        answers: What we answer.
-        directory: What central tells of everybody.
+        publishers: All messages that it publishes.
+        subscriptions: All messages that it subscribes to.
+        pending_queries: The queries that it waits for.
+        responders: The queries that it answers.
+        directory: What central knows of all peers.
         refused: Why central refused a definition, by message name.
     """
 

@@ -92,7 +92,7 @@ class Subscription:
         refused: Messages with a value out of its range.
         unfit: What was wrong first with a value of it, in a sentence; empty: nothing was.
         oldest: Largest age since the last report [s].
-        flat: Reads a flat format from a neighbour; None of any other.
+        flat: Reads direct messages of a flat format; None for any other format.
         unordered: Whether every frame counts, whatever its header says.
     """
 

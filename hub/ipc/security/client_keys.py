@@ -31,7 +31,7 @@ class KeyPair:
 
     @staticmethod
     def new() -> KeyPair:
-        """One that nobody else has."""
+        """A new pair."""
         public, secret = zmq.curve_keypair()
         return KeyPair(public=public.decode(), secret=secret.decode())
 

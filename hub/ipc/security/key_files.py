@@ -1,4 +1,4 @@
-"""Files that hold keys: who may read them, how they are replaced, and what stands in them."""
+"""Files that hold keys: their permissions, their replacement, and their content."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ key_role: Reader = choice({role.value: role for role in Role})
 
 
 def is_there(path: Path) -> bool:
-    """Whether there is such a file, or something that keeps us from seeing it."""
+    """Whether there is such a file, or something that hides it."""
     try:
         return path.exists()
     except OSError:
@@ -66,14 +66,14 @@ def is_there(path: Path) -> bool:
 
 
 def read_private(path: Path, *, advice: str) -> dict[str, Any]:
-    """What a TOML file holds that nobody else can read or write.
+    """The content of a TOML file that no other user can read or write.
 
     Args:
         path: The file.
         advice: What to do if it is missing or damaged.
 
     Raises:
-        KeyFileError: It is missing, damaged, somebody else's, or open to others.
+        KeyFileError: It is missing, damaged, another user's, or open to others.
     """
     try:
         found = path.stat()
@@ -124,10 +124,10 @@ def write_private(path: Path, text: str) -> None:
 
 
 def private_folder(folder: Path) -> None:
-    """Make a folder that nobody else can look into, or see that it is one.
+    """Make a folder that no other user can look into, or check that it is one.
 
     Raises:
-        KeyFileError: It cannot be made, is somebody else's, or is open to others.
+        KeyFileError: It cannot be made, is another user's, or is open to others.
     """
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -139,7 +139,7 @@ def private_folder(folder: Path) -> None:
 
 
 def _demand_private(path: Path, found: os.stat_result, remedy: str) -> None:
-    if sys.platform == "win32":  # who may read it is not in these bits
+    if sys.platform == "win32":  # these bits do not say which users may read it
         return
     if found.st_uid not in (os.geteuid(), 0):
         raise KeyFileError(path, "it belongs to another user; make a new one as yourself")

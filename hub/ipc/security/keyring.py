@@ -1,4 +1,4 @@
-"""The hub's own keys, and the list of who may connect to it from other machines.
+"""The hub's own keys, and the list of keys that may connect from other machines.
 
 A folder holds `hub.toml` (the hub's key pair), `list.toml` (name, role and public key of each
 holder) and `clients/NAME.toml` (the file to copy to that client's machine).
@@ -29,7 +29,7 @@ _Signature = tuple[int, int, int]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Holder:
-    """One who may connect: name, role and public key (Z85)."""
+    """A holder of a key: name, role and public key (Z85)."""
 
     name: str
     role: Role
@@ -37,7 +37,7 @@ class Holder:
 
     @property
     def principal(self) -> Principal:
-        """Who this is to the rest of the bus."""
+        """The principal of this key."""
         return Principal.of(self.name, self.role, self.public)
 
 
@@ -76,14 +76,14 @@ class Keyring:
         Raises:
             KeyFileError: The file is damaged, open to others, or cannot be written.
         """
-        if key_files.is_there(self._hub):  # no lock, so that a folder nobody can write to will do
+        if key_files.is_there(self._hub):  # no lock, so that a read-only folder will do
             key_files.private_folder(self.folder)
             return self._hub_keys()
         with _alone_in(self.folder):
             return self._hub_keys()
 
     def holders(self) -> tuple[Holder, ...]:
-        """All who may connect, by name; read again when the file has changed.
+        """All holders of keys, by name; read again when the file has changed.
 
         Raises:
             KeyFileError: The list is damaged or open to others.
@@ -92,7 +92,7 @@ class Keyring:
         return tuple(sorted(self._holders.values(), key=lambda holder: holder.name))
 
     def holder(self, public: str) -> Holder | None:
-        """Who has this key, by the list as it is now.
+        """The holder of this key, by the list as it is now.
 
         Raises:
             KeyFileError: The list is damaged or open to others.
@@ -174,10 +174,10 @@ class Keyring:
         except OSError as fault:
             raise KeyFileError(self._list, f"{fault.strerror}; {_ADVICE}") from fault
         # A replaced file has another inode, whatever the resolution of the clock; the time of
-        # change tells of a new mode as well.
+        # change shows a new mode as well.
         signature = (found.st_ctime_ns, found.st_size, found.st_ino)
         if signature != self._seen:
-            # What was known is forgotten first: a damaged list lets nobody in.
+            # What was known is forgotten first: a damaged list lets no client in.
             self._seen, self._holders = None, {}
             self._holders = self._read()
             self._seen = signature
@@ -206,7 +206,7 @@ class Keyring:
 
 @contextlib.contextmanager
 def _alone_in(folder: Path) -> Iterator[None]:
-    """Make the folder if it is not there, and keep other writers out for a while.
+    """Make the folder if it is not there, and hold an exclusive lock.
 
     Raises:
         KeyFileError: The folder cannot be used.

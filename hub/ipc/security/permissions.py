@@ -1,4 +1,4 @@
-"""What a client has to be allowed to do to say something to central."""
+"""Which right each control message to central needs."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def check(
         plane: The plane of the message of a name; None if it is not defined.
 
     Raises:
-        NotAllowedError: The text says what the sender may not do, and who may.
+        NotAllowedError: The text says what the sender may not do, and which role may.
     """
     if isinstance(message, control.Define):
         _check_definition(principal, message.name, plane)
@@ -60,7 +60,7 @@ def _check_definition(principal: Principal, name: str, plane: Callable[[str], st
 
 
 def refusal(message: Any, text: str) -> Any:
-    """What the sender of a control message that is not allowed is told; None if nothing."""
+    """The answer to a control message that is not allowed; None if it has none."""
     if isinstance(message, (control.Query, control.Last)):
         return control.Failure(number=message.number, error="HandlerFailedError", text=text)
     if isinstance(message, _NAMED):

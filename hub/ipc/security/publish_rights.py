@@ -36,7 +36,7 @@ _MODULE = Right(role=Role.MODULE)
 COMMANDS: Mapping[str, Right] = {
     # Whoever may connect may stop the robot.
     "GCM_Stop": Right(role=Role.OBSERVE, unordered=True),
-    # What an operator does. `hub.control_gate` looks who of them has control.
+    # What an operator does. `hub.control_gate` checks which of them has control.
     "GCM_Velocity_Command": _OPERATOR,
     "GCM_Goal_Command": _OPERATOR,
     "GCM_Turn_Command": _OPERATOR,
@@ -65,7 +65,7 @@ COMMANDS: Mapping[str, Right] = {
 """All messages of the vocabulary on the command plane."""
 
 ROBOMON = "robomon"
-"""The name of the hub's daemon at central; its connection alone says who has control."""
+"""The name of the hub's daemon at central; only its connection reports who has control."""
 ROBOT_NAMES: frozenset[str] = frozenset(
     {ROBOMON, "driver", "navigation", "vision", "mapping", "autonomy"}
 )

@@ -30,7 +30,7 @@ _FARTHEST = 1e9
 
 @functools.cache
 def this_machine() -> int:
-    """A number for this machine since it was started; 0 where the system does not tell.
+    """A number for this machine since it was started; 0 where the system has none.
 
     Processes with the same number share CLOCK_MONOTONIC.
     """
@@ -82,7 +82,7 @@ class ClockSync:
         return min(self._round_trips, default=math.nan)
 
     def begin(self, hub_machine: int) -> None:
-        """A central on the machine of this number has welcomed us."""
+        """The client is connected to a central on the machine of this number."""
         self._shared = self.machine != 0 and hub_machine == self.machine
         self._round_trips.clear()
         self._error = math.inf

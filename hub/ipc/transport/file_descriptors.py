@@ -13,7 +13,7 @@ import struct
 
 from hub.ipc.transport.fault_counter import FaultCounter
 
-with contextlib.suppress(ImportError):  # Windows has no such limits, and no neighbours
+with contextlib.suppress(ImportError):  # Windows has no such limits
     import resource
 
 WANTED = 16_384
@@ -43,7 +43,7 @@ def allow_many() -> None:
 def hang_up(descriptor: int) -> None:
     """End a connection that stays ZeroMQ's to close.
 
-    Only what comes in is ended: if both ways were, the system would tell ZeroMQ of it even while
+    Only what comes in is ended: if both ways were, the system would signal ZeroMQ even while
     the connection's queue is full, which it does not expect.
     """
     with contextlib.suppress(OSError):  # it has gone by itself
@@ -83,7 +83,7 @@ class Reserve:
     """Keeps some of this process's descriptors free."""
 
     def __init__(self, faults: FaultCounter, *, part: float = LOCAL) -> None:
-        """Watch the connections that are told to `admit`.
+        """Watch the connections that `admit` gets.
 
         Args:
             faults: Where those turned away are counted.
@@ -95,7 +95,7 @@ class Reserve:
     def admit(self, descriptor: int, where: str) -> None:
         """A connection was accepted; it is ended at once if it has one of the last descriptors.
 
-        The system gives the lowest free number, so a high one tells that those below are in use.
+        The system gives the lowest free number, so a high one shows that those below are in use.
         Should the connection have gone meanwhile, whatever has its number now has one of the last
         as well.
 

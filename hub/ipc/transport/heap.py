@@ -19,7 +19,7 @@ _SET_ALREADY = ("MALLOC_TRIM_THRESHOLD_", "MALLOC_TOP_PAD_", "MALLOC_ARENA_MAX",
 
 @functools.cache
 def keep_heap() -> bool:
-    """Tell glibc's allocator to keep what it has; whether it was told.
+    """Have glibc's allocator keep its memory; whether that was possible.
 
     A picture's buffer lies at the top of the heap. By default that is returned to the system when
     it is freed and faulted in again, page by page, for the next picture, which costs more than

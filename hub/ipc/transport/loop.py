@@ -4,8 +4,8 @@ Usually a client has a loop of its own. A program that talks to several centrals
 clients one loop in common, CMU IPC's contexts: each handler belongs to its client, so it knows the
 context its message came from.
 
-A ZeroMQ socket shows by a file descriptor that something happened, once: whoever touched the socket
-since may have taken the notice away. So a socket that was touched is looked at in the next turn
+A ZeroMQ socket shows by a file descriptor that something happened, once: a call on the
+socket since then may have cleared it. So a socket that was touched is looked at in the next turn
 whatever its descriptor says, and a socket is read until it is empty. In return the loop waits on
 plain descriptors, which costs a fraction of asking every socket each time.
 """
@@ -61,7 +61,7 @@ class Participant(Protocol):
 
     @property
     def pending(self) -> bool:
-        """Whether something waits that no socket tells of."""
+        """Whether something waits that no socket shows."""
 
     def due(self, otherwise: float) -> float:
         """When it wants a turn even if nothing comes [s]."""
@@ -181,7 +181,7 @@ class Loop:
 
         Args:
             wait: How long to wait for something to come [s].
-            waited: How long somebody else has waited for it already, on purpose [s].
+            waited: How long the caller has waited for it already, on purpose [s].
         """
         ready = self._ready
         for file, _ in self._poller.poll(wait):

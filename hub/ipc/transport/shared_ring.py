@@ -69,7 +69,7 @@ class Place(NamedTuple):
 
     @classmethod
     def unpack(cls, raw: Buffer) -> Place:
-        """The place a descriptor tells.
+        """The place in a descriptor.
 
         Raises:
             FrameError: It is no descriptor.
@@ -98,7 +98,7 @@ class RingWriter:
         self._file = os.memfd_create("rune-ring", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
         try:
             os.ftruncate(self._file, size)
-            os.posix_fallocate(self._file, 0, size)  # running out must not kill us later
+            os.posix_fallocate(self._file, 0, size)  # running out later would kill this process
             fcntl.fcntl(self._file, fcntl.F_ADD_SEALS, _SEALS | fcntl.F_SEAL_SEAL)
             self._identity = os.fstat(self._file).st_ino
             self._map = mmap.mmap(self._file, size)
@@ -221,7 +221,7 @@ class Readers:
         self._memory = memoryview(b"")
 
     def read(self, descriptor: Buffer) -> memoryview | None:
-        """The payload that a descriptor tells; None if it was overwritten, or lies outside.
+        """The payload of a descriptor; None if it was overwritten, or lies outside.
 
         Raises:
             FrameError: It is no descriptor.

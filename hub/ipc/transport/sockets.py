@@ -130,7 +130,7 @@ def send_parts(send: Callable[[bytes, int], Any], parts: Sequence[bytes]) -> Non
     """Send the parts of one message.
 
     Raises:
-        zmq.Again: There is no room, or nobody to send it to.
+        zmq.Again: There is no room, or no receiver.
     """
     for part in parts[:-1]:
         send(part, MORE)
