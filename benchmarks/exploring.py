@@ -11,7 +11,7 @@ from collections.abc import Callable
 from hub.gcm.autonomy import AutonomyCommand, Behaviour
 from hub.gcm.navigation import GoalCommand, MotionState
 from hub.grids.grid import Grid
-from hub.modules.autonomy.pilot import Pilot as Autonomy
+from hub.modules.autonomy.autonomy_driver import AutonomyDriver as Autonomy
 from hub.modules.mapping.grid import GridPicture, OccupancyGrid
 from hub.modules.mapping.scans import ScanSelector
 from hub.modules.navigation.dynamic_window import body_of

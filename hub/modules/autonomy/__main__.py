@@ -1,4 +1,4 @@
-"""The autonomy process: takes what the others know, and sends navigation to places."""
+"""The autonomy process: reads the state of the robot and sends navigation to places."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from hub.gcm.control import ControlState
 from hub.grids.grid import grid_of
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
+from hub.modules.autonomy.autonomy_driver import AutonomyDriver
 from hub.modules.autonomy.novelty import Limits
-from hub.modules.autonomy.pilot import Pilot
 from hub.robots.description import RobotDescription
 from hub.runtime import publish_on_request, run_module
 
@@ -29,7 +29,7 @@ _LEAVE_S = 0.5
 
 
 class Autonomy:
-    """Connects the pilot with the bus."""
+    """Connects the autonomy driver with the bus."""
 
     def __init__(self, client: Client, robot: RobotDescription) -> None:
         self._client = client
@@ -39,10 +39,12 @@ class Autonomy:
             share=robot.nothing_new_share,
             longest=robot.longest_exploring_s,
         )
-        self._pilot = Pilot(radius=robot.radius + robot.margin, seed=robot.seed, limits=limits)
+        self._pilot = AutonomyDriver(
+            radius=robot.radius + robot.margin, seed=robot.seed, limits=limits
+        )
         self._said = ""
         self._why = ""
-        self._gate = ControlGate(client, self._handed_over)
+        self._gate = ControlGate(client, self._on_owner_change)
         client.subscribe(autonomy.AUTONOMY_COMMAND, self._command)
         client.subscribe(navigation.STOP, self._stop)
         client.subscribe(navigation.VELOCITY_COMMAND, self._stick)
@@ -54,7 +56,7 @@ class Autonomy:
         client.every(_STATE_PERIOD, self._publish)
 
     def finish(self) -> None:
-        """Leave the robot standing, if it goes somewhere for us."""
+        """Stop navigation, if it drives for autonomy."""
         self._pilot.command(autonomy.AutonomyCommand(), self._clock())
         self._act()
 
@@ -70,8 +72,8 @@ class Autonomy:
         self._pilot.see_stop(message.reason, self._clock())
         self._act()
 
-    def _handed_over(self, state: ControlState, before: int) -> None:
-        """Somebody else has control than before; who gets it from somebody gets a robot at rest."""
+    def _on_owner_change(self, state: ControlState, before: int) -> None:
+        """Another client has control than before; a new owner gets a robot at rest."""
         if state.owner and before:
             self._pilot.see_other(f"{state.operator} has control now", self._clock())
             self._act()
@@ -133,13 +135,13 @@ class Autonomy:
 
 
 def _shown(state: autonomy.AutonomyState) -> str:
-    """What people see of a state; two that look the same need not both be published."""
+    """The visible part of a state; equal ones are not published again."""
     goal = f"{state.x:.2f} {state.y:.2f} {state.frontier_m:.1f}"
     return f"{state.behaviour} {state.pilot} {state.phase} {goal} {state.why}"
 
 
 def abilities(robot: RobotDescription) -> Abilities:
-    """What autonomy can do on a robot."""
+    """The abilities of autonomy on a robot."""
     del robot
     return Abilities(
         provides=(Capability.AUT_PILOT,),

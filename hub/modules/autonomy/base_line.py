@@ -1,8 +1,8 @@
-"""The first way of an exploration: straight ahead, so that the first walls are drawn true; pure.
+"""The first path of an exploration: straight ahead, so that the first walls are exact; pure.
 
-Where the robot starts its heading is exact, as `map` is made by it. Wheels hardly lose the heading
-on a straight way, and lose degrees of it in a turn. What is drawn before the first turn is what
-later turns are corrected by; a turn that comes first turns the whole map.
+At the start the heading is exact, because it defines `map`. Dead reckoning hardly loses the heading
+on a straight line, and loses degrees of it in a turn. The walls from before the first turn correct
+later turns. An early turn would turn the whole map.
 """
 
 from __future__ import annotations
@@ -16,33 +16,33 @@ from hub.grids.clearance import clearance
 from hub.grids.grid import Grid
 
 LONGEST = 3.0
-"""A longer base line makes the map no truer [m]."""
+"""Largest length of the base line; a longer one makes the map no better [m]."""
 SHORTEST = 0.5
-"""A shorter one is not worth a way [m]."""
+"""Least length of the base line [m]."""
 AT_START = 0.1
-"""A robot that is farther from its start than this [m or rad] has turned or gone already."""
+"""A robot farther from its start has moved or turned already [m or rad]."""
 
 
 def stands_as_it_began(x: float, y: float, theta: float) -> bool:
-    """Whether the robot is at the origin of `map` [m] and looks along its x axis [rad]."""
+    """Whether the robot is at the origin of `map` [m] and faces along its x axis [rad]."""
     return math.hypot(x, y) < AT_START and abs(theta) < AT_START
 
 
 def straight_ahead(
     grid: Grid, x: float, y: float, theta: float, *, radius: float, longest: float
 ) -> Point | None:
-    """The farthest place that a straight way over free ground leads to.
+    """The farthest place on a straight line over free ground.
 
     Args:
         grid: The map.
-        x: Of the robot in `map` [m].
-        y: Likewise [m].
+        x: The robot's position in `map` [m].
+        y: The same [m].
         theta: Its heading [rad].
         radius: The robot's, with the margin it must keep [m].
-        longest: No farther than this [m].
+        longest: Largest distance [m].
 
     Returns:
-        None if that is nearer than SHORTEST.
+        The place; None: it is nearer than SHORTEST.
     """
     steps = np.arange(0.0, longest + grid.resolution, grid.resolution)
     rows = np.floor((y + steps * math.sin(theta) - grid.origin_y) / grid.resolution).astype(np.intp)
@@ -52,7 +52,7 @@ def straight_ahead(
     inside &= (columns >= 0) & (columns < grid.width_cells)
     steps, rows, columns = steps[inside], rows[inside], columns[inside]
     away = clearance(grid.occupied, grid.resolution, radius + grid.resolution)[rows, columns]
-    # The robot stands where it stands, whatever the map says of that.
+    # The robot's own place is free, even if the map says otherwise.
     closed = (steps > radius) & ((away < radius) | ~grid.free[rows, columns])
     way = steps[: int(closed.argmax())] if closed.any() else steps
     if not len(way) or way[-1] < SHORTEST:

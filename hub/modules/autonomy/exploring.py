@@ -12,7 +12,7 @@ from hub.grids.frontiers import Frontier, edge_cells, frontiers
 from hub.grids.grid import Grid
 from hub.grids.reach import standing_ground, ways
 from hub.modules.autonomy import base_line
-from hub.modules.autonomy.errands import End, Pause, Sight, Target
+from hub.modules.autonomy.autonomy_task import End, Pause, Sight, Target
 from hub.modules.autonomy.novelty import Limits, Novelty
 
 SHORTEST = 0.3
@@ -135,7 +135,7 @@ class Explore:
         beyond: list[Frontier] = []
         if self._novelty.over(sight.now) and not self._last_looks:
             self._last_looks = True
-            self._novelty.begin_anew(sight.now)
+            self._novelty.restart(sight.now)
         if self._last_looks or not left:
             beyond = self._beyond(sight, sight.grid, near)
         if (not beyond and (self._last_looks or not left)) or self._novelty.over(sight.now):

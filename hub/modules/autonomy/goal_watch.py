@@ -1,4 +1,4 @@
-"""What became of the goal that navigation was sent; pure."""
+"""Tracks the goal that was sent to navigation; pure."""
 
 from __future__ import annotations
 
@@ -6,34 +6,34 @@ import enum
 import math
 
 from hub.gcm.navigation import Cause, NavigationStatus, Task
-from hub.modules.autonomy.errands import Target
+from hub.modules.autonomy.autonomy_task import Target
 
 ACCEPTED_S = 1.5
-"""Navigation has to have taken a goal after this time [s]."""
+"""Time in which navigation must accept a goal [s]."""
 SENDINGS = 3
-"""So often a goal is sent before navigation is taken to be deaf."""
+"""Number of tries to send a goal."""
 LONGEST_S = 180.0
-"""A goal that the robot comes no nearer to for this time counts as blocked [s]."""
+"""A goal is blocked after this time without headway [s]."""
 NEARER = 0.1
-"""Coming nearer by this is headway [m]."""
+"""Headway: the robot came nearer by this [m]."""
 AT_ONCE_S = 1.0
-"""A goal that ended sooner than this was not begun [s]."""
+"""A goal that ended sooner was not begun [s]."""
 
 
 class Outcome(enum.Enum):
-    """What became of a goal.
+    """The state of a goal.
 
     Attributes:
         NONE: There is none.
-        SENT: Navigation has not said that it has it.
-        GOING: It is under way.
-        REACHED: It is there.
-        BLOCKED: It could not get there.
-        CANCELLED: Somebody ended it.
-        GIVEN_UP: Navigation could not steer for too long.
-        REPLACED: Somebody sent navigation elsewhere.
-        UNHEARD: Navigation has not taken it in time.
-        LOST: Navigation knows nothing of it any more, or could not begin it.
+        SENT: Navigation has not accepted it yet.
+        GOING: Navigation drives to it.
+        REACHED: The robot is there.
+        BLOCKED: There is no path to it.
+        CANCELLED: An operator or another client ended it.
+        GIVEN_UP: Navigation was held for too long.
+        REPLACED: Another client sent another goal.
+        UNHEARD: Navigation has not accepted it in time.
+        LOST: Navigation restarted, or could not begin it.
     """
 
     NONE = enum.auto()
@@ -62,10 +62,10 @@ class GoalWatch:
     """Follows one goal from its sending to its end.
 
     Attributes:
-        target: The goal; None if there is none.
-        left: Points of it that are left.
-        distance: Length of the way that is left [m]; NaN: not known.
-        why: What navigation says of its end, or of what it waits for.
+        target: The goal; None: there is none.
+        left: Number of its points that are left.
+        distance: Length of the path that is left [m]; NaN: not known.
+        why: Navigation's reason for its end or its wait.
         cause: The same for programs.
     """
 
@@ -83,7 +83,7 @@ class GoalWatch:
         self._number = -1
 
     def send(self, target: Target, now: float) -> None:
-        """This goal is sent now."""
+        """Note that this goal is sent now."""
         again = target is self.target and self._outcome in (Outcome.SENT, Outcome.UNHEARD)
         self._sendings = self._sendings + 1 if again else 1
         self.target, self.left = target, len(target.points)
@@ -92,13 +92,13 @@ class GoalWatch:
         self._outcome, self._after, self._sent = Outcome.SENT, self._number, now
 
     def forget(self) -> None:
-        """There is no goal any more."""
+        """Drop the goal."""
         self.target = None
         self.distance, self.why, self.cause = math.nan, "", Cause.NONE
         self._outcome = Outcome.NONE
 
     def heard(self, status: NavigationStatus, now: float, *, mine: bool) -> None:
-        """Navigation says what it does; `mine`: the task it speaks of is or was ours."""
+        """Take the status of navigation; `mine`: its task comes from autonomy."""
         self._number = status.number
         if self._outcome not in (Outcome.SENT, Outcome.GOING):
             return
@@ -114,7 +114,7 @@ class GoalWatch:
             self._outcome = Outcome.LOST
 
     def outcome(self, now: float) -> Outcome:
-        """What became of it, at `now` [s]."""
+        """The state of the goal at `now` [s]."""
         waited = now - self._sent
         if self._outcome is Outcome.SENT and waited > ACCEPTED_S:
             return Outcome.UNHEARD
@@ -124,12 +124,12 @@ class GoalWatch:
 
     @property
     def may_send_again(self) -> bool:
-        """Whether a goal that was not taken is worth another sending."""
+        """Whether to send a goal again that was not accepted."""
         return self._sendings < SENDINGS
 
 
 def _outcome_of(status: NavigationStatus) -> Outcome:
-    """What became of a goal of which navigation says this."""
+    """The state of a goal by this status of navigation."""
     if status.task is Task.CANCELLED and status.cause in (Cause.BUSY, Cause.DRIVER):
         return Outcome.LOST if status.seconds < AT_ONCE_S else Outcome.GIVEN_UP
     return _OUTCOMES[status.task]

@@ -1,4 +1,4 @@
-"""Whether exploring still brings anything new; pure."""
+"""Detects that exploring finds no new ground any more; pure."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from hub.robots.description import (
 )
 
 LEAST_WAY = 2.0
-"""Nothing new says nothing of a robot that drove less than this [m]."""
+"""Least distance driven without new ground [m]."""
 LEAST_PLACES = 2
-"""Nor of one that set out for fewer places: the way to the first may be long and known."""
+"""Least number of targets without new ground: the path to the first may be long and known."""
 LOST = 0.5
-"""A map with less than this share of the free ground before is another one: it was cleared."""
+"""A map with less than this share of the earlier free ground was cleared."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,9 +24,9 @@ class Limits:
     """When exploring ends although frontiers are left.
 
     Attributes:
-        seconds: Nothing new came for so long [s].
-        share: Nothing new: the ground that the robot can reach grew by less than this share.
-        longest: The robot is back at its start after this time, if the way back allows it [s].
+        seconds: Time without new ground [s].
+        share: New ground: the ground that the robot can reach grew by at least this share.
+        longest: Time after which the robot is back at its start, if the path back allows it [s].
     """
 
     seconds: float = NOTHING_NEW_S
@@ -35,18 +35,18 @@ class Limits:
 
 
 class Novelty:
-    """Follows how the ground grows that the robot can reach and fits on.
+    """Tracks the area that the robot can reach and fits on.
 
-    Each time it has grown by the share, counting begins anew. Drift can make it shrink and come
-    back; only what is more than ever before is new. Other free ground does not count: sensors that
-    look through walls make ever more of it.
+    The time restarts each time the area has grown by the share. Drift can make it shrink and grow
+    back, so only a new maximum counts. Other free ground does not count: sensors that see through
+    walls make more and more of it.
     """
 
     def __init__(self, limits: Limits) -> None:
-        """Begin with the first look.
+        """Start with the first map.
 
         Args:
-            limits: When it is enough.
+            limits: When exploring ends.
         """
         self.limits = limits
         self._ground = self._free = 0.0
@@ -56,13 +56,13 @@ class Novelty:
         self._places = 0
 
     def look(self, ground: float, free: float, x: float, y: float, now: float) -> bool:
-        """See the map; whether there is something new in it.
+        """Take a map; returns whether it has new ground.
 
         Args:
-            ground: What the robot can reach and fits on [m^2].
-            free: All free ground, which shows whether it is still the same map [m^2].
-            x: Of the robot in `map` [m].
-            y: Likewise [m].
+            ground: Area that the robot can reach and fits on [m^2].
+            free: All free ground, which shows whether the map was cleared [m^2].
+            x: The robot's position in `map` [m].
+            y: The same [m].
             now: Monotonic time [s].
         """
         if self._place is not None:
@@ -73,19 +73,19 @@ class Novelty:
         self._free = free if cleared else max(free, self._free)
         if first or cleared or ground > self._ground * (1.0 + self.limits.share):
             self._ground = ground
-            self.begin_anew(now)
+            self.restart(now)
             return True
         return False
 
-    def begin_anew(self, now: float) -> None:
-        """Count from now on."""
+    def restart(self, now: float) -> None:
+        """Restart the time."""
         self._since, self._way, self._places = now, 0.0, 0
 
     def set_out(self) -> None:
-        """The robot is sent to a place."""
+        """Note that the robot is sent to a place."""
         self._places += 1
 
     def over(self, now: float) -> bool:
-        """Whether nothing new came for long enough, although the robot drove."""
+        """Whether the robot drove long enough without new ground."""
         drove = self._way >= LEAST_WAY and self._places >= LEAST_PLACES
         return drove and now - self._since >= self.limits.seconds

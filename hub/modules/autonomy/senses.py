@@ -1,4 +1,4 @@
-"""What is known of the robot, of navigation and of the map, and whether it is fresh; pure."""
+"""The newest state of the robot, of navigation and of the map, with their ages; pure."""
 
 from __future__ import annotations
 
@@ -8,25 +8,25 @@ from hub.gcm.navigation import MotionState, NavigationStatus, RobotState, Task
 from hub.grids.grid import Grid
 
 STATE_OLD_S = 1.0
-"""An older state of the robot is of no use [s]."""
+"""Largest age of the robot's state [s]."""
 NAVIGATION_OLD_S = 1.6
-"""Navigation says twice a second what it does; after this time it counts as gone [s]."""
+"""Largest age of navigation's status, which comes at 2 Hz [s]."""
 STICK_S = 0.3
-"""After a velocity command somebody drives for this time, whatever navigation says [s]."""
+"""After a velocity command an operator drives for this time, with any status of navigation [s]."""
 MAP_OLD_S = 15.0
-"""An older map is of no use [s]."""
+"""Largest age of the map [s]."""
 MAP_PERIOD_S = 2.0
-"""How often a map is asked for while one is needed [s]."""
+"""Time between two requests of a map [s]."""
 
 _NEVER = -math.inf
 
 
 class Senses:
-    """The newest of everything, with its time.
+    """The newest data, with their times.
 
     Attributes:
-        state: What is known of the robot.
-        status: What navigation does.
+        state: The state of the robot.
+        status: The status of navigation.
         grid: The map.
         map_number: Counts the maps.
     """
@@ -42,30 +42,30 @@ class Senses:
         self._no_map = "no map has come yet"
 
     def see_robot(self, state: RobotState, measured: float) -> None:
-        """A state of the robot, measured then [s]."""
+        """Take a state of the robot, measured at that time [s]."""
         if math.isfinite(state.x) and math.isfinite(state.y):
             self.state, self._measured = state, measured
 
     def see_navigation(self, status: NavigationStatus, now: float) -> None:
-        """Navigation says what it does."""
+        """Take a status of navigation."""
         self.status, self._heard = status, now
 
     def see_stick(self, now: float) -> None:
-        """Somebody sent a velocity that is not neutral."""
+        """Note a command to move by an operator."""
         self._stick = now
 
     def see_map(self, grid: Grid, now: float) -> None:
-        """A map came."""
+        """Take a map."""
         self.grid, self._mapped = grid, now
         self.map_number += 1
         self._no_map = "the map is old"
 
     def miss_map(self, why: str) -> None:
-        """A map was asked for and did not come."""
+        """Note that a request of a map failed."""
         self._no_map = f"no map: {why}"
 
     def trouble(self, now: float, *, needs_map: bool) -> str:
-        """Why the robot must not drive by itself at `now` [s], for people; empty: it may."""
+        """Why autonomy must not drive at `now` [s], for people; empty: it may."""
         if self.state is None:
             return "nothing is known of the robot"
         if now - self._measured > STATE_OLD_S:
@@ -79,7 +79,7 @@ class Senses:
         return ""
 
     def driven(self, now: float) -> bool:
-        """Whether somebody drives by hand at `now` [s], as far as is known."""
+        """Whether an operator drives at `now` [s]."""
         if now - self._stick <= STICK_S:
             return True
         fresh = now - self._measured <= STATE_OLD_S
@@ -89,5 +89,5 @@ class Senses:
 
     @property
     def under_way(self) -> bool:
-        """Whether navigation is on its way by itself, for anybody."""
+        """Whether navigation has an active task of any sender."""
         return self.status is not None and self.status.task in (Task.GOING, Task.TURNING)

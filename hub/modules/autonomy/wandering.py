@@ -1,4 +1,4 @@
-"""The errand of wandering: drives about where there is room; pure."""
+"""The task of wandering: drives to random places with room; pure."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ import numpy as np
 from hub.gcm.navigation import Point
 from hub.grids.costs import Caution, crossing
 from hub.grids.wavefront import spread
-from hub.modules.autonomy.errands import NOWHERE, End, Pause, Sight, Target
+from hub.modules.autonomy.autonomy_task import NOWHERE, End, Pause, Sight, Target
 
 NEAREST = 1.0
 FARTHEST = 4.0
-"""Ways to the places it goes to are between these two long [m]."""
+"""Least and largest length of the path to a place [m]."""
 PATIENCE_S = 1.0
-"""Where the map shows no way any more another place will do after this time [s]."""
+"""A place without a path on the map is replaced after this time [s]."""
 TRIES = 8
-"""So often in turn it may be blocked."""
+"""Largest number of blocked places in a row."""
 
 
 class Wander:
-    """Goes to places near by that it draws by lot; the same seed and maps give the same places.
+    """Goes to random places nearby; the same seed and maps give the same places.
 
     Attributes:
         needs_map: True.
@@ -30,11 +30,11 @@ class Wander:
     """
 
     def __init__(self, radius: float, seed: int) -> None:
-        """Get ready.
+        """Start.
 
         Args:
             radius: The robot's, with the margin it must keep [m].
-            seed: Of the lots.
+            seed: Of the random choices.
         """
         self.needs_map = True
         self.frontier_m = self.explored = NOWHERE
@@ -43,7 +43,7 @@ class Wander:
         self._blocked = 0
 
     def choose(self, sight: Sight) -> Target | Pause | End:
-        """A free place that can be reached over known ground."""
+        """Choose a free place that can be reached over known ground."""
         if self._blocked >= TRIES:
             return End(why=f"there is no way, tried {TRIES} places", done=False)
         here = (sight.x, sight.y)
@@ -55,7 +55,7 @@ class Wander:
         factors = crossing(wide, start, caution)
         ways = spread(factors, start) * wide.resolution
         ways[factors > 1.0] = math.inf  # only the robot's way out of a tight place
-        # Rather near than nowhere: a small room has no places that are far off.
+        # A near place is better than none: a small room has no distant places.
         for nearest in (NEAREST, self._radius):
             places = np.argwhere((ways >= nearest) & (ways <= FARTHEST))
             if len(places):
@@ -70,11 +70,11 @@ class Wander:
         return True
 
     def reached(self, target: Target, now: float) -> None:
-        """It gets about."""
+        """Reset the number of blocked places."""
         del target, now
         self._blocked = 0
 
     def blocked(self, target: Target, left: int, now: float, why: str) -> None:
-        """Another place may do."""
+        """Count a blocked place."""
         del target, left, now, why
         self._blocked += 1

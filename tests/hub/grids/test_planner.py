@@ -47,7 +47,7 @@ def crossed(grid: Grid, way: Way) -> set[tuple[int, int]]:
 
 
 @st.composite
-def errands(draw: st.DrawFn) -> tuple[Grid, tuple[int, int], tuple[int, int]]:
+def tasks(draw: st.DrawFn) -> tuple[Grid, tuple[int, int], tuple[int, int]]:
     """A map, and two cells of it."""
     grid = draw(maps(walls=0.15))
 
@@ -58,7 +58,7 @@ def errands(draw: st.DrawFn) -> tuple[Grid, tuple[int, int], tuple[int, int]]:
     return grid, cell(), cell()
 
 
-@given(errands(), st.floats(0.0, 0.25))
+@given(tasks(), st.floats(0.0, 0.25))
 def test_a_way_keeps_off_obstacles(
     task: tuple[Grid, tuple[int, int], tuple[int, int]], radius: float
 ) -> None:
@@ -77,7 +77,7 @@ def test_a_way_keeps_off_obstacles(
         assert not inside or distance[cell] >= radius or near_start
 
 
-@given(errands())
+@given(tasks())
 def test_a_way_costs_hardly_more_than_the_cheapest(
     task: tuple[Grid, tuple[int, int], tuple[int, int]],
 ) -> None:

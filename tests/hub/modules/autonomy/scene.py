@@ -18,7 +18,7 @@ from hub.gcm.navigation import (
     Task,
 )
 from hub.grids.grid import Grid
-from hub.modules.autonomy.pilot import Pilot
+from hub.modules.autonomy.autonomy_driver import AutonomyDriver
 
 STEP = 0.1
 RADIUS = 0.25
@@ -39,7 +39,7 @@ class Scene:
 
     def __init__(self, seed: int = 1) -> None:
         self.now = 100.0
-        self.pilot = Pilot(radius=RADIUS, seed=seed)
+        self.pilot = AutonomyDriver(radius=RADIUS, seed=seed)
         self.x = self.y = 0.0
         self.theta = 1.0  # it has turned, so that exploring begins without a base line
         self.motion = MotionState.STANDING

@@ -14,8 +14,8 @@ from hub.grids.clearance import clearance
 from hub.grids.frontiers import Frontier
 from hub.grids.grid import Grid
 from hub.grids.planner import line_cost, plan
+from hub.modules.autonomy.autonomy_task import Sight, Target
 from hub.modules.autonomy.base_line import LONGEST, straight_ahead
-from hub.modules.autonomy.errands import Sight, Target
 from hub.modules.autonomy.exploring import (
     ARRIVED,
     AT_HOME,

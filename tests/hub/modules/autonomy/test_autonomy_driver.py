@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 
 from hub.gcm.autonomy import Behaviour, DrivingMode, Phase
 from hub.gcm.navigation import Cause, MotionState, Task
-from hub.modules.autonomy.goal_watch import ACCEPTED_S, LONGEST_S, SENDINGS
-from hub.modules.autonomy.pilot import (
+from hub.modules.autonomy.autonomy_driver import (
     FARTHEST_POINT,
     JUMP,
     LET_GO_S,
@@ -20,6 +19,7 @@ from hub.modules.autonomy.pilot import (
     PATIENCE_S,
     STALL_S,
 )
+from hub.modules.autonomy.goal_watch import ACCEPTED_S, LONGEST_S, SENDINGS
 from hub.modules.autonomy.senses import MAP_OLD_S, NAVIGATION_OLD_S, STATE_OLD_S
 from tests.hub.modules.autonomy.scene import STEP, Scene
 

@@ -1,9 +1,17 @@
-"""What the robot does by itself, under the operator, given what is known and the time; pure.
+"""Runs the task of autonomy, below the operator; pure: state and time are passed in.
 
-A command starts an errand. The errand gives targets, which navigation is sent to one at a time.
-Whatever an operator does ends it: a velocity command that is not neutral, a stop, a goal of
-somebody else. While something that has to be known is old or missing the robot stands; when it
-comes back within a minute the errand goes on, otherwise it ends.
+| state | event | action |
+| --- | --- | --- |
+| any | a command with a behaviour | begin its task |
+| any | a command HOLD | end the task |
+| task | an operator drives, after `LET_GO_S` | end the task: taken over |
+| task | another client sends a goal, or gets control | end the task: taken over |
+| task | a stop | end the task: stopped |
+| task | robot, map or navigation is silent or old | stand and wait |
+| waiting | all is fresh again | go on, if the robot was neither stopped nor moved |
+| waiting | `PATIENCE_S` is over | end the task: lost |
+| task | the robot loses its place | end the task: lost |
+| task | the target is reached or blocked | report it to the task, which chooses the next target |
 """
 
 from __future__ import annotations
@@ -22,7 +30,7 @@ from hub.gcm.navigation import (
     RobotState,
 )
 from hub.grids.grid import Grid
-from hub.modules.autonomy.errands import NOWHERE, End, Errand, Sight, Target, Visit
+from hub.modules.autonomy.autonomy_task import NOWHERE, AutonomyTask, End, Sight, Target, Visit
 from hub.modules.autonomy.exploring import Explore
 from hub.modules.autonomy.goal_watch import GoalWatch, Outcome
 from hub.modules.autonomy.novelty import Limits
@@ -31,37 +39,37 @@ from hub.modules.autonomy.wandering import Wander
 
 MOST_POINTS = 100
 FARTHEST_POINT = 1000.0
-"""Points farther from the origin of `map` are not gone to [m]."""
+"""Largest coordinate of a point in `map` [m]."""
 START = Point(x=0.0, y=0.0)
-"""Where the robot started: the origin of `odom`, which `map` shares."""
+"""The robot's start: the origin of `odom` and of `map`."""
 LET_GO_S = 1.0
-"""After a command the operator has this time to let go of the stick [s]."""
+"""Time after a command in which the operator may still release the stick [s]."""
 PATIENCE_S = 60.0
-"""So long an errand waits for what it has to know [s]."""
+"""Longest time that a task waits for fresh data [s]."""
 STALL_S = 0.5
-"""A longer pause between two looks means that this process itself was away [s]."""
+"""A longer time between two calls means that this process itself paused [s]."""
 SETTLE_S = 0.3
-"""What came meanwhile reaches this process within this time after it [s]."""
+"""Messages from such a pause are read within this time [s]."""
 JUMP = 0.5
-"""A robot that is farther than this from where it was before it fell silent is lost [m]."""
+"""A robot that moved farther than this during its silence is lost [m]."""
 LOOK_S = 0.5
-"""At the end of a way the sensors have this time to see what is there [s]."""
+"""Time for the sensors at the end of a path [s]."""
 STOP_AGAIN_S = 0.5
-"""A stop is sent again after this time if navigation goes on [s]."""
+"""Time until a stop is sent again, if navigation goes on [s]."""
 
 _TAKEN_OVER = "the operator took over"
 _OVER = (Outcome.REACHED, Outcome.BLOCKED, Outcome.LOST)
 
 
-class Pilot:
-    """Decides where navigation is sent; every method gets the present monotonic time [s]."""
+class AutonomyDriver:
+    """Decides on the goals of navigation; every method gets the present monotonic time [s]."""
 
     def __init__(self, *, radius: float, seed: int, limits: Limits | None = None) -> None:
-        """Hold.
+        """Start without a task.
 
         Args:
             radius: The robot's, with the margin it must keep [m].
-            seed: Of what is drawn by lot.
+            seed: Of random choices.
             limits: When exploring ends although frontiers are left.
         """
         self._radius = radius
@@ -70,7 +78,7 @@ class Pilot:
         self._senses = Senses()
         self._watch = GoalWatch()
         self._behaviour = Behaviour.HOLD
-        self._errand: Errand | None = None
+        self._task: AutonomyTask | None = None
         self._why = "nobody has asked for anything"
         self._phase = Phase.IDLE
         self._asked, self._commands = Behaviour.HOLD, 0
@@ -81,24 +89,24 @@ class Pilot:
         self._commanded = self._asked_map = self._stopped = -math.inf
         self._waits_since: float | None = None
         self._map_used = self._map_left = 0
-        self._under_way_for_us = self._stop_due = self._sent_elsewhere = False
+        self._drives_for_autonomy = self._stop_due = self._sent_elsewhere = False
         self._interrupted = False
         self._number = -1
 
     # What comes in.
 
     def command(self, command: AutonomyCommand, now: float) -> None:
-        """Somebody wants a behaviour."""
+        """Take a command."""
         self._stop_due = self._watch.target is not None
         self._watch.forget()
         self._commanded, self._waits_since = now, None
-        # What somebody else had navigation do before gives way to the command.
+        # The command replaces an earlier goal of another client.
         self._number = self._senses.status.number if self._senses.status else -1
         self._sent_elsewhere = self._interrupted = False
         self._asked_map = -math.inf
         wrong = _mistake(command)
         if command.behaviour is Behaviour.HOLD and not wrong:
-            self._end(Phase.IDLE if self._errand is None else Phase.STOPPED, "asked to hold", now)
+            self._end(Phase.IDLE if self._task is None else Phase.STOPPED, "asked to hold", now)
             return
         self._asked, self._began, self._explored = command.behaviour, now, NOWHERE
         self._commands += 1
@@ -106,24 +114,20 @@ class Pilot:
             self._end(Phase.REFUSED, wrong, now)
             return
         self._behaviour, self._phase, self._ended = command.behaviour, Phase.ACTIVE, math.nan
-        self._errand = self._errand_of(command.behaviour, command.points)
+        self._task = self._task_of(command.behaviour, command.points)
         self._why = "begins"
 
     def see_robot(self, state: RobotState, measured: float) -> None:
-        """What is known of the robot, measured then [s]."""
+        """Take the state of the robot, measured at that time [s]."""
         before = self._senses.state
         self._senses.see_robot(state, measured)
-        if (
-            self._errand is not None
-            and before is not None
-            and 0 != before.frame != state.frame != 0
-        ):
+        if self._task is not None and before is not None and 0 != before.frame != state.frame != 0:
             self._end(Phase.LOST, "the robot has lost its place", measured)
             self._stop_due = self._watch.target is not None
             self._watch.forget()
         ready = before is not None and before.motion is not MotionState.STOPPED
         between = self._watch.target is None and not self._interrupted
-        # A stop may reach navigation alone, which says so of a goal. One before a command is past.
+        # A stop may reach navigation alone. A stop from before the command does not count.
         if (
             state.motion is MotionState.STOPPED
             and ready
@@ -133,80 +137,80 @@ class Pilot:
             self.see_stop("navigation got a stop", measured)
 
     def see_navigation(self, status: NavigationStatus, now: float, *, mine: bool) -> None:
-        """What navigation does; `mine`: the task is or was ours."""
+        """Take the status of navigation; `mine`: its task comes from autonomy."""
         self._senses.see_navigation(status, now)
         self._watch.heard(status, now, mine=mine)
         under_way = self._senses.under_way
-        self._under_way_for_us = mine and under_way
+        self._drives_for_autonomy = mine and under_way
         self._number = min(self._number, status.number)
         self._sent_elsewhere = under_way and not mine and status.number > self._number
 
     def see_map(self, grid: Grid, now: float) -> None:
-        """The newest map."""
+        """Take the newest map."""
         self._senses.see_map(grid, now)
 
     def miss_map(self, why: str) -> None:
-        """There is no map: nobody has one, or it is damaged."""
+        """Note that there is no map, or that it is damaged."""
         self._senses.miss_map(why)
 
     def see_stick(self, now: float) -> None:
-        """Somebody else sent a velocity that is not neutral."""
+        """Note that another client commanded a motion."""
         self._senses.see_stick(now)
 
     def see_stop(self, reason: str, now: float) -> None:
-        """Somebody sent a stop; navigation has got it too."""
-        if self._errand is not None:
+        """Take a stop, which navigation gets too."""
+        if self._task is not None:
             self._end(Phase.STOPPED, f"stopped: {reason or 'no reason given'}", now)
             self._watch.forget()
 
     def see_other(self, why: str, now: float) -> None:
-        """Somebody else has control than before; who gets it gets a robot at rest."""
-        if self._errand is not None:
+        """Note a new owner of control, who gets a robot at rest."""
+        if self._task is not None:
             self._give_way(why, now)
 
     # What goes out.
 
     def wants_map(self, now: float) -> bool:
-        """Whether a map should be asked for now; true once for each time it should."""
-        needed = self._errand is not None and self._errand.needs_map
+        """Whether to request a map now; true once for each request."""
+        needed = self._task is not None and self._task.needs_map
         if not needed or now - self._asked_map < MAP_PERIOD_S:
             return False
         self._asked_map = now
         return True
 
     def act(self, now: float) -> GoalCommand | None:
-        """What navigation has to be sent now; a goal without points has it stand."""
-        if self._errand is not None:
-            self._see_who_drives(now)
-        if self._errand is None:
+        """The goal to send to navigation now; a goal without points stops it."""
+        if self._task is not None:
+            self._check_for_takeover(now)
+        if self._task is None:
             return self._stop(now)
-        if self._was_away(now):
+        if self._has_paused(now):
             return None
-        trouble = self._senses.trouble(now, needs_map=self._errand.needs_map)
+        trouble = self._senses.trouble(now, needs_map=self._task.needs_map)
         if not trouble and self._senses.driven(now):
             trouble = "the operator still drives"
         if trouble:
             return self._wait(trouble, now)
         self._waits_since = None
         if self._interrupted:
-            self._look_what_happened(now)
+            self._check_after_wait(now)
         self._interrupted, self._left_at = False, None
-        if self._errand is not None:
-            self._judge(self._errand, now)
-        if self._errand is None:
+        if self._task is not None:
+            self._judge(self._task, now)
+        if self._task is None:
             return self._stop(now)
-        return self._go(self._errand, now)
+        return self._go(self._task, now)
 
     def state(self, now: float) -> AutonomyState:
-        """What it does, and why."""
-        errand, target = self._errand, self._watch.target
-        goal = target.points[-1] if target is not None and errand is not None else None
+        """The state for the bus."""
+        task, target = self._task, self._watch.target
+        goal = target.points[-1] if target is not None and task is not None else None
         if self._senses.driven(now):
             pilot = autonomy.DrivingMode.OPERATOR
         else:
-            ours = self._under_way_for_us
-            pilot = autonomy.DrivingMode.AUTONOMY if ours else autonomy.DrivingMode.NOBODY
-        over = errand is None
+            drives = self._drives_for_autonomy
+            pilot = autonomy.DrivingMode.AUTONOMY if drives else autonomy.DrivingMode.NOBODY
+        over = task is None
         waits = not over and bool(self._watch.why) and self._watch.cause is not Cause.NONE
         until = self._ended if over else now
         return AutonomyState(
@@ -214,12 +218,12 @@ class Pilot:
             pilot=pilot,
             x=goal.x if goal else NOWHERE,
             y=goal.y if goal else NOWHERE,
-            frontier_m=errand.frontier_m if errand else NOWHERE,
+            frontier_m=task.frontier_m if task else NOWHERE,
             why=self._watch.why if waits else self._why,
             phase=Phase.WAITING if waits else self._phase,
             asked=self._asked,
             number=self._commands,
-            explored=errand.explored if errand else self._explored,
+            explored=task.explored if task else self._explored,
             distance_m=self._watch.distance if goal else NOWHERE,
             seconds=until - self._began if math.isfinite(until - self._began) else 0.0,
             ended_s=now - self._ended if over else NOWHERE,
@@ -227,7 +231,7 @@ class Pilot:
 
     # Inside.
 
-    def _errand_of(self, behaviour: Behaviour, points: Sequence[Point]) -> Errand:
+    def _task_of(self, behaviour: Behaviour, points: Sequence[Point]) -> AutonomyTask:
         if behaviour is Behaviour.EXPLORE:
             return Explore(self._radius, self._limits)
         if behaviour is Behaviour.WANDER:
@@ -240,17 +244,17 @@ class Pilot:
         return Visit(tuple(points), f"follows {len(points)} points")
 
     def _end(self, phase: Phase, why: str, now: float) -> None:
-        """The errand is over, or is not begun."""
-        if self._errand is not None:
-            self._explored = self._errand.explored
+        """End the task, or refuse a command."""
+        if self._task is not None:
+            self._explored = self._task.explored
         if phase is not Phase.IDLE:
             self._ended = now
-        self._behaviour, self._errand, self._why = Behaviour.HOLD, None, why
+        self._behaviour, self._task, self._why = Behaviour.HOLD, None, why
         self._phase = phase
         self._waits_since = self._left_at = None
 
-    def _see_who_drives(self, now: float) -> None:
-        """An operator comes first: whoever has taken over keeps the robot."""
+    def _check_for_takeover(self, now: float) -> None:
+        """End the task if an operator or another client has taken over."""
         outcome = self._watch.outcome(now)
         if outcome is Outcome.REPLACED or self._sent_elsewhere:
             self._give_way("somebody else sent the robot elsewhere", now)
@@ -268,15 +272,15 @@ class Pilot:
         self._end(phase, why, now)
         self._watch.forget()
 
-    def _was_away(self, now: float) -> bool:
-        """Whether this process was away a moment ago: what it missed is on its way to it."""
+    def _has_paused(self, now: float) -> bool:
+        """Whether this process paused just before, so that messages are not read yet."""
         if math.isfinite(self._acted) and now - self._acted > STALL_S:
             self._back = now
         self._acted = now
         return now - self._back < SETTLE_S
 
     def _wait(self, trouble: str, now: float) -> GoalCommand | None:
-        """Stand until what is missing has come, but not for ever."""
+        """Stand until the data is fresh again, at most `PATIENCE_S`."""
         if self._waits_since is None:
             self._waits_since = now
             state = self._senses.state
@@ -290,8 +294,8 @@ class Pilot:
         self._watch.forget()
         return self._stop(now, surely=had_goal)
 
-    def _look_what_happened(self, now: float) -> None:
-        """End the errand if the robot was stopped or moved while little was known of it."""
+    def _check_after_wait(self, now: float) -> None:
+        """End the task if the robot was stopped or moved during its silence."""
         state = self._senses.state
         if state is None:
             return
@@ -301,33 +305,33 @@ class Pilot:
             self._end(Phase.LOST, "the robot is not where it was before it fell silent", now)
 
     def _stop(self, now: float, *, surely: bool = False) -> GoalCommand | None:
-        """Have navigation stand, if it is on its way for us."""
-        due = self._under_way_for_us and now - self._stopped >= STOP_AGAIN_S
+        """Stop navigation, if it drives for autonomy."""
+        due = self._drives_for_autonomy and now - self._stopped >= STOP_AGAIN_S
         if not (surely or due or self._stop_due):
             return None
         self._stopped, self._stop_due = now, False
         return GoalCommand()
 
-    def _judge(self, errand: Errand, now: float) -> None:
-        """Draw the consequences of what became of the goal."""
+    def _judge(self, task: AutonomyTask, now: float) -> None:
+        """Report the outcome of the goal to the task."""
         outcome, target = self._watch.outcome(now), self._watch.target
         if target is None:
             return
         if outcome is Outcome.REACHED:
-            errand.reached(target, now)
+            task.reached(target, now)
         elif outcome is Outcome.BLOCKED:
-            errand.blocked(target, self._watch.left, now, self._watch.why)
+            task.blocked(target, self._watch.left, now, self._watch.why)
         elif outcome is Outcome.GIVEN_UP:
             self._end(Phase.LOST, self._watch.why, now)
         elif outcome is Outcome.UNHEARD and not self._watch.may_send_again:
             self._end(Phase.LOST, "navigation does not take the goal", now)
-        if outcome in _OVER or self._errand is None:
+        if outcome in _OVER or self._task is None:
             self._watch.forget()
             self._map_left = self._senses.map_number
             self._asked_map = now - MAP_PERIOD_S + LOOK_S
 
-    def _go(self, errand: Errand, now: float) -> GoalCommand | None:
-        """Send navigation to the next target, or leave it on its way."""
+    def _go(self, task: AutonomyTask, now: float) -> GoalCommand | None:
+        """Send navigation to the next target, or keep the present one."""
         state = self._senses.state
         if state is None:
             return None
@@ -341,13 +345,13 @@ class Pilot:
         if target is not None:
             if self._watch.outcome(now) is Outcome.UNHEARD:
                 return self._send(target, now)
-            stays = seen == self._map_used or errand.keeps(target, sight)
+            stays = seen == self._map_used or task.keeps(target, sight)
             self._map_used = seen
             if stays:
                 self._phase, self._why = Phase.ACTIVE, target.why
                 return None
         self._map_used = seen
-        choice = errand.choose(sight)
+        choice = task.choose(sight)
         if isinstance(choice, Target):
             self._phase, self._why = Phase.ACTIVE, choice.why
             return self._send(choice, now)
@@ -367,7 +371,7 @@ class Pilot:
 
 
 def _mistake(command: AutonomyCommand) -> str:
-    """What is wrong with a command, for people; empty: nothing."""
+    """The mistake in a command, for people; empty: none."""
     points, behaviour = command.points, command.behaviour
     if behaviour is Behaviour.GO and len(points) != 1:
         return f"GO takes one point, not {len(points)}"

@@ -1,4 +1,4 @@
-"""What a behaviour wants next, as all behaviours say it, and the one that visits given points."""
+"""The interface of autonomy's tasks, and the task that visits given points."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ NOWHERE = float("nan")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Target:
-    """Where to go next.
+    """The next target.
 
     Attributes:
         points: One after the other, in `map`.
-        why: For people.
-        patience: How long to wait where the way is closed [s]; NaN: as long as navigation does.
+        why: The reason, for people.
+        patience: Time to wait before a closed path [s]; NaN: navigation's default.
     """
 
     points: tuple[Point, ...]
@@ -28,11 +28,11 @@ class Target:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pause:
-    """Stand for a while and ask again.
+    """Stand, and choose again later.
 
     Attributes:
-        why: For people.
-        waits: Whether something has to change first; if not, it only looks around.
+        why: The reason, for people.
+        waits: Whether it waits for a change; if not, it only looks around.
     """
 
     why: str
@@ -41,11 +41,11 @@ class Pause:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class End:
-    """The errand is over.
+    """The end of the task.
 
     Attributes:
         why: How it ended, for people.
-        done: Whether it is done; if not, there was no way.
+        done: Whether it is done; if not, there was no path.
     """
 
     why: str
@@ -54,15 +54,15 @@ class End:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sight:
-    """What an errand may look at.
+    """The input of a task.
 
     Attributes:
-        x: Of the robot in `map` [m].
-        y: Of the robot in `map` [m].
-        grid: The newest map; None if the errand needs none.
-        fresh: Whether the map came after the last target was reached or given up.
+        x: The robot's position in `map` [m].
+        y: The same [m].
+        grid: The newest map; None: the task needs none.
+        fresh: Whether the map came after the end of the last target.
         now: Monotonic time [s].
-        left: Way that navigation has left to the present target [m]; NaN: not known.
+        left: Length of navigation's path to the present target [m]; NaN: not known.
         theta: Heading of the robot in `map` [rad]; NaN: not known.
     """
 
@@ -75,11 +75,11 @@ class Sight:
     theta: float = NOWHERE
 
 
-class Errand(Protocol):
-    """What a behaviour does: it is asked for targets, and told what became of them.
+class AutonomyTask(Protocol):
+    """A task of autonomy: it chooses targets, and gets their outcomes.
 
     Attributes:
-        needs_map: Whether it does nothing without a fresh map.
+        needs_map: Whether it needs a fresh map.
         frontier_m: Length of the map's edge that is left to explore [m]; NaN: it does not explore.
         explored: Share of the edge that needs no exploring, 0 to 1; NaN: it does not explore.
     """
@@ -89,20 +89,20 @@ class Errand(Protocol):
     explored: float
 
     def choose(self, sight: Sight) -> Target | Pause | End:
-        """What to do next."""
+        """The next step."""
 
     def keeps(self, target: Target, sight: Sight) -> bool:
-        """Whether the target is still worth going to, now that there is a newer map."""
+        """Whether to keep the target, given a newer map."""
 
     def reached(self, target: Target, now: float) -> None:
-        """The robot is there."""
+        """The robot has reached the target."""
 
     def blocked(self, target: Target, left: int, now: float, why: str) -> None:
-        """There is no way to the first of so many points that are left, or no headway."""
+        """There is no path to the next point, or no headway; `left` points are left."""
 
 
 class Visit:
-    """Goes to points, one after the other; tries again a few times where it is blocked.
+    """Goes to points, one after the other, with some retries after a blockage.
 
     Attributes:
         needs_map: False: navigation finds the way.
@@ -112,14 +112,14 @@ class Visit:
 
     TRIES = 3
     REST_S = 2.0
-    """Between two tries: whatever stood in the way may have gone [s]."""
+    """Time between two tries, in which an obstacle may go away [s]."""
 
     def __init__(self, points: tuple[Point, ...], why: str) -> None:
-        """Get ready.
+        """Start.
 
         Args:
             points: At least one, in `map`.
-            why: What it does, for people.
+            why: The action, for people.
         """
         self.needs_map = False
         self.frontier_m = self.explored = NOWHERE
@@ -152,7 +152,7 @@ class Visit:
         self._done = True
 
     def blocked(self, target: Target, left: int, now: float, why: str) -> None:
-        """One try less, for the points that are left."""
+        """Count a failed try for the points that are left."""
         self._why = why
         if 0 < left < len(target.points):
             self._target = Target(points=target.points[-left:], why=target.why)
