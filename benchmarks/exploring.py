@@ -111,7 +111,7 @@ class Exploration:
         self.robot.set_velocity(*self._governor.velocity(self.now))
 
     def _act(self) -> None:
-        said = status(self.navigator.errand, self._governor.driver, self.now)
+        said = status(self.navigator.task, self._governor.driver, self.now)
         self.autonomy.see_navigation(said, self.now, mine=said.sender == _OURS)
         if self.autonomy.wants_map(self.now):
             self._later(lambda: self.autonomy.see_map(self.grid(), self.now))
@@ -121,7 +121,7 @@ class Exploration:
 
     def _go(self, goal: GoalCommand) -> None:
         if not goal.points:
-            self.navigator.errand.go(goal, _OURS, self.now)
+            self.navigator.task.go(goal, _OURS, self.now)
             self._governor.end_task()
         elif not self._governor.begin_task(self.now):
             self.navigator.go(goal, _OURS, self.now)
