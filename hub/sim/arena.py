@@ -18,7 +18,7 @@ from hub.sim.building import build
 from hub.sim.geometry import Box, Colour, Cylinder, Side, Surface
 
 SHIPPED = Path(__file__).parent / "arenas"
-"""Where the arenas that come with the hub lie."""
+"""Folder of the arenas that come with the hub."""
 BODY_RADIUS = 0.203
 """Radius of the robot [m], iRobot Magellan Pro."""
 BODY_HEIGHT = 0.45
@@ -88,15 +88,15 @@ class Ring:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Footprints:
-    """What stands in the way of the robot, seen from above.
+    """The obstacles for the robot, seen from above.
 
     Attributes:
         low: Least x, y of each box [m], shape (b, 2).
         high: Greatest x, y of each box [m], shape (b, 2).
         centre: Axis of each cylinder [m], shape (c, 2).
         radius: Radius of each cylinder [m], shape (c,).
-        brightness: How much infrared light each sends back, 0 to 1, boxes first, shape (b + c,).
-        origin: Where each stands in the arena file, boxes first, b + c names.
+        brightness: Share of infrared light that each reflects, 0 to 1, boxes first, shape (b + c,).
+        origin: Place of each in the arena file, boxes first, b + c names.
     """
 
     low: npt.NDArray[np.float64]
@@ -118,18 +118,18 @@ class Footprints:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Arena:
-    """Everything there is; nothing in it moves.
+    """An arena; nothing in it moves.
 
     Attributes:
         name: Its name.
-        start: Where the robot starts, in the arena's frame.
+        start: The robot's start, in the arena's frame.
         boxes: All boxes.
         cylinders: All cylinders.
-        footprints: What the robot can bump into and its range sensors can see.
+        footprints: The obstacles that the robot can touch and its range sensors can see.
         ceiling: Height of the ceiling [m].
-        floor: What the floor looks like.
-        light: How bright it is, 0 (dark) to 1.
-        victims: The persons to be found.
+        floor: The surface of the floor.
+        light: Brightness, 0 (dark) to 1.
+        victims: The persons to find.
         landmarks: The signs.
         rings: The Landolt rings.
     """
@@ -176,7 +176,7 @@ def load_arena(name_or_path: str) -> Arena:
 
 
 def arena_from_spec(spec: ArenaSpec) -> Arena:
-    """Build what a checked file says."""
+    """Build the arena of a checked file."""
     boxes, cylinders, origins = build(spec)
     return Arena(
         name=spec.name,
@@ -249,7 +249,7 @@ def _in_the_way(low: float, high: float) -> bool:
 
 
 def _touched_at_start(arena: Arena) -> list[str]:
-    """What a robot at the start pose would stand in, each place of the file once."""
+    """The obstacles that overlap a robot at the start pose, each place of the file once."""
     distances = arena.footprints.distances(arena.start.x, arena.start.y)
     touched = (arena.footprints.origin[index] for index in np.flatnonzero(distances < BODY_RADIUS))
     return list(dict.fromkeys(touched))

@@ -68,7 +68,7 @@ def read_arena_file(path: Path) -> ArenaSpec:
 
 
 def check_arena(data: Mapping[str, Any]) -> tuple[ArenaSpec | None, list[str]]:
-    """Turn what the file says into a spec; None and all problems where it has mistakes."""
+    """Turn the file's content into a spec; None and all problems if it has mistakes."""
     problems = toml.Problems()
     top = toml.keys_of(ArenaSpec)
     known = [*top, *_TABLES]
@@ -158,7 +158,7 @@ def _wall_problems(wall: WallSpec) -> Iterable[str]:
 
 
 def _check_names(fields: Mapping[str, Any], problems: toml.Problems) -> None:
-    """A name says which victim or landmark is meant, so it stands once."""
+    """Names identify victims and landmarks, so each occurs once."""
     for kind in ("victim", "landmark"):
         seen: set[str] = set()
         for spec in fields[_TABLES[kind].field]:

@@ -34,7 +34,7 @@ ANSWER_S = 3.0
 AGAIN_S = 1.0
 """What is not confirmed is sent again so often [s]."""
 USES = (INTEREST_POINTS.name, POINT_REFUSAL.name, MISSION_STATE.name)
-"""Messages that say what became of a command."""
+"""Messages with the outcome of a command."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,11 +43,11 @@ class _Waiting:
 
     Attributes:
         robot: The robot.
-        command: What was sent.
-        after: The highest number of a point when it was made; a new one will be higher.
-        sheet: The sheet of the map that it is on; 0: not known.
-        since: When it was made [s].
-        sent: When it was sent last [s].
+        command: The command.
+        after: The highest number of a point at that time; a new point gets a higher one.
+        sheet: Its sheet of the map; 0: not known.
+        since: Time of the command [s].
+        sent: Time at which it was last sent [s].
         alarmed: Whether the operator got an alarm that it is not confirmed.
     """
 
@@ -64,10 +64,10 @@ class Confirming:
     """The commands of one widget that are not confirmed."""
 
     def __init__(self, words: Callable[[PointCommand, InterestPoint | None], str]) -> None:
-        """Begin; nothing waits.
+        """Start without commands.
 
         Args:
-            words: Says for the operator what is confirmed.
+            words: Gives the report of a confirmation to the operator.
         """
         self._words = words
         self._waiting: list[_Waiting] = []
@@ -76,7 +76,7 @@ class Confirming:
     def send(
         self, command: PointCommand, robot: RobotState, state: ConsoleState
     ) -> tuple[Effect, ...]:
-        """Send a command, and wait for what becomes of it."""
+        """Send a command, and wait for its confirmation."""
         points = points_of(robot)
         self._waiting.append(
             _Waiting(
@@ -134,7 +134,7 @@ class Confirming:
 
 
 def points_of(robot: RobotState) -> tuple[InterestPoint, ...]:
-    """What is marked on a robot's map, as far as the console knows."""
+    """The marks on a robot's map that the console knows."""
     newest = robot.newest(INTEREST_POINTS)
     return newest.value.points if newest is not None else ()
 

@@ -16,7 +16,7 @@ _USES = (CONTROL_STATE.name,)
 
 
 class TakeControl(OrderWidget):
-    """Takes control of a robot, or asks who has it."""
+    """Takes control of a robot, or asks its owner for it."""
 
     rule: ClassVar = HandlerRule(
         purpose=Purpose.TAKE_CONTROL,
@@ -82,19 +82,19 @@ class ReleaseControl(OrderWidget):
     )
 
     def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
-        """The request; the hub knows whether there is something to give up."""
+        """The request; the hub decides whether the console has control to give up."""
         if standing(robot) is Standing.FREE:
             return (Tell.now(state, owner_words(robot), robot=robot.name),)
         return (ControlEffect(robot=robot.name, action=ControlAction.RELEASE),)
 
 
 class _AnswerRequest(OrderWidget):
-    """Answers who asks for control."""
+    """Answers a request for control."""
 
     action: ClassVar[ControlAction]
 
     def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
-        """The answer, if somebody asks here."""
+        """The answer, if there is a request to this console."""
         control = control_of(robot)
         if standing(robot) is Standing.MINE and control is not None and control.asker:
             return (ControlEffect(robot=robot.name, action=self.action),)
@@ -103,7 +103,7 @@ class _AnswerRequest(OrderWidget):
 
 
 class GrantControl(_AnswerRequest):
-    """Hands control to who asks."""
+    """Hands control to the console that asks."""
 
     action: ClassVar = ControlAction.GRANT
     rule: ClassVar = HandlerRule(
@@ -116,7 +116,7 @@ class GrantControl(_AnswerRequest):
 
 
 class DenyControl(_AnswerRequest):
-    """Keeps control, though somebody asks."""
+    """Refuses a request for control."""
 
     action: ClassVar = ControlAction.DENY
     rule: ClassVar = HandlerRule(

@@ -1,4 +1,4 @@
-"""Widgets for what is marked already: take back, remove, export, and correct the pose by it."""
+"""Widgets for existing marks: take back, remove, export, and correct the pose by them."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from rune_tui.widgets.pointing import PointedWidget
 from rune_tui.widgets.widget import OrderWidget, PressWidget
 
 _FRESH_S = 1.0
-"""A pose that is older says too little about where something is seen now [s]."""
+"""Largest age of the pose for the place of a click [s]."""
 _REMOVED_S = 3.0
 """Time for which a removed point may still be in the last report [s]."""
 _RADIUS: Final = NumberOption(
@@ -82,7 +82,7 @@ class UndoMark(OrderWidget):
 
 
 def _rule(meaning: str, says: str) -> HandlerRule:
-    """What layouts may say of a widget that does something with the mark that is clicked."""
+    """The rule of a widget that acts on the clicked mark."""
     return HandlerRule(
         section=Section.MARK,
         says={"": says},
@@ -252,13 +252,13 @@ def _removal(point: InterestPoint) -> PointCommand:
 
 
 def _removed_words(command: PointCommand, kept: InterestPoint | None) -> str:
-    """What is said of a mark that is removed."""
+    """The report of a removed mark."""
     del kept
     return f"{command.point.kind.name.lower()} {command.point.number} is removed"
 
 
 def _outcome_words(command: PointCommand, kept: InterestPoint | None) -> str:
-    """What is said of a mark that is changed or removed."""
+    """The report of a changed or removed mark."""
     if kept is None:
         return _removed_words(command, kept)
     return f"{kept.kind.name.lower()} {kept.number} is changed"

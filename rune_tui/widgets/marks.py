@@ -29,7 +29,7 @@ _NO_PICTURE: Final = np.empty(0, np.uint8)
 
 
 def _rule(what: str) -> HandlerRule:
-    """What layouts may say of a widget that marks such things."""
+    """The rule of a widget that makes marks of this kind."""
     return HandlerRule(
         section=Section.MARK,
         says={"": f"Mark a {what} there"},
@@ -51,7 +51,7 @@ def _rule(what: str) -> HandlerRule:
 
 
 class _SetMark(PointedWidget):
-    """Marks the place that was clicked, and says whether the robot keeps it."""
+    """Marks the clicked place, and reports whether the robot keeps the mark."""
 
     kind: ClassVar[PointKind]
     purpose: ClassVar[str] = "marked"
@@ -98,7 +98,7 @@ class _SetMark(PointedWidget):
         return self._confirming.send(PointCommand(point=mark), robot, state)
 
     def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
-        """What became of the marks that were sent, and the end of ghosts nobody confirmed."""
+        """The outcomes of sent marks, and the end of ghosts without a second click."""
         ended = [
             ShowGhost(robot=name, ghost=None)
             for name, ghost in state.ghosts.items()
@@ -122,14 +122,14 @@ class SetLandmark(_SetMark):
 
 
 def _marked_words(command: PointCommand, kept: InterestPoint | None) -> str:
-    """What is said of a mark that the robot keeps."""
+    """The report of a mark that the robot keeps."""
     mark = kept or command.point
     where = f"at {mark.x:.1f}, {mark.y:.1f} m"
     return f"{mark.kind.name.lower()} {mark.number} is marked {where}{_sure_words(mark)}"
 
 
 def _sure_words(mark: InterestPoint) -> str:
-    """How far off a mark may be and from how far away it was seen, as far as that is known."""
+    """The error of a mark and its distance at the sighting, if known."""
     off, away = metres_text(mark.uncertainty, 2), metres_text(mark.distance, 1)
     words = f", give or take {off} m" if off else ""
     return f"{words}, seen from {away} m away" if away else words
@@ -141,7 +141,7 @@ def _same(ghost: WorldPoint, place: WorldPoint) -> bool:
 
 
 def picture_at(event: ControlEvent, robot: RobotState) -> npt.NDArray[np.uint8]:
-    """A small picture of what was clicked, a JPEG file; empty if it was not in the video."""
+    """A small picture of the clicked place, a JPEG file; empty: it was not in the video."""
     for hit in event.hits:
         if hit.robot == robot.name and hit.in_picture is not None and robot.picture is not None:
             pixels = robot.picture.value.pixels

@@ -28,9 +28,9 @@ class _PendingMission:
     """A name that was typed before the robot reported its mission.
 
     Attributes:
-        robot: Whose mission is meant.
-        name: What was typed.
-        since: When that was [s].
+        robot: The robot.
+        name: The name.
+        since: Time at which it was typed [s].
     """
 
     robot: str
@@ -106,7 +106,7 @@ class Mission(OrderWidget):
         return (Tell.now(state, text, robot=waiting.robot, alarm=True),)
 
     def _named(self, asked: RobotState) -> _Answer:
-        """Begin a mission, or name the one that began meanwhile; wait where nothing is known."""
+        """Begin a mission, or name the one that began meanwhile; wait if its state is not known."""
 
         def answer(said: str, state: ConsoleState) -> tuple[Effect, ...]:
             robot = state.robots.get(asked.name, asked)

@@ -130,7 +130,7 @@ class Safety(OrderWidget):
     def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
         """The command, and an alarm if it switches the help off.
 
-        What is not known is switched on.
+        If the state is not known, it switches the help on.
         """
         wanted = self.spec.options.word("assistance")
         if wanted == "toggle":

@@ -1,4 +1,4 @@
-"""Widgets that have to know where: a click on the video or on the map."""
+"""Widgets that need a place: a click on the video or on the map."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Widgets for what the camera sends: kind and size of pictures, seeing in the dark."""
+"""Widgets for the camera: kind and size of pictures, and night mode."""
 
 from __future__ import annotations
 

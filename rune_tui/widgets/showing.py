@@ -32,7 +32,7 @@ _VIEWPORT = TextOption(names="viewport", meaning="which one; empty: the widget's
 
 
 class _Showing(PressWidget):
-    """A widget whose effect does not depend on what is known."""
+    """A widget with an effect that does not depend on the state."""
 
     @abstractmethod
     def effect(self) -> Effect:

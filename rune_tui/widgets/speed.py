@@ -1,15 +1,17 @@
-"""Widgets that drive: speed while keys are held or sticks are moved, and the stop.
+"""Widgets that drive: velocity from held keys and sticks, and the stop.
 
-What a key does, by how its terminal reports releases:
-
-| event | it reports them | it does not |
+| event | terminal reports releases | terminal does not |
 | --- | --- | --- |
-| press | drives until the release | drives a step |
-| repeat | drives on | drives until the repeats stay away |
-| release | stands | stands |
+| press of a key | drive until the release | drive a step |
+| repeat | go on | drive until the repeats end |
+| release | stand | stand |
+| an axis moves, after it was neutral | drive by its value | the same |
+| an axis was deflected at a release of all input | wait until all such axes are neutral | the same |
+| the dead-man button is up | axes do not count | the same |
+| input that must be released first, or is stale | ignore it | the same |
 
-A step is so much way: velocity times time, at the step's own low speed. The speed limit of the
-robot holds for steps, keys and sticks alike. Shift makes steps shorter and driving slower.
+A step is a distance: velocity times time, at the step's own low velocity. The speed limit of the
+robot holds for steps, keys and sticks. Shift makes steps shorter and driving slower.
 """
 
 from __future__ import annotations
@@ -58,16 +60,15 @@ class _Step:
 
 
 class SetSpeed:
-    """Keys and sticks to velocity: a command at each change, then at a steady rate.
+    """Turns keys and sticks into velocity: a command at each change, then at a steady rate.
 
-    Each control (translate, rotate) follows the newest of its inputs that are not neutral, so of
-    two opposed keys the newest wins. A key whose release nobody reports drives a step, until it
-    repeats; see the table of the module.
+    Each control (translate, rotate) follows its newest input that is not neutral, so of two
+    opposite keys the newer one wins. See the table of the module for keys.
 
-    An axis counts from the moment it leaves neutral. One that was deflected already, when what is
-    held was forgotten, while the dead-man button was up or when its device appeared, waits; while
-    any waits, none begins to count. So nothing drives before all of them have been neutral: not the
-    wobble aside of a stick that is still held forward, either.
+    An axis counts when it leaves neutral. An axis waits if it was deflected when all input was
+    released, when its device appeared, or while the dead-man button was up. While one axis waits,
+    no other begins to count. So a small sideways motion of a stick that is still held forward
+    does not drive either.
     """
 
     rule: ClassVar = HandlerRule(
@@ -139,14 +140,14 @@ class SetSpeed:
 
         Args:
             robot: Its name in the layout.
-            linear: Forward speed at value 1 [m/s].
+            linear: Forward velocity at value 1 [m/s].
             angular: Turn rate at value 1 [rad/s], counter-clockwise.
-            turbo: How many times faster it is while turbo is held.
-            guarded: Whether there is a dead-man button, without which axes do not count.
-            axes: All that may drive.
-            step: Way of a step [m]; 0: there are none.
-            turn_step: Turn of a step [rad]; 0: there are none.
-            fine: Share of steps and speed with Shift.
+            turbo: Factor of the velocity while turbo is held.
+            guarded: Whether axes count only while a dead-man button is held.
+            axes: The axes that may drive.
+            step: Length of a step [m]; 0: no steps.
+            turn_step: Turn of a step [rad]; 0: no steps.
+            fine: Share of steps and velocity with Shift.
         """
         self.robot = robot
         self._linear = linear
@@ -224,7 +225,7 @@ class SetSpeed:
     def handle(
         self, event: ControlEvent, event_spec: EventSpec, state: ConsoleState
     ) -> tuple[Effect, ...]:
-        """The new velocity, at once unless a stick moves on; nothing for what does not count."""
+        """The new velocity, at once unless a stick moves; nothing for input that does not count."""
         self._limit = state.speed_limit(self.robot)
         if event_spec.kind is ControlKind.AXIS and event.pressed:
             return self._deflected(event, event_spec, state)
@@ -261,7 +262,7 @@ class SetSpeed:
             self._held.pop(event_spec, None)
         self._held[event_spec] = event_spec.value * event.value
         if event.repeat and now - self._sent < _LEAST_PERIOD_S:
-            self._due = now  # the next tick has it
+            self._due = now  # the next tick sends it
             return ()
         return self._send(now)
 
@@ -332,6 +333,6 @@ class StopRobot(PressWidget):
         event_spec: EventSpec,  # noqa: ARG002 - each of its keys is a stop
         state: ConsoleState,
     ) -> tuple[Effect, ...]:
-        """A stop for every press; a hammered key looks like repeats, so they count as well."""
+        """Stops the robot at every press and repeat: fast presses look like repeats."""
         reason = f"{state.operator or 'the operator'} pressed {event.name}"
         return (SendEffect(robot=self.robot, definition=STOP, value=Stop(reason=reason)),)

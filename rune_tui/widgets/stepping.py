@@ -12,13 +12,13 @@ from rune_tui.model.effects import Effect
 from rune_tui.widgets.widget import PressWidget
 
 _PERIOD_S = 0.1
-"""From one step to the next of what is held [s]."""
+"""Time between two steps while held [s]."""
 _DELAY_S = 0.4
-"""From a button's first step to its second, as keyboards have it [s]."""
+"""Time from a button's first step to its second, as on keyboards [s]."""
 _EARLY_S = 0.025
 """A tick this much too early counts, half of the time between two ticks [s]."""
 _HELD = {ControlKind.AXIS: _PERIOD_S, ControlKind.BUTTON: _DELAY_S, ControlKind.HAT: _DELAY_S}
-"""When the second step of what can be held is due [s]."""
+"""Time of the second step while held [s]."""
 
 
 class SteppingWidget(PressWidget):
@@ -38,12 +38,12 @@ class SteppingWidget(PressWidget):
 
     @abstractmethod
     def step(self, value: float, control: str) -> Effect:
-        """What a step does; its value is 1 for a press, unless the layout says otherwise."""
+        """Effects of a step; its value is 1 for a press, unless the layout sets another."""
 
     def handle(
         self, event: ControlEvent, event_spec: EventSpec, state: ConsoleState
     ) -> tuple[Effect, ...]:
-        """The first step at once; those of what is held come with time."""
+        """The first step at once; held input gives further ones at each tick."""
         if not event.pressed:
             self._held.pop(event_spec, None)
         elif event_spec.kind is ControlKind.AXIS and event.repeat:
@@ -66,7 +66,7 @@ class SteppingWidget(PressWidget):
         return (self.step(_value(event, event_spec), event_spec.control),)
 
     def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
-        """The steps of what is held and due."""
+        """The due steps of held input."""
         effects: list[Effect] = []
         for event_spec, (value, due) in self._held.items():
             late = state.now - due

@@ -1,4 +1,4 @@
-"""What every widget can do; dispatch knows widgets by this alone."""
+"""The interface of widgets, which dispatch uses."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from rune_tui.model.robot_state import RobotState
 
 
 class Widget(Protocol):
-    """A handler at work: it turns control events into effects and keeps history.
+    """A handler in use: it turns control events into effects and keeps history.
 
     Attributes:
-        rule: What layouts may say of it.
-        robot: The robot it commands; empty for a global widget.
+        rule: Its element in layouts.
+        robot: The robot that it commands; empty: a global widget.
     """
 
     rule: ClassVar[HandlerRule]
@@ -63,11 +63,11 @@ def commanded(widget: Widget, state: ConsoleState) -> str:
 
 
 class PressWidget(ABC):
-    """A widget that single moments wake: nothing held.
+    """A widget for single events, without held input.
 
     Attributes:
-        rule: What layouts may say of it.
-        repeats: Whether a key that repeats means the same again.
+        rule: Its element in layouts.
+        repeats: Whether each repeat of a key counts as a press.
     """
 
     rule: ClassVar[HandlerRule]
@@ -94,7 +94,7 @@ class PressWidget(ABC):
         event_spec: EventSpec,
         state: ConsoleState,
     ) -> tuple[Effect, ...]:
-        """Effects of what the layout asks for, a press or a release; the other has none."""
+        """Effects of the press or of the release, as the layout says; the other has none."""
         again = event.pressed and event.repeat
         if event.pressed == event_spec.released or (again and not self.repeats):
             return ()
