@@ -6,7 +6,7 @@
 | repeat | go on | drive until the repeats end |
 | release | stand | stand |
 | an axis moves, after it was neutral | drive by its value | the same |
-| an axis was deflected at a release of all input | wait until all such axes are neutral | the same |
+| an axis was deflected at a release of all input | wait until all such are neutral | the same |
 | the dead-man button is up | axes do not count | the same |
 | input that must be released first, or is stale | ignore it | the same |
 
