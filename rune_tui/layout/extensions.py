@@ -54,6 +54,7 @@ def with_installed(vocabulary: Vocabulary) -> Vocabulary:
             if lack := _lack(table, found):
                 faults[point.name] = f"{point.name} of {point.value} {lack}"
             else:
+                _keep_purpose(found)
                 tables[table][point.name] = found
     return dataclasses.replace(_joined(vocabulary, tables), faults=faults)
 
@@ -115,6 +116,7 @@ def _read(path: Path) -> dict[str, dict[str, Any]]:
             if lack := _lack(table, found):
                 text = f"offers {quoted(str(offer))}, which {lack}"
                 raise _ExtensionFault(text)
+            _keep_purpose(found)
         tables[table] = {str(offer): found for offer, found in offered.items()}
     if not any(tables.values()):
         text = "has neither a table VISUALIZERS nor a table WIDGETS"
@@ -156,6 +158,14 @@ def _lack(table: str, found: object) -> str:
         return f"has no method {missing[0]}"
     unknown = [name for name in _messages(rule) if name not in BY_NAME]
     return f"names a message {quoted(unknown[0])}, which is not known" if unknown else ""
+
+
+def _keep_purpose(found: Any) -> None:  # noqa: ANN401 - a class of somebody else
+    """Give a widget the purpose of the class that it is derived from, if its rule names none."""
+    rules = [getattr(each, "rule", None) for each in found.__mro__]
+    purposes = [each.purpose for each in rules if isinstance(each, HandlerRule) and each.purpose]
+    if purposes and found.rule.purpose is None:
+        found.rule = dataclasses.replace(found.rule, purpose=purposes[0])
 
 
 def _methods_of(rule: VisualizerRule | HandlerRule) -> tuple[str, ...]:

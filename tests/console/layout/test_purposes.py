@@ -8,6 +8,7 @@ import pytest
 
 from rune_tui.errors import LayoutError
 from rune_tui.layout.loader import load_layout
+from rune_tui.layout.rules import Purpose
 from rune_tui.startup.opening import BUILT_IN
 
 LAYOUT = """<rune>
@@ -66,3 +67,23 @@ def test_a_widget_with_the_purpose_stop_needs_no_more(tmp_path: Path) -> None:
     path = tmp_path / "layout.xml"
     path.write_text(LAYOUT)
     assert load_layout(path, BUILT_IN).vocabulary.widgets["widgetOwn"].rule.purpose
+
+
+DERIVED = """
+from rune_tui.layout.rules import HandlerRule
+from rune_tui.widgets.speed import StopRobot
+
+class Own(StopRobot):
+    rule = HandlerRule(meaning="stops in its own way", sends=("GCM_Stop",))
+
+WIDGETS = {"widgetOwn": Own}
+"""
+
+
+def test_a_class_derived_from_a_stop_is_a_stop(tmp_path: Path) -> None:
+    (tmp_path / "own.py").write_text(DERIVED)
+    path = tmp_path / "layout.xml"
+    path.write_text(LAYOUT)
+    rule = load_layout(path, BUILT_IN).vocabulary.widgets["widgetOwn"].rule
+    assert rule.purpose is Purpose.STOP
+    assert rule.meaning == "stops in its own way"
