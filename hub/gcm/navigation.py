@@ -318,7 +318,11 @@ TURN_COMMAND = MessageDefinition(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AssistanceCommand:
-    """Switch the holding back of velocities that would lead into something."""
+    """Switch the holding back of velocities that would lead into something.
+
+    Attributes:
+        assistance: On or off from now on.
+    """
 
     assistance: Assistance = Assistance.ON
 
