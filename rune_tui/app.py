@@ -20,11 +20,11 @@ from rune_tui.layout.names import WAY_OUT
 from rune_tui.layout.watching import LayoutSource
 from rune_tui.link.robot_links import RobotLinks
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import Effect, Tell
+from rune_tui.model.effects import Effect, Notify
 from rune_tui.terminal.traits import Traits
 from rune_tui.ui.covered import CoveredApp
 from rune_tui.ui.current_layout import CurrentLayout
-from rune_tui.ui.driver_reports import FrameAnswered, KeyMoved, ReleasesTold
+from rune_tui.ui.driver_reports import FrameAnswered, KeyMoved, ReleasesReported
 from rune_tui.ui.ending import at_the_systems_end, end_anyway
 from rune_tui.ui.frame_clock import FRAME_S, FrameClock
 from rune_tui.ui.input_events import InputEvents
@@ -137,7 +137,7 @@ class Console(CoveredApp, inherit_bindings=False):
         self.set_interval(_TICK_S, self._tick)
         self.run_worker(self.effects.layouts.run())
         if self._trouble:
-            self._execute((Tell.now(self.state, self._trouble, alarm=True),))
+            self._execute((Notify.now(self.state, self._trouble, alarm=True),))
         self.set_timer(_SETTLED_S, self.inputs.name_unreported_keys)
 
     def _come_back(self, _: App[None]) -> None:
@@ -181,11 +181,11 @@ class Console(CoveredApp, inherit_bindings=False):
         """A key moved, on a terminal that reports releases."""
         self.inputs.key_moved(event)
 
-    def on_releases_told(self, event: ReleasesTold) -> None:
+    def on_releases_reported(self, event: ReleasesReported) -> None:
         """The terminal says whether it reports releases of keys."""
-        if not event.told:
+        if not event.reported:
             self.inputs.release_all()  # a release that is not reported would never come
-        self.current.change(releases_told=event.told)
+        self.current.change(releases_reported=event.reported)
 
     def mouse(
         self, event: events.MouseEvent, part: str, *, pressed: bool = True, value: float = 1.0

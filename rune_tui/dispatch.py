@@ -26,12 +26,12 @@ from rune_tui.model.effects import (
     ExportEffect,
     LimitSpeed,
     MissionEffect,
+    Notify,
     PaletteEffect,
     QuitEffect,
     ReleaseFirst,
     SendEffect,
     SuspendEffect,
-    Tell,
     ToggleHelp,
     ToggleLog,
     ToggleNight,
@@ -224,7 +224,7 @@ class Dispatch:
             return self._woken(event, safe, state)
         meant = waiting or own_effect(event.name) is not None
         text = _CLICKED_TO_FOCUS if event.name.startswith(MOUSE) else _TYPED_WHILE_AWAY
-        return (Tell.now(state, text),) if meant and not event.repeat else ()
+        return (Notify.now(state, text),) if meant and not event.repeat else ()
 
     def act(self, action: Action, state: ConsoleState) -> tuple[Effect, ...]:
         """Effects of an action that somebody chose from a list, as if its first input was used."""
@@ -351,7 +351,7 @@ class Dispatch:
         self._failed.add(id(widget))
         robot = commanded(widget, state)
         text = f"{name} failed; the log says why"
-        told: list[Effect] = [Tell.now(state, text, robot=robot, alarm=True)]
+        told: list[Effect] = [Notify.now(state, text, robot=robot, alarm=True)]
         if robot and VELOCITY_COMMAND.name in widget.rule.sends:
             rest = Twist.planar(0.0, 0.0)
             told.append(SendEffect(robot=robot, definition=VELOCITY_COMMAND, value=rest))

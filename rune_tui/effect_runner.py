@@ -18,17 +18,18 @@ from rune_tui.link.robot_links import RobotLinks
 from rune_tui.model.change_notifier import ChangeNotifier
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import (
+    ActionEffect,
     AskEffect,
     AskToLeave,
     CalibrateEffect,
     ChooseRobot,
     ControlEffect,
-    DeedEffect,
     Effect,
     ExportEffect,
     FillView,
     MissionEffect,
     NextLayoutEffect,
+    Notify,
     PaletteEffect,
     QuitEffect,
     RecordEffect,
@@ -38,7 +39,6 @@ from rune_tui.model.effects import (
     ShowViewport,
     StateEffect,
     SuspendEffect,
-    Tell,
     ToggleHelp,
     ToggleLog,
     TurnPage,
@@ -111,7 +111,7 @@ class EffectRunner:
 
     def tell(self, said: Outcome) -> None:
         """Tell the operator."""
-        self._change(Tell.now(self._state(), **dataclasses.asdict(said)))
+        self._change(Notify.now(self._state(), **dataclasses.asdict(said)))
 
     def complain(self, text: str) -> None:
         """Tell the operator of a trouble that stays."""
@@ -143,7 +143,7 @@ class EffectRunner:
         state = self._state()
         if state.display is not None:
             self.filing.recorder.note(now, state.display)
-        self.run(Tell(notice=notice) for notice in self._changes.look(state))
+        self.run(Notify(notice=notice) for notice in self._changes.look(state))
         self.run(self._current.dispatch.tick(state))
 
     def leave_if_sure(self) -> None:
@@ -173,7 +173,7 @@ class EffectRunner:
             current.console = current.view.within_page(current.console)
         self.ask_for_pictures()
 
-    def _do(self, effect: DeedEffect) -> None:
+    def _do(self, effect: ActionEffect) -> None:
         match effect:
             case SuspendEffect():
                 self._suspend()

@@ -11,29 +11,29 @@ they were typed are not known, so they must not drive.
 
 from __future__ import annotations
 
-STALL_S = 0.3
+PAUSE_S = 0.3
 """A longer time between two ticks is a pause [s]."""
-DEAF_S = 0.2
+STALE_S = 0.2
 """Keys are stale for this time after a pause [s]."""
 
 
-class StallGuard:
+class PauseGuard:
     """Detects pauses of the console itself."""
 
-    def __init__(self, *, stall_s: float = STALL_S, deaf_s: float = DEAF_S) -> None:
-        self._stall_s = stall_s
-        self._deaf_s = deaf_s
+    def __init__(self, *, pause_s: float = PAUSE_S, stale_s: float = STALE_S) -> None:
+        self._pause_s = pause_s
+        self._stale_s = stale_s
         self._seen: float | None = None
-        self._deaf_until = float("-inf")
+        self._stale_until = float("-inf")
 
-    def stalled(self, now: float) -> bool:
+    def paused(self, now: float) -> bool:
         """Whether the console paused just before `now`; call it at every tick and every key."""
-        away = self._seen is not None and now - self._seen > self._stall_s
+        away = self._seen is not None and now - self._seen > self._pause_s
         self._seen = now
         if away:
-            self._deaf_until = now + self._deaf_s
+            self._stale_until = now + self._stale_s
         return away
 
-    def deaf(self, now: float) -> bool:
+    def is_stale(self, now: float) -> bool:
         """Whether a key at `now` may have been typed during a pause."""
-        return now < self._deaf_until
+        return now < self._stale_until

@@ -109,7 +109,7 @@ class ConsoleState:
         must_release: Keys that must be released before a key drives.
         tap_first: Whether those must be tapped once before they drive.
         hold_s: Duration of a hold after a repeat, where releases are not reported [s].
-        releases_told: Whether the terminal reports releases of keys.
+        releases_reported: Whether the terminal reports releases of keys.
         run_number: The layout's run number.
         robots: The state of each robot, by name.
         chosen: The robot of viewports with `CHOSEN`.
@@ -148,7 +148,7 @@ class ConsoleState:
     must_release: tuple[str, ...] = ()
     tap_first: bool = False
     hold_s: float = 0.6
-    releases_told: bool = False
+    releases_reported: bool = False
     run_number: int = 0
     robots: Mapping[str, RobotState] = field(default_factory=dict)
     chosen: str = ""

@@ -11,7 +11,7 @@ from hub.gcm.control import CONTROL_STATE, DRIVING, RESTRICTED, ControlAction, C
 from hub.gcm.navigation import Twist
 from rune_tui.layout.rules import Purpose
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import ControlEffect, Effect, SendEffect, Tell
+from rune_tui.model.effects import ControlEffect, Effect, Notify, SendEffect
 from rune_tui.model.robot_state import LinkPhase, RobotState
 
 _ANSWERS = ((Purpose.GRANT_CONTROL, "hands it over"), (Purpose.DENY_CONTROL, "keeps it"))
@@ -108,10 +108,10 @@ def refused(
     return None
 
 
-def refusal(robot: RobotState, state: ConsoleState) -> Tell:
+def refusal(robot: RobotState, state: ConsoleState) -> Notify:
     """Why nothing was sent, and what to do."""
     words = "; ".join(filter(None, (owner_words(robot), to_take(robot, state))))
-    return Tell.now(state, words, robot=robot.name)
+    return Notify.now(state, words, robot=robot.name)
 
 
 def taking(effects: Iterable[Effect], state: ConsoleState) -> tuple[Effect, ...]:

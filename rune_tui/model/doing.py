@@ -80,8 +80,8 @@ class Doing:
 
     def age(self, now: float) -> float:
         """Time since it ended [s]; 0: it is active."""
-        since_told = max(0.0, now - self.measured)
-        return 0.0 if self.under_way else max(0.0, self.ended_s) + since_told
+        since_report = max(0.0, now - self.measured)
+        return 0.0 if self.under_way else max(0.0, self.ended_s) + since_report
 
 
 def by_autonomy(robot: RobotState) -> Doing | None:

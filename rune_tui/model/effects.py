@@ -314,11 +314,11 @@ class ShowGhost:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Tell:
-    """Tell the operator something.
+class Notify:
+    """Report an event to the operator.
 
     Attributes:
-        notice: What.
+        notice: The report.
     """
 
     notice: Notice
@@ -332,7 +332,7 @@ class Tell:
         robot: str = "",
         alarm: bool = False,
         routine: bool = False,
-    ) -> Tell:
+    ) -> Notify:
         """Report an event."""
         notice = state.notice(text, robot=robot, alarm=alarm)
         return cls(notice=dataclasses.replace(notice, routine=routine))
@@ -351,10 +351,10 @@ StateEffect = (
     | LimitSpeed
     | SetTheme
     | ShowGhost
-    | Tell
+    | Notify
 )
-"""What only changes the console's state."""
-DeedEffect = (
+"""Effects that only change the console's state."""
+ActionEffect = (
     SendEffect
     | ControlEffect
     | ReleaseFirst
@@ -369,8 +369,8 @@ DeedEffect = (
     | PaletteEffect
     | SuspendEffect
 )
-"""What the app has to do."""
-Effect = DeedEffect | StateEffect
+"""Effects that the app executes."""
+Effect = ActionEffect | StateEffect
 
 
 def changed(state: ConsoleState, effect: StateEffect) -> ConsoleState:
@@ -397,7 +397,7 @@ def changed(state: ConsoleState, effect: StateEffect) -> ConsoleState:
         case SetTheme(name=name):
             theme = THEMES.get(name or _next(state.theme.name, THEMES), state.theme)
             return dataclasses.replace(state, theme=theme)
-        case Tell(notice=notice):
+        case Notify(notice=notice):
             notices = (*state.notices[1 - MOST_NOTICES :], notice)
             return dataclasses.replace(state, notices=notices)
 
@@ -455,7 +455,7 @@ def _showing(state: ConsoleState, effect: ShowViewport) -> ConsoleState:
     name = effect.viewport
     if state.places and name not in state.places:
         text = f"{name} has no place on a terminal of this size"
-        return changed(state, Tell.now(state, text))
+        return changed(state, Notify.now(state, text))
     now = state.shown.get(name, state.places.get(name, True))
     wanted = not now if effect.shown is None else effect.shown
     return dataclasses.replace(state, shown=_with(state.shown, name, wanted))

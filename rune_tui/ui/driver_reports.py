@@ -41,14 +41,14 @@ class KeyMoved(Message):
         self.keypad = keypad
 
 
-class ReleasesTold(Message):
+class ReleasesReported(Message):
     """The terminal says whether it tells when keys go up.
 
     Attributes:
-        told: Whether it does.
+        reported: Whether it does.
     """
 
-    def __init__(self, *, told: bool) -> None:
+    def __init__(self, *, reported: bool) -> None:
         """Prepare to tell of it."""
         super().__init__()
-        self.told = told
+        self.reported = reported

@@ -29,12 +29,12 @@ from rune_tui.controls.joystick.calibration_store import CalibrationStore
 from rune_tui.controls.joystick_set import Joysticks
 from rune_tui.controls.joystick_sources import Sources
 from rune_tui.controls.keyboard import KeyboardHold, name_of_key, without_shift
-from rune_tui.controls.pause_guard import StallGuard
+from rune_tui.controls.pause_guard import PauseGuard
 from rune_tui.controls.remote_pad.far_pads import FarPads
 from rune_tui.layout.key_notes import untold_keys
 from rune_tui.layout.names import MOUSE, WAY_OUT
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import Effect, Tell
+from rune_tui.model.effects import Effect, Notify
 from rune_tui.terminal.input_stream import KeyMove
 from rune_tui.ui.covered import CoveredApp
 from rune_tui.ui.current_layout import CurrentLayout
@@ -84,7 +84,7 @@ class InputEvents:
         self.joysticks = Joysticks(
             current.layout.joysticks, Sources(local_devices.reader(), pads), CalibrationStore()
         )
-        self._stalls = StallGuard()
+        self._pauses = PauseGuard()
         self._heard = 0.0
         self._focused = -math.inf
 
@@ -103,7 +103,7 @@ class InputEvents:
         """A key went down or repeats."""
         now = self.time_now()
         key, fine = self._named(event.key, event.character)
-        stale = self.deaf(now)
+        stale = self.is_stale(now)
         self._handle(self.keyboard.press(key, now, read=event.time, fine=fine, stale=stale))
 
     def stop_key(self, event: events.Key) -> str:
@@ -132,18 +132,18 @@ class InputEvents:
         elif self._app.covered or key == WAY_OUT:
             self._app.post_message(events.Key(event.key, event.character))
         else:
-            repeat, stale = event.move is KeyMove.REPEAT, self.deaf(now)
+            repeat, stale = event.move is KeyMove.REPEAT, self.is_stale(now)
             moved = self.keyboard.down(key, now, repeat=repeat, fine=fine, stale=stale)
             self._handle(moved)
 
-    def deaf(self, now: float) -> bool:
+    def is_stale(self, now: float) -> bool:
         """Whether an input that comes now may have been typed while the console was paused."""
-        return self._stalls.deaf(now)
+        return self._pauses.is_stale(now)
 
     def name_unreported_keys(self) -> None:
         """Say, once for each layout, which of its keys this terminal cannot report."""
         console = self._current.console
-        text = "" if console.releases_told else untold_keys(self._current.layout)
+        text = "" if console.releases_reported else untold_keys(self._current.layout)
         if text and all(notice.text != text for notice in console.notices):
             self._tell(text)
 
@@ -157,7 +157,7 @@ class InputEvents:
         event.stop()
         now = self._heard = self.time_now()
         meant = part and (self._current.console.paged or dispatch.waits_for(MOUSE + part))
-        if not meant or self.deaf(now):
+        if not meant or self.is_stale(now):
             return
         # A cell is two pixels high; terminals do not report which of them the mouse is on.
         state = self._state()
@@ -205,7 +205,7 @@ class InputEvents:
     def time_now(self) -> float:
         """The time now [s]; after a pause of the console, or a stop, nothing counts as held."""
         now = time.monotonic()
-        if self._stalls.stalled(now):
+        if self._pauses.paused(now):
             self.release_all()
         self._execute(self._current.dispatch.look(self._state()))
         return now
@@ -219,7 +219,7 @@ class InputEvents:
         self._handle(released)
 
     def _tell(self, text: str) -> None:
-        self._execute((Tell.now(self._state(), text),))
+        self._execute((Notify.now(self._state(), text),))
 
     def _handle(self, control_events: Iterable[ControlEvent]) -> None:
         for event in control_events:

@@ -28,7 +28,7 @@ from rune_tui.terminal.input_stream import (
     KeyMove,
     KeyReport,
 )
-from rune_tui.ui.driver_reports import FrameAnswered, KeyMoved, ReleasesTold
+from rune_tui.ui.driver_reports import FrameAnswered, KeyMoved, ReleasesReported
 from rune_tui.ui.textual_inside import (
     InsideDriver,
     KeyParser,
@@ -140,7 +140,7 @@ class SturdyDriver(InsideDriver):
                     case KeyReport():
                         self._tell_key(parser, part)
                     case KeyboardReport():
-                        self.process_message(ReleasesTold(told=part.tells_releases))
+                        self.process_message(ReleasesReported(reported=part.tells_releases))
                     case str():
                         self._read_events(parser, _PASSED.sub("", part))
             for event in parser.tick():

@@ -26,7 +26,7 @@ from hub.gcm.mapping import (
 )
 from hub.gcm.mission import MISSION_STATE
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import Effect, MarksWaiting, SendEffect, Tell
+from rune_tui.model.effects import Effect, MarksWaiting, Notify, SendEffect
 from rune_tui.model.robot_state import LinkPhase, RobotState
 
 ANSWER_S = 3.0
@@ -113,19 +113,19 @@ class Confirming:
         confirmed, point = _outcome(waiting, robot)
         if confirmed:
             text = self._words(waiting.command, point)
-            yield Tell.now(state, text, robot=waiting.robot)
+            yield Notify.now(state, text, robot=waiting.robot)
             return
         if _refused(waiting, robot):
             return
         sheet = _sheet(robot)
         if waiting.sheet and sheet and sheet != waiting.sheet:
             text = f"{what} is LOST: the robot began sheet {sheet} of its map before it had it"
-            yield Tell.now(state, text, robot=waiting.robot, alarm=True)
+            yield Notify.now(state, text, robot=waiting.robot, alarm=True)
             return
         late = state.now - waiting.since >= ANSWER_S
         if late and not waiting.alarmed:
             waiting = dataclasses.replace(waiting, alarmed=True)
-            yield Tell.now(state, _lateness(what, point, robot), robot=waiting.robot, alarm=True)
+            yield Notify.now(state, _lateness(what, point, robot), robot=waiting.robot, alarm=True)
         linked = robot.link.phase is LinkPhase.CONNECTED
         if point is None and linked and state.now - waiting.sent >= AGAIN_S:
             waiting = dataclasses.replace(waiting, sent=state.now)

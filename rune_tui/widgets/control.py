@@ -8,7 +8,7 @@ from hub.gcm.control import CONTROL_STATE, ControlAction
 from rune_tui.layout.rules import ChoiceOption, HandlerRule, Purpose, Section
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.control import Standing, asks, control_of, owner_words, standing
-from rune_tui.model.effects import ControlEffect, Effect, Tell
+from rune_tui.model.effects import ControlEffect, Effect, Notify
 from rune_tui.model.robot_state import RobotState
 from rune_tui.widgets.widget import OrderWidget
 
@@ -45,7 +45,7 @@ class TakeControl(OrderWidget):
         """The request, unless control is here already."""
         stands = standing(robot)
         if stands is Standing.MINE:
-            return (Tell.now(state, owner_words(robot), robot=robot.name),)
+            return (Notify.now(state, owner_words(robot), robot=robot.name),)
         action = ControlAction.ASK if stands is Standing.OTHERS else ControlAction.TAKE
         return (ControlEffect(robot=robot.name, action=action),)
 
@@ -66,7 +66,7 @@ class TakeOver(OrderWidget):
     def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
         """The request, unless control is here already."""
         if standing(robot) is Standing.MINE:
-            return (Tell.now(state, owner_words(robot), robot=robot.name),)
+            return (Notify.now(state, owner_words(robot), robot=robot.name),)
         return (ControlEffect(robot=robot.name, action=ControlAction.TAKE_OVER),)
 
 
@@ -84,7 +84,7 @@ class ReleaseControl(OrderWidget):
     def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
         """The request; the hub decides whether the console has control to give up."""
         if standing(robot) is Standing.FREE:
-            return (Tell.now(state, owner_words(robot), robot=robot.name),)
+            return (Notify.now(state, owner_words(robot), robot=robot.name),)
         return (ControlEffect(robot=robot.name, action=ControlAction.RELEASE),)
 
 
@@ -99,7 +99,7 @@ class _AnswerRequest(OrderWidget):
         if standing(robot) is Standing.MINE and control is not None and control.asker:
             return (ControlEffect(robot=robot.name, action=self.action),)
         asked = "you ask yourself" if asks(robot) else "nobody asks you for control"
-        return (Tell.now(state, asked, robot=robot.name),)
+        return (Notify.now(state, asked, robot=robot.name),)
 
 
 class GrantControl(_AnswerRequest):

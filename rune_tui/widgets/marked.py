@@ -24,7 +24,7 @@ from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.rules import HandlerRule, NumberOption, Section
 from rune_tui.layout.spec import EventSpec, WidgetSpec
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import AskEffect, Effect, ExportEffect, SendEffect, Tell
+from rune_tui.model.effects import AskEffect, Effect, ExportEffect, Notify, SendEffect
 from rune_tui.model.pose import Pose
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.world import WorldPoint
@@ -68,7 +68,7 @@ class UndoMark(OrderWidget):
             if point.by == operator and not self._gone(robot.name, point.number, state.now)
         ]
         if not mine:
-            return (Tell.now(state, "you have marked nothing yet", robot=robot.name),)
+            return (Notify.now(state, "you have marked nothing yet", robot=robot.name),)
         newest = max(mine, key=lambda point: point.number)
         self._removed[robot.name, newest.number] = state.now
         return self._confirming.send(_removal(newest), robot, state)
@@ -123,7 +123,7 @@ class _MarkWidget(PointedWidget):
         nearest = _nearest(place, robot, radius, lambda _: True)
         if nearest is None:
             text = f"not {self.purpose}: no mark is within {radius:g} m of where you clicked"
-            return (Tell.now(state, text, robot=robot.name),)
+            return (Notify.now(state, text, robot=robot.name),)
         return self.mark(nearest, robot, state)
 
 
@@ -212,8 +212,8 @@ class CorrectLandmark(PointedWidget):
             seen_x, seen_y = pose.from_map((place.x, place.y)).tolist()
             value = LandmarkCorrection(x=landmark.x, y=landmark.y, seen_x=seen_x, seen_y=seen_y)
             send = SendEffect(robot=robot.name, definition=LANDMARK_CORRECTION, value=value)
-            return (send, Tell.now(state, text, robot=robot.name))
-        return (Tell.now(state, text, robot=robot.name),)
+            return (send, Notify.now(state, text, robot=robot.name))
+        return (Notify.now(state, text, robot=robot.name),)
 
 
 class ExportMarks(PressWidget):

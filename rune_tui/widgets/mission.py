@@ -10,7 +10,7 @@ from hub.gcm.mission import MISSION_COMMAND, MISSION_STATE, MissionAction, Missi
 from rune_tui.layout.rules import ChoiceOption, HandlerRule, Purpose, Section
 from rune_tui.layout.spec import WidgetSpec
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import AskEffect, Effect, MissionEffect, Tell
+from rune_tui.model.effects import AskEffect, Effect, MissionEffect, Notify
 from rune_tui.model.lacks import untaken
 from rune_tui.model.mission import mission_of
 from rune_tui.model.robot_state import LinkPhase, RobotState
@@ -72,18 +72,18 @@ class Mission(OrderWidget):
     def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
         """The question; of a robot that keeps no missions, why it does not."""
         if why := untaken(robot, MISSION_COMMAND.name, lasting=True):
-            return (Tell.now(state, f"no mission: {why}", robot=robot.name),)
+            return (Notify.now(state, f"no mission: {why}", robot=robot.name),)
         mission = _running(robot)
         do = self.spec.options.word("do")
         if mission is None:
             if do in ("name", "end"):
-                return (Tell.now(state, "no mission runs", robot=robot.name),)
+                return (Notify.now(state, "no mission runs", robot=robot.name),)
             asked = f"Begin a mission of {robot.title}; its name, or nothing for date and time"
             text = self._waiting.name if self._waiting is not None else ""
             return (AskEffect(robot=robot.name, asked=asked, text=text, answer=self._named(robot)),)
         if do == "begin":
             text = f"mission {mission.name} runs already; end it first"
-            return (Tell.now(state, text, robot=robot.name),)
+            return (Notify.now(state, text, robot=robot.name),)
         if do == "end":
             return (_ending(robot, mission, state),)
         asked = f"Mission {mission.name} of {robot.title}: another name; '{_END}' asks to end it"
@@ -103,7 +103,7 @@ class Mission(OrderWidget):
             return ()
         self._waiting = None
         text = f"no mission '{waiting.name}': the robot tells of no mission"
-        return (Tell.now(state, text, robot=waiting.robot, alarm=True),)
+        return (Notify.now(state, text, robot=waiting.robot, alarm=True),)
 
     def _named(self, asked: RobotState) -> _Answer:
         """Begin a mission, or name the one that began meanwhile; wait if its state is not known."""
@@ -114,7 +114,7 @@ class Mission(OrderWidget):
                 return _given(robot, said)
             self._waiting = _PendingMission(robot=robot.name, name=said, since=state.now)
             text = "the mission begins when the robot tells that it can keep one"
-            return (Tell.now(state, text, robot=robot.name),)
+            return (Notify.now(state, text, robot=robot.name),)
 
         return answer
 

@@ -19,7 +19,7 @@ from hub.gcm.navigation import (
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption, Section
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import Effect, SendEffect, Tell
+from rune_tui.model.effects import Effect, Notify, SendEffect
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.world import WorldPoint
 from rune_tui.widgets.pointing import PointedWidget
@@ -69,7 +69,7 @@ class GoTo(PointedWidget):
         )
         text = f"sent to {place.x:.1f}, {place.y:.1f} m"
         send = SendEffect(robot=robot.name, definition=GOAL_COMMAND, value=goal)
-        return (send, Tell.now(state, text, robot=robot.name))
+        return (send, Notify.now(state, text, robot=robot.name))
 
 
 class Autonomy(OrderWidget):
@@ -102,7 +102,7 @@ class Autonomy(OrderWidget):
         order = self.spec.options.word("order")
         command = AutonomyCommand(behaviour=_ORDERS[order])
         send = SendEffect(robot=robot.name, definition=AUTONOMY_COMMAND, value=command)
-        return (send, Tell.now(state, f"told to {order}", robot=robot.name))
+        return (send, Notify.now(state, f"told to {order}", robot=robot.name))
 
 
 class Safety(OrderWidget):
@@ -141,4 +141,4 @@ class Safety(OrderWidget):
         off = command.assistance is Assistance.OFF
         text = "SAFETY OFF: it follows you into walls" if off else "safety is on"
         send = SendEffect(robot=robot.name, definition=ASSISTANCE_COMMAND, value=command)
-        return (send, Tell.now(state, text, robot=robot.name, alarm=off))
+        return (send, Notify.now(state, text, robot=robot.name, alarm=off))

@@ -8,7 +8,7 @@ from typing import ClassVar
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.spec import EventSpec
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import Effect, Tell
+from rune_tui.model.effects import Effect, Notify
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.world import WorldPoint
 from rune_tui.widgets.widget import PressWidget
@@ -39,7 +39,7 @@ class PointedWidget(PressWidget):
         place = place_of(event, self.spec.viewport, robot.name)
         if place is None:
             text = f"not {self.purpose}: nothing tells how far away that is; click on the floor"
-            return (Tell.now(state, text, robot=robot.name),)
+            return (Notify.now(state, text, robot=robot.name),)
         return self.point(place, event, robot, state)
 
 

@@ -14,7 +14,7 @@ from hub.gcm.vision import (
 )
 from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption, Section
 from rune_tui.model.console_state import ConsoleState, PictureWish
-from rune_tui.model.effects import Effect, SendEffect, Tell, ToggleNight, WishPictures
+from rune_tui.model.effects import Effect, Notify, SendEffect, ToggleNight, WishPictures
 from rune_tui.model.lacks import untaken
 from rune_tui.model.robot_state import RobotState
 from rune_tui.widgets.widget import OrderWidget
@@ -95,7 +95,7 @@ class ToggleNightMode(OrderWidget):
     def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
         """Night mode here and on the robot; of a robot that has none, why not."""
         if why := untaken(robot, NIGHT_COMMAND.name):
-            return (Tell.now(state, f"no night mode: {why}", robot=robot.name),)
+            return (Notify.now(state, f"no night mode: {why}", robot=robot.name),)
         wanted = robot.name not in state.night
         command = NightCommand(on=int(wanted))
         send = SendEffect(robot=robot.name, definition=NIGHT_COMMAND, value=command)
@@ -123,7 +123,7 @@ class Headlight(OrderWidget):
         """The other than the camera reports."""
         if robot.camera is None or math.isnan(robot.camera.value.headlight):
             text = f"{robot.title} reports no headlight"
-            return (Tell.now(state, text, robot=robot.name),)
+            return (Notify.now(state, text, robot=robot.name),)
         lit = robot.camera.value.headlight > 0.0
         brightness = 0.0 if lit else self.spec.options.number("brightness")
         command = NightCommand(on=1, headlight=brightness)

@@ -360,7 +360,7 @@ def scene(
     view.resize(*size)
     state = dataclasses.replace(
         ConsoleState.at_start(layout, NOW, "ada"),
-        **{"theme": theme, "notices": _HISTORY, "releases_told": True} | situation.state,
+        **{"theme": theme, "notices": _HISTORY, "releases_reported": True} | situation.state,
         robots={each.name: situation.robot(each.name) for each in layout.robots},
     )
     cells = view.render(state)

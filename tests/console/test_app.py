@@ -11,11 +11,11 @@ import pytest
 from textual import events
 
 from hub.gcm.navigation import STOP, Stop
-from rune_tui.controls.pause_guard import STALL_S
+from rune_tui.controls.pause_guard import PAUSE_S
 from rune_tui.layout.loader import load_layout
 from rune_tui.model.effects import SendEffect
 from rune_tui.terminal.input_stream import KeyMove
-from rune_tui.ui.driver_reports import KeyMoved, ReleasesTold
+from rune_tui.ui.driver_reports import KeyMoved, ReleasesReported
 from tests.console.app_desk import Desk, Script
 
 
@@ -108,8 +108,8 @@ def test_a_key_drives_on_and_a_button_is_let_go_when_another_size_moves_viewport
 ):
     async def script(desk: Desk) -> None:
         console = desk.console
-        console.post_message(ReleasesTold(told=True))
-        await desk.until(lambda: console.state.releases_told)
+        console.post_message(ReleasesReported(reported=True))
+        await desk.until(lambda: console.state.releases_reported)
         console.post_message(KeyMoved("w", "w", KeyMove.PRESS))
         await desk.until(lambda: desk.robot.speeds[-1] > 0.0)
         await desk.pilot.resize_terminal(120, 20)
@@ -131,12 +131,12 @@ def test_what_is_held_is_let_go_when_the_terminal_tells_of_releases_no_longer(
 ):
     async def script(desk: Desk) -> None:
         console = desk.console
-        console.post_message(ReleasesTold(told=True))
-        await desk.until(lambda: console.state.releases_told)
+        console.post_message(ReleasesReported(reported=True))
+        await desk.until(lambda: console.state.releases_reported)
         console.post_message(KeyMoved("w", "w", KeyMove.PRESS))
         await desk.until(lambda: "w" in console.state.held)
-        console.post_message(ReleasesTold(told=False))
-        await desk.until(lambda: not console.state.releases_told)
+        console.post_message(ReleasesReported(reported=False))
+        await desk.until(lambda: not console.state.releases_reported)
         assert not console.state.held
 
     play(script)
@@ -146,8 +146,8 @@ def test_a_stop_that_was_typed_while_the_console_was_held_up_is_a_stop_and_nothi
     play: Callable[[Script], None],
 ):
     async def script(desk: Desk) -> None:
-        await desk.until(lambda: not desk.console.inputs.deaf(time.monotonic()))
-        time.sleep(STALL_S + 0.1)  # noqa: ASYNC251 - it is held up
+        await desk.until(lambda: not desk.console.inputs.is_stale(time.monotonic()))
+        time.sleep(PAUSE_S + 0.1)  # noqa: ASYNC251 - it is held up
         await desk.press("w", "space")
         await desk.until(lambda: desk.robot.stops)
         assert "w" not in desk.console.state.held
@@ -164,8 +164,8 @@ def test_keys_of_a_layout_that_the_terminal_does_not_tell_are_named_once(
         path = tmp_path / "layout.xml"
         path.write_text(path.read_text().replace('"w" control', '"kp_8" control'))
         for told in (True, False, False):
-            desk.console.post_message(ReleasesTold(told=told))
-            await desk.until(lambda told=told: desk.console.state.releases_told is told)
+            desk.console.post_message(ReleasesReported(reported=told))
+            await desk.until(lambda told=told: desk.console.state.releases_reported is told)
             await desk.console.effects.open_layout(
                 load_layout(path, desk.console.current.layout.vocabulary)
             )

@@ -21,7 +21,7 @@ from rune_tui.layout.actions import inputs_of
 from rune_tui.model.change_notifier import ChangeNotifier
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.control import owner_words
-from rune_tui.model.effects import ControlEffect, Effect, SendEffect, Tell, ToggleNight
+from rune_tui.model.effects import ControlEffect, Effect, Notify, SendEffect, ToggleNight
 from rune_tui.model.robot_state import LinkPhase, LinkState, RobotState
 from rune_tui.startup.opening import open_layout
 from tests.console.states import robot_of
@@ -125,7 +125,7 @@ def actions(effects: Iterable[Effect]) -> list[ControlAction]:
 
 
 def told(effects: Iterable[Effect]) -> list[str]:
-    return [effect.notice.text for effect in effects if isinstance(effect, Tell)]
+    return [effect.notice.text for effect in effects if isinstance(effect, Notify)]
 
 
 def test_driving_key_takes_a_free_robot_and_drives_it_in_the_same_moment(hands: Hands) -> None:

@@ -16,7 +16,7 @@ from rune_tui.layout.loader import load_layout
 from rune_tui.layout.rules import HandlerRule, Vocabulary
 from rune_tui.layout.spec import EventSpec, LayoutSpec, WidgetSpec
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import Effect, SendEffect, Tell
+from rune_tui.model.effects import Effect, Notify, SendEffect
 from rune_tui.startup.opening import BUILT_IN
 
 LAYOUT = """<rune>
@@ -108,7 +108,7 @@ def speeds(effects: tuple[Effect, ...], robot: str = "magellan") -> list[float]:
 
 
 def told(effects: tuple[Effect, ...]) -> list[str]:
-    return [each.notice.text for each in effects if isinstance(each, Tell)]
+    return [each.notice.text for each in effects if isinstance(each, Notify)]
 
 
 @pytest.mark.parametrize("when", ["press", "let go", "tick", "release"])

@@ -14,7 +14,7 @@ from rune_tui.controls.devices.matching import DeviceInfo
 from rune_tui.controls.hid.device_controls import PhysicalControl
 from rune_tui.controls.hid.reading import Value
 from rune_tui.controls.joystick.logical import LogicalJoystick
-from rune_tui.controls.pause_guard import StallGuard
+from rune_tui.controls.pause_guard import PauseGuard
 from rune_tui.controls.remote_pad.pad_values import Row
 from rune_tui.layout.spec import ControlKind, ControlSpec, JoystickSpec
 
@@ -56,7 +56,7 @@ class PadSender:
         self.active = False
         self._send_device, self._send_state = send_device, send_state
         self._operator, self._machine = operator, machine
-        self._guard = StallGuard(stall_s=pad.OLDEST_S)
+        self._guard = PauseGuard(pause_s=pad.OLDEST_S)
         self._described: PadDevice | None = None
         self._row = Row(())
         self._joystick = LogicalJoystick(JoystickSpec(name="pad", line=0))
@@ -115,7 +115,7 @@ class PadSender:
         values = tuple(values)
         changed = self._row.take(values)
         self._joystick.feed(values, now)
-        stalled = self._guard.stalled(now)
+        stalled = self._guard.paused(now)
         if self._described is None:
             self._report_absence(now)
             return

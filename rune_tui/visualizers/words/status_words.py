@@ -304,7 +304,7 @@ def _held(state: ConsoleState) -> Iterator[Part]:
 
 def _release(state: ConsoleState) -> Part:
     """How long a key counts as held."""
-    if state.releases_told:
+    if state.releases_reported:
         return Part("release: exact", 0, Severity.FAINT)
     return Part(f"release: timed {state.hold_s:.2f} s", 0, Severity.FAINT, short="release: timed")
 

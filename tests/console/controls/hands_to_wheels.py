@@ -19,7 +19,7 @@ from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.joystick.calibration_store import CalibrationStore
 from rune_tui.controls.joystick_set import Joysticks
 from rune_tui.controls.keyboard import KeyboardHold
-from rune_tui.controls.pause_guard import StallGuard
+from rune_tui.controls.pause_guard import PauseGuard
 from rune_tui.dispatch import Dispatch
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState
@@ -69,7 +69,7 @@ class Console:
         self.resting = False
         self._dispatch = Dispatch(layout)
         self._keyboard = KeyboardHold(self._dispatch.waits_for_hold)
-        self._stalls = StallGuard()
+        self._pauses = PauseGuard()
         self._owner = self._stops = 0
         self._due = now + phase * TICK_S
         self._robots = self._known()
@@ -100,7 +100,7 @@ class Console:
     def key(self, key: str, now: float) -> None:
         self._look_up(now)
         self._execute(self._dispatch.look(self._state(now)), now)
-        self._handle(self._keyboard.press(key, now, stale=self._stalls.deaf(now)), now)
+        self._handle(self._keyboard.press(key, now, stale=self._pauses.is_stale(now)), now)
 
     def moved(self, now: float) -> None:
         """The pad has something to tell."""
@@ -116,7 +116,7 @@ class Console:
         self._handle(released, now)
 
     def _look_up(self, now: float) -> None:
-        if self._stalls.stalled(now):
+        if self._pauses.paused(now):
             self.let_go(now)
 
     def _handle(self, events: Iterable[ControlEvent], now: float) -> None:

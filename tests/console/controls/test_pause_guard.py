@@ -2,29 +2,29 @@
 
 from __future__ import annotations
 
-from rune_tui.controls.pause_guard import DEAF_S, STALL_S, StallGuard
+from rune_tui.controls.pause_guard import PAUSE_S, STALE_S, PauseGuard
 
 
 def test_ordinary_ticks_are_no_stall() -> None:
-    guard = StallGuard()
-    assert not any(guard.stalled(tick * 0.05) or guard.deaf(tick * 0.05) for tick in range(100))
+    guard = PauseGuard()
+    assert not any(guard.paused(tick * 0.05) or guard.is_stale(tick * 0.05) for tick in range(100))
 
 
 def test_the_first_look_is_no_stall() -> None:
-    assert not StallGuard().stalled(1000.0)
+    assert not PauseGuard().paused(1000.0)
 
 
 def test_after_a_pause_keys_are_old_for_a_while() -> None:
-    guard = StallGuard()
-    guard.stalled(0.0)
-    woken = STALL_S + 5.0
-    assert guard.stalled(woken)
-    assert guard.deaf(woken)
-    assert guard.deaf(woken + DEAF_S - 0.001)
-    assert not guard.deaf(woken + DEAF_S)
+    guard = PauseGuard()
+    guard.paused(0.0)
+    woken = PAUSE_S + 5.0
+    assert guard.paused(woken)
+    assert guard.is_stale(woken)
+    assert guard.is_stale(woken + STALE_S - 0.001)
+    assert not guard.is_stale(woken + STALE_S)
 
 
 def test_a_pause_is_reported_once() -> None:
-    guard = StallGuard()
-    guard.stalled(0.0)
-    assert [guard.stalled(now) for now in (5.0, 5.01, 5.06)] == [True, False, False]
+    guard = PauseGuard()
+    guard.paused(0.0)
+    assert [guard.paused(now) for now in (5.0, 5.01, 5.06)] == [True, False, False]

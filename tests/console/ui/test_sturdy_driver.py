@@ -78,7 +78,7 @@ TELLS = "\x1b[?27u"
     ],
 )
 def test_a_terminal_that_tells_releases_has_them_told(text: str, moves: list[str]) -> None:
-    assert heard((TELLS + text, 0)) == ["ReleasesTold", *moves]
+    assert heard((TELLS + text, 0)) == ["ReleasesReported", *moves]
 
 
 def test_a_key_goes_up_by_the_name_it_had_when_it_went_down() -> None:
@@ -87,7 +87,7 @@ def test_a_key_goes_up_by_the_name_it_had_when_it_went_down() -> None:
 
 
 def test_a_key_that_was_never_seen_down_does_not_go_up() -> None:
-    assert heard((f"{TELLS}\x1b[119;1:3u", 0)) == ["ReleasesTold"]
+    assert heard((f"{TELLS}\x1b[119;1:3u", 0)) == ["ReleasesReported"]
 
 
 def test_a_key_whose_release_was_lost_goes_up_before_it_goes_down_by_another_name() -> None:
@@ -108,7 +108,7 @@ def test_keys_of_a_terminal_that_tells_releases_of_some_come_as_from_one_that_te
     None
 ):
     told = heard(("\x1b[?3uw\x1b[A\x1b[1;1:2A\x1b[1;1:3A", 0))
-    assert told == ["ReleasesTold", "Key", "Key", "Key"]
+    assert told == ["ReleasesReported", "Key", "Key", "Key"]
 
 
 def test_releases_press_nothing_where_nobody_asked_for_them() -> None:
@@ -117,7 +117,7 @@ def test_releases_press_nothing_where_nobody_asked_for_them() -> None:
 
 def test_answers_to_frames_are_told_and_other_answers_press_no_keys() -> None:
     told = heard(("w\x1b[2;3R", 0), ("\x1b[?62;22;52c\x1b[?1u", 0), ("\x1b[6;20;10t", 0))
-    assert told == ["Key", "FrameAnswered", "ReleasesTold"]
+    assert told == ["Key", "FrameAnswered", "ReleasesReported"]
     assert heard(("\x1b[1;2R", 0)) == ["Key"]
 
 

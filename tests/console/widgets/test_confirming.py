@@ -16,7 +16,7 @@ from hub.gcm.mapping import (
 )
 from hub.gcm.mission import MISSION_STATE, MissionState
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import AskEffect, Effect, MarksWaiting, SendEffect, Tell, changed
+from rune_tui.model.effects import AskEffect, Effect, MarksWaiting, Notify, SendEffect, changed
 from rune_tui.model.leaving import reasons_to_stay
 from rune_tui.model.robot_state import LinkPhase
 from rune_tui.widgets.confirming import AGAIN_S, ANSWER_S
@@ -49,7 +49,7 @@ def sends(effects: tuple[Effect, ...]) -> list[SendEffect]:
 
 
 def alarms(effects: tuple[Effect, ...]) -> list[str]:
-    told = [effect.notice for effect in effects if isinstance(effect, Tell)]
+    told = [effect.notice for effect in effects if isinstance(effect, Notify)]
     return [notice.text for notice in told if notice.alarm]
 
 
@@ -68,7 +68,7 @@ def test_a_mark_that_is_not_confirmed_is_sent_again_and_then_an_alarm() -> None:
     # Once, not each second; and it is confirmed in the end.
     assert alarms(widget.tick(knowing(after=60.0))) == []
     effects = widget.tick(knowing(marked(9), after=61.0))
-    (told,) = [effect.notice.text for effect in effects if isinstance(effect, Tell)]
+    (told,) = [effect.notice.text for effect in effects if isinstance(effect, Notify)]
     assert "victim 9 is marked" in told
     (waiting,) = [effect for effect in effects if isinstance(effect, MarksWaiting)]
     assert reasons_to_stay(changed(state, waiting)) == ()
@@ -95,7 +95,7 @@ def test_a_mark_in_the_robots_memory_only_is_not_confirmed() -> None:
     ]
     assert not sends(effects)
     effects = widget.tick(knowing(marked(5), after=ANSWER_S + 1.0))
-    assert any("is marked" in each.notice.text for each in effects if isinstance(each, Tell))
+    assert any("is marked" in each.notice.text for each in effects if isinstance(each, Notify))
 
 
 def test_a_refused_mark_is_given_up() -> None:
@@ -136,5 +136,5 @@ def test_changes_and_removals_are_sent_again_with_the_version_they_change(handle
     removed = first.value.action is PointAction.REMOVE
     now = () if removed else (dataclasses.replace(mark, version=4),)
     effects = widget.tick(knowing(*now, after=AGAIN_S + 0.5))
-    (text,) = [effect.notice.text for effect in effects if isinstance(effect, Tell)]
+    (text,) = [effect.notice.text for effect in effects if isinstance(effect, Notify)]
     assert text == ("victim 2 is removed" if removed else "victim 2 is changed")

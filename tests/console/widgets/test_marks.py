@@ -28,9 +28,9 @@ from rune_tui.model.effects import (
     Effect,
     ExportEffect,
     MarksWaiting,
+    Notify,
     SendEffect,
     StateEffect,
-    Tell,
     changed,
 )
 from rune_tui.model.robot_state import Picture
@@ -64,7 +64,7 @@ def sent(effects: tuple[Effect, ...]) -> PointCommand:
 def told(effects: tuple[Effect, ...]) -> str:
     """What the operator is told, where nothing is sent."""
     (effect,) = [effect for effect in effects if not isinstance(effect, MarksWaiting)]
-    assert isinstance(effect, Tell)
+    assert isinstance(effect, Notify)
     assert effect.notice.robot == "magellan"
     return effect.notice.text
 

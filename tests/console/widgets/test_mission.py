@@ -11,7 +11,7 @@ import pytest
 from hub.gcm.mission import MISSION_STATE, MissionAction, MissionState
 from rune_tui.layout.rules import Purpose
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import AskEffect, Effect, MissionEffect, Tell
+from rune_tui.model.effects import AskEffect, Effect, MissionEffect, Notify
 from rune_tui.model.leaving import reasons_to_stay
 from rune_tui.model.mission import MissionWatch
 from rune_tui.model.robot_state import Lack, LackKind
@@ -74,7 +74,7 @@ def test_a_name_that_was_typed_too_early_waits_for_the_robot() -> None:
         (question,) = widget.handle(down("m"), KEY, on(None))
         assert isinstance(question, AskEffect)
         (told,) = question.answer("attic", on(None))
-        assert isinstance(told, Tell)
+        assert isinstance(told, Notify)
         assert widget.tick(on(None)) == ()
         (again,) = widget.handle(down("m"), KEY, on(None))
         assert isinstance(again, AskEffect)
@@ -91,7 +91,7 @@ def test_a_name_that_waits_in_vain_is_told() -> None:
     question.answer("attic", began)
     assert widget.tick(dataclasses.replace(began, now=began.now + 0.9 * WAIT_S)) == ()
     (told,) = widget.tick(dataclasses.replace(began, now=began.now + WAIT_S))
-    assert isinstance(told, Tell)
+    assert isinstance(told, Notify)
     assert "attic" in told.notice.text
     assert told.notice.alarm
 
@@ -131,7 +131,7 @@ def _rows_of(mission: MissionState, key: str) -> list[str]:
 @pytest.mark.parametrize(("do", "mission"), [("begin", RUNS), ("end", None), ("name", None)])
 def test_what_cannot_be_is_said(do: str, mission: MissionState | None) -> None:
     (effect,) = widget_of("widgetMission", do=do).handle(down("m"), KEY, on(mission))
-    assert isinstance(effect, Tell)
+    assert isinstance(effect, Notify)
 
 
 def test_what_is_not_kept_is_an_alarm_everywhere() -> None:
@@ -199,5 +199,5 @@ def test_a_robot_that_cannot_do_it_is_asked_nothing_and_the_key_says_why(
     )
     state = dataclasses.replace(state, robots={"magellan": robot.with_(link=link)})
     (effect,) = widget_of(handler).handle(down("m"), KEY, state)
-    assert isinstance(effect, Tell)
+    assert isinstance(effect, Notify)
     assert effect.notice.text == said

@@ -17,11 +17,11 @@ from rune_tui.model.effects import (
     Effect,
     FillView,
     NextLayoutEffect,
+    Notify,
     ScreenshotEffect,
     SendEffect,
     SetTheme,
     ShowViewport,
-    Tell,
     ToggleHelp,
     ToggleLog,
     ToggleNight,
@@ -92,7 +92,7 @@ def test_safety_switches_and_tells_loudly_when_it_is_off(
     state = seeing(navigation=received(robot_state(assistance=known)))
     effects = pressed("widgetSafety", state, assistance=wanted)
     assert values(effects) == [AssistanceCommand(assistance=sent)]
-    (notice,) = [effect.notice for effect in effects if isinstance(effect, Tell)]
+    (notice,) = [effect.notice for effect in effects if isinstance(effect, Notify)]
     assert notice.alarm == (sent is Assistance.OFF)
 
 
@@ -142,7 +142,7 @@ def test_the_headlight_is_lit_or_put_out(light: float, wanted: float):
 def test_a_robot_without_headlight_is_sent_nothing():
     effects = pressed("widgetHeadlight", seeing(camera=received(camera_state())))
     assert values(effects) == []
-    assert isinstance(effects[0], Tell)
+    assert isinstance(effects[0], Notify)
 
 
 @pytest.mark.parametrize(

@@ -322,8 +322,8 @@ def test_that_no_pad_is_there_and_when_keys_go_up_are_both_said_in_fewer_words_i
 
 def test_of_several_pads_that_are_not_there_fewer_words_tell_no_number(made) -> None:
     pads = ("left", "right")
-    assert least(made, 99, pads, releases_told=True)[0] == "2 joysticks not plugged in"
-    assert least(made, 28, pads, releases_told=True) == ["no joysticks", "release: exact"]
+    assert least(made, 99, pads, releases_reported=True)[0] == "2 joysticks not plugged in"
+    assert least(made, 28, pads, releases_reported=True) == ["no joysticks", "release: exact"]
 
 
 def test_the_token_changes_with_the_words_only(made) -> None:
