@@ -55,6 +55,10 @@ class Robot:
             )  # fmt: skip
         assert self.process.stdout is not None
         self.endpoint = json.loads(self.process.stdout.readline())["hub"]
+        self.connect()
+
+    def connect(self) -> None:
+        """Connect a client, and wait for its first report."""
         self.client = Client("test", self.endpoint)
         self.client.wait_connected(10.0)
         self.modules: dict[str, supervision.ModuleReport] = {}
@@ -88,6 +92,10 @@ class Robot:
 
     def close(self) -> None:
         self.client.close()
+        self.end()
+
+    def end(self) -> None:
+        """End the daemon."""
         assert self.process.stdin is not None
         assert self.process.stdout is not None
         self.process.stdin.close()
@@ -119,7 +127,7 @@ backoff_s = 0.1
 
 
 @pytest.fixture(scope="module")
-def workshop(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
+def lasting_workshop(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
     """A daemon whose modules misbehave each in its way, once somebody starts them."""
     folder = tmp_path_factory.mktemp("workshop")
     modules = [
@@ -132,17 +140,31 @@ def workshop(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
     ]
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_STATE_HOME", str(folder))
-        with closing(Robot(folder, "".join(modules))) as robot:
+        robot = Robot(folder, "".join(modules))
+        robot.client.close()
+        try:
             yield robot
+        finally:
+            robot.end()
+
+
+@pytest.fixture
+def workshop(lasting_workshop: Robot) -> Iterator[Robot]:
+    """The daemon with a new client: central drops one that rests between two tests."""
+    lasting_workshop.connect()
+    yield lasting_workshop
+    lasting_workshop.client.close()
 
 
 @contextlib.contextmanager
 def running(robot: Robot, name: str) -> Iterator[None]:
     """Start this module, and stop it at the end."""
     assert robot.order(name, supervision.ModuleOrder.START).done
-    yield
-    assert robot.order(name, supervision.ModuleOrder.STOP).done
-    robot.until(lambda: robot.phase(name) is ModulePhase.STOPPED)
+    try:
+        yield
+    finally:
+        assert robot.order(name, supervision.ModuleOrder.STOP).done
+        robot.until(lambda: robot.phase(name) is ModulePhase.STOPPED)
 
 
 def test_capability_runs_while_somebody_wants_it(start: Start) -> None:
