@@ -183,9 +183,9 @@ def main() -> None:
         for name, times in worst.items()
     )
     slowest = max(statistics.median(times) for times in worst.values())
-    report("robomon.recovery_s", slowest, "s", bar=1.0, note=f"medians of {ROUNDS}: {note}")
+    report("robomon.recovery_s", slowest, "s", bar=0.15, note=f"medians of {ROUNDS}: {note}")
     largest = max(max(times) for times in worst.values())
-    report("robomon.recovery_largest_s", largest, "s", bar=1.0)
+    report("robomon.recovery_largest_s", largest, "s", bar=0.3)
     report("robomon.live_command_s", max(stop for stop, _ in stops), "s", bar=0.35, note="largest")
     report("robomon.rest_s", max(rest for _, rest in stops), "s", bar=0.7, note="largest")
 
