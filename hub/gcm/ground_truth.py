@@ -19,8 +19,8 @@ class GroundTruth:
         theta: Heading in the arena's frame [rad], in (-pi, pi].
         linear: True forward velocity [m/s].
         angular: True turn rate [rad/s].
-        commanded_linear: Forward velocity the wheels are told [m/s].
-        commanded_angular: Turn rate the wheels are told [rad/s].
+        commanded_linear: Commanded forward velocity [m/s].
+        commanded_angular: Commanded turn rate [rad/s].
         contacts: Times the body has come into contact with something since the start.
         touching: Whether it touches something now (0 or 1).
     """

@@ -154,8 +154,8 @@ class Measured:
         theta: Heading in the same frame [rad], in (-pi, pi].
         linear: Forward velocity from the encoders [m/s].
         angular: Turn rate from the encoders [rad/s].
-        commanded_linear: Forward velocity the wheels are told [m/s].
-        commanded_angular: Turn rate the wheels are told [rad/s].
+        commanded_linear: Commanded forward velocity [m/s].
+        commanded_angular: Commanded turn rate [rad/s].
         sonar: Range of each sonar from the robot's centre [m], shape (16,); inf: no echo,
             NaN: no sensor.
         infrared: Range of each infrared sensor from the centre [m], shape (16,);

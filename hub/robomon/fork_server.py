@@ -45,7 +45,7 @@ _ARGUMENTS_FROM, _ARGUMENTS_TO = 45, 46
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ForkRequest:
-    """A module that is to be forked.
+    """A module to fork.
 
     Attributes:
         run: The Python module to run, as after `python -m`.

@@ -105,7 +105,6 @@ QUOTAS: Mapping[Role, Quota] = MappingProxyType(
         ),
     }
 )
-_ROLES = {role: rank for rank, role in enumerate(Role)}
 
 
 def quota_of(principal: Principal) -> Quota | None:
@@ -115,4 +114,4 @@ def quota_of(principal: Principal) -> Quota | None:
 
 def counts_with(principal: Principal, role: Role) -> bool:
     """Whether what `principal` uses counts for `role` where a limit is "together"."""
-    return principal is not LOCAL and _ROLES[principal.role] <= _ROLES[role]
+    return principal is not LOCAL and role.includes(principal.role)

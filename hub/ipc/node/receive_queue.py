@@ -272,7 +272,7 @@ class ReceiveQueue:
     def _accepted(
         self, opened: _Opened, subscription: Subscription, sequence: int, message: Any
     ) -> Read | None:
-        """A message that is to be handed on; None if it cannot be read, or came before."""
+        """The message to deliver; None if it cannot be read, or came before."""
         if opened.kind != frames.INLINE:
             if opened.accepted or self._arrived(subscription, opened.source, sequence):
                 return self._decoded(subscription, opened.kind, message)

@@ -25,7 +25,7 @@ class Subscriptions:
     """All subscriptions of one client, and the sockets they share.
 
     Attributes:
-        arrivals: What came to them.
+        receive_queue: Messages that wait for their handlers.
     """
 
     def __init__(

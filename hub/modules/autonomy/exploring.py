@@ -1,4 +1,4 @@
-"""The errand of exploring: goes where the map ends, until there is nothing new to see; pure."""
+"""The task of exploring: goes where the map ends, until there is nothing new to see; pure."""
 
 from __future__ import annotations
 

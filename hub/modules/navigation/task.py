@@ -84,7 +84,7 @@ class NavigationTask:
 
     Attributes:
         number: Counts the tasks.
-        task: The state: what it does, or how it ended.
+        state: What it does, or how it ended.
         sender: Number of the client that began it.
         why: Why it waits or how it ended, for people.
         cause: The same for programs.
