@@ -82,13 +82,6 @@ class Client(BaseClient):
         if last:
             self._session.ask_last(definition.name)
 
-    def subscribe_payload(
-        self, definition: MessageDefinition[Any], handler: Callable[[memoryview, MessageInfo], None]
-    ) -> None:
-        """As `subscribe`, but `handler` gets the payload as it came: to record or forward it."""
-        self._prepare(definition)
-        self._subscriptions.subscribe(definition, handler, raw=True)
-
     @property
     def lost(self) -> int:
         """Subscribed messages that did not come; a message that a newer one overtook did come."""
@@ -153,10 +146,6 @@ class Client(BaseClient):
         """Answer queries of `request` by a `Reply` that may be kept and answered at any time."""
         self.define(request, response)
         self._responders.add(request, response, handler)
-
-    def stop_responding(self, request: MessageDefinition[Any]) -> None:
-        """Answer queries of `request` no longer; queries under way get an error."""
-        self._responders.remove(request.name)
 
     def query_notify(
         self,

@@ -113,27 +113,12 @@ class PictureGeometry:
         """Angles from the picture's centre [rad], left and up, of pixels; shape (..., 2) both."""
         return np.arctan(self._tangents(pixels))
 
-    def pixels_of_image_angles(self, angles: npt.ArrayLike) -> Floats:
-        """The reverse of `image_angles`; NaN for a right angle and more."""
-        given = np.asarray(angles, np.float64)
-        within = np.abs(given) < math.pi / 2.0
-        return self._pixels(np.tan(np.where(within, given, np.nan)))
-
     def mount_angles(self, image_angles: npt.ArrayLike) -> Floats:
         """Angles left of straight ahead and up from the horizontal [rad], shape (..., 2) both."""
         ahead, left, up = self._level(np.tan(np.asarray(image_angles, np.float64)))
         return np.stack(
             (self.pan + np.arctan2(left, ahead), np.arctan2(up, np.hypot(ahead, left))), axis=-1
         )
-
-    def image_angles_of_mount(self, mount_angles: npt.ArrayLike) -> Floats:
-        """The inverse of `mount_angles`; NaN: behind the camera."""
-        aside, up = np.moveaxis(np.asarray(mount_angles, np.float64), -1, 0)
-        aside = aside - self.pan
-        level = np.cos(up)
-        rays = self._tilted(level * np.cos(aside), level * np.sin(aside), np.sin(up))
-        depth = np.where(rays[..., 0] > _LEAST_DEPTH, rays[..., 0], np.nan)
-        return np.arctan(rays[..., 1:] / depth[..., None])
 
     def ground(self, pixels: npt.ArrayLike) -> GroundPoints:
         """What pixels, shape (..., 2), show of the ground."""

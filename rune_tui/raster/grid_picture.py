@@ -41,24 +41,8 @@ def grid_colours(
     return colours
 
 
-def grid_picture(
-    grid: OccupancyMap, window: MapWindow, colours: npt.NDArray[np.uint8]
-) -> npt.NDArray[np.uint8]:
-    """The part of a grid that a window shows.
-
-    Args:
-        grid: The map.
-        window: What to show.
-        colours: As made by `grid_colours`.
-
-    Returns:
-        Red, green, blue, alpha, shape (window.height, window.width, 4).
-    """
-    return colours[grid_values(grid, window).view(np.uint8)]
-
-
 def grid_values(grid: OccupancyMap, window: MapWindow) -> Cells:
-    """The value that each pixel of a window shows; arguments as for `grid_picture`.
+    """The value that each pixel of a window shows of a map.
 
     A pixel that is much smaller than a cell shows the cell at its middle. For larger ones, blocks
     of cells that are no larger than a pixel are reduced to the most occupied of theirs; a pixel

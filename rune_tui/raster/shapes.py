@@ -21,7 +21,6 @@ _FAR: Final = 4.0
 """Lines are cut at this multiple of the canvas's width and height."""
 _CORNERS: Final = 256
 """Number of corners of a polygon that replaces a large circle with a small visible part."""
-_ARROW_BACK: Final = math.radians(140.0)
 """From an arrow's tip to its other two corners, seen from its middle [rad]."""
 
 
@@ -74,18 +73,6 @@ class Pen:
                     spots = (_between(begin, end, way / length) for way in (first, last))
                     self.line(list(spots), colour, width)
             gone = (gone + length) % period
-
-    def arrow(self, centre: Point, radius: float, direction: float, fill: Colour) -> None:
-        """A slender triangle within a circle of `radius` [pixels] that points in a direction.
-
-        Args:
-            centre: Middle of the circle.
-            radius: From there to the tip.
-            direction: Where it points [rad], counter-clockwise from up.
-            fill: Its colour.
-        """
-        corners = (0.0, _ARROW_BACK, -_ARROW_BACK)
-        self.polygon([toward(centre, radius, direction + corner) for corner in corners], fill)
 
     def cross(self, centre: Point, reach: float, colour: Colour, width: float = 1.0) -> None:
         """A diagonal cross that reaches this far from its centre to each side [pixels]."""

@@ -1,6 +1,6 @@
 """The format-string grammar of CMU IPC: text to a Format tree and back.
 
-format   := primitive | NAME | LENGTH | struct | enum | array | pointer
+format   := primitive | LENGTH | struct | enum | array | pointer
 struct   := '{' [member {',' member}] '}'        member := format | sequence | '*!'
 enum     := '{' 'enum' ':' LARGEST '}' | '{' 'enum' NAME {',' NAME} '}'
 array    := '[' format ':' N {',' N} ']' | '[' N ':' format ']'
@@ -9,7 +9,7 @@ sequence := '<' format ':' I {',' I} '>'         I: 1-based number of an integer
 pointer  := '*' format                           null or a value
 
 '*!' makes its struct the node of a linked list: it is the next node, or null at the end.
-NAME stands for a format that is defined elsewhere, LENGTH for so many bytes, [ubyte:LENGTH].
+LENGTH stands for so many bytes, [ubyte:LENGTH].
 """
 
 from __future__ import annotations
@@ -17,9 +17,7 @@ from __future__ import annotations
 import difflib
 import math
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from types import MappingProxyType
+from dataclasses import dataclass
 from typing import NoReturn
 
 from hub.errors import MessageFormatError
@@ -36,8 +34,6 @@ PRIMITIVES = (*INTEGERS, "float", "double", "boolean", "string")
 
 _TOKEN = re.compile(r"[ \t\n\r\f]*(?:(\*!|[{}\[\]<>,:*])|([A-Za-z_]\w*)|(\d+))", re.ASCII)
 _BLANK = re.compile(r"[ \t\n\r\f]*")
-_TOO_LONG = f"spelt out, it is longer than {MAX_TEXT} characters"
-_NO_NAMES: Mapping[str, str] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,57 +120,28 @@ class SelfPointer:
 Format = Primitive | Enum | Struct | FixedArray | VariableArray | Pointer | SelfPointer
 
 
-def parse(text: str, named: Mapping[str, str] = _NO_NAMES) -> Format:
-    """The tree of a format string.
-
-    Args:
-        text: The format string.
-        named: What the names in it stand for, as format strings, which may use names too.
+def parse(text: str) -> Format:
+    """The tree of a format string. Trees of equal formats are equal, however they are written.
 
     Raises:
         MessageFormatError: With the position and the reason.
     """
-    parser = _Parser(text, _Names(named))
-    tree = parser.whole(1)
+    parser = _Parser(text)
+    tree = parser.format(1)
+    if parser.token:
+        parser.fail("nothing may follow a complete format")
     if len(str(tree)) > MAX_TEXT:
-        parser.fail(_TOO_LONG)
+        parser.fail(f"spelt out, it is longer than {MAX_TEXT} characters")
     return tree
-
-
-def equal(one: str, other: str, named: Mapping[str, str] = _NO_NAMES) -> bool:
-    """Whether two format strings mean the same on the wire and in its reading.
-
-    Names count for what they stand for, enums for their largest value and the names of their
-    values; blanks and the way an array is written make no difference.
-
-    Raises:
-        MessageFormatError: One of them is no format.
-    """
-    return parse(one, named) == parse(other, named)
-
-
-@dataclass(slots=True)
-class _Names:
-    """What names stand for, and what has come of them so far.
-
-    Attributes:
-        within: Names whose formats are being parsed, outermost first.
-        parsed: Formats parsed in all; a few names in each other could stand for billions.
-    """
-
-    meaning: Mapping[str, str]
-    within: list[str] = field(default_factory=list)
-    parsed: int = 0
 
 
 class _Parser:
     """Recursive descent over the tokens of one text."""
 
-    def __init__(self, text: str, names: _Names) -> None:
+    def __init__(self, text: str) -> None:
         if len(text) > MAX_TEXT:
             raise MessageFormatError(text, MAX_TEXT, f"longer than {MAX_TEXT} characters")
         self.text = text
-        self.names = names
         self.end = 0
         self.start = 0
         self.token = ""
@@ -197,8 +164,6 @@ class _Parser:
         return passed
 
     def fail(self, reason: str) -> NoReturn:
-        if self.names.within:
-            reason += f" (in the named format {self.names.within[-1]!r})"
         raise MessageFormatError(self.text, self.start, reason)
 
     def expect(self, wanted: str) -> None:
@@ -206,16 +171,7 @@ class _Parser:
             self.fail(f"expected {wanted!r}, found {self.token or 'the end'!r}")
         self.advance()
 
-    def whole(self, depth: int) -> Format:
-        tree = self.format(depth)
-        if self.token:
-            self.fail("nothing may follow a complete format")
-        return tree
-
     def format(self, depth: int) -> Format:
-        self.names.parsed += 1
-        if self.names.parsed > MAX_TEXT:
-            self.fail(_TOO_LONG)
         if depth > MAX_DEPTH:
             self.fail(f"nested deeper than {MAX_DEPTH}")
         if self.token == "{":
@@ -227,27 +183,15 @@ class _Parser:
             return Pointer(self.format(depth + 1))
         if self.token.isdigit():
             return FixedArray(Primitive("ubyte"), (self.number(1, MAX_ELEMENTS),))
-        if self.token in PRIMITIVES:
-            return Primitive(self.advance())
-        return self.named_format(depth)
-
-    def named_format(self, depth: int) -> Format:
-        name, names = self.token, self.names
-        if name in names.within:
-            self.fail(f"{name!r} contains itself: {' > '.join([*names.within, name])}")
-        if name not in names.meaning:
+        if self.token not in PRIMITIVES:
             self.fail_without_type()
-        self.advance()
-        names.within.append(name)
-        tree = _Parser(names.meaning[name], names).whole(depth)
-        names.within.pop()
-        return tree
+        return Primitive(self.advance())
 
     def fail_without_type(self) -> NoReturn:
         if self.token in ("<", "*!"):
             what = "variable array" if self.token == "<" else "self pointer"
             self.fail(f"a {what} stands directly inside a struct")
-        near = difflib.get_close_matches(self.token, [*PRIMITIVES, *self.names.meaning], 1)
+        near = difflib.get_close_matches(self.token, PRIMITIVES, 1)
         hint = f"; did you mean {near[0]!r}?" if near else ""
         self.fail(f"expected a type, found {self.token[:20] or 'the end'!r}{hint}")
 

@@ -57,22 +57,6 @@ class Directory:
         self._ask(control.List(), lambda: self._listings, timeout)
         return self._listings[-1]
 
-    def is_defined(self, name: str, timeout: float = 2.0) -> bool:
-        """Whether anybody has defined a message of this name.
-
-        Raises:
-            CentralUnreachableError: Central did not answer within `timeout` [s].
-        """
-        return any(entry.name == name for entry in self.listing(timeout).definitions)
-
-    def number_of_handlers(self, name: str, timeout: float = 2.0) -> int:
-        """How many connected modules answer queries of this name.
-
-        Raises:
-            CentralUnreachableError: Central did not answer within `timeout` [s].
-        """
-        return sum(name in peer.handles.split() for peer in self.listing(timeout).peers)
-
     def watch(self, handler: Callable[[control.Presence], None]) -> None:
         """Call `handler` when a module comes or goes, defines, publishes, subscribes or answers.
 

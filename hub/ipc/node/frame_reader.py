@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from hub.errors import CodecError, FrameError, RangeError
-from hub.ipc.node.subscription import Read, ReceivedFrame, Subscription
+from hub.ipc.node.subscription import ReceivedFrame, Subscription
 from hub.ipc.transport import shared_ring
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import frames
@@ -55,8 +55,8 @@ class FrameReader:
             self._faults.count("malformed frame", str(error))
             return []
 
-    def decoded(self, subscription: Subscription, kind: int, message: Any) -> Read | None:
-        """The payload and its value; None if it is not there, or cannot be read."""
+    def decoded(self, subscription: Subscription, kind: int, message: Any) -> Any:
+        """The value of a message; None if its payload is not there, or cannot be read."""
 
         def note(text: str) -> None:
             subscription.unfit = subscription.unfit or text
@@ -64,13 +64,9 @@ class FrameReader:
 
         try:
             if message.__class__ is tuple and subscription.receive is not None:
-                return message, subscription.receive(message, note)
+                return subscription.receive(message, note)
             payload = self._payload(subscription, kind, message)
-            return (
-                None
-                if payload is None
-                else (payload, subscription.definition.decode(payload, note))
-            )
+            return None if payload is None else subscription.definition.decode(payload, note)
         except RangeError as error:
             subscription.refused += 1
             subscription.unfit = subscription.unfit or str(error)

@@ -179,10 +179,6 @@ class Publishers:
         """Send all that waits; any thread may call this."""
         self._queue.flush()
 
-    def is_wanted(self, topic: bytes) -> bool:
-        """Whether any subscriber at central wants the topic."""
-        return topic in self._queue.topics
-
     def check(self) -> None:
         """Try again what could not be done; to be called every second or so."""
         self._check_open()

@@ -17,7 +17,7 @@ import zmq
 
 from hub.ipc.message_info import MessageInfo
 from hub.ipc.node.frame_reader import FrameReader
-from hub.ipc.node.subscription import Read, ReceivedFrame, Source, Subscription
+from hub.ipc.node.subscription import ReceivedFrame, Source, Subscription
 from hub.ipc.transport import sockets
 from hub.ipc.transport.clock_sync import ClockSync
 from hub.ipc.transport.fault_counter import FaultCounter
@@ -122,11 +122,11 @@ class ReceiveQueue:
         source = subscription.source(frame.publisher)
         if frame.sequence <= source.arrived:
             return
-        read = self._decoded(subscription, frame.kind, frame.payload)
-        if read is None:
+        value = self._decoded(subscription, frame.kind, frame.payload)
+        if value is None:
             return
         source.arrived = frame.sequence
-        self._deliver(subscription, source, frame.publisher, frame.sequence, frame.stamp_ns, read)
+        self._deliver(subscription, source, frame.publisher, frame.sequence, frame.stamp_ns, value)
 
     def _finish(self) -> None:
         """Hand on the rest of what a handler interrupted, because it raised or listened itself."""
@@ -186,9 +186,9 @@ class ReceiveQueue:
         if at_once and subscription.flat is not None and (found := subscription.flat.unpack(raw)):
             _, publisher, _, sequence, stamp_ns, _ = found[:6]
             source = subscription.source(publisher)
-            read = self._decoded(subscription, frames.INLINE, found[6:])
-            if read is not None and self._arrived(subscription, source, sequence):
-                self._deliver(subscription, source, publisher, sequence, stamp_ns, read)
+            value = self._decoded(subscription, frames.INLINE, found[6:])
+            if value is not None and self._arrived(subscription, source, sequence):
+                self._deliver(subscription, source, publisher, sequence, stamp_ns, value)
             return
         received = self._reader.read(subscription, raw)
         if received is None:
@@ -263,26 +263,25 @@ class ReceiveQueue:
         for stamp_ns, message in opened.messages:
             sequence = opened.sequence
             opened.sequence = sequence + 1
-            read = self._accepted(opened, subscription, sequence, message)
-            if read is not None:
-                self._deliver(subscription, source, publisher, sequence, stamp_ns, read)
+            value = self._accepted(opened, subscription, sequence, message)
+            if value is not None:
+                self._deliver(subscription, source, publisher, sequence, stamp_ns, value)
         if opened in self._opened:  # not if a handler listened, and so had the rest handed out
             self._opened.remove(opened)
 
     def _accepted(
         self, opened: _Opened, subscription: Subscription, sequence: int, message: Any
-    ) -> Read | None:
-        """The message to deliver; None if it cannot be read, or came before."""
+    ) -> Any:
+        """The value to deliver; None if it cannot be read, or came before."""
         if opened.kind != frames.INLINE:
             if opened.accepted or self._arrived(subscription, opened.source, sequence):
                 return self._decoded(subscription, opened.kind, message)
             return None
         if opened.accepted:
-            known: Read = message
-            return known
-        read = self._decoded(subscription, frames.INLINE, message)
-        if read is not None and self._arrived(subscription, opened.source, sequence):
-            return read
+            return message
+        value = self._decoded(subscription, frames.INLINE, message)
+        if value is not None and self._arrived(subscription, opened.source, sequence):
+            return value
         return None
 
     def _deliver(
@@ -292,7 +291,7 @@ class ReceiveQueue:
         publisher: int,
         sequence: int,
         stamp_ns: int,
-        read: Read,
+        value: Any,
     ) -> None:
         """Hand one message to its handlers, unless it is too old."""
         now = self._clock()
@@ -306,7 +305,6 @@ class ReceiveQueue:
             subscription.expired += 1
             self._faults.count("too old", f"{subscription.definition.name} is {age:.2f} s old")
             return
-        payload, value = read
         missed = 0
         if not subscription.unordered:
             missed = sequence - source.handed_on - 1 if source.handed_on else 0
@@ -318,5 +316,4 @@ class ReceiveQueue:
             if (
                 handlers is subscription.handlers or each in subscription.handlers
             ):  # one may unsubscribe another
-                handler, raw = each
-                handler(payload if raw else value, how)
+                each(value, how)

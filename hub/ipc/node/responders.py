@@ -102,17 +102,12 @@ class Responders:
             handler(decode(request, frame), Reply(frame.publisher, respond, fail))
 
         self._responders[request.name] = answer
-        self._announce(request.name, on=True)
-
-    def remove(self, name: str) -> None:
-        """Answer queries of this name no longer."""
-        if self._responders.pop(name, None) is not None:
-            self._announce(name, on=False)
+        self._announce(request.name)
 
     def announce_all(self) -> None:
         """Announce all at central, which knows the definitions now."""
         for name in self._responders:
-            self._announce(name, on=True)
+            self._announce(name)
 
     def use_direct_responder(self, direct_responder: DirectResponder | None) -> None:
         """Take queries there too, or only through central."""
@@ -151,10 +146,10 @@ class Responders:
         else:
             self._connection.send(control.Response(number=query.number), frame)
 
-    def _announce(self, name: str, *, on: bool) -> None:
+    def _announce(self, name: str) -> None:
         if self._connection.publisher:
             address = self._direct_responder.address if self._direct_responder else ""
-            self._connection.send(control.Handle(name=name, on=on, address=address))
+            self._connection.send(control.Handle(name=name, on=True, address=address))
 
 
 def _fail(send: SendControl, number: int, error: str, text: str) -> None:

@@ -71,8 +71,6 @@ class ReceivedFrame(NamedTuple):
     messages: list[tuple[int, memoryview | tuple[Any, ...]]]
 
 
-Read = tuple[Any, Any]
-"""Payload and value of a message; instead of the payload the numbers of a flat format."""
 _JUST_NOW = 1 << 62
 
 
@@ -81,7 +79,7 @@ class Subscription:
 
     Attributes:
         definition: The message.
-        handlers: The handlers, and whether each gets the raw payload.
+        handlers: The handlers.
         limit: How many of each publisher wait at most; the oldest are dropped. None: all wait.
         priority: The higher, the sooner it is handed on.
         in_ring: Whether it is asked for by descriptors.
@@ -98,7 +96,7 @@ class Subscription:
 
     def __init__(self, definition: MessageDefinition[Any]) -> None:
         self.definition = definition
-        self.handlers: list[tuple[Handler, bool]] = []
+        self.handlers: list[Handler] = []
         self.limit: int | None = 1 if definition.keep is Keep.NEWEST else None
         self.priority = 0
         self.in_ring = False
@@ -118,17 +116,10 @@ class Subscription:
         }
         self.flat: frames.FlatFrames | None = None
         self.receive: Callable[..., Any] | None = None
-
-    def add(self, handler: Handler, *, raw: bool) -> None:
-        """Call this handler too."""
-        self.handlers.append((handler, raw))
-        letters = self.definition.flat_letters
-        if letters is None or any(raw for _, raw in self.handlers):
-            self.flat = None
-        else:
-            prefix = frames.prefix(self._name)
-            self.flat = frames.FlatFrames(prefix, self._fingerprint, letters)
-            self.receive = self.definition.receive_flat
+        if definition.flat_letters is not None:
+            prefix = frames.prefix(definition.name)
+            self.flat = frames.FlatFrames(prefix, self._fingerprint, definition.flat_letters)
+            self.receive = definition.receive_flat
 
     def forget(self) -> None:
         """Forget the publishers: their numbers belong to others now."""

@@ -148,14 +148,13 @@ class Subscriptions:
         definition: MessageDefinition[Any],
         handler: Handler,
         *,
-        raw: bool = False,
         queue: int | None = None,
         priority: int | None = None,
     ) -> None:
         """Call `handler` for every message of `definition`."""
         known = self._subscriptions.get(definition.name)
         subscription = known or Subscription(definition)
-        subscription.add(handler, raw=raw)
+        subscription.handlers.append(handler)
         if queue is not None:
             subscription.limit = queue
         if priority is not None:
@@ -173,7 +172,7 @@ class Subscriptions:
         if subscription is None:
             return
         subscription.handlers = [
-            each for each in subscription.handlers if handler not in (None, each[0])
+            each for each in subscription.handlers if handler not in (None, each)
         ]
         if subscription.handlers:
             return

@@ -69,16 +69,6 @@ def test_a_pixel_on_the_horizon_is_not_on_the_ground(tilt: float, pan: float, x:
 
 
 @given(state=CAMERAS, size=SIZES)
-def test_angles_lead_back_to_the_same_pixel(state: CameraState, size: tuple[int, int]) -> None:
-    view, _ = built(state, size)
-    pixels = pixel_grid(*size)
-    angles = view.image_angles(pixels)
-    assert view.pixels_of_image_angles(angles) == pytest.approx(pixels, abs=1e-9)
-    back = view.image_angles_of_mount(view.mount_angles(angles))
-    assert back == pytest.approx(angles, abs=1e-9)
-
-
-@given(state=CAMERAS, size=SIZES)
 def test_angles_at_the_mount_point_to_the_same_ground(
     state: CameraState, size: tuple[int, int]
 ) -> None:

@@ -15,7 +15,6 @@ from rune_tui.raster.grid_picture import (
     OUTSIDE,
     UNKNOWN,
     grid_colours,
-    grid_picture,
     grid_values,
 )
 
@@ -154,7 +153,7 @@ def test_values_have_their_colours() -> None:
         unknown=(9, 9, 9, 99),
         outside=(0, 0, 0, 0),
     )
-    picture = grid_picture(grid(CORNER), window(width=4), colours)
+    picture = colours[grid_values(grid(CORNER), window(width=4)).view(np.uint8)]
     assert picture.shape == (2, 4, 4)
     assert picture[0].tolist() == [[0, 0, 0, 0], [100, 150, 100, 255], [9, 9, 9, 99], [0, 0, 0, 0]]
     assert picture[1, 1:3].tolist() == [[200, 200, 200, 255], [0, 100, 0, 255]]

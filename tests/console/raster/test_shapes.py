@@ -131,20 +131,6 @@ def test_dashes_without_length_draw_nothing() -> None:
     assert not canvas.pixels.any()
 
 
-@pytest.mark.parametrize(
-    ("direction", "tip"),
-    [(0.0, (20, 4)), (math.pi / 2, (4, 20)), (math.pi, (20, 36)), (-math.pi / 2, (36, 20))],
-)
-def test_arrows_point_counter_clockwise_from_up(direction: float, tip: tuple[int, int]) -> None:
-    canvas = Canvas.blank(41, 41)
-    with drawing(canvas) as pen:
-        pen.arrow((20.5, 20.5), 18.0, direction, RED)
-    x, y = tip
-    assert canvas.pixels[y, x, 3] > 0
-    assert canvas.pixels[20, 20, 3] > 0
-    assert canvas.pixels[40 - y, 40 - x, 3] == 0
-
-
 def test_a_cross_reaches_its_corners_and_leaves_its_sides() -> None:
     canvas = Canvas.blank(21, 21)
     with drawing(canvas) as pen:

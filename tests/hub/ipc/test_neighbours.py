@@ -61,7 +61,7 @@ def test_what_goes_to_neighbours_alone_is_not_sent_to_central(make: Make) -> Non
     until(lambda: received, 5.0)
     publisher = one.client._publishers.of(v.LOG)
     assert len(publisher.direct) == 1
-    assert not one.client._publishers.is_wanted(publisher.topic)
+    assert publisher.topic not in one.client._publishers._queue.topics
 
 
 def test_messages_of_several_names_arrive_in_the_order_of_publishing(make: Make) -> None:

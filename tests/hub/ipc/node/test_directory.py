@@ -28,9 +28,9 @@ def test_who_watches_is_told_of_everybody_that_comes_and_goes(connect: Connect) 
     other.call(lambda: other.client.respond(v.ASK, v.ANSWER, lambda ask: ask))
     other.call(lambda: other.client.wait_defined(5.0))
     other.call(lambda: other.client.directory.listing(5.0))
-    assert one.call(lambda: one.client.directory.number_of_handlers(v.ASK.name)) == 1
-    assert one.call(lambda: one.client.directory.is_defined(v.ASK.name))
-    assert not one.call(lambda: one.client.directory.is_defined("T_Nobody"))
+    listing = one.call(lambda: one.client.directory.listing(5.0))
+    assert [peer.name for peer in listing.peers if v.ASK.name in peer.handles.split()] == ["other"]
+    assert v.ASK.name in {entry.name for entry in listing.definitions}
     other.close()
     until(lambda: told and told[-1].change is Change.DISCONNECTED, 5.0)
     changes = [(each.change, each.message, each.count) for each in told if each.module == "other"]
