@@ -62,23 +62,18 @@ def load_layout(
         LayoutError: A file cannot be read or has mistakes; all of them are listed.
     """
     path = Path(path)
-    rules, validator = _schema()
-    unexplained: list[Mistake] = []
+    rules = schema_rules()
 
     def read(file: Path) -> tuple[Node, int]:
         text = _read_text(file, str(file))
-        document = _parse(text, str(file))
-        node = _to_node(document, text, str(file))
-        unexplained.extend(_refused(validator, document, str(file)))
-        return node, len(text)
+        return _to_node(_parse(text, str(file)), text, str(file)), len(text)
 
     root, size = read(path)
     if root.tag != rules.root:
         raise _error(rules.mistakes(root))
     assembly = Assembly(rules, read, path, largest=LARGEST_FILE)
     root = assembly.whole(root, size, variables or {})
-    # What the validator refuses, the rules read from the schema have words for.
-    mistakes = [*assembly.mistakes, *rules.mistakes(root)] or unexplained
+    mistakes = [*assembly.mistakes, *rules.mistakes(root)]
     vocabulary, scripts, wrong = extended(vocabulary, root, rules, path.parent)
     fonts, letters, unreadable = named_fonts(root, rules, path.parent)
     mistakes += [*wrong, *unreadable]
@@ -217,10 +212,11 @@ def _plain(reason: str) -> str:
 
 
 @functools.cache
-def _schema() -> tuple[Rules, etree.RelaxNG]:
+def schema_rules() -> Rules:
+    """The rules of the schema; they refuse what a RELAX NG validator refuses, in plain words."""
     data = importlib.resources.files("rune_tui.layout").joinpath("schema.rng").read_bytes()
     document = etree.fromstring(data, etree.XMLParser(remove_comments=True))
-    return read_rules(_to_node(document, data.decode(), "schema.rng")), etree.RelaxNG(document)
+    return read_rules(_to_node(document, data.decode(), "schema.rng"))
 
 
 def _to_node(document: etree._Element, text: str, shown: str) -> Node:
@@ -244,11 +240,3 @@ def _to_node(document: etree._Element, text: str, shown: str) -> Node:
         )
 
     return node(document, 0)
-
-
-def _refused(validator: etree.RelaxNG, document: etree._Element, shown: str) -> list[Mistake]:
-    """What the validator says of a file, in its own words."""
-    if validator.validate(document):
-        return []
-    found = [Mistake(Place(shown, entry.line), entry.message) for entry in validator.error_log]
-    return found or [Mistake(Place(shown), "the file does not follow the schema")]

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import importlib.metadata
-import platform
+import sys
+
+from packaging.requirements import Requirement
+from packaging.specifiers import SpecifierSet
 
 from hub.inspection.doctor.finding import Finding, ok, problem, warning
-from hub.inspection.doctor.versions import fits, parse_requirement
 from hub.robots.description import ROBOTS_OWN, RobotDescription
 
 _DISTRIBUTION = "robot-user-nexus"
@@ -15,13 +17,10 @@ _CAMERA_EXTRA = "camera"
 
 def versions() -> list[Finding]:
     """Whether Python and the libraries are those that the hub was made for."""
-    python = platform.python_version()
+    python = ".".join(map(str, sys.version_info[:3]))
     wanted = importlib.metadata.metadata(_DISTRIBUTION)["Requires-Python"]
-    lines = importlib.metadata.requires(_DISTRIBUTION) or []
     found = [("Python", python, wanted)] + [
-        (need.name, _installed(need.name), need.ranges)
-        for need in map(parse_requirement, lines)
-        if need is not None and not need.extra
+        (need.name, _installed(need.name), str(need.specifier)) for need in _needs("")
     ]
     return [judged_version(*one) for one in found]
 
@@ -30,7 +29,7 @@ def judged_version(name: str, version: str, ranges: str) -> Finding:
     """The findings about a library; an empty version: it is not installed."""
     if not version:
         return problem(f"{name} is not installed", f'pip install "{name}{ranges}"')
-    if not fits(version, ranges):
+    if not _fits(version, ranges):
         advice = f'pip install "{name}{ranges}"' if name != "Python" else "install another Python"
         return problem(f"{name} {version} is not {ranges}", advice)
     return ok(f"{name} {version}")
@@ -52,16 +51,27 @@ def extras(robot: RobotDescription) -> list[Finding]:
 def _missing(extra: str) -> list[str]:
     """Libraries of an extra that are not installed, or in another version than we want."""
     missing = []
-    for line in importlib.metadata.requires(_DISTRIBUTION) or []:
-        wanted = parse_requirement(line)
-        if wanted is None or wanted.extra != extra:
-            continue
+    for wanted in _needs(extra):
         version = _installed(wanted.name)
         if not version:
             missing.append(wanted.name)
-        elif not fits(version, wanted.ranges):
-            missing.append(f"{wanted.name} {wanted.ranges} (there is {version})")
+        elif not _fits(version, str(wanted.specifier)):
+            missing.append(f"{wanted.name} {wanted.specifier} (there is {version})")
     return missing
+
+
+def _needs(extra: str) -> list[Requirement]:
+    """What an extra wants on this system; of the empty extra, what is always wanted."""
+    lines = map(Requirement, importlib.metadata.requires(_DISTRIBUTION) or [])
+    return [
+        line
+        for line in lines
+        if (not extra if line.marker is None else line.marker.evaluate({"extra": extra}))
+    ]
+
+
+def _fits(version: str, ranges: str) -> bool:
+    return SpecifierSet(ranges).contains(version, prereleases=True)
 
 
 def _installed(name: str) -> str:

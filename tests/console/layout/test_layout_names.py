@@ -17,7 +17,7 @@ from hub.gcm import catalog
 from hub.gcm.capability import Capability
 from rune_tui.controls.hid import usages
 from rune_tui.layout import names
-from rune_tui.layout.loader import _schema
+from rune_tui.layout.loader import schema_rules
 from rune_tui.layout.rules import LOCAL_MESSAGES, HandlerRule, Option, VisualizerRule
 from rune_tui.startup.opening import BUILT_IN, open_layout
 from rune_tui.terminal import input_stream
@@ -25,7 +25,7 @@ from rune_tui.terminal import input_stream
 ROOT = Path(__file__).parents[3]
 PATH = ROOT / "docs" / "layout-reference.md"
 PAGE = PATH.read_text()
-RULES = _schema()[0]
+RULES = schema_rules()
 
 
 def rows(heading: str) -> list[list[str]]:

@@ -12,14 +12,13 @@ import pytest
 
 from hub.inspection.doctor import library_checks, machine_checks
 from hub.inspection.doctor.finding import Level
-from hub.inspection.doctor.versions import Requirement, fits, parse_requirement
 from hub.ipc.transport import file_descriptors, shared_ring
 from tests.hub.inspection.robots import robot
 
 
 def test_libraries_of_this_environment_are_well() -> None:
     said = library_checks.versions()
-    assert [finding.level for finding in said] == [Level.OK] * 4
+    assert {finding.level for finding in said} == {Level.OK}
     assert said[1].text.startswith("numpy ")
 
 
@@ -28,6 +27,8 @@ def test_libraries_of_this_environment_are_well() -> None:
     [
         ("numpy", "2.1.0", Level.OK, "numpy 2.1.0"),
         ("numpy", "1.26.4", Level.PROBLEM, "numpy 1.26.4 is not >=2.0,<3"),
+        ("numpy", "2.10.1", Level.OK, "numpy 2.10.1"),
+        ("numpy", "2.4.0rc1", Level.OK, "numpy 2.4.0rc1"),
         ("numpy", "3.0.0", Level.PROBLEM, "numpy 3.0.0 is not >=2.0,<3"),
         ("numpy", "", Level.PROBLEM, "numpy is not installed"),
     ],
@@ -37,46 +38,16 @@ def test_a_wrong_version_is_a_problem(name: str, version: str, level: Level, tex
     assert (said.level, said.text) == (level, text)
 
 
-@pytest.mark.parametrize(
-    ("version", "ranges", "inside"),
-    [
-        ("2.0", ">=2.0,<3", True),
-        ("2.10.1", ">=2.9", True),
-        ("2.0.0", "==2", True),
-        ("27.3.0rc1", ">=27,<28", True),
-        ("28", "<28,>=27", False),
-        ("8.3.0", "<8.3,>=8.2", False),
-        ("1!", ">=1,!=1", False),
-        ("nonsense", ">=1", False),
-        ("1.0", "", True),
-    ],
-)
-def test_versions_are_compared_as_numbers(version: str, ranges: str, *, inside: bool) -> None:
-    assert fits(version, ranges) is inside
-
-
-@pytest.mark.parametrize(
-    ("line", "wanted"),
-    [
-        ("numpy<3,>=2.0", Requirement(name="numpy", ranges="<3,>=2.0", extra="")),
-        ("av[x] (>=12, <17)", Requirement(name="av", ranges=">=12,<17", extra="")),
-        (
-            'pillow>=11; extra == "camera"',
-            Requirement(name="pillow", ranges=">=11", extra="camera"),
-        ),
-        ("zmq; sys_platform == 'win32'", None),
-        ("=nonsense", None),
-    ],
-)
-def test_requirements_are_read(line: str, wanted: Requirement | None) -> None:
-    assert parse_requirement(line) == wanted
-
-
 def test_a_missing_extra_counts_as_much_as_the_robot_needs_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     film = robot(tmp_path, '[camera]\nsource = "film.mp4"')
-    wanted = ['no-such-library>=1; extra == "camera"', 'numpy>=1; extra == "camera"']
+    wanted = [
+        'no-such-library>=1; extra == "camera"',
+        'numpy>=1; extra == "camera"',
+        'no-such-either; extra == "other" or sys_platform == "none"',
+        "nor-this>=1",
+    ]
     monkeypatch.setattr("importlib.metadata.requires", lambda _: wanted)
     (said,) = library_checks.extras(film)
     assert said.level is Level.PROBLEM
