@@ -109,8 +109,7 @@ def publish_on_request(
 ) -> None:
     """Call `publish` at each request to publish this message now."""
 
-    def requested(request: RequestData, reception: MessageInfo) -> None:
-        del reception
+    def requested(request: RequestData, _reception: MessageInfo) -> None:
         if request.message == definition.name:
             publish()
 
@@ -215,8 +214,7 @@ def _obey(
 
 
 def _stop_on_signals(client: Client, health: _Health) -> None:
-    def stop(number: int, frame: object) -> None:
-        del number, frame
+    def stop(_number: int, _frame: object) -> None:
         health.stopping = True
         client.post(lambda: None)
 

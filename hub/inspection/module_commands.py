@@ -95,8 +95,7 @@ def want(client: Client, wanted: Sequence[str], *, seconds: float) -> int:
     wants = supervision.CapabilityWants(holder=client.name, capabilities=" ".join(wanted))
     said: dict[str, str] = {}
 
-    def show(reports: supervision.CapabilityReports, reception: MessageInfo) -> None:
-        del reception
+    def show(reports: supervision.CapabilityReports, _reception: MessageInfo) -> None:
         known = {each.name: each for each in reports.capabilities}
         for name in wanted:
             now = _outlook(name, known.get(name))

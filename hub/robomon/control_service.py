@@ -101,8 +101,7 @@ class ControlService:
         holds = bool(heartbeat.holds)
         self._arbiter.heard(reception.publisher, self._clock(), holds=holds)
 
-    def _announced(self, info: ModuleInfo, reception: MessageInfo) -> None:
-        del info
+    def _announced(self, _info: ModuleInfo, reception: MessageInfo) -> None:
         peer = self._peer_of(reception.publisher)
         if peer is None or peer.principal.role is not Role.MODULE:
             return  # an operator is no module, whoever says so

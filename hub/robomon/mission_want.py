@@ -69,8 +69,7 @@ class MissionWant:
         capabilities = _CAPABILITIES if wanted else ()
         self._wants.renew(_NUMBER, HOLDER, capabilities, self._clock())
 
-    def _told(self, state: MissionState, reception: MessageInfo) -> None:
-        del reception
+    def _told(self, state: MissionState, _reception: MessageInfo) -> None:
         if state.running or not state.fault:
             self._running = bool(state.running)
 

@@ -56,8 +56,7 @@ class Reporting:
         self._publish_modules()
         self._publish_capabilities()
 
-    def _announced(self, info: supervision.ModuleInfo, reception: MessageInfo) -> None:
-        del reception
+    def _announced(self, info: supervision.ModuleInfo, _reception: MessageInfo) -> None:
         self._supervisor.announced(
             info.name, info.pid, info.capabilities.split(), info.needs.split(), self._clock()
         )
@@ -71,9 +70,8 @@ class Reporting:
         )
         self._keeper.look()
 
-    def _commanded(self, command: CommonCommand, reception: MessageInfo) -> None:
+    def _commanded(self, command: CommonCommand, _reception: MessageInfo) -> None:
         """Somebody tells modules directly; their ends and starts are then meant."""
-        del reception
         if command.argument == BY_ROBOMON:
             return
         for name, life in self._supervisor.lives.items():

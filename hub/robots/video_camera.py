@@ -71,13 +71,12 @@ class VideoCamera:
     def place(self, x: float, y: float, theta: float, measured: float) -> None:
         """It is where it is."""
 
-    def take(self, width_px: int, height_px: int, now: float) -> Picture:
+    def take(self, width_px: int, height_px: int, _now: float) -> Picture:
         """The newest picture.
 
         Raises:
             CameraError: There is none, or only an old one.
         """
-        del now
         shot = self._reader.newest()
         pixels = shot.pixels(width_px, height_px)
         size = pixels.shape[1], pixels.shape[0]

@@ -64,8 +64,7 @@ class ControlLine:
         self._client.post(lambda: self._ask(action, by_driving=by_driving))
 
     def _ask(self, action: ControlAction, *, by_driving: bool) -> None:
-        def answered(result: CommonResult, reception: MessageInfo) -> None:
-            del reception
+        def answered(result: CommonResult, _reception: MessageInfo) -> None:
             if not result.done:
                 self._say(result.text)
 
@@ -91,8 +90,7 @@ class ControlLine:
             holds = standing(self._state()) is Standing.MINE
             self._client.publish(CONSOLE_HEARTBEAT, ConsoleHeartbeat(holds=int(holds)))
 
-    def _refused(self, refusal: ControlRefusal, reception: MessageInfo) -> None:
-        del reception
+    def _refused(self, refusal: ControlRefusal, _reception: MessageInfo) -> None:
         if refusal.sender == self._client.number:
             what = refusal.message.removeprefix("GCM_").replace("_", " ").lower()
             self._say(f"{what} refused: {refusal.operator} has control")

@@ -35,8 +35,7 @@ class MissionLine:
         self._client.post(lambda: self._ask(action, name))
 
     def _ask(self, action: MissionAction, name: str) -> None:
-        def answered(result: CommonResult, reception: MessageInfo) -> None:
-            del reception
+        def answered(result: CommonResult, _reception: MessageInfo) -> None:
             if not result.done:
                 self._say(f"mission: {result.text}")
 
@@ -55,7 +54,6 @@ class MissionLine:
             failed=failed,
         )
 
-    def _refused(self, refusal: PointRefusal, reception: MessageInfo) -> None:
-        del reception
+    def _refused(self, refusal: PointRefusal, _reception: MessageInfo) -> None:
         if refusal.sender == self._client.number:
             self._say(f"mark refused: {refusal.text}")

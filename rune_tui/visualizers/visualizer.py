@@ -41,6 +41,17 @@ class Visualizer(Protocol):
         ...
 
 
+class PlainVisualizer:
+    """Base of visualizers without options; most of them write characters."""
+
+    whole_cells: ClassVar[bool] = True
+
+    @classmethod
+    def from_spec(cls, _spec: VisualizerSpec) -> Self:
+        """The visualizer that a layout asks for."""
+        return cls()
+
+
 @runtime_checkable
 class Locating(Protocol):
     """A visualizer that shows the world, and can tell where in it a pixel is."""

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.rules import HandlerRule, Section, TextOption
-from rune_tui.layout.spec import EventSpec
-from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import CalibrateEffect, Effect
-from rune_tui.widgets.widget import PressWidget
+from rune_tui.widgets.widget import EffectWidget
 
 
-class Calibrate(PressWidget):
+class Calibrate(EffectWidget):
     """Starts the calibration of a joystick, or ends it."""
 
     rule: ClassVar = HandlerRule(
@@ -32,12 +29,7 @@ class Calibrate(PressWidget):
         needs_robot=False,
     )
 
-    def press(
-        self,
-        event: ControlEvent,  # noqa: ARG002 - a press is a press
-        event_spec: EventSpec,  # noqa: ARG002 - as above
-        state: ConsoleState,  # noqa: ARG002 - what there is to calibrate is known elsewhere
-    ) -> tuple[Effect, ...]:
+    def effect(self) -> Effect:
         """The calibration."""
         word = self.spec.options.word
-        return (CalibrateEffect(joystick=word("joystick"), control=word("control")),)
+        return CalibrateEffect(joystick=word("joystick"), control=word("control"))

@@ -22,7 +22,7 @@ from hub.gcm.mapping import (
 from hub.gcm.navigation import LANDMARK_CORRECTION, ROBOT_STATE, LandmarkCorrection
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.rules import HandlerRule, NumberOption, Section
-from rune_tui.layout.spec import EventSpec, WidgetSpec
+from rune_tui.layout.spec import WidgetSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import AskEffect, Effect, ExportEffect, Notify, SendEffect
 from rune_tui.model.pose import Pose
@@ -31,7 +31,7 @@ from rune_tui.model.world import WorldPoint
 from rune_tui.widgets.confirming import USES, Confirming, points_of
 from rune_tui.widgets.marks import OPERATOR
 from rune_tui.widgets.pointing import PointedWidget
-from rune_tui.widgets.widget import OrderWidget, PressWidget
+from rune_tui.widgets.widget import EffectWidget, OrderWidget
 
 _FRESH_S = 1.0
 """Largest age of the pose for the place of a click [s]."""
@@ -112,11 +112,7 @@ class _MarkWidget(PointedWidget):
         """Effects of a click on a mark."""
 
     def point(
-        self,
-        place: WorldPoint,
-        event: ControlEvent,  # noqa: ARG002 - the place says all
-        robot: RobotState,
-        state: ConsoleState,
+        self, place: WorldPoint, _event: ControlEvent, robot: RobotState, state: ConsoleState
     ) -> tuple[Effect, ...]:
         """What the nearest mark calls for, or in words that nothing is there."""
         radius = self.spec.options.number("radius")
@@ -150,10 +146,7 @@ class EditMark(_MarkWidget):
     )
 
     def mark(
-        self,
-        mark: InterestPoint,
-        robot: RobotState,
-        state: ConsoleState,  # noqa: ARG002 - what counts is what is known at the answer
+        self, mark: InterestPoint, robot: RobotState, _state: ConsoleState
     ) -> tuple[Effect, ...]:
         """The question."""
         asked = f"Words for {mark.kind.name.lower()} {mark.number} of {robot.title}"
@@ -187,11 +180,7 @@ class CorrectLandmark(PointedWidget):
     )
 
     def point(
-        self,
-        place: WorldPoint,
-        event: ControlEvent,  # noqa: ARG002 - the place says all
-        robot: RobotState,
-        state: ConsoleState,
+        self, place: WorldPoint, _event: ControlEvent, robot: RobotState, state: ConsoleState
     ) -> tuple[Effect, ...]:
         """The correction and what it means, or in words why there is none.
 
@@ -216,7 +205,7 @@ class CorrectLandmark(PointedWidget):
         return (Notify.now(state, text, robot=robot.name),)
 
 
-class ExportMarks(PressWidget):
+class ExportMarks(EffectWidget):
     """Writes the marks and the map into files."""
 
     rule: ClassVar = HandlerRule(
@@ -229,14 +218,9 @@ class ExportMarks(PressWidget):
         uses=(INTEREST_POINTS.name, MAP.name),
     )
 
-    def press(
-        self,
-        event: ControlEvent,  # noqa: ARG002 - every key of it means the same
-        event_spec: EventSpec,  # noqa: ARG002
-        state: ConsoleState,  # noqa: ARG002
-    ) -> tuple[Effect, ...]:
+    def effect(self) -> Effect:
         """The files."""
-        return (ExportEffect(robot=self.robot),)
+        return ExportEffect(robot=self.robot)
 
 
 def _removal(point: InterestPoint) -> PointCommand:
@@ -251,9 +235,8 @@ def _removal(point: InterestPoint) -> PointCommand:
     return PointCommand(action=PointAction.REMOVE, point=emptied)
 
 
-def _removed_words(command: PointCommand, kept: InterestPoint | None) -> str:
+def _removed_words(command: PointCommand, _kept: InterestPoint | None) -> str:
     """The report of a removed mark."""
-    del kept
     return f"{command.point.kind.name.lower()} {command.point.number} is removed"
 
 

@@ -56,11 +56,7 @@ class GoTo(PointedWidget):
     )
 
     def point(
-        self,
-        place: WorldPoint,
-        event: ControlEvent,  # noqa: ARG002 - the place says all
-        robot: RobotState,
-        state: ConsoleState,
+        self, place: WorldPoint, _event: ControlEvent, robot: RobotState, state: ConsoleState
     ) -> tuple[Effect, ...]:
         """The goal, with any heading."""
         goal = GoalCommand(

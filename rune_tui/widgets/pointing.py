@@ -27,10 +27,7 @@ class PointedWidget(PressWidget):
         """Effects of a click on a place."""
 
     def press(
-        self,
-        event: ControlEvent,
-        event_spec: EventSpec,  # noqa: ARG002 - every button of it means the same
-        state: ConsoleState,
+        self, event: ControlEvent, _event_spec: EventSpec, state: ConsoleState
     ) -> tuple[Effect, ...]:
         """What the place that was clicked calls for; words if none was."""
         robot = state.robot(self.robot)

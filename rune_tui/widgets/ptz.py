@@ -3,29 +3,38 @@
 from __future__ import annotations
 
 import math
-from abc import abstractmethod
-from typing import ClassVar
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 from hub.gcm.vision import CAMERA_COMMAND, CameraCommand, CameraMotion
-from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.rules import HandlerRule, NumberOption, Section
-from rune_tui.layout.spec import EventSpec
-from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, SendEffect
 from rune_tui.widgets.stepping import SteppingWidget
-from rune_tui.widgets.widget import PressWidget
+from rune_tui.widgets.widget import EffectWidget
+
+_PAN = NumberOption(
+    default=5.0, least=0.1, most=90.0, unit="deg", meaning="turn a press, to the left"
+)
+_TILT = NumberOption(default=3.0, least=0.1, most=90.0, unit="deg", meaning="turn a press, upwards")
 
 
 class _AdjustCamera(SteppingWidget):
-    """Moves the camera by a step."""
+    """Moves the camera by a step.
 
-    @abstractmethod
-    def command(self, value: float, control: str) -> CameraCommand:
-        """The step that an input of this value makes."""
+    Attributes:
+        moves: What each of its controls moves: a member of the command, and the option with the
+            size of a step; sizes in degrees end in `_deg`.
+    """
+
+    moves: ClassVar[Mapping[str, tuple[str, str]]]
 
     def step(self, value: float, control: str) -> Effect:
-        """One command."""
-        command = self.command(value, control)
+        """One command: the size of a step times the value."""
+        member, option = self.moves[control]
+        size = self.spec.options.number(option)
+        step = math.radians(size) if option.endswith("_deg") else size
+        amount: dict[str, Any] = {member: step * value}
+        command = CameraCommand(**amount)
         return SendEffect(robot=self.robot, definition=CAMERA_COMMAND, value=command)
 
 
@@ -36,18 +45,11 @@ class AdjustPan(_AdjustCamera):
         section=Section.LOOK,
         says={"": "Look {direction}"},
         meaning="Turns the camera by steps while held; positive is left.",
-        options={
-            "step_deg": NumberOption(
-                default=5.0, least=0.1, most=90.0, unit="deg", meaning="turn a press, to the left"
-            )
-        },
+        options={"step_deg": _PAN},
         sends=("GCM_Camera_Command",),
         words={"": ("left", "right")},
     )
-
-    def command(self, value: float, control: str) -> CameraCommand:  # noqa: ARG002 - it has one
-        """The option `step_deg` times the value."""
-        return CameraCommand(pan=math.radians(self.spec.options.number("step_deg")) * value)
+    moves: ClassVar = {"": ("pan", "step_deg")}
 
 
 class AdjustTilt(_AdjustCamera):
@@ -57,18 +59,11 @@ class AdjustTilt(_AdjustCamera):
         section=Section.LOOK,
         says={"": "Look {direction}"},
         meaning="Tilts the camera by steps while held; positive is up.",
-        options={
-            "step_deg": NumberOption(
-                default=3.0, least=0.1, most=90.0, unit="deg", meaning="turn a press, upwards"
-            )
-        },
+        options={"step_deg": _TILT},
         sends=("GCM_Camera_Command",),
         words={"": ("up", "down")},
     )
-
-    def command(self, value: float, control: str) -> CameraCommand:  # noqa: ARG002 - it has one
-        """The option `step_deg` times the value."""
-        return CameraCommand(tilt=math.radians(self.spec.options.number("step_deg")) * value)
+    moves: ClassVar = {"": ("tilt", "step_deg")}
 
 
 class AdjustPanTilt(_AdjustCamera):
@@ -82,23 +77,12 @@ class AdjustPanTilt(_AdjustCamera):
             "`tilt` is up."
         ),
         controls=("pan", "tilt"),
-        options={
-            "pan_deg": NumberOption(
-                default=5.0, least=0.1, most=90.0, unit="deg", meaning="turn a press, to the left"
-            ),
-            "tilt_deg": NumberOption(
-                default=3.0, least=0.1, most=90.0, unit="deg", meaning="turn a press, upwards"
-            ),
-        },
+        options={"pan_deg": _PAN, "tilt_deg": _TILT},
         sends=("GCM_Camera_Command",),
         words={"pan": ("left", "right"), "tilt": ("up", "down")},
         plane=("pan", "tilt"),
     )
-
-    def command(self, value: float, control: str) -> CameraCommand:
-        """The option of the control times the value."""
-        step = math.radians(self.spec.options.number(f"{control}_deg")) * value
-        return CameraCommand(pan=step) if control == "pan" else CameraCommand(tilt=step)
+    moves: ClassVar = {"pan": ("pan", "pan_deg"), "tilt": ("tilt", "tilt_deg")}
 
 
 class AdjustZoom(_AdjustCamera):
@@ -116,13 +100,10 @@ class AdjustZoom(_AdjustCamera):
         sends=("GCM_Camera_Command",),
         words={"": ("closer", "wider")},
     )
-
-    def command(self, value: float, control: str) -> CameraCommand:  # noqa: ARG002 - it has one
-        """The option `step` times the value."""
-        return CameraCommand(zoom=self.spec.options.number("step") * value)
+    moves: ClassVar = {"": ("zoom", "step")}
 
 
-class HomePTZ(PressWidget):
+class HomePTZ(EffectWidget):
     """Sends the camera home: straight ahead, wide."""
 
     rule: ClassVar = HandlerRule(
@@ -132,12 +113,7 @@ class HomePTZ(PressWidget):
         sends=("GCM_Camera_Command",),
     )
 
-    def press(
-        self,
-        event: ControlEvent,  # noqa: ARG002 - home is home
-        event_spec: EventSpec,  # noqa: ARG002
-        state: ConsoleState,  # noqa: ARG002
-    ) -> tuple[Effect, ...]:
+    def effect(self) -> Effect:
         """One command."""
         home = CameraCommand(motion=CameraMotion.HOME)
-        return (SendEffect(robot=self.robot, definition=CAMERA_COMMAND, value=home),)
+        return SendEffect(robot=self.robot, definition=CAMERA_COMMAND, value=home)

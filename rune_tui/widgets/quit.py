@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.rules import HandlerRule, Purpose, Section
-from rune_tui.layout.spec import EventSpec
-from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, QuitEffect
-from rune_tui.widgets.widget import PressWidget
+from rune_tui.widgets.widget import EffectWidget
 
 
-class Quit(PressWidget):
+class Quit(EffectWidget):
     """Ends the console."""
 
     rule: ClassVar = HandlerRule(
@@ -27,11 +24,6 @@ class Quit(PressWidget):
         under_help=True,
     )
 
-    def press(
-        self,
-        event: ControlEvent,  # noqa: ARG002 - every key of it means the same
-        event_spec: EventSpec,  # noqa: ARG002
-        state: ConsoleState,  # noqa: ARG002
-    ) -> tuple[Effect, ...]:
+    def effect(self) -> Effect:
         """The end."""
-        return (QuitEffect(),)
+        return QuitEffect()

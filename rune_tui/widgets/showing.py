@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from typing import ClassVar
 
-from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption, Section, TextOption
-from rune_tui.layout.spec import EventSpec
-from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import (
     ChooseRobot,
     Effect,
@@ -24,28 +20,11 @@ from rune_tui.model.effects import (
 )
 from rune_tui.model.theme import RENAMED, THEMES
 from rune_tui.widgets.stepping import SteppingWidget
-from rune_tui.widgets.widget import PressWidget
+from rune_tui.widgets.widget import EffectWidget, PressWidget
 
 _NEXT = "next"
 _SHOWN = {"toggle": None, "show": True, "hide": False}
 _VIEWPORT = TextOption(names="viewport", meaning="which one; empty: the widget's own")
-
-
-class _Showing(PressWidget):
-    """A widget with an effect that does not depend on the state."""
-
-    @abstractmethod
-    def effect(self) -> Effect:
-        """What its inputs change."""
-
-    def press(
-        self,
-        event: ControlEvent,  # noqa: ARG002 - as the class says
-        event_spec: EventSpec,  # noqa: ARG002
-        state: ConsoleState,  # noqa: ARG002
-    ) -> tuple[Effect, ...]:
-        """The change."""
-        return (self.effect(),)
 
 
 def _viewport(widget: PressWidget) -> str:
@@ -53,7 +32,7 @@ def _viewport(widget: PressWidget) -> str:
     return widget.spec.options.word("viewport") or widget.spec.viewport
 
 
-class ShowViewportWidget(_Showing):
+class ShowViewportWidget(EffectWidget):
     """Shows or hides a viewport."""
 
     rule: ClassVar = HandlerRule(
@@ -78,7 +57,7 @@ class ShowViewportWidget(_Showing):
         return ShowViewport(viewport=_viewport(self), shown=shown)
 
 
-class FullScreen(_Showing):
+class FullScreen(EffectWidget):
     """Shows one viewport over the whole view, and all of them again."""
 
     rule: ClassVar = HandlerRule(
@@ -111,13 +90,13 @@ class ZoomMap(SteppingWidget):
         words={"": ("larger", "smaller")},
     )
 
-    def step(self, value: float, control: str) -> Effect:  # noqa: ARG002 - it has one
+    def step(self, value: float, _control: str) -> Effect:
         """The factor to the power of the value; 0 goes back to the layout's."""
         factor = self.spec.options.number("factor") ** value if value else 0.0
         return Zoom(viewport=_viewport(self), factor=factor)
 
 
-class ChooseRobotWidget(_Showing):
+class ChooseRobotWidget(EffectWidget):
     """Chooses the robot that some viewports show and command."""
 
     rule: ClassVar = HandlerRule(
@@ -136,7 +115,7 @@ class ChooseRobotWidget(_Showing):
         return ChooseRobot(robot=self.spec.options.word("robot"))
 
 
-class NextLayout(_Showing):
+class NextLayout(EffectWidget):
     """Opens the next layout."""
 
     rule: ClassVar = HandlerRule(
@@ -151,7 +130,7 @@ class NextLayout(_Showing):
         return NextLayoutEffect()
 
 
-class ThemeWidget(_Showing):
+class ThemeWidget(EffectWidget):
     """Takes other colours."""
 
     rule: ClassVar = HandlerRule(
@@ -176,7 +155,7 @@ class ThemeWidget(_Showing):
         return SetTheme(name="" if name == _NEXT else name)
 
 
-class Help(_Showing):
+class Help(EffectWidget):
     """Shows what keys do."""
 
     rule: ClassVar = HandlerRule(
@@ -192,7 +171,7 @@ class Help(_Showing):
         return ToggleHelp()
 
 
-class Messages(_Showing):
+class Messages(EffectWidget):
     """Shows all that happened."""
 
     rule: ClassVar = HandlerRule(
@@ -208,7 +187,7 @@ class Messages(_Showing):
         return ToggleLog()
 
 
-class Screenshot(_Showing):
+class Screenshot(EffectWidget):
     """Writes what is shown into files."""
 
     rule: ClassVar = HandlerRule(
@@ -223,7 +202,7 @@ class Screenshot(_Showing):
         return ScreenshotEffect()
 
 
-class RecordWidget(_Showing):
+class RecordWidget(EffectWidget):
     """Records, or ends it."""
 
     rule: ClassVar = HandlerRule(

@@ -328,10 +328,7 @@ class StopRobot(PressWidget):
     repeats: ClassVar[bool] = True
 
     def press(
-        self,
-        event: ControlEvent,
-        event_spec: EventSpec,  # noqa: ARG002 - each of its keys is a stop
-        state: ConsoleState,
+        self, event: ControlEvent, _event_spec: EventSpec, state: ConsoleState
     ) -> tuple[Effect, ...]:
         """Stops the robot at every press and repeat: fast presses look like repeats."""
         reason = f"{state.operator or 'the operator'} pressed {event.name}"

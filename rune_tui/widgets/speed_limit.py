@@ -36,10 +36,7 @@ class SpeedLimit(PressWidget):
     )
 
     def press(
-        self,
-        event: ControlEvent,  # noqa: ARG002 - the layout says what it does
-        event_spec: EventSpec,
-        state: ConsoleState,  # noqa: ARG002 - the effect is relative to it
+        self, _event: ControlEvent, event_spec: EventSpec, _state: ConsoleState
     ) -> tuple[Effect, ...]:
         """The next limit, or the one that the layout gives."""
         if event_spec.control == _TO:

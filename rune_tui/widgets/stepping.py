@@ -57,10 +57,7 @@ class SteppingWidget(PressWidget):
         return super().handle(event, event_spec, state)
 
     def press(
-        self,
-        event: ControlEvent,
-        event_spec: EventSpec,
-        state: ConsoleState,  # noqa: ARG002 - a step is a step at any time
+        self, event: ControlEvent, event_spec: EventSpec, _state: ConsoleState
     ) -> tuple[Effect, ...]:
         """One step."""
         return (self.step(_value(event, event_spec), event_spec.control),)
@@ -77,7 +74,7 @@ class SteppingWidget(PressWidget):
                 effects.append(self.step(value, event_spec.control))
         return tuple(effects)
 
-    def release(self, state: ConsoleState) -> tuple[Effect, ...]:  # noqa: ARG002 - it rests by itself
+    def release(self, _state: ConsoleState) -> tuple[Effect, ...]:
         """Forget what is held."""
         self._held.clear()
         return ()

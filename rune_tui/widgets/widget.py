@@ -100,13 +100,27 @@ class PressWidget(ABC):
             return ()
         return self.press(event, event_spec, state)
 
-    def tick(self, state: ConsoleState) -> tuple[Effect, ...]:  # noqa: ARG002 - nothing waits
+    def tick(self, _state: ConsoleState) -> tuple[Effect, ...]:
         """No effects."""
         return ()
 
-    def release(self, state: ConsoleState) -> tuple[Effect, ...]:  # noqa: ARG002 - nothing is held
+    def release(self, _state: ConsoleState) -> tuple[Effect, ...]:
         """No effects."""
         return ()
+
+
+class EffectWidget(PressWidget):
+    """A widget with an effect that depends on the layout alone."""
+
+    @abstractmethod
+    def effect(self) -> Effect:
+        """What each press does."""
+
+    def press(
+        self, _event: ControlEvent, _event_spec: EventSpec, _state: ConsoleState
+    ) -> tuple[Effect, ...]:
+        """The effect."""
+        return (self.effect(),)
 
 
 class OrderWidget(PressWidget):
@@ -117,10 +131,7 @@ class OrderWidget(PressWidget):
         """Effects of the order."""
 
     def press(
-        self,
-        event: ControlEvent,  # noqa: ARG002 - every input of it means the same
-        event_spec: EventSpec,  # noqa: ARG002
-        state: ConsoleState,
+        self, _event: ControlEvent, _event_spec: EventSpec, state: ConsoleState
     ) -> tuple[Effect, ...]:
         """The order, if there is a robot to give it to."""
         robot = state.robot(self.robot)

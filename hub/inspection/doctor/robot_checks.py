@@ -56,9 +56,8 @@ def keys(robot: RobotDescription) -> list[Finding]:
     return [ok(f"{len(holders)} in {folder}: {names}")]
 
 
-def sockets(robot: RobotDescription) -> list[Finding]:
+def sockets(_robot: RobotDescription) -> list[Finding]:
     """Whether there is a folder in which modules can reach central."""
-    del robot
     named = os.environ.get("XDG_RUNTIME_DIR", "")
     findings = []
     parent = for_sockets()

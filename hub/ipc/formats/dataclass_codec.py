@@ -476,8 +476,7 @@ def _enum_reader(kind: type[enum.IntEnum], where: str) -> _Reader:
     # A dict finds a member several times faster than a call of the enum.
     members = {member.value: member for member in kind}
 
-    def read(value: int, note: Note | None) -> enum.IntEnum:
-        del note
+    def read(value: int, _note: Note | None) -> enum.IntEnum:
         try:
             return members[value]
         except KeyError as error:

@@ -200,8 +200,7 @@ def lined(text: str) -> bool:
 
 
 def _refuser(says: Callable[[Any], str], where: str) -> Fix:
-    def refuse(value: Any, note: Note) -> Any:
-        del note
+    def refuse(value: Any, _note: Note) -> Any:
         text = f"{where} is {says(value)}"
         raise RangeError(text)
 

@@ -67,8 +67,7 @@ class Autonomy:
         _logger.info("asked for %s", command.behaviour.name)
         self._act()
 
-    def _stop(self, message: navigation.Stop, reception: MessageInfo) -> None:
-        del reception
+    def _stop(self, message: navigation.Stop, _reception: MessageInfo) -> None:
         self._pilot.see_stop(message.reason, self._clock())
         self._act()
 
@@ -87,8 +86,7 @@ class Autonomy:
     def _robot(self, state: navigation.RobotState, reception: MessageInfo) -> None:
         self._pilot.see_robot(state, reception.measured)
 
-    def _navigation(self, status: navigation.NavigationStatus, reception: MessageInfo) -> None:
-        del reception
+    def _navigation(self, status: navigation.NavigationStatus, _reception: MessageInfo) -> None:
         mine = status.sender == self._client.number
         self._pilot.see_navigation(status, self._clock(), mine=mine)
         self._act()
@@ -104,8 +102,7 @@ class Autonomy:
             self._publish()
 
     def _ask_for_map(self) -> None:
-        def answered(message: mapping.Map, reception: MessageInfo) -> None:
-            del reception
+        def answered(message: mapping.Map, _reception: MessageInfo) -> None:
             try:
                 grid = grid_of(message)
             except CodecError as error:
@@ -140,9 +137,8 @@ def _shown(state: autonomy.AutonomyState) -> str:
     return f"{state.behaviour} {state.pilot} {state.phase} {goal} {state.why}"
 
 
-def abilities(robot: RobotDescription) -> Abilities:
+def abilities(_robot: RobotDescription) -> Abilities:
     """The abilities of autonomy on a robot."""
-    del robot
     return Abilities(
         provides=(Capability.AUT_PILOT,),
         needs=(Capability.NAV_GOAL, Capability.NAV_STATE, Capability.PRO_MAP),

@@ -141,14 +141,12 @@ class Visit:
             return Pause(why=why, waits=True)
         return self._target
 
-    def keeps(self, target: Target, sight: Sight) -> bool:
+    def keeps(self, _target: Target, _sight: Sight) -> bool:
         """Always."""
-        del target, sight
         return True
 
-    def reached(self, target: Target, now: float) -> None:
+    def reached(self, _target: Target, _now: float) -> None:
         """The last point is reached."""
-        del target, now
         self._done = True
 
     def blocked(self, target: Target, left: int, now: float, why: str) -> None:

@@ -171,16 +171,14 @@ class Explore:
             return False
         return SWITCH * max(map(self._worth, here)) >= max(map(self._worth, left))
 
-    def reached(self, target: Target, now: float) -> None:
+    def reached(self, target: Target, _now: float) -> None:
         """What is still unknown there will stay so for now."""
-        del now
         if self._end is not None:
             self._home = "it is back at its start"
         self._note(target)
 
-    def blocked(self, target: Target, left: int, now: float, why: str) -> None:
+    def blocked(self, target: Target, _left: int, _now: float, why: str) -> None:
         """It cannot be reached for now."""
-        del left, now
         if self._end is not None:
             self._home = f"it did not get back to its start: {why}"
         self._note(target)

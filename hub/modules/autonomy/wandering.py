@@ -64,17 +64,14 @@ class Wander:
                 return Target(points=(Point(x=x, y=y),), why="wanders", patience=PATIENCE_S)
         return Pause(why="there is no room to wander", waits=True)
 
-    def keeps(self, target: Target, sight: Sight) -> bool:
+    def keeps(self, _target: Target, _sight: Sight) -> bool:
         """Always."""
-        del target, sight
         return True
 
-    def reached(self, target: Target, now: float) -> None:
+    def reached(self, _target: Target, _now: float) -> None:
         """Reset the number of blocked places."""
-        del target, now
         self._blocked = 0
 
-    def blocked(self, target: Target, left: int, now: float, why: str) -> None:
+    def blocked(self, _target: Target, _left: int, _now: float, _why: str) -> None:
         """Count a blocked place."""
-        del target, left, now, why
         self._blocked += 1

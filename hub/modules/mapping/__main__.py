@@ -110,9 +110,8 @@ class Mapping:
         if self._keeper.book.running:
             self._keeper.save_map(self._grid.kept())
 
-    def _marked(self, point: mapping.InterestPoint) -> None:
+    def _marked(self, _point: mapping.InterestPoint) -> None:
         """Schedule a save of the map after a mark."""
-        del point
         self._changed = True
         self._saved = min(self._saved, time.monotonic() - SAVE_S + MARKED_S)
 

@@ -103,8 +103,7 @@ class Navigation:
         self._governor.command(sender, twist.linear.x, twist.angular.z, now - reception.age, now)
         self._update()
 
-    def _stop(self, message: navigation.Stop, reception: MessageInfo) -> None:
-        del reception
+    def _stop(self, message: navigation.Stop, _reception: MessageInfo) -> None:
         why = f"stopped: {message.reason or 'no reason given'}"
         self._pilot.task.end(Task.CANCELLED, why, Cause.STOP, self._clock())
         self._governor.stop()
@@ -250,8 +249,7 @@ class Navigation:
             failed=self._no_map,
         )
 
-    def _mapped(self, message: mapping.Map, reception: MessageInfo) -> None:
-        del reception
+    def _mapped(self, message: mapping.Map, _reception: MessageInfo) -> None:
         self._asking = False
         try:
             grid = grid_of(message)
@@ -289,9 +287,8 @@ def _has_jumped(before: DriveState, after: DriveState) -> bool:
     return not near
 
 
-def abilities(robot: RobotDescription) -> Abilities:
+def abilities(_robot: RobotDescription) -> Abilities:
     """The abilities of navigation on a robot."""
-    del robot
     return Abilities(
         provides=(Capability.NAV_MOVE, Capability.NAV_STATE, Capability.NAV_GOAL),
         needs=(Capability.DRV_BASE,),

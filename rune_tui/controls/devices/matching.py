@@ -130,5 +130,5 @@ def _same_port(before: DeviceInfo | None, device: DeviceInfo) -> bool:
     )
 
 
-def _any(before: DeviceInfo | None, device: DeviceInfo) -> bool:  # noqa: ARG001 - same signature
+def _any(_before: DeviceInfo | None, _device: DeviceInfo) -> bool:
     return True

@@ -51,7 +51,7 @@ class Attitude(MessageGauge[flight.Attitude, _Tilt]):
     definition = flight.ATTITUDE
     subject = "attitude"
 
-    def reading(self, value: flight.Attitude, robot: RobotState) -> _Tilt:  # noqa: ARG002
+    def reading(self, value: flight.Attitude, _robot: RobotState) -> _Tilt:
         """Right side down and nose up, though the message has it nose down."""
         return _Tilt(_degrees(value.roll), _degrees(-value.pitch))
 

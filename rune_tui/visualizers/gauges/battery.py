@@ -59,7 +59,7 @@ class Battery(MessageGauge[NavigationState, _Charge]):
     definition = ROBOT_STATE
     subject = "battery"
 
-    def reading(self, value: NavigationState, robot: RobotState) -> _Charge:  # noqa: ARG002
+    def reading(self, value: NavigationState, _robot: RobotState) -> _Charge:
         """Whole percents and tenths of a volt."""
         volts = f"{value.battery_voltage:.1f} V" if math.isfinite(value.battery_voltage) else ""
         if not math.isfinite(value.battery_fraction):

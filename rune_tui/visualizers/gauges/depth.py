@@ -61,7 +61,7 @@ class Depth(MessageGauge[Altitude, _Level]):
     definition = ALTITUDE
     subject = "depth or height"
 
-    def reading(self, value: Altitude, robot: RobotState) -> _Level:  # noqa: ARG002
+    def reading(self, value: Altitude, _robot: RobotState) -> _Level:
         """The level that the layout asks for."""
         levels = dict(zip(_NAMES, (value.depth, value.above_ground, value.height), strict=True))
         wanted = self.options.word("shows")

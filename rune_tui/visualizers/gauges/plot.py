@@ -19,13 +19,7 @@ from rune_tui.raster.shapes import drawing
 from rune_tui.visualizers.parts.history import History, Slot, number_at
 from rune_tui.visualizers.parts.notice import write_notice
 from rune_tui.visualizers.parts.rows import fitting_form
-from rune_tui.visualizers.parts.staleness import (
-    DIM_AFTER_S,
-    age_look,
-    fade_by_age,
-    mark_age,
-    pause_of,
-)
+from rune_tui.visualizers.parts.staleness import DIM_AFTER_S, age_look, draw_age, pause_of
 
 _LABELLED_ROWS = 4
 _LATE = 2.5
@@ -116,9 +110,7 @@ class Plot:
         self._draw_line(canvas, slots, (low, high), end, state.theme)
         self._write(canvas, newest, (low, high), state.theme)
         if self._definition.rate_hz:
-            age = received.age(state.now)
-            fade_by_age(canvas, age, self._pause)
-            mark_age(canvas, age, state.theme, self._pause)
+            draw_age(canvas, received.age(state.now), state.theme, self._pause)
 
     def _note(self, robot: RobotState) -> History:
         """Remember the newest message, if it is new."""

@@ -49,7 +49,7 @@ class Speed(MessageGauge[NavigationState, tuple[_Pair, _Pair]]):
     definition = ROBOT_STATE
     subject = "speed"
 
-    def reading(self, value: NavigationState, robot: RobotState) -> tuple[_Pair, _Pair]:  # noqa: ARG002
+    def reading(self, value: NavigationState, _robot: RobotState) -> tuple[_Pair, _Pair]:
         """Velocities in hundredths of m/s and whole degrees a second."""
         turns = (-math.degrees(value.angular), -math.degrees(value.commanded_angular))
         return (

@@ -6,17 +6,17 @@ import enum
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Hashable
-from typing import ClassVar, Self
+from typing import ClassVar
 
 from hub.gcm.vision import CameraState
-from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
 from rune_tui.raster.urgency import Urgency
-from rune_tui.visualizers.parts.staleness import age_look, fade_by_age, mark_age
+from rune_tui.visualizers.parts.staleness import age_look, draw_age
+from rune_tui.visualizers.visualizer import PlainVisualizer
 
 
 class Direction(enum.Enum):
@@ -26,17 +26,12 @@ class Direction(enum.Enum):
     UPWARD = "upward"
 
 
-class AngleBar(ABC):
+class AngleBar(PlainVisualizer, ABC):
     """Draws one angle of the camera; empty until there is one."""
 
     whole_cells: ClassVar[bool] = False
     urgency: ClassVar[Urgency] = Urgency.DRIVE
     direction: ClassVar[Direction]
-
-    @classmethod
-    def from_spec(cls, spec: VisualizerSpec) -> Self:  # noqa: ARG003 it has no options
-        """The visualizer that a layout asks for."""
-        return cls()
 
     @staticmethod
     @abstractmethod
@@ -102,8 +97,7 @@ def draw_angle_bar(
                 pen.rectangle(start, 0, end, canvas.height, colour)
             else:
                 pen.rectangle(0, start, canvas.width, end, colour)
-    fade_by_age(canvas, age)
-    mark_age(canvas, age, theme)
+    draw_age(canvas, age, theme)
 
 
 def bar_span(length: int, offset: float, share: float) -> tuple[int, int]:

@@ -30,7 +30,7 @@ class Bearing(MessageGauge[NavigationState, float]):
     definition = ROBOT_STATE
     subject: ClassVar[str] = "heading"
 
-    def reading(self, value: NavigationState, robot: RobotState) -> float:  # noqa: ARG002
+    def reading(self, value: NavigationState, _robot: RobotState) -> float:
         """The bearing in whole degrees [deg], 0 to 359."""
         if not math.isfinite(value.theta):
             return math.inf

@@ -16,7 +16,7 @@ from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.notice import write_notice
-from rune_tui.visualizers.parts.staleness import age_look, fade_by_age, mark_age, pause_of
+from rune_tui.visualizers.parts.staleness import age_look, draw_age, pause_of
 
 T = TypeVar("T")
 R = TypeVar("R", bound=Hashable)
@@ -65,8 +65,7 @@ class MessageGauge(ABC, Generic[T, R]):
             return
         age, pause = received.age(state.now), pause_of(self.definition)
         self.show(canvas, self.reading(received.value, robot), state.theme)
-        fade_by_age(canvas, age, pause)
-        mark_age(canvas, age, state.theme, pause)
+        draw_age(canvas, age, state.theme, pause)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with the reading and the drawing of its age."""

@@ -86,6 +86,12 @@ def fade_by_age(canvas: Canvas, age: float, pause: float = 0.0) -> None:
         canvas.pixels[stripes, :3] //= 3
 
 
+def draw_age(canvas: Canvas, age: float, theme: Theme, pause: float = 0.0) -> None:
+    """Fade a drawing by its age [s], and mark it with the age once it is stale."""
+    fade_by_age(canvas, age, pause)
+    mark_age(canvas, age, theme, pause)
+
+
 def mark_age(canvas: Canvas, age: float, theme: Theme, pause: float = 0.0) -> None:
     """Write "STALE 4.2 s" over the middle of the first cell row, once data is that old [s]."""
     if staleness(age, pause) is not Staleness.STALE:

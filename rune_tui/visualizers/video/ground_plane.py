@@ -23,7 +23,7 @@ from rune_tui.model.sightings import Floats
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas, Colour
 from rune_tui.raster.shapes import Pen, drawing
-from rune_tui.visualizers.parts.staleness import Staleness, age_look, fade_by_age, mark_age
+from rune_tui.visualizers.parts.staleness import Staleness, age_look, draw_age
 from rune_tui.visualizers.video.picture_frame import FIT, FIT_OPTION, PictureFrame
 from rune_tui.visualizers.video.way_ahead import Course, WayAhead
 
@@ -168,8 +168,7 @@ class GroundPlane:
         # A part behind an obstacle is hidden, but not out of the picture.
         if course is not None and way is not None and not (stop is None and covers):
             _write_way(canvas, course, way.stop_distance, stop, state.theme)
-        fade_by_age(canvas, age)
-        mark_age(canvas, age, state.theme)
+        draw_age(canvas, age, state.theme)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with the camera's state, the path ahead, and the drawing of their ages."""

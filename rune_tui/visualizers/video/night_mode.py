@@ -14,7 +14,7 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import Point, drawing, toward
-from rune_tui.visualizers.parts.staleness import age_look, fade_by_age, mark_age
+from rune_tui.visualizers.parts.staleness import age_look, draw_age
 
 _SEEN_GAIN: Final = 1.05
 """Least gain that is reported; a smaller one is not visible."""
@@ -74,9 +74,7 @@ class NightMode:
                 shown += f" {word}"
         canvas.text(size + 1, (canvas.rows - 1) // 2, shown, ink)
         if robot.camera is not None:
-            age = robot.camera.age(state.now)
-            fade_by_age(canvas, age)
-            mark_age(canvas, age, theme)
+            draw_age(canvas, robot.camera.age(state.now), theme)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with the words and the drawing of their age."""

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import ClassVar
 
 from hub.gcm.navigation import ROBOT_STATE
 from rune_tui.layout.rules import VisualizerRule
-from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
@@ -17,13 +15,13 @@ from rune_tui.raster.shapes import drawing
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.rows import TextRow, cut, wrapped
 from rune_tui.visualizers.parts.severity import Part, Severity, ink_of
+from rune_tui.visualizers.visualizer import PlainVisualizer
 from rune_tui.visualizers.words.troubles import is_in_banner, troubles
 
 _SIGNS = {Severity.ALARM: "!! ", Severity.WARNING: "! "}
 
 
-@dataclass(frozen=True, slots=True)
-class Alarms:
+class Alarms(PlainVisualizer):
     """Alarms on the alarm's colour behind "!!", then warnings behind "!", in words."""
 
     rule: ClassVar = VisualizerRule(
@@ -38,13 +36,7 @@ class Alarms:
         ),
         vital=True,
     )
-    whole_cells: ClassVar[bool] = True
     urgency: ClassVar[Urgency] = Urgency.ALARM
-
-    @classmethod
-    def from_spec(cls, spec: VisualizerSpec) -> Self:  # noqa: ARG003 it has no options
-        """The visualizer that a layout asks for."""
-        return cls()
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Write what fits; behind it stands how many more there are."""

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import ClassVar
 
 from hub.gcm.autonomy import AUTONOMY_STATE
 from hub.gcm.navigation import NAVIGATION_STATUS
 from rune_tui.layout.rules import VisualizerRule
-from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.doing import doing_of
 from rune_tui.model.robot_state import Received, RobotState
@@ -18,12 +16,12 @@ from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.doing_words import doing_rows
 from rune_tui.visualizers.parts.rows import TextRow, wrapped, write_rows
 from rune_tui.visualizers.parts.severity import Part
-from rune_tui.visualizers.parts.staleness import age_look, fade_by_age, mark_age, pause_of
+from rune_tui.visualizers.parts.staleness import age_look, draw_age, pause_of
+from rune_tui.visualizers.visualizer import PlainVisualizer
 from rune_tui.visualizers.words.troubles import is_in_banner
 
 
-@dataclass(frozen=True, slots=True)
-class VisualizeAutonomy:
+class VisualizeAutonomy(PlainVisualizer):
     """A row each: what it does, why, where to and how far, for how long; else the last outcome."""
 
     rule: ClassVar = VisualizerRule(
@@ -32,13 +30,7 @@ class VisualizeAutonomy:
         message=AUTONOMY_STATE.name,
         others=(NAVIGATION_STATUS.name,),
     )
-    whole_cells: ClassVar[bool] = True
     urgency: ClassVar[Urgency] = Urgency.DRIVE
-
-    @classmethod
-    def from_spec(cls, spec: VisualizerSpec) -> Self:  # noqa: ARG003 it has no options
-        """The visualizer that a layout asks for."""
-        return cls()
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Write what fits, and how old it is."""
@@ -51,9 +43,7 @@ class VisualizeAutonomy:
         write_rows(canvas, rows, state.theme)
         report = _task_report(robot)
         if report is not None:
-            age, pause = report.age(state.now), pause_of(AUTONOMY_STATE)
-            fade_by_age(canvas, age, pause)
-            mark_age(canvas, age, state.theme, pause)
+            draw_age(canvas, report.age(state.now), state.theme, pause_of(AUTONOMY_STATE))
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with any word of it, and with the look of its age."""

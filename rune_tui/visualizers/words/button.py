@@ -30,10 +30,10 @@ def _assistance(robot: RobotState, state: ConsoleState) -> bool | None:
 
 
 _STATES: Final[Mapping[str, Callable[[RobotState, ConsoleState], bool | None]]] = {
-    _NOTHING: lambda robot, state: None,  # noqa: ARG005
+    _NOTHING: lambda _robot, _state: None,
     "assistance": _assistance,
     "chosen": lambda robot, state: state.chosen == robot.name,
-    "help": lambda robot, state: state.help,  # noqa: ARG005
+    "help": lambda _robot, state: state.help,
     "night": lambda robot, state: robot.name in state.night,
 }
 """What a button can show the state of; None where it is not known."""

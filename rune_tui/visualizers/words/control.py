@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import ClassVar
 
 from hub.gcm.control import CONTROL_STATE
 from rune_tui.layout.rules import VisualizerRule
-from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
@@ -17,11 +15,11 @@ from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.control_words import control_rows
 from rune_tui.visualizers.parts.rows import TextRow, cut, wrapped
 from rune_tui.visualizers.parts.severity import Part, Severity, ink_of
-from rune_tui.visualizers.parts.staleness import age_look, fade_by_age, mark_age, pause_of
+from rune_tui.visualizers.parts.staleness import age_look, draw_age, pause_of
+from rune_tui.visualizers.visualizer import PlainVisualizer
 
 
-@dataclass(frozen=True, slots=True)
-class Control:
+class Control(PlainVisualizer):
     """A row each; a request that this console must answer has the alarm's colour."""
 
     rule: ClassVar = VisualizerRule(
@@ -30,13 +28,7 @@ class Control:
         message=CONTROL_STATE.name,
         vital=True,
     )
-    whole_cells: ClassVar[bool] = True
     urgency: ClassVar[Urgency] = Urgency.ALARM
-
-    @classmethod
-    def from_spec(cls, spec: VisualizerSpec) -> Self:  # noqa: ARG003 it has no options
-        """The visualizer that a layout asks for."""
-        return cls()
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Write what fits; where room is short a request comes first."""
@@ -59,9 +51,7 @@ class Control:
             canvas.text(0, index, cut(row.text, canvas.width), ink)
         reported = robot.newest(CONTROL_STATE)
         if reported is not None:
-            age, pause = reported.age(state.now), pause_of(CONTROL_STATE)
-            fade_by_age(canvas, age, pause)
-            mark_age(canvas, age, theme, pause)
+            draw_age(canvas, reported.age(state.now), theme, pause_of(CONTROL_STATE))
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with any word of it, and with the look of its age."""

@@ -45,12 +45,12 @@ class Joystick:
         """The visualizer that a layout asks for."""
         return cls(spec.options.word("joystick"))
 
-    def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:  # noqa: ARG002
+    def draw(self, canvas: Canvas, _robot: RobotState, state: ConsoleState) -> None:
         """Write the rows."""
         canvas.fill(state.theme.panel)
         write_rows(canvas, self._rows(state, canvas.width), state.theme)
 
-    def source(self, robot: RobotState, state: ConsoleState) -> Hashable:  # noqa: ARG002
+    def source(self, _robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with any value that is shown."""
         joystick = self._joystick(state)
         if joystick is None:

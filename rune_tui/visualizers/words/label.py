@@ -46,7 +46,7 @@ class Label:
             check_font(font)
         return cls(printable_text(spec.text), font)
 
-    def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:  # noqa: ARG002
+    def draw(self, canvas: Canvas, _robot: RobotState, state: ConsoleState) -> None:
         """Write the text."""
         if self.font:
             for row, line in enumerate(_wrapped(self.text, self.font, canvas.width)):
@@ -66,7 +66,7 @@ class Label:
             del pieces[{3: -2, 2: -1}.get(len(pieces), -3)]
         return [_BETWEEN.join(pieces)]
 
-    def source(self, robot: RobotState, state: ConsoleState) -> Hashable:  # noqa: ARG002
+    def source(self, _robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with the colours only."""
         return state.theme.name
 

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Iterator
-from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import ClassVar
 
 from hub.gcm.navigation import ROBOT_STATE
 from hub.gcm.vision import ImageCoding
 from rune_tui.layout.rules import VisualizerRule
-from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.display_state import DisplayState
 from rune_tui.model.robot_state import LinkPhase, LinkState, PictureFlow, RobotState
@@ -18,6 +16,7 @@ from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.parts.rows import GAP, TextRow, cut, flowing, wrapped
 from rune_tui.visualizers.parts.severity import Severity, ink_of
 from rune_tui.visualizers.parts.staleness import ALARM_AFTER_S, Staleness, age_text, staleness
+from rune_tui.visualizers.visualizer import PlainVisualizer
 
 _KILO = 1000.0
 _LONG_S = 120.0
@@ -27,20 +26,13 @@ _COARSE = 5
 """From this coarseness on it is seen."""
 
 
-@dataclass(frozen=True, slots=True)
-class Link:
+class Link(PlainVisualizer):
     """Words, as many on a row as fit: phase, ages of state and picture, losses, pictures, rates."""
 
     rule: ClassVar = VisualizerRule(
         meaning="the connection in words: phase, ages, losses, pictures, round trip, rates",
         others=(ROBOT_STATE.name,),
     )
-    whole_cells: ClassVar[bool] = True
-
-    @classmethod
-    def from_spec(cls, spec: VisualizerSpec) -> Self:  # noqa: ARG003 it has no options
-        """The visualizer that a layout asks for."""
-        return cls()
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Write the words; what there is no room for is left out from the end."""

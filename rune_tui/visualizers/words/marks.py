@@ -37,11 +37,7 @@ class Marks(MessageGauge[InterestPoints, tuple[str, tuple[_Cells, ...]]]):
     definition = INTEREST_POINTS
     subject = "marks"
 
-    def reading(
-        self,
-        value: InterestPoints,
-        robot: RobotState,  # noqa: ARG002
-    ) -> tuple[str, tuple[_Cells, ...]]:
+    def reading(self, value: InterestPoints, _robot: RobotState) -> tuple[str, tuple[_Cells, ...]]:
         """The head line, and the cells of each mark."""
         newest_first = sorted(value.points, key=lambda point: point.number, reverse=True)
         return _head(value), tuple(map(_cells, newest_first))

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Iterator
-from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import ClassVar
 
 from hub.gcm.mission import MISSION_STATE, MissionState
 from rune_tui.layout.rules import Purpose, VisualizerRule
-from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.mission import OLD_S, mission_of
 from rune_tui.model.robot_state import RobotState
@@ -17,11 +15,11 @@ from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.rows import TextRow, wrapped, write_rows
 from rune_tui.visualizers.parts.severity import Part, Severity
-from rune_tui.visualizers.parts.staleness import age_look, fade_by_age, mark_age, pause_of
+from rune_tui.visualizers.parts.staleness import age_look, draw_age, pause_of
+from rune_tui.visualizers.visualizer import PlainVisualizer
 
 
-@dataclass(frozen=True, slots=True)
-class VisualizeMission:
+class VisualizeMission(PlainVisualizer):
     """A row each: the name and how long it runs, marks kept, the saved map, what is not kept."""
 
     rule: ClassVar = VisualizerRule(
@@ -29,13 +27,7 @@ class VisualizeMission:
         "saved map is, and what is not kept",
         message=MISSION_STATE.name,
     )
-    whole_cells: ClassVar[bool] = True
     urgency: ClassVar[Urgency] = Urgency.ALARM
-
-    @classmethod
-    def from_spec(cls, spec: VisualizerSpec) -> Self:  # noqa: ARG003 it has no options
-        """The visualizer that a layout asks for."""
-        return cls()
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Write what fits; what is not kept comes first where room is short."""
@@ -54,9 +46,7 @@ class VisualizeMission:
         write_rows(canvas, rows, state.theme)
         reported = robot.newest(MISSION_STATE)
         if reported is not None:
-            age, pause = reported.age(state.now), pause_of(MISSION_STATE)
-            fade_by_age(canvas, age, pause)
-            mark_age(canvas, age, state.theme, pause)
+            draw_age(canvas, reported.age(state.now), state.theme, pause_of(MISSION_STATE))
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with any word of it, and with the look of its age."""

@@ -33,7 +33,7 @@ class Modules(MessageGauge[ModuleReports, tuple[Entry, ...]]):
     definition = MODULE_REPORTS
     subject = "module list"
 
-    def reading(self, value: ModuleReports, robot: RobotState) -> tuple[Entry, ...]:  # noqa: ARG002
+    def reading(self, value: ModuleReports, _robot: RobotState) -> tuple[Entry, ...]:
         """Whole percents and megabytes."""
         return tuple(map(_line, value.modules))
 
