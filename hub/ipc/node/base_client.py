@@ -22,6 +22,7 @@ from hub.ipc.node.publisher import Publisher
 from hub.ipc.node.session import Session
 from hub.ipc.security.client_keys import ClientKeys
 from hub.ipc.transport import heap, sockets
+from hub.ipc.transport.client_transport import ClientTransport
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.loop import Loop
 from hub.ipc.transport.timers import Timer
@@ -88,20 +89,14 @@ class BaseClient:
         self._session = Session(
             name,
             self.endpoint,
-            context=self._context,
-            loop=self.loop,
-            faults=self.faults,
+            transport=ClientTransport(context=self._context, loop=self.loop, faults=self.faults),
             keys=keys,
             near=near,
         )
-        self._connection, self._pending_queries = (
-            self._session.connection,
-            self._session.pending_queries,
-        )
-        self._publishers, self._subscriptions = (
-            self._session.publishers,
-            self._session.subscriptions,
-        )
+        self._connection = self._session.connection
+        self._pending_queries = self._session.pending_queries
+        self._publishers = self._session.publishers
+        self._subscriptions = self._session.subscriptions
         self._responders = self._session.responders
         self.directory = Directory(self._connection, self._wait, self._attend, self.endpoint)
         self._session.directory = self.directory

@@ -29,10 +29,9 @@ from hub.ipc.roles import LOCAL, may_connect
 from hub.ipc.security.client_keys import ClientKeys
 from hub.ipc.security.publish_rights import demand_right
 from hub.ipc.transport import sockets
+from hub.ipc.transport.client_transport import ClientTransport
 from hub.ipc.transport.clock_sync import ClockSync, this_neighbourhood
 from hub.ipc.transport.control_channel import ControlChannel
-from hub.ipc.transport.fault_counter import FaultCounter
-from hub.ipc.transport.loop import Loop
 from hub.ipc.wire import control
 
 _logger = logging.getLogger(__name__)
@@ -94,9 +93,7 @@ class Connection:
         endpoint: str,
         *,
         owner: ConnectionOwner,
-        context: sockets.Context,
-        loop: Loop,
-        faults: FaultCounter,
+        transport: ClientTransport,
         keys: ClientKeys | None,
         near: bool,
     ) -> None:
@@ -104,17 +101,16 @@ class Connection:
         self.near = False
         self._neighbourhood = this_neighbourhood() if near and keys is None else 0
         self.keys = keys
-        self.hub_time = ClockSync(loop.clock)
+        self.hub_time = ClockSync(transport.clock)
         self.refusal: HubError | None = None
         self._refused = math.inf
         self.closed = ""
         self._name = name
         self._endpoint = endpoint
         self._owner = owner
-        self._context = context
-        self._loop = loop
-        self._clock = loop.clock
-        self._faults = faults
+        self._transport = transport
+        self._clock = transport.clock
+        self._faults = transport.faults
         self.client = secrets.randbits(63) | 1
         self._joined = (0, 0)
         self._heard = -math.inf
@@ -190,7 +186,7 @@ class Connection:
         if self._attempt % _LONG_EACH and self._joined != (0, 0):
             longest = min(_LONGEST_S, max(_SHORTEST_S, 4 * self.hub_time.round_trip))
         self._attempt += 1
-        made = sockets.make(self._context, zmq.DEALER, _QUEUE, self.keys)
+        made = sockets.make(self._transport.context, zmq.DEALER, _QUEUE, self.keys)
         made.connect_timeout = int(longest * 1e3)
         made.reconnect_ivl_max = 100
         self._channel = ControlChannel(
@@ -198,8 +194,7 @@ class Connection:
             on_message=self._on_control_message,
             events=_WATCHED,
             on_event=self._on_event,
-            loop=self._loop,
-            faults=self._faults,
+            transport=self._transport,
             address=self._endpoint,
         )
         self._reopen = self._clock() + _STAY_S

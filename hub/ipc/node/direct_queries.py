@@ -16,9 +16,8 @@ import zmq
 from hub.errors import CodecError, FrameError
 from hub.ipc import endpoints
 from hub.ipc.transport import sockets
+from hub.ipc.transport.client_transport import ClientTransport
 from hub.ipc.transport.control_channel import ControlChannel
-from hub.ipc.transport.fault_counter import FaultCounter
-from hub.ipc.transport.loop import Loop
 from hub.ipc.wire import control, control_codec
 
 _QUEUE = 1000
@@ -39,30 +38,25 @@ class DirectResponder:
         self,
         number: int,
         asked: Asked,
-        *,
-        context: sockets.Context,
-        loop: Loop,
-        faults: FaultCounter,
+        transport: ClientTransport,
     ) -> None:
         """Open.
 
         Args:
             number: This client's random number.
             asked: Gets what comes in.
-            context: The client's.
-            loop: Serves it.
-            faults: Counts what is malformed.
+            transport: The client's.
         """
         self.address = f"{endpoints.DIRECT_PREFIX}{number:x}"
         self._asked = asked
-        self._loop = loop
-        self._faults = faults
-        self._socket = sockets.make(context, zmq.ROUTER, _QUEUE)
+        self._loop = transport.loop
+        self._faults = transport.faults
+        self._socket = sockets.make(transport.context, zmq.ROUTER, _QUEUE)
         self._socket.router_handover = True
         sockets.allow_own_user_only(self._socket)
         self._socket.bind(self.address)
         self._send = sockets.sender(self._socket)
-        self._file = loop.register(self._socket, self._receive)
+        self._file = self._loop.register(self._socket, self._receive)
 
     def answer(self, asker: bytes, message: Any, attached: bytes | None) -> None:
         """Send an answer; it is dropped if the asker is gone or this is closed."""
@@ -108,35 +102,30 @@ class DirectRequester:
     def __init__(
         self,
         address: str,
+        transport: ClientTransport,
         *,
         answered: Callable[[Any, bytes | None], None],
         lost: Callable[[DirectRequester], None],
-        context: sockets.Context,
-        loop: Loop,
-        faults: FaultCounter,
     ) -> None:
         """Connect.
 
         Args:
             address: Where the module takes queries.
+            transport: The client's.
             answered: Gets what comes back.
             lost: Called when the connection has ended.
-            context: The client's.
-            loop: Serves it.
-            faults: Counts what is malformed.
         """
         self.address = address
         self.names: set[str] = set()
         self._answered = answered
-        made = sockets.make(context, zmq.DEALER, _QUEUE)
+        made = sockets.make(transport.context, zmq.DEALER, _QUEUE)
         made.reconnect_ivl = -1
         self._channel = ControlChannel(
             made,
             on_message=self._on_message,
             events=zmq.EVENT_DISCONNECTED,
             on_event=lambda _: lost(self),
-            loop=loop,
-            faults=faults,
+            transport=transport,
             address=address,
         )
 

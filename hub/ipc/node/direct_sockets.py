@@ -8,7 +8,7 @@ from hub.ipc import endpoints
 from hub.ipc.definition import Plane
 from hub.ipc.node.send_queue import Send
 from hub.ipc.transport import sockets
-from hub.ipc.transport.fault_counter import FaultCounter
+from hub.ipc.transport.client_transport import ClientTransport
 from hub.ipc.wire import control
 
 _MAX_UNREACHED = 1 << 16
@@ -17,9 +17,8 @@ _MAX_UNREACHED = 1 << 16
 class DirectSockets:
     """One socket to each inbox. Only one thread may use them at a time."""
 
-    def __init__(self, context: sockets.Context, faults: FaultCounter) -> None:
-        self._context = context
-        self._faults = faults
+    def __init__(self, transport: ClientTransport) -> None:
+        self._transport = transport
         # By inbox: its socket, how to send by it, and the messages that go there.
         self._sockets: dict[str, sockets.Socket] = {}
         self._sends: dict[str, Send] = {}
@@ -43,7 +42,7 @@ class DirectSockets:
         name, inbox = subscriber.name, subscriber.inbox
         self._remove(name, subscriber.subscriber)
         if not endpoints.is_direct_address(inbox):
-            self._faults.count("malformed control frame", f"an inbox at {inbox[:80]!r}")
+            self._transport.faults.count("malformed control frame", f"an inbox at {inbox[:80]!r}")
             return False
         if not self._open(inbox, Plane.STATE if subscriber.in_ring else plane):
             if len(self._unreached) < _MAX_UNREACHED:
@@ -113,10 +112,10 @@ class DirectSockets:
         if inbox in self._sockets:
             return True
         try:
-            socket = sockets.make_inbox(self._context, zmq.PUSH, plane)
+            socket = sockets.make_inbox(self._transport.context, zmq.PUSH, plane)
             socket.connect(inbox)
         except zmq.ZMQError as error:
-            self._faults.count("no way to a subscriber", str(error))
+            self._transport.faults.count("no way to a subscriber", str(error))
             return False
         self._sockets[inbox] = socket
         self._sends[inbox] = sockets.sender(socket)

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 import struct
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from hub.ipc.definition import MessageDefinition, Plane
@@ -21,7 +21,7 @@ from hub.ipc.formats.codegen import Buffer
 from hub.ipc.node.connection import Connection
 from hub.ipc.node.send_queue import Send, SendQueue
 from hub.ipc.transport import shared_ring, sockets
-from hub.ipc.transport.fault_counter import FaultCounter
+from hub.ipc.transport.client_transport import ClientTransport
 from hub.ipc.wire import control, frames
 
 _HOLD_S = 2.0
@@ -50,24 +50,22 @@ class Publisher:
         definition: MessageDefinition[Any],
         connection: Connection,
         queue: SendQueue,
-        *,
-        clock: Callable[[], float],
-        faults: FaultCounter,
+        transport: ClientTransport,
     ) -> None:
         self.definition = definition
         self._connection = connection
         self._hub_time = connection.hub_time
         self._queue = queue
         self._combine = self._combined
-        self._clock = clock
-        self._faults = faults
+        self._clock = transport.clock
+        self._faults = transport.faults
         self._plane = definition.plane
         self.direct: tuple[Send, ...] = ()
         self.direct_in_ring: tuple[Send, ...] = ()
         self._ring_prefix = frames.prefix(definition.name, frames.RING)
         self._sequence = 0
         self._emitted = 0.0
-        self._reported, self._reported_at, self._bytes = 0, clock(), 0
+        self._reported, self._reported_at, self._bytes = 0, transport.clock(), 0
         self._published = -math.inf
         # Commands never wait for others; of pictures only descriptors do.
         self._burst = _BURST_S if definition.plane is Plane.STATE else 0.0

@@ -20,9 +20,7 @@ from hub.ipc.node.direct_sockets import DirectSockets
 from hub.ipc.node.publisher import Publisher
 from hub.ipc.node.send_queue import SendQueue
 from hub.ipc.transport import sockets
-from hub.ipc.transport.fault_counter import FaultCounter
-from hub.ipc.transport.handshakes import Handshakes
-from hub.ipc.transport.loop import Loop
+from hub.ipc.transport.client_transport import ClientTransport
 from hub.ipc.wire import control, frames
 
 _AT_ONCE = 128
@@ -38,22 +36,12 @@ def mark(topic: bytes, token: str) -> bytes:
 class Publishers:
     """All publishers of one client."""
 
-    def __init__(
-        self,
-        context: sockets.Context,
-        loop: Loop,
-        connection: Connection,
-        faults: FaultCounter,
-        handshakes: Handshakes,
-    ) -> None:
-        self._handshakes = handshakes
+    def __init__(self, transport: ClientTransport, connection: Connection) -> None:
+        self._transport = transport
         self._connection = connection
-        self._clock = loop.clock
-        self._faults = faults
-        self._queue = SendQueue(self._send_to_central, faults)
-        self._direct_sockets = DirectSockets(context, faults)
-        self._context = context
-        self._loop = loop
+        self._clock = transport.clock
+        self._queue = SendQueue(self._send_to_central, transport.faults)
+        self._direct_sockets = DirectSockets(transport)
         self._sockets: dict[Plane, sockets.Socket] = {}
         self._files: dict[Plane, int] = {}
         self._sends: dict[Plane, Callable[[bytes, int], Any]] = {}
@@ -84,9 +72,7 @@ class Publishers:
         publisher = self._publishers.get(definition.name)
         if publisher is None:
             self._connection.demand_right(definition)
-            publisher = Publisher(
-                definition, self._connection, self._queue, clock=self._clock, faults=self._faults
-            )
+            publisher = Publisher(definition, self._connection, self._queue, self._transport)
             self._publishers[definition.name] = publisher
             if self._connection.publisher:
                 publisher.begin()
@@ -98,12 +84,14 @@ class Publishers:
         for plane, address in zip(sockets.PLANES, addresses, strict=True):
             if not self._connection.may_connect(plane):
                 continue
-            socket = sockets.make_plane(self._context, zmq.XPUB, plane, self._connection.keys)
-            self._handshakes.begin(socket)
+            socket = sockets.make_plane(
+                self._transport.context, zmq.XPUB, plane, self._connection.keys
+            )
+            self._transport.handshakes.begin(socket)
             sockets.connect(socket, address)
             self._sockets[plane] = socket
             self._sends[plane] = sockets.sender(socket)
-            self._files[plane] = self._loop.register(
+            self._files[plane] = self._transport.loop.register(
                 socket, functools.partial(self._receive, socket)
             )
         for publisher in self._publishers.values():
@@ -119,13 +107,13 @@ class Publishers:
         for publisher in self._publishers.values():
             publisher.end()
         for file in self._files.values():
-            self._loop.unregister(file)
+            self._transport.loop.unregister(file)
         with self._queue.lock:
             self._queue.clear_locked()
             self._queue.topics.clear()
             self._direct_sockets.close(linger_ms)
             for socket in self._sockets.values():
-                self._handshakes.end(socket)
+                self._transport.handshakes.end(socket)
                 socket.close(linger_ms)
             self._sockets.clear()
             self._sends.clear()
@@ -200,8 +188,8 @@ class Publishers:
             send(frame, sockets.NOBLOCK)
         except zmq.Again:
             name = topic.strip(b"!\0").decode("ascii")
-            self._faults.count("not sent", f"{name}: no connection to central")
-        self._loop.touch(self._files[plane])
+            self._transport.faults.count("not sent", f"{name}: no connection to central")
+        self._transport.loop.touch(self._files[plane])
 
     def _check_open(self) -> None:
         now = self._clock()
@@ -226,7 +214,7 @@ class Publishers:
             elif len(self._queue.topics) < _MAX_FILTERS:
                 self._queue.topics.add(topic)
             else:
-                self._faults.count("too many subscriptions", "one more is ignored")
+                self._transport.faults.count("too many subscriptions", "one more is ignored")
         if came:
             self._check_open()
         return len(came) == _AT_ONCE

@@ -18,10 +18,8 @@ from hub.ipc.node.publishers import Publishers
 from hub.ipc.node.responders import Responders
 from hub.ipc.node.subscriptions import Subscriptions
 from hub.ipc.security.client_keys import ClientKeys
-from hub.ipc.transport import file_descriptors, sockets
-from hub.ipc.transport.fault_counter import FaultCounter
-from hub.ipc.transport.handshakes import Handshakes
-from hub.ipc.transport.loop import Loop
+from hub.ipc.transport import file_descriptors
+from hub.ipc.transport.client_transport import ClientTransport
 from hub.ipc.wire import control, definition_listing, frames
 
 _CHECK_S = 1.0
@@ -49,9 +47,7 @@ class Session:
         name: str,
         endpoint: str,
         *,
-        context: sockets.Context,
-        loop: Loop,
-        faults: FaultCounter,
+        transport: ClientTransport,
         keys: ClientKeys | None,
         near: bool,
     ) -> None:
@@ -59,8 +55,8 @@ class Session:
         self.directory: Directory | None = None
         self._name = name
         self._endpoint = endpoint
-        self._clock = loop.clock
-        self._faults = faults
+        self._transport = transport
+        self._clock = transport.clock
         self._definitions: dict[str, MessageDefinition[Any]] = {}
         self._confirmed: set[str] = set()
         self._attached: collections.Counter[str] = collections.Counter()
@@ -69,21 +65,16 @@ class Session:
             name,
             endpoint,
             owner=self,
-            context=context,
-            loop=loop,
-            faults=faults,
+            transport=transport,
             keys=keys,
             near=near,
         )
-        self._handshakes = Handshakes()
-        self.publishers = Publishers(context, loop, self.connection, faults, self._handshakes)
-        self.subscriptions = Subscriptions(context, loop, self.connection, faults, self._handshakes)
+        self.publishers = Publishers(transport, self.connection)
+        self.subscriptions = Subscriptions(transport, self.connection)
         self.pending_queries = PendingQueries(self.connection, self._clock)
         self.responders = Responders(
             name, self.connection, self.pack, self.publishers.last, self._clock
         )
-        self._context = context
-        self._loop = loop
         self._direct_responder: DirectResponder | None = None
         self._plane_addresses: tuple[list[str], bool, bool] | None = None
         self._last_names: set[str] = set()
@@ -211,7 +202,7 @@ class Session:
         """Free everything."""
         self._plane_addresses = None
         if self.connection.publisher:
-            self._handshakes.wait(_HANDSHAKE_S)
+            self._transport.handshakes.wait(_HANDSHAKE_S)
         self._close_direct_requesters()
         self._open_direct_responder(near=False)
         self.publishers.close()
@@ -232,7 +223,7 @@ class Session:
         self, message: control.Response | control.Failure, attached: bytes | None
     ) -> None:
         if not self.pending_queries.conclude(message, attached, self._message_info):
-            self._faults.count("late answer", "no query waits for it any more")
+            self._transport.faults.count("late answer", "no query waits for it any more")
 
     def _on_defined(self, message: control.Defined) -> None:
         self._confirmed.add(message.name)
@@ -242,17 +233,13 @@ class Session:
             return
         kind = NotAllowedError if message.error == "NotAllowedError" else RedefinedMessageError
         self.refused[message.subject] = kind(message.text)
-        self._faults.count("refused by central", message.text)
+        self._transport.faults.count("refused by central", message.text)
 
     def _open_direct_responder(self, *, near: bool) -> None:
         """Take queries directly if central is on this machine, and only then."""
         if near and self._direct_responder is None:
             self._direct_responder = DirectResponder(
-                self.connection.client,
-                self.responders.answer_directly,
-                context=self._context,
-                loop=self._loop,
-                faults=self._faults,
+                self.connection.client, self.responders.answer_directly, self._transport
             )
         elif not near and self._direct_responder is not None:
             self._direct_responder.close()
@@ -266,11 +253,9 @@ class Session:
         if requester is None and endpoints.is_direct_address(message.address):
             requester = DirectRequester(
                 message.address,
+                self._transport,
                 answered=self.on_control_message,
                 lost=self._direct_requester_lost,
-                context=self._context,
-                loop=self._loop,
-                faults=self._faults,
             )
         before = self.pending_queries.use_requester(message.name, requester)
         if before is not None and not before.names:
@@ -288,7 +273,7 @@ class Session:
     def _check(self, now: float) -> None:
         """Do the work of every second or so."""
         self._next_check = now + _CHECK_S
-        self._handshakes.look()
+        self._transport.handshakes.look()
         self.publishers.check()
         received = self.subscriptions.reports()[:_REPORT_ENTRIES]
         published = self.publishers.reports()[:_REPORT_ENTRIES]

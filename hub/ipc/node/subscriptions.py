@@ -14,10 +14,8 @@ from hub.ipc.node.connection import Connection
 from hub.ipc.node.receive_queue import ReceiveQueue
 from hub.ipc.node.subscription import Handler, Subscription
 from hub.ipc.transport import shared_ring, sockets
+from hub.ipc.transport.client_transport import ClientTransport
 from hub.ipc.transport.direct_inbox import DirectInbox
-from hub.ipc.transport.fault_counter import FaultCounter
-from hub.ipc.transport.handshakes import Handshakes
-from hub.ipc.transport.loop import Loop
 from hub.ipc.wire import control, frames
 
 
@@ -28,23 +26,13 @@ class Subscriptions:
         receive_queue: Messages that wait for their handlers.
     """
 
-    def __init__(
-        self,
-        context: sockets.Context,
-        loop: Loop,
-        connection: Connection,
-        faults: FaultCounter,
-        handshakes: Handshakes,
-    ) -> None:
-        self._handshakes = handshakes
-        self._context = context
-        self._loop = loop
+    def __init__(self, transport: ClientTransport, connection: Connection) -> None:
+        self._transport = transport
         self._connection = connection
-        self._faults = faults
         self.receive_queue = ReceiveQueue(
-            clock=loop.clock,
+            clock=transport.clock,
             hub_time=connection.hub_time,
-            faults=faults,
+            faults=transport.faults,
             no_ring=self._use_whole_payloads,
         )
         self._sockets: dict[Plane, sockets.Socket] = {}
@@ -110,17 +98,15 @@ class Subscriptions:
                     self.receive_queue.take_events(self._inboxes[plane].socket)
 
     def _connect(self, plane: Plane) -> None:
-        socket = sockets.make_plane(self._context, zmq.SUB, plane, self._connection.keys)
-        self._handshakes.begin(socket)
+        socket = sockets.make_plane(self._transport.context, zmq.SUB, plane, self._connection.keys)
+        self._transport.handshakes.begin(socket)
         sockets.connect(socket, self._where[plane])
         self._sockets[plane] = socket
-        self._files[plane] = self._loop.register(
+        self._files[plane] = self._transport.loop.register(
             socket, functools.partial(self.receive_queue.take, socket)
         )
         if self._near:
-            self._inboxes[plane] = DirectInbox(
-                self._context, self._loop, plane, self.receive_queue.take
-            )
+            self._inboxes[plane] = DirectInbox(self._transport, plane, self.receive_queue.take)
 
     def subscribe_all(self) -> None:
         """Subscribe anew, at a central that knows the definitions now."""
@@ -135,9 +121,9 @@ class Subscriptions:
         self.receive_queue.close_rings()
 
     def _disconnect(self, plane: Plane) -> None:
-        self._loop.unregister(self._files[plane])
+        self._transport.loop.unregister(self._files[plane])
         socket = self._sockets.pop(plane)
-        self._handshakes.end(socket)
+        self._transport.handshakes.end(socket)
         socket.close(0)
         inbox = self._inboxes.pop(plane, None)
         if inbox is not None:
@@ -211,7 +197,7 @@ class Subscriptions:
             more = inbox.take_now()
         finally:  # also after a handler that raised
             if more:
-                self._loop.after(0.0, functools.partial(self.accept, frame))
+                self._transport.loop.after(0.0, functools.partial(self.accept, frame))
         return not more
 
     def _ask_for(self, subscription: Subscription) -> None:
@@ -248,7 +234,7 @@ class Subscriptions:
             plane = subscription.definition.plane
             for topic in self._filters(subscription):
                 self._sockets[plane].unsubscribe(publishers.mark(topic, token))
-            self._loop.touch(self._files[plane])
+            self._transport.loop.touch(self._files[plane])
 
     def _may_ring(self, definition: MessageDefinition[Any]) -> bool:
         return self._near and shared_ring.available and definition.plane is Plane.PICTURE
@@ -256,7 +242,7 @@ class Subscriptions:
     def _filter(self, subscription: Subscription, *, on: bool) -> None:
         plane = subscription.definition.plane
         socket = self._sockets[plane]
-        self._loop.touch(self._files[plane])
+        self._transport.loop.touch(self._files[plane])
         change = socket.subscribe if on else socket.unsubscribe
         for topic in self._filters(subscription):
             change(topic)
@@ -271,7 +257,9 @@ class Subscriptions:
     def _use_whole_payloads(self, subscription: Subscription, why: str) -> None:
         """Ask for whole payloads from now on, not for descriptors."""
         if subscription.in_ring and self._sockets:
-            self._faults.count("no shared memory", f"{subscription.definition.name}: {why}")
+            self._transport.faults.count(
+                "no shared memory", f"{subscription.definition.name}: {why}"
+            )
             self._stands(subscription.token)
             self._filter(subscription, on=False)
             subscription.in_ring = False

@@ -9,8 +9,7 @@ import zmq
 
 from hub.errors import CodecError, FrameError
 from hub.ipc.transport import sockets
-from hub.ipc.transport.fault_counter import FaultCounter
-from hub.ipc.transport.loop import Loop
+from hub.ipc.transport.client_transport import ClientTransport
 from hub.ipc.wire import control_codec
 
 _BATCH = 256
@@ -28,8 +27,7 @@ class ControlChannel:
         on_message: Callable[[Any, bytes | None], None],
         events: int,
         on_event: Callable[[int], None],
-        loop: Loop,
-        faults: FaultCounter,
+        transport: ClientTransport,
         address: str,
     ) -> None:
         """Connect.
@@ -39,20 +37,19 @@ class ControlChannel:
             on_message: Gets each control message and the message frame that goes with it.
             events: Which events of the connection are reported: `zmq.EVENT_...` together.
             on_event: Gets each of these.
-            loop: Serves it.
-            faults: Counts what is malformed.
+            transport: The client's.
             address: Where to.
         """
         self._socket = socket
         self._on_message = on_message
         self._on_event = on_event
-        self._loop = loop
-        self._faults = faults
+        self._loop = transport.loop
+        self._faults = transport.faults
         self._send_part = sockets.sender(socket)
         self._monitor = socket.get_monitor_socket(events)
         sockets.connect(socket, address)
-        self._file = loop.register(socket, self._receive)
-        self._monitor_file = loop.register(self._monitor, self._watch)
+        self._file = self._loop.register(socket, self._receive)
+        self._monitor_file = self._loop.register(self._monitor, self._watch)
 
     def send(self, message: Any, attached: bytes | None = None) -> bool:
         """Send a control message; False if there is no connection now, or none any more."""

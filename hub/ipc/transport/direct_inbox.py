@@ -11,7 +11,7 @@ import zmq
 from hub.ipc import endpoints
 from hub.ipc.definition import Plane
 from hub.ipc.transport import sockets
-from hub.ipc.transport.loop import Loop
+from hub.ipc.transport.client_transport import ClientTransport
 
 
 class DirectInbox:
@@ -24,25 +24,23 @@ class DirectInbox:
 
     def __init__(
         self,
-        context: sockets.Context,
-        loop: Loop,
+        transport: ClientTransport,
         plane: Plane,
         take: Callable[[sockets.Socket], bool],
     ) -> None:
         """Open.
 
         Args:
-            context: The client's.
-            loop: Serves it.
+            transport: The client's.
             plane: What it is for.
             take: Reads what has come; whether there may be more.
         """
         self.address = f"{endpoints.DIRECT_PREFIX}{plane.value}-{secrets.token_hex(8)}"
-        self._loop = loop
-        self.socket = sockets.make_inbox(context, zmq.PULL, plane)
+        self._loop = transport.loop
+        self.socket = sockets.make_inbox(transport.context, zmq.PULL, plane)
         self.socket.bind(self.address)
         self._take = functools.partial(take, self.socket)
-        self._file = loop.register(self.socket, self._take)
+        self._file = self._loop.register(self.socket, self._take)
 
     def take_now(self) -> bool:
         """Read what has come, out of turn; whether there may be more.
