@@ -55,7 +55,7 @@ class Within:
     read: Reader
     allowed: str
 
-    def __call__(self, value: object) -> Any:  # noqa: ANN401 - whatever the reader makes
+    def __call__(self, value: object) -> Any:  # noqa: ANN401 - the reader's type
         """Read a value."""
         return self.read(value)
 
@@ -269,7 +269,7 @@ def choice(names: Iterable[str] | Mapping[str, Any]) -> Within:
     """One of the names; what it stands for, where they are a mapping."""
     known = dict(names) if isinstance(names, Mapping) else {name: name for name in names}
 
-    def read(value: object) -> Any:  # noqa: ANN401 - whatever the mapping holds
+    def read(value: object) -> Any:  # noqa: ANN401 - the mapping's type
         if isinstance(value, str) and value in known:
             return known[value]
         reason = f"{shorten(value)} is none of {', '.join(known)}{nearest(value, known)}"

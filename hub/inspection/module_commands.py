@@ -129,7 +129,7 @@ def logs(client: Client, module: str, *, lines: int, follow: bool) -> int:
         except HandlerFailedError:
             raise
         except QueryError as error:
-            # Without a daemon, another is on its way, which counts anew; or it is busy.
+            # Without a daemon, a new one is starting, with counts from 0; or it is busy.
             if not client.connected or isinstance(error, NoHandlerError):
                 next_line = 1
             continue

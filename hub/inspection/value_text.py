@@ -16,7 +16,7 @@ from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats import grammar as formats
 from hub.ipc.formats.codegen import DTYPES
 from hub.ipc.formats.dataclass_codec import DataclassCodec
-from hub.ipc.formats.ranges import unnoted
+from hub.ipc.formats.ranges import no_note
 from hub.toml_reader import nearest, shorten
 
 _LONGEST_ARRAY = 64
@@ -25,7 +25,7 @@ _LONGEST_ARRAY = 64
 def value_from_text(
     definition: MessageDefinition[Any],
     assignments: Sequence[str],
-    warn: Callable[[str], object] = unnoted,
+    warn: Callable[[str], object] = no_note,
 ) -> Any:  # noqa: ANN401 - any message
     """The value with the fields that were given; all others are zero or empty.
 

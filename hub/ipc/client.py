@@ -33,7 +33,7 @@ class Client(BaseClient):
     def publish(
         self, definition: MessageDefinition[T], value: T, *, measured: float | None = None
     ) -> None:
-        """Send to all subscribers; never waits, lost without central.
+        """Send to all subscribers; never waits. Without central the message is lost.
 
         Args:
             definition: Which message.
@@ -51,11 +51,11 @@ class Client(BaseClient):
     def publish_payload(
         self, definition: MessageDefinition[Any], payload: Buffer, *, measured: float | None = None
     ) -> None:
-        """Send a payload that is encoded already; its receivers check it."""
+        """Send an encoded payload; its receivers check it."""
         self._publisher(definition).publish_payload([payload], measured)
 
     def has_subscribers(self, definition: MessageDefinition[Any]) -> bool:
-        """Whether anybody subscribes to the message; known after `wait_published`."""
+        """Whether the message has subscribers; known after `wait_published`."""
         return self._publisher(definition).wanted
 
     def subscribe(
@@ -67,15 +67,15 @@ class Client(BaseClient):
         priority: int | None = None,
         last: bool = False,
     ) -> None:
-        """Call `handler` for every message of it; several handlers are called in turn.
+        """Call `handler` for every message, after earlier handlers.
 
         Args:
             definition: Which message.
             handler: Gets the value and how it came.
-            queue: How many of each publisher wait at most while handlers are busy; beyond it the
-                oldest are left out. Default what the definition says: the newest, or all.
-            priority: Messages of higher priority are handed on first; default 0.
-            last: Also ask for the last value that was published before, at each connection.
+            queue: Most messages of each publisher that wait for busy handlers; older ones are
+                dropped. Default: the definition's choice, the newest or all.
+            priority: Messages of higher priority come first; default 0.
+            last: Also ask for the last published value, at each connection.
         """
         self._prepare(definition)
         self._subscriptions.subscribe(definition, handler, queue=queue, priority=priority)
@@ -84,12 +84,12 @@ class Client(BaseClient):
 
     @property
     def lost(self) -> int:
-        """Subscribed messages that did not come; a message that a newer one overtook did come."""
+        """Number of subscribed messages that did not arrive; an overtaken message did arrive."""
         return self._subscriptions.lost
 
     @property
     def unfit(self) -> dict[str, str]:
-        """What was wrong first with values of each message, in a sentence by its name."""
+        """The first fault in a value of each message, in a sentence, by message name."""
         return self._subscriptions.unfit
 
     def unsubscribe(
@@ -97,14 +97,14 @@ class Client(BaseClient):
         definition: MessageDefinition[T],
         handler: Callable[[T, MessageInfo], None] | None = None,
     ) -> None:
-        """Call `handler` no longer, or none of the handlers; no error if it was not called."""
+        """Remove `handler`, or all handlers; no error if there is none."""
         self._subscriptions.unsubscribe(definition.name, handler)
 
     def last_value(self, definition: MessageDefinition[T], *, timeout: float) -> T:
-        """The last value that a connected module published, also without any subscriber.
+        """The last value that a connected module published, even without subscribers.
 
         Raises:
-            QueryError: Nobody publishes it, nothing was published yet, or the time ran out.
+            QueryError: No module publishes it, no value was published yet, or the time ran out.
         """
         self._attend()
         self.define(definition)
@@ -134,7 +134,7 @@ class Client(BaseClient):
         response: MessageDefinition[R],
         handler: Callable[[T], R],
     ) -> None:
-        """Answer queries of `request`; the asker gets a HubError that the handler raises."""
+        """Answer queries of `request`; a HubError of the handler goes to the asker."""
         self.respond_later(request, response, lambda value, reply: reply.answer(handler(value)))
 
     def respond_later(
@@ -143,7 +143,7 @@ class Client(BaseClient):
         response: MessageDefinition[R],
         handler: Callable[[T, Reply[R]], None],
     ) -> None:
-        """Answer queries of `request` by a `Reply` that may be kept and answered at any time."""
+        """Answer queries of `request` by a `Reply`, at any later time."""
         self.define(request, response)
         self._responders.add(request, response, handler)
 
@@ -170,7 +170,7 @@ class Client(BaseClient):
         *,
         timeout: float,
     ) -> R:
-        """Ask and serve everything else until the answer is there.
+        """Ask, and serve everything else until the answer arrives.
 
         Raises:
             QueryError: No handler, it died or failed, or the time ran out.
@@ -186,7 +186,7 @@ class Client(BaseClient):
     def query_frame(
         self, request: MessageDefinition[T], value: T, *, timeout: float
     ) -> frames.Frame:
-        """As `query_response`, if the message of the answer is not known."""
+        """As `query_response`, for an answer of unknown type: its frame."""
         self._attend()
         self.define(request)
         frame = self._session.pack(request, value, self._clock())
@@ -210,7 +210,7 @@ class Client(BaseClient):
         )
 
     def _prepare(self, definition: MessageDefinition[Any]) -> None:
-        """Get ready to broadcast a message or to receive it."""
+        """Define a message, and connect its plane."""
         self.define(definition)
         self._session.enter_planes()
 

@@ -1,4 +1,4 @@
-"""What a message is: its name, Python type, format, and how it travels.
+"""The definition of a message: its name, Python type, format, and transport.
 
 The frozen dataclass that holds a message's values declares each field once: name, type, range and
 unit. The format comes from it by the rules of `hub.ipc.formats.wire_types`.
@@ -18,7 +18,7 @@ from hub.ipc.formats import codec, wire_types
 from hub.ipc.formats import grammar as formats
 from hub.ipc.formats.codegen import Buffer
 from hub.ipc.formats.dataclass_codec import FAULTS, DataclassCodec
-from hub.ipc.formats.ranges import Note, unnoted
+from hub.ipc.formats.ranges import Note, no_note
 
 T = TypeVar("T")
 
@@ -26,7 +26,7 @@ MAX_NAME_LENGTH = 64
 
 
 class Keep(enum.Enum):
-    """What a slow receiver keeps: the newest message of a stream, or every event."""
+    """The messages that a slow receiver keeps: the newest of a stream, or every event."""
 
     NEWEST = "newest"
     ALL = "all"
@@ -39,7 +39,7 @@ class Plane(enum.Enum):
     COMMAND = "command"
     PICTURE = "picture"
 
-    __hash__ = object.__hash__  # each is one of a kind; Enum's own is written in Python
+    __hash__ = object.__hash__  # fast: Enum's own hash is written in Python
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -50,14 +50,14 @@ class MessageDefinition(Generic[T]):
         name: Name at central; letters, digits and underscores.
         type: Frozen dataclass whose fields, in order, are the members of the format.
         format: CMU IPC format string of the payload; empty: it follows from the type. Give it for
-            a type whose fields do not say it, such as one made from a listing of central.
+            a type without declared fields, such as one from a listing of central.
         keep: Whether receivers keep the newest or all.
-        plane: Broadcast sockets it travels on.
-        rate_hz: Nominal rate of a stream [Hz]; 0 for what is sent on demand.
+        plane: Its broadcast sockets.
+        rate_hz: Nominal rate of a stream [Hz]; 0: sent on demand.
         lifespan_s: Age beyond which a receiver drops it [s].
         ros_type: ROS 2 type with the same layout, if there is one.
-        unreadable: What a payload counts as that cannot be read; None: it is dropped. A message
-            with it has no order either: every frame counts, whatever its header says.
+        unreadable: Value of an unreadable payload; None: the payload is dropped. A message
+        with this value has no order: every frame counts, even with a wrong header.
     """
 
     name: str
@@ -99,7 +99,7 @@ class MessageDefinition(Generic[T]):
 
     @property
     def record(self) -> DataclassCodec:
-        """How the dataclass and the members of the format belong together."""
+        """The mapping between the dataclass and the members of the format."""
         return self._record
 
     @property
@@ -119,8 +119,8 @@ class MessageDefinition(Generic[T]):
     def flat_values(self) -> Callable[[T], tuple[Any, ...]]:
         """The function from a value to all its numbers, in wire order, if the format is flat.
 
-        The function raises CodecError for what is no such value. If a `struct` of `flat_letters`
-        does not pack what it returns, `encode` says why.
+        The function raises CodecError for a value of another kind. If a `struct` of
+        `flat_letters` cannot pack the numbers, `encode` raises the reason.
 
         Raises:
             CodecError: The format is not flat.
@@ -132,7 +132,7 @@ class MessageDefinition(Generic[T]):
     def receive_flat(self) -> Callable[..., T]:
         """The function from all numbers, in wire order, to the value, if the format is flat.
 
-        It bounds them as `decode` does, and takes a `Note` as `decode` does.
+        Like `decode`, it bounds the numbers and takes a `Note`.
 
         Raises:
             CodecError: The format is not flat.
@@ -141,7 +141,7 @@ class MessageDefinition(Generic[T]):
         return self._record.flat_receiver()
 
     def build(self, values: Sequence[Any]) -> T:
-        """The value whose members are `values`, structs as sequences; nothing is bounded.
+        """The value with the members `values`, structs as sequences; without bounds.
 
         Raises:
             CodecError: An enum member has no such value, or the type refuses a value.
@@ -150,10 +150,10 @@ class MessageDefinition(Generic[T]):
         return value
 
     def encode(self, value: T | Mapping[str, Any]) -> list[Buffer]:
-        """The payload of `value`, in pieces that the frame joins once.
+        """The payload of `value`, in pieces; the frame joins them.
 
         Args:
-            value: The dataclass, or a mapping with the names of all its fields; so inside it.
+            value: The dataclass, or a mapping with the names of all its fields, at every level.
 
         Raises:
             CodecError: The values do not fit the format.
@@ -167,19 +167,19 @@ class MessageDefinition(Generic[T]):
             raise CodecError(text) from error
         return self._codec.encode(values)
 
-    def decode(self, payload: Buffer, note: Note = unnoted) -> T:
-        """The value in `payload`, within what its fields declare; arrays are read-only views.
+    def decode(self, payload: Buffer, note: Note = no_note) -> T:
+        """The value in `payload`, within the declared ranges; arrays are read-only views.
 
-        Every value from others is made here; `hub.ipc.formats.ranges` bounds its fields.
+        Every received value is made here; `hub.ipc.formats.ranges` bounds its fields.
         A linked list comes as its first node and is nested as deep as it is long, up to
         `grammar.MAX_NODES`: follow it in a loop, because its repr and == are recursive.
 
         Args:
             payload: The bytes.
-            note: Gets a sentence on each value that is changed.
+            note: Gets a sentence on each changed value.
 
         Raises:
-            RangeError: A value is not what its field declares, and nothing can be taken for it.
+            RangeError: A value is outside its field's range and cannot be replaced.
             CodecError: The bytes are no message of this definition.
         """
         try:
@@ -202,7 +202,7 @@ class MessageDefinition(Generic[T]):
 
 
 def check_name(name: str) -> None:
-    """Refuse names that could not be told apart on the wire.
+    """Refuse names that are ambiguous on the wire.
 
     Raises:
         MessageFormatError: The name is empty, too long, or has other characters than letters,

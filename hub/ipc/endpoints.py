@@ -1,4 +1,4 @@
-"""Endpoints: where a hub may listen, and to what a client may connect; pure.
+"""Endpoints: the addresses at which a hub may listen and a client may connect; pure.
 
 Without keys the bus stays on this machine.
 """
@@ -14,7 +14,7 @@ from hub.errors import EndpointError
 DEFAULT_PORT = 1381
 DEFAULT_ENDPOINT = f"tcp://127.0.0.1:{DEFAULT_PORT}"
 DIRECT_PREFIX = "ipc://@rune-"
-"""Every address at which a client of this machine is reached directly begins so."""
+"""Prefix of the direct addresses of clients on this machine."""
 _MAX_DIRECT = 100
 _MAX_IPC_PATH = 100
 _HOST_NAME = re.compile(r"[A-Za-z0-9]([A-Za-z0-9._-]{0,251}[A-Za-z0-9])?")
@@ -33,7 +33,7 @@ class TcpEndpoint:
 
     @property
     def on_loopback(self) -> bool:
-        """Whether only this machine reaches it."""
+        """Whether it accepts only this machine."""
         return _is_loopback(self.host)
 
 
@@ -52,10 +52,10 @@ def parse_endpoint(text: str, *, beyond_loopback: bool = False) -> TcpEndpoint |
 
     Args:
         text: Such as tcp://127.0.0.1:1381 or ipc:///a/path.
-        beyond_loopback: Whether other machines may be let in, which takes keys.
+        beyond_loopback: Whether other machines are allowed, which takes keys.
 
     Raises:
-        EndpointError: It is malformed, or not on this machine and that is not allowed.
+        EndpointError: It is malformed, or beyond this machine without permission.
     """
     scheme, separator, rest = text.partition("://")
     if separator and scheme == "ipc" and rest:
@@ -81,11 +81,11 @@ def connectable(text: str, *, with_keys: bool = False) -> str:
 
     Args:
         text: Such as tcp://127.0.0.1:1381; with keys also tcp://robot.example:1481.
-        with_keys: Whether the client has keys, and so may leave this machine.
+        with_keys: Whether the client has keys; only then may it leave this machine.
 
     Raises:
-        EndpointError: It is malformed, names no port, or is not on this machine and the client
-            has no keys.
+        EndpointError: It is malformed, names no port, or is beyond this machine and the client
+        has no keys.
     """
     endpoint: TcpEndpoint | IpcEndpoint
     if with_keys and text.startswith("tcp://"):
@@ -135,5 +135,5 @@ def _refusal(text: str, reason: str) -> str:
 
 
 def is_direct_address(address: str) -> bool:
-    """Whether this is an address that clients use for direct messages: an abstract socket."""
+    """Whether this is an address for direct messages: an abstract socket."""
     return address.startswith(DIRECT_PREFIX) and len(address) <= _MAX_DIRECT

@@ -1,4 +1,4 @@
-"""How a message came: from whom, after which one, and how old it is."""
+"""The origin, order and age of a received message."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from hub.ipc.wire import frames
 
 
 class MessageInfo(NamedTuple):
-    """How a message came.
+    """Origin, order and age of a message.
 
     Attributes:
         publisher: Number of the sender's connection.
         sequence: Counts the messages of this name from this publisher, from 1.
-        missed: Messages of it that were not handed on since the one before.
-        age: Time since it was measured [s].
-        measured: When it was measured, on this process's monotonic clock [s].
+        missed: Messages that were lost or dropped since the one before.
+        age: Time since its measurement [s].
+        measured: Time of its measurement, on this process's monotonic clock [s].
     """
 
     publisher: int
@@ -28,7 +28,7 @@ class MessageInfo(NamedTuple):
 
 
 def decode(definition: MessageDefinition[Any], frame: frames.Frame) -> Any:
-    """The value in a frame that should be of `definition`.
+    """The value in a frame of `definition`.
 
     Raises:
         CodecError: It is another message, in another format, or malformed.

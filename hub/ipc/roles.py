@@ -14,14 +14,14 @@ from dataclasses import dataclass
 from hub.errors import NotAllowedError
 
 CONTROL = "control"
-"""The place where control messages come in; the others are "PLANE in" and "PLANE out"."""
-_KNOWN_BEARERS = 2048
-"""Bearers that are remembered; a list has half as many keys."""
+"""The entrance of control messages; the other places are "PLANE in" and "PLANE out"."""
+_CACHED_PRINCIPALS = 2048
+"""Most cached principals; a list has half as many keys."""
 _KEY_PRINT = re.compile(r"[0-9a-f]{32}")
 
 
 class Role(enum.Enum):
-    """What a key is for; each role may do what the ones before it may."""
+    """The role of a key; each role includes the ones before it."""
 
     OBSERVE = "observe"
     OPERATE = "operate"
@@ -29,7 +29,7 @@ class Role(enum.Enum):
     MODULE = "module"
 
     def includes(self, other: Role) -> bool:
-        """Whether holders of this role may do all that holders of the other may."""
+        """Whether this role has all rights of the other."""
         return _ROLES.index(self) >= _ROLES.index(other)
 
 
@@ -40,14 +40,14 @@ ON_THE_ROBOT = "do it on the robot's machine, where no key is needed"
 
 
 class Action(enum.Enum):
-    """What a client asks central for; the value says it in an error.
+    """A request to central; the value is its name in an error.
 
     Rights to publish, and to query on the command plane, are in `publish_rights`.
     """
 
     SUBSCRIBE = "subscribe"
     LIST = "list messages and modules"
-    PRESENCE = "hear who comes and goes"
+    PRESENCE = "watch connections"
     QUERY = "query"
     TAKE_OVER = "take control from others"
     DEFINE = "define a new message"
@@ -69,11 +69,11 @@ _ACTIONS = {
 class Principal:
     """The holder of a key, at the other end of a connection.
 
-    Two keys are two principals, also if one was made after the other under the same name.
+    Two keys are two principals, even if one replaced the other under the same name.
 
     Attributes:
         name: Of the key.
-        role: What the key is for.
+        role: Role of the key.
         key: Fingerprint of the public key; empty without one.
     """
 
@@ -88,11 +88,11 @@ class Principal:
 
     @property
     def user_id(self) -> str:
-        """As ZeroMQ carries it beside each frame of the connection: "operate:alice:FINGERPRINT"."""
+        """Its text in ZeroMQ's metadata of each frame: "operate:alice:FINGERPRINT"."""
         return f"{self}:{self.key}"
 
     def __str__(self) -> str:
-        """As people read it: "operate:alice"."""
+        """Its text for people: "operate:alice"."""
         return f"{self.role.value}:{self.name}"
 
 
@@ -100,18 +100,18 @@ LOCAL = Principal(name="this machine", role=Role.MODULE)
 """A client without a key. It connects on this machine only, whose users are trusted."""
 
 
-@functools.lru_cache(maxsize=_KNOWN_BEARERS)
+@functools.lru_cache(maxsize=_CACHED_PRINCIPALS)
 def parse_principal(user_id: str) -> Principal:
-    """The principal that a frame's User-Id names.
+    """The principal in a frame's User-Id.
 
     Raises:
-        NotAllowedError: It names none, so its sender has no rights here.
+        NotAllowedError: It names none: its sender has no rights.
     """
     role, _, rest = user_id.partition(":")
     name, _, key = rest.rpartition(":")
     known = role in {each.value for each in Role}
     if not name or not known or _KEY_PRINT.fullmatch(key) is None:
-        text = f"a connection says it belongs to {user_id[:80]!r}, which is no role, name and key"
+        text = f"a connection has the user id {user_id[:80]!r}, which is no role, name and key"
         raise NotAllowedError(text)
     return Principal(name=name, role=Role(role), key=key)
 
@@ -121,32 +121,32 @@ def _fingerprint(public: str) -> str:
 
 
 def may(role: Role, action: Action) -> bool:
-    """Whether holders of this role may do this."""
+    """Whether a role has this right."""
     return action in _ACTIONS[role]
 
 
 def demand(principal: Principal, action: Action) -> None:
-    """Refuse what the principal's role does not allow.
+    """Check the right of a principal.
 
     Raises:
-        NotAllowedError: It does not; the text names the least role that does.
+        NotAllowedError: It is missing; the text names the least role that has it.
     """
     if not may(principal.role, action):
         least = next(role for role in Role if may(role, action))
-        way = f"that needs a key made with --role {least.value}"
-        if least is Role.MODULE:  # a key that is a part of the robot is no remedy for a person
-            way = ON_THE_ROBOT
+        remedy = f"that needs a key made with --role {least.value}"
+        if least is Role.MODULE:  # a person cannot get a key of a module
+            remedy = ON_THE_ROBOT
         has = f"{principal.name} has a key to {principal.role.value}"
-        text = f"{has} and may not {action.value}; {way}"
+        text = f"{has} and may not {action.value}; {remedy}"
         raise NotAllowedError(text)
 
 
 def may_connect(role: Role, place: str) -> bool:
-    """Whether holders of this role may connect to a place: CONTROL, "PLANE in" or "PLANE out".
+    """Whether a role may connect to a place: CONTROL, "PLANE in" or "PLANE out".
 
-    Every role enters "command in": what passes there is looked at frame by frame.
+    Every role may enter "command in": the gateway checks each frame there.
     """
-    plane, _, way = place.rpartition(" ")
-    if place == CONTROL or (plane and way == "out"):
+    plane, _, remedy = place.rpartition(" ")
+    if place == CONTROL or (plane and remedy == "out"):
         return True
-    return bool(plane) and way == "in" and (plane == "command" or role is Role.MODULE)
+    return bool(plane) and remedy == "in" and (plane == "command" or role is Role.MODULE)

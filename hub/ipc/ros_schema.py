@@ -1,7 +1,7 @@
 """The schema texts of a message: ros2msg, as recordings carry it, and OMG IDL.
 
-Both say of a payload what its format says, with the names of the dataclass's fields, so that tools
-of the ROS 2 world read the bytes as they are. Where those have no counterpart the wire decides:
+Both describe a payload by its format, with the names of the dataclass's fields. So tools of ROS 2
+read the bytes unchanged. Where ROS 2 has no counterpart the wire decides:
 
 | format | in the schema |
 | --- | --- |
@@ -12,8 +12,8 @@ of the ROS 2 world read the bytes as they are. Where those have no counterpart t
 | linked list | sequence of the node's type, which lacks the self pointer |
 | array of or pointer to pointers, lists or sequences | array of a type of its own around them |
 
-Two formats have no schema: an empty struct, for which ROS 2 writes a byte, and a message whose
-fields have names that ROS 2 does not allow.
+Two formats have no schema: an empty struct, for which ROS 2 writes a byte, and a message with
+field names that ROS 2 does not allow.
 """
 
 from __future__ import annotations
@@ -87,10 +87,10 @@ def ros_type(definition: MessageDefinition[Any]) -> str:
 
 
 def ros2msg(definition: MessageDefinition[Any]) -> str:
-    """The message's fields as ROS 2 .msg text, followed by the types it uses.
+    """The message's fields as ROS 2 .msg text, and the types it uses.
 
-    The form is that of schemas of encoding "ros2msg" in MCAP files: each further type follows a
-    line of 80 "=" and "MSG: package/Name".
+    The form is the encoding "ros2msg" of MCAP files: each further type follows a line of 80 "="
+    and "MSG: package/Name".
 
     Raises:
         MessageFormatError: The message has no ROS 2 type.
@@ -142,7 +142,7 @@ class _Schema:
 
     Attributes:
         package: ROS package of all of them.
-        kinds: The types; one that uses another stands behind it, the message's own is the last.
+        kinds: The types, each behind those that it uses; the message's own is the last.
     """
 
     def __init__(self, definition: MessageDefinition[Any]) -> None:
@@ -224,7 +224,7 @@ class _Schema:
     def _element(
         self, node: formats.Format, record: DataclassCodec | None, owner: str
     ) -> str | _Kind:
-        """The type of one element, with a type around an array, for ROS 2 has no arrays of them."""
+        """The type of one element; an inner array gets a type of its own."""
         kind, count, bounded = self._shape(node, record, owner)
         if count is None:
             return kind
@@ -241,5 +241,5 @@ class _Schema:
 
 
 def _type_name(name: str) -> str:
-    """A name with underscores as ROS 2 wants that of a type: "GCM_robot_state", "GCMRobotState"."""
+    """A name with underscores as a type's name in ROS 2: "GCM_robot_state", "GCMRobotState"."""
     return "".join(part[0].upper() + part[1:] for part in name.split("_") if part)

@@ -121,7 +121,7 @@ def decode(raw: bytes) -> LogOdds:
     )
 
 
-def _number(value: Any, low: float, high: float) -> float:  # noqa: ANN401 - whatever JSON holds
+def _number(value: Any, low: float, high: float) -> float:  # noqa: ANN401 - any JSON value
     number = isinstance(value, int | float) and not isinstance(value, bool)
     if not number or not low <= value <= high or not math.isfinite(value):
         _refuse(f"it has a number that is not between {low:g} and {high:g}")

@@ -89,7 +89,7 @@ def _known(metres: float) -> float | None:
     return None if math.isnan(metres) else metres
 
 
-def point_of(feature: Any) -> InterestPoint:  # noqa: ANN401 - whatever JSON holds
+def point_of(feature: Any) -> InterestPoint:  # noqa: ANN401 - any JSON value
     """The point of a GeoJSON feature.
 
     Raises:
@@ -124,7 +124,7 @@ def point_of(feature: Any) -> InterestPoint:  # noqa: ANN401 - whatever JSON hol
     )
 
 
-def _member(value: Any, name: str, kind: type) -> Any:  # noqa: ANN401 - whatever JSON holds
+def _member(value: Any, name: str, kind: type) -> Any:  # noqa: ANN401 - any JSON value
     member = value.get(name) if isinstance(value, dict) else None
     if not isinstance(member, kind):
         _refuse(f"lack {name!r} where it belongs")

@@ -39,7 +39,7 @@ class ContactBody:
         A way counts as short when it is shorter than the body's radius.
         """
         self._free -= math.hypot(wanted.x - before.x, wanted.y - before.y)
-        # Whatever is farther than the way travelled since the last look cannot be reached yet.
+        # An obstacle farther than the path since the last check cannot be reached yet.
         if self._free > TOUCH:
             return wanted
         x, y = self._pushed_out(before, wanted)

@@ -118,7 +118,7 @@ def _where(viewport: ViewportSpec) -> str:
 
 def _words(widget: WidgetSpec, event: EventSpec, rule: HandlerRule) -> str:
     if template := rule.says.get(event.control, rule.says.get("", "")):
-        # A rule of somebody else may name what is not there.
+        # A rule of an extension may name a missing action.
         with contextlib.suppress(KeyError, ValueError, IndexError, AttributeError):
             return template.format_map(_values(widget, event, rule))
     said = rule.meaning.split(". ")[0].split(";")[0].rstrip(".")

@@ -208,7 +208,7 @@ class SpecBuilder:
         """Make what a layout asks for once, so that it does not fail before the operator's eyes."""
         try:
             make(*said)
-        except Exception as error:  # somebody else's code may fail in any way
+        except Exception as error:  # an extension may fail in any way
             reason = " ".join(f"{type(error).__name__}: {error}".split())[:_LONGEST_REASON]
             message = f"{node.attributes[name]} cannot be made: {reason}"
             _logger.debug("%s", message, exc_info=True)

@@ -46,7 +46,7 @@ def with_installed(vocabulary: Vocabulary) -> Vocabulary:
         for point in importlib.metadata.entry_points(group=group):
             try:
                 found = point.load()
-            except (Exception, SystemExit) as error:  # somebody else's code may fail in any way
+            except (Exception, SystemExit) as error:  # an extension may fail in any way
                 why = f"{point.name} of {point.value} cannot be loaded: {_why(error)}"
                 faults[point.name] = why
                 _logger.debug("%s", why, exc_info=True)
@@ -135,7 +135,7 @@ def _run(path: Path) -> ModuleType:
     except FileNotFoundError as error:
         text = f"is not there: {path}"
         raise _ExtensionFault(text) from error
-    except (Exception, SystemExit) as error:  # somebody else's code may fail in any way
+    except (Exception, SystemExit) as error:  # an extension may fail in any way
         text = f"cannot be run: {_why(error)}"
         raise _ExtensionFault(text) from error
     return module
@@ -160,7 +160,7 @@ def _lack(table: str, found: object) -> str:
     return f"names a message {quoted(unknown[0])}, which is not known" if unknown else ""
 
 
-def _keep_purpose(found: Any) -> None:  # noqa: ANN401 - a class of somebody else
+def _keep_purpose(found: Any) -> None:  # noqa: ANN401 - a class of an extension
     """Give a widget the purpose of the class that it is derived from, if its rule names none."""
     rules = [getattr(each, "rule", None) for each in found.__mro__]
     purposes = [each.purpose for each in rules if isinstance(each, HandlerRule) and each.purpose]

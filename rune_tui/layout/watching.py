@@ -88,7 +88,7 @@ class LayoutSource:
             layout = self._read(self._names[index])
         except LayoutError as error:
             if index == self._open:
-                # What is saved while it is read counts as saved after, hence the marks before.
+                # Marks come before the reading: a file that is saved meanwhile counts as changed.
                 self._seen = {**_marks(error.files), **before}
             return error
         except Exception:  # an extension's code may fail in any way; not again until it is saved

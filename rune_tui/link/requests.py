@@ -113,7 +113,7 @@ class Requester(Generic[Q, A]):
         now = self._clock()
         self.round_trip = now - when
         service, waited = self.pace.answered(when, now, self._client.round_trip)
-        self._due += waited  # whatever has queued up in the link shall run off
+        self._due += waited  # the queue of the link drains meanwhile
         if number < self._newest:
             self._open.pop(number, None)
             return

@@ -298,7 +298,7 @@ class RobotLink:
             closed = f"closed by {self._client.closed_by}" if self._client.closed_by else ""
             phase, detail = LinkPhase.LOST, closed or self._why_not()
         if phase is not LinkPhase.CONNECTED and CONTROL_STATE.name in self._state.messages:
-            # Nothing is known of control until the hub says it anew: it may be another hub by then.
+            # Control is unknown until the hub reports it: it may be another hub.
             kept = {n: r for n, r in self._state.messages.items() if n != CONTROL_STATE.name}
             self._state = self._state.with_(messages=kept)
         self._note_number()

@@ -33,7 +33,7 @@ _END_WITHIN_S: Final = 3.0
 _LOOK_S: Final = 0.05
 _RETRY_S, _LONGEST_RETRY_S = 1.0, 15.0
 _OPTIONS: Final = {
-    # A connection of its own: one that is shared would end with, and outlive, somebody else's.
+    # A connection of its own: a shared one would end with, and outlive, another program's.
     "ControlMaster": "no",
     "ControlPath": "none",
     "ExitOnForwardFailure": "yes",
@@ -98,7 +98,7 @@ class Tunnel:
             raise TunnelError(text)
         far_ends = _far_ends(hub)
         self.destination = destination
-        self._folder = Path(tempfile.mkdtemp(prefix="rune-"))  # mkdtemp lets nobody else in
+        self._folder = Path(tempfile.mkdtemp(prefix="rune-"))  # mkdtemp admits only this user
         self._socket = self._folder / "hub"
         self.endpoint = f"ipc://{self._socket}"
         host, port = matched.groups()

@@ -19,7 +19,7 @@ REPLACEMENT = "?"
 
 _LOW_BITS_OFF = np.uint32(0xFEFEFEFE)
 _DROPPED = frozenset({"Mn", "Me"})
-# Not told by Python's tables: Hangul vowels and final consonants join the syllable before them;
+# Missing in Python's tables: Hangul vowels and final consonants join the syllable before them;
 # symbols that Unicode 16 made wide, and regional indicators, which terminals pair into flags.
 _OTHER_WIDTHS = (
     (0x1160, 0x11FF),
@@ -69,7 +69,7 @@ def halved(fine: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
     """
     words = fine.view(np.uint32)[..., 0]
     left, right = words[:, 0::2], words[:, 1::2]
-    # All four bytes at once, none of which runs over into another.
+    # All four bytes at once; none overflows into another.
     means = (left & right) + (((left ^ right) & _LOW_BITS_OFF) >> 1)
     return means[..., None].view(np.uint8)
 

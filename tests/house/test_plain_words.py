@@ -1,9 +1,11 @@
-"""Plain words for people who learnt English at school: in pages, in docstrings and in names."""
+"""Plain words for people who learnt English at school: in pages, docstrings, comments and names."""
 
 from __future__ import annotations
 
 import ast
+import io
 import re
+import tokenize
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -46,7 +48,7 @@ AVOIDED_IN_CODE = (
     r"so many|so long|somebody else|nobody else|whom|ours|goes by|gone by|tells? of|told of",
     r"chores?|errands?|complaints?|weather|moods?|by whoever|is nobody's",
 )
-"""The same in docstrings, where a reader has no page around the word to understand it."""
+"""The same in docstrings and comments, which have no page around them to explain a word."""
 NAMES_TO_AVOID = re.compile(
     r"anew|bur(?:y|ied)|chores?|complaints?|deeds?|errands?|heeds?|hind(?:er|rances?)|lest|minds?"
     r"|moods?|strangers?|tell|told|weather"
@@ -55,6 +57,7 @@ NAMES_TO_AVOID = re.compile(
 ROOMS = (
     "hub/grids",
     "hub/inspection",
+    "hub/ipc",
     "hub/missions",
     "hub/modules/driver",
     "hub/modules/mapping",
@@ -88,6 +91,8 @@ ROOMS = (
     "rune_tui/widgets",
 )
 """Rooms, and files, whose names and docstrings are plain; a room that becomes plain is added."""
+SHORT_SENTENCES = ("hub/ipc",)
+"""Rooms whose docstrings have no long sentence."""
 _LIST_ITEM = re.compile(r"\s*(?:[-*]|\d+\.)\s+")
 _END = re.compile(r"(?<=[.!?])[\"*_)]*\s+")
 
@@ -171,14 +176,41 @@ def docstrings_in(tree: ast.AST) -> Iterator[tuple[int, str]]:
                 yield node.lineno, text
 
 
+def comments_in(text: str) -> Iterator[tuple[int, str]]:
+    """Comments, without orders to tools."""
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type == tokenize.COMMENT:
+            yield token.start[0], re.sub(r"#\s*(?:noqa|type):[^-]*", "", token.string)
+
+
+def docstring_sentences(text: str) -> Iterator[str]:
+    """The sentences of a docstring without grammars; each attribute starts a new one."""
+    headed = re.sub(r"^\s*\w+:(?=\s)|^.*:=.*$", "\n", text, flags=re.MULTILINE)
+    for sentence in sentences(headed):
+        yield from re.split(r"(?<=[:;])\s", sentence)
+
+
 @pytest.mark.parametrize("room", ROOMS)
-def test_docstrings_have_no_words_that_few_know(room: str) -> None:
+def test_docstrings_and_comments_have_no_words_that_few_know(room: str) -> None:
     avoided = re.compile(rf"\b(?:{'|'.join(AVOIDED_IN_CODE)})\b", re.IGNORECASE)
     found = [
         f"{path.relative_to(ROOT)}:{line}: {word[0]}"
         for path in python_files(room)
-        for line, text in docstrings_in(ast.parse(path.read_text()))
+        for source in [path.read_text()]
+        for line, text in [*docstrings_in(ast.parse(source)), *comments_in(source)]
         for word in avoided.finditer(re.sub(r"`[^`]*`", "", text))
+    ]
+    assert found == []
+
+
+@pytest.mark.parametrize("room", SHORT_SENTENCES)
+def test_sentences_of_docstrings_are_short(room: str) -> None:
+    found = [
+        f"{path.relative_to(ROOT)}:{line}: {sentence}"
+        for path in python_files(room)
+        for line, text in docstrings_in(ast.parse(path.read_text()))
+        for sentence in docstring_sentences(text)
+        if sum(bool(re.search(r"\w", word)) for word in sentence.split()) > MOST_WORDS
     ]
     assert found == []
 

@@ -115,7 +115,7 @@ class CurveGateway:
         for descriptor in self._sockets.serve({polled: zmq.POLLIN}):
             self._central.disconnected(descriptor)
 
-    def see_ended(self) -> None:
+    def report_ended(self) -> None:
         """Report all control connections that ended up to now."""
         for descriptor in self._sockets.ended():
             self._central.disconnected(descriptor)

@@ -143,7 +143,7 @@ class GatewaySockets:
         """
         now = self._clock()
         for flood in self._floods.values():
-            flood.look(now)
+            flood.check(now)
         self._rates.look(known, now)
 
     def hang_up(self, descriptor: int) -> None:

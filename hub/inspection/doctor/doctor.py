@@ -70,7 +70,7 @@ def attempt(check: Callable[[], list[Finding]]) -> list[Finding]:
     """What a check finds; one that fails itself is a finding too, and the others go on."""
     try:
         return check()
-    except Exception as fault:  # noqa: BLE001 - whatever machine this is, the rest is looked at
+    except Exception as fault:  # noqa: BLE001 - a failed check does not end the others
         text = f"could not be looked at ({type(fault).__name__}: {fault})"
         return [warning(text, "look yourself, and please report it")]
 

@@ -45,7 +45,7 @@ class Broadcasts:
         self._acks = SubscriptionAcks()
 
     def advertise(self, peer: Peer, message: control.Advertise) -> list[Outgoing]:
-        """`peer` publishes a message from now on."""
+        """Note that `peer` publishes a message."""
         name = message.name
         if self.publishers.refusal(peer, name):
             return []
@@ -56,7 +56,7 @@ class Broadcasts:
         return [*direct, Outgoing(identity=peer.identity, message=answer), *reports]
 
     def subscribe(self, peer: Peer, message: control.Subscribe) -> list[Outgoing]:
-        """`peer` subscribes to a message."""
+        """Note that `peer` subscribes to a message."""
         # A peer without the right to define subscribes to what a module will define.
         text = self._subscribers.refusal(peer, message.name, undefined=True)
         if text:
@@ -70,17 +70,17 @@ class Broadcasts:
         return outgoing
 
     def unsubscribe(self, peer: Peer, message: control.Unsubscribe) -> list[Outgoing]:
-        """`peer` subscribes to a message no longer."""
+        """End a subscription of `peer`."""
         publishers = self.publishers.of(message.name)
         outgoing = self._direct_subscribers.unsubscribe(peer, message.name, publishers)
         return outgoing + self._subscribers.leave(peer, message.name)
 
     def ready(self, peer: Peer, message: control.Ready) -> list[Outgoing]:
-        """`peer` has seen the subscription of this token."""
+        """Note that `peer` has seen the subscription of this token."""
         return self._acks.seen(peer, message.token) if len(message.token) <= _MAX_TOKEN else []
 
     def drop(self, peer: Peer) -> list[Outgoing]:
-        """`peer` is gone."""
+        """Forget `peer`, which is gone."""
         publishers = (self.publishers.of(name) for name in peer.subscribes)
         outgoing = self._direct_subscribers.drop(peer, itertools.chain.from_iterable(publishers))
         outgoing += self.publishers.leave_all(peer)

@@ -37,7 +37,7 @@ _logger = logging.getLogger(__name__)
 _LISTEN_S = 1.0
 _BATCH = 256
 _GATEWAY_TURN_S = 2e-3
-"""How long control messages of a gateway are taken before clients of this machine again [s]."""
+"""Longest turn of a gateway before clients of this machine have theirs again [s]."""
 _CHECK_S = 0.1
 _TRIM_S = 5.0
 _HANDSHAKE_FAILURES = (
@@ -70,7 +70,7 @@ class Central:
         Args:
             endpoints: tcp:// and ipc:// addresses for clients on this machine. A TCP port p takes
                 p to p + 6; port 0 takes free ones.
-            gateways: Open ways in for others than clients of this machine.
+            gateways: Openers of the gateways for other machines.
             reserved: Names that only the robot's own modules may have.
             clock: Monotonic time [s].
 
@@ -83,7 +83,7 @@ class Central:
         self.faults = FaultCounter(_logger, clock)
         self._clock = clock
         self._reserve = file_descriptors.Reserve(self.faults)
-        # The second thread is for gateways: other machines take no time from local modules.
+        # The second thread serves gateways: other machines take no time from local modules.
         self._context: sockets.Context = zmq.Context(2 if gateways else 1)
         self._stopping = threading.Event()
         self._registry = Registry(clock=clock, faults=self.faults, reserved=reserved)
@@ -182,7 +182,7 @@ class Central:
         self.endpoints.append(gateway.endpoint)
 
     def _serve(self) -> None:
-        """The thread of control messages, of what the monitors see, and of the copies."""
+        """Serve control messages, monitors and copies of broadcasts, in a thread."""
         loop = self._loop
         self._register(loop)
         while not self._stopping.is_set():
@@ -190,7 +190,7 @@ class Central:
                 loop.listen(_LISTEN_S)
             except zmq.ContextTerminated:
                 break
-            except Exception:  # a fault of central itself must not end it
+            except Exception:  # central survives a fault of its own
                 self.faults.count("internal fault", "central goes on after it")
                 if self.faults.counts["internal fault"] == 1:
                     _logger.exception("the first internal fault")
@@ -212,14 +212,14 @@ class Central:
         for gateway in self._gateways:
             for polled in gateway.polled:
                 loop.register(polled, functools.partial(self._serve_gateway, gateway, polled))
-        loop.register(self._steered, self._see_stop)
+        loop.register(self._steered, self._read_stop)
         loop.every(_CHECK_S, lambda: self._planes.check(self._registry.broadcast))
         loop.every(_CHECK_S, self._check)
         loop.every(_TRIM_S, heap.give_back)
         loop.every(_CHECK_S, lambda: self._send(self._registry.expire()))
 
     def _watch(self, monitor: sockets.Socket, where: str) -> bool:
-        """See connections that come, that end, and that do not speak ZeroMQ."""
+        """Report connections that begin, that end, and that do not speak ZeroMQ."""
         floods = self._planes.floods.get(where)
         while True:
             try:
@@ -244,12 +244,12 @@ class Central:
     def _check(self) -> None:
         now = self._clock()
         for watch in self._planes.floods.values():
-            watch.look(now)
+            watch.check(now)
         for gateway in self._gateways:
             gateway.check()
 
-    def _see_stop(self) -> bool:
-        # Looking at it also clears what ZeroMQ itself signals through its descriptor.
+    def _read_stop(self) -> bool:
+        # This read also clears what ZeroMQ itself signals through its descriptor.
         if self._steered.poll(0):
             self._stopping.set()
         return False
@@ -257,8 +257,8 @@ class Central:
     def _disconnected(self, descriptor: int) -> None:
         self._send(self._registry.disconnected(descriptor))
 
-    def _see_ended(self) -> None:
-        """Take what was noticed of control connections up to now.
+    def _read_ended(self) -> None:
+        """Read the pending monitor events of control connections.
 
         ZeroMQ reports an end before it frees the descriptor, which the next connection may get.
         """
@@ -266,17 +266,17 @@ class Central:
             if where == _CONTROL:
                 self._watch(monitor, where)
         for gateway in self._gateways:
-            gateway.see_ended()
+            gateway.report_ended()
 
     def _serve_gateway(self, gateway: Gateway, polled: sockets.Socket) -> bool:
         gateway.serve(polled)
         return sockets.readable(polled)
 
     def _take(self, number: int) -> bool:
-        """Take the control messages at an entrance; whether there may be more.
+        """Read the control messages at an entrance; whether there may be more.
 
-        The loop comes to the entrance of this machine first in each turn, and a turn at a gateway
-        is short. ZeroMQ takes a message from each connection in turn.
+        Each turn of the loop starts with the entrance of this machine, and a turn at a gateway
+        is short. ZeroMQ reads from its connections in turn.
         """
         entrance = self._entrances[number]
         end = math.inf if entrance.guard is None else self._clock() + _GATEWAY_TURN_S
@@ -312,7 +312,7 @@ class Central:
             self.faults.count("malformed control frame", str(error))
             return
         if isinstance(message, control.Hello):
-            self._see_ended()  # or it is taken for the peer that had its descriptor before
+            self._read_ended()  # or it is mistaken for the peer that had its descriptor before
         attached = body[1].buffer if len(body) == 2 else None
         descriptor = sockets.descriptor_of(body[0])
         caller = Caller(identity, descriptor, principal, entrance.ports, entrance.paths)
@@ -327,7 +327,7 @@ class Central:
             try:
                 sockets.send_parts(self._sends[number], _parts(message))
             except zmq.Again:
-                # It missed this message, so what it knows may be wrong: it has to begin anew.
+                # It missed this message, so its state may be wrong: it has to start over.
                 self.faults.count("queue full", "a peer does not read its control messages")
                 pending += self._registry.unreachable(message.identity)
             except zmq.ZMQError as error:

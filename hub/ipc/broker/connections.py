@@ -101,11 +101,11 @@ class Connections:
         return [Outgoing(identity=peer.identity, message=pong)]
 
     def bye(self, peer: Peer, _: control.Bye) -> list[Outgoing]:
-        """`peer` closes its connection."""
+        """Drop a peer that closes its connection."""
         return self.drop(peer, "it said goodbye")
 
     def close(self, peer: Peer, message: control.Close) -> list[Outgoing]:
-        """`peer` closes the connection of another module, or its own."""
+        """Close the connection of a module, by order of `peer`."""
         other = self._peers.named(message.name)
         if other is None:
             text = f"no module named {message.name[:80]!r} is connected"
@@ -117,23 +117,23 @@ class Connections:
         return outgoing + self.drop(other, f"{peer.name} closed it")
 
     def disconnected(self, descriptor: int) -> list[Outgoing]:
-        """A control connection ended."""
+        """Drop the peer whose control connection ended."""
         gone = [peer for peer in self._peers if peer.descriptor == descriptor >= 0]
         return [message for peer in gone for message in self.drop(peer, "its connection ended")]
 
     def unreachable(self, identity: bytes) -> list[Outgoing]:
-        """A message could not be delivered."""
+        """Drop a peer that a message could not reach."""
         peer = self._peers.of(identity)
         return self.drop(peer, "it cannot be reached") if peer else []
 
     def expire(self) -> list[Outgoing]:
-        """Drop the peers that are silent."""
+        """Drop silent peers."""
         now = self._clock()
-        silent = [peer for peer in self._peers if now - peer.heard > SILENCE_S]
+        silent = [peer for peer in self._peers if now - peer.last_message > SILENCE_S]
         return [message for peer in silent for message in self.drop(peer, "it is silent")]
 
     def drop(self, peer: Peer, why: str) -> list[Outgoing]:
-        """Forget a peer; peers that wait for it hear so at once."""
+        """Forget a peer; queries that wait for it end at once."""
         _logger.info("%s is gone: %s", peer.name, why)
         self._peers.remove(peer)
         return self._forget(peer) + self._presence.report(Change.DISCONNECTED, peer)
@@ -149,7 +149,7 @@ class Connections:
             client=message.client,
             near=local and message.neighbourhood == this_neighbourhood() != 0,
             publisher=self._peers.new_number(),
-            heard=self._clock(),
+            last_message=self._clock(),
         )
 
     def _refusal(self, name: str, principal: Principal) -> control.Refused | None:
@@ -169,7 +169,7 @@ class Connections:
         return control.Refused(subject=name, error=error, text=text) if text else None
 
     def _over_quota(self, principal: Principal) -> str:
-        """Why no more clients connect with this key now; empty if one more may."""
+        """Why this key has no room for another client; empty: it has."""
         quota = quota_of(principal)
         if quota is None:
             return ""

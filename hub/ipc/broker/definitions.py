@@ -1,4 +1,4 @@
-"""The messages that are defined at central: DEFINE, and what REPORT says of their broadcasts."""
+"""The messages that are defined at central: DEFINE and REPORT."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from hub.ipc.wire.definition_listing import from_listing
 
 MAX_DEFINITIONS = 4096
 MAX_LISTED = 1 << 20
-"""All definitions' texts together [characters]; the list of them must fit into one frame."""
+"""Most characters of all definitions together: their list fits into one frame."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -30,7 +30,7 @@ class Definition:
     Attributes:
         entry: Its definition, and the name of the definer.
         fingerprint: Of its format.
-        traffic: What is known of its broadcasts.
+        traffic: Its broadcasts.
     """
 
     entry: control.Define
@@ -39,7 +39,7 @@ class Definition:
 
 
 class Definitions:
-    """All messages that are defined; none is ever taken back."""
+    """All messages that are defined; a definition lasts as long as central."""
 
     def __init__(self, presence: PresenceReports, faults: FaultCounter) -> None:
         """Start without any.
@@ -70,7 +70,7 @@ class Definitions:
         return known.entry.plane if known else None
 
     def define(self, peer: Peer, message: control.Define) -> list[Outgoing]:
-        """Define a message, or refuse that."""
+        """Define a message, or refuse the definition."""
         new = message.name not in self._known
         refusal = self._define(peer, message)
         if refusal:
@@ -81,7 +81,7 @@ class Definitions:
         return [Outgoing(identity=peer.identity, message=defined), *reports]
 
     def report(self, peer: Peer, message: control.Report, now: float) -> None:
-        """Note what `peer` published and received since its last report.
+        """Add the broadcasts and receptions that `peer` reports.
 
         Args:
             peer: The peer.
@@ -97,7 +97,7 @@ class Definitions:
                 traffic.published(peer.publisher, published, now)
 
     def _define(self, peer: Peer, message: control.Define) -> control.Refused | None:
-        """Define a message; the refusal, or None if it is defined like that now."""
+        """Define a message; the refusal, if any."""
         known = self._known.get(message.name)
         if known is not None:
             text = _difference(peer, known, message)
@@ -118,7 +118,7 @@ class Definitions:
         return None
 
     def _too_many(self, principal: Principal) -> str:
-        """Why nothing new is defined with this key; empty if there is room."""
+        """Why this key has no room for another definition; empty: it has."""
         if len(self._known) >= MAX_DEFINITIONS or self._listed > MAX_LISTED:
             return f"{len(self._known)} messages are defined, no more are taken"
         quota = quota_of(principal)
@@ -128,7 +128,7 @@ class Definitions:
 
 
 def _difference(peer: Peer, known: Definition, message: control.Define) -> str:
-    """Why a message that is defined cannot be defined like this; empty if it is the same."""
+    """How a second definition differs from the first; empty: it does not."""
     entry = known.entry
     if message.format != entry.format:  # the same format may be spelt with other blanks
         try:
@@ -141,7 +141,7 @@ def _difference(peer: Peer, known: Definition, message: control.Define) -> str:
                 f"{peer.name} wants {message.format}"
             )
     if message.plane != entry.plane:
-        # They would never meet: each plane has sockets of its own.
+        # Publisher and subscriber would never meet: each plane has sockets of its own.
         return (
             f"{message.name} travels on plane {entry.plane} as {entry.definer} defined it; "
             f"{peer.name} wants plane {message.plane}"

@@ -1,4 +1,4 @@
-"""Which modules may ask each other directly, and which of them know that from central."""
+"""Direct routes: the modules that may ask each other past central."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from hub.ipc.wire import control
 
 
 class DirectRoutes:
-    """The addresses where handlers take queries directly, and the peers that have them.
+    """The addresses of handlers for direct queries, and the peers that have them.
 
-    Only the single handler of a message is asked directly. Central shares queries among several.
+    Only a message with a single handler has a direct route. Central shares queries among several.
     """
 
     def open(self, handler: Peer, message: control.Handle) -> None:
-        """`handler` can be asked directly."""
+        """Note the direct address of `handler`."""
         if handler.near and is_direct_address(message.address):
             handler.direct_addresses[message.name] = message.address
 
     def offer(self, asker: Peer, handler: Peer, name: str) -> list[Outgoing]:
-        """Send `asker` the handler's address, if both can use it and it does not have it."""
+        """Send `asker` the handler's address, if both can use it and `asker` lacks it."""
         address = handler.direct_addresses.get(name, "")
         known = (asker, name) in handler.direct_askers
         if not address or known or asker is handler or not asker.near:
@@ -31,22 +31,22 @@ class DirectRoutes:
         return [Outgoing(identity=asker.identity, message=route)]
 
     def close(self, handler: Peer, name: str) -> list[Outgoing]:
-        """Queries of this name go to `handler` through central again."""
+        """Withdraw the direct route to `handler`."""
         ended = [(asker, each) for asker, each in handler.direct_askers if each == name]
         handler.direct_askers.difference_update(ended)
         route = control.DirectRoute(name=name, address="")
         return [Outgoing(identity=asker.identity, message=route) for asker, _ in ended]
 
     def close_all(self, handlers: Iterable[Peer], name: str) -> list[Outgoing]:
-        """The message has several handlers now."""
+        """Withdraw the direct routes of a message that has several handlers now."""
         return [each for handler in tuple(handlers) for each in self.close(handler, name)]
 
     def drop(self, peer: Peer, others: Iterable[Peer]) -> list[Outgoing]:
-        """`peer` is gone; peers that asked it directly ask through central.
+        """Forget `peer`, which is gone; its askers go through central.
 
         Args:
             peer: The peer that is gone.
-            others: The peers that are connected; they forget that `peer` asked them.
+            others: The connected peers; they forget `peer` as an asker.
         """
         for other in others:
             if other.direct_askers:

@@ -1,4 +1,4 @@
-"""To which subscribers on this machine each publisher sends directly. No sockets."""
+"""The subscribers on this machine to which each publisher sends directly. No sockets."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class DirectSubscribers:
     def subscribe(
         self, subscriber: Peer, message: control.Subscribe, publishers: Iterable[Peer]
     ) -> list[Outgoing]:
-        """Send the inbox to the publishers; they confirm the subscription."""
+        """Send a subscriber's inbox to the publishers; they confirm the subscription."""
         if not (subscriber.near and is_direct_address(message.inbox)):
             return []
         self._inboxes.setdefault(message.name, {})[subscriber] = message
@@ -42,7 +42,7 @@ class DirectSubscribers:
     def unsubscribe(
         self, subscriber: Peer, name: str, publishers: Iterable[Peer]
     ) -> list[Outgoing]:
-        """The publishers send no more of it to this subscriber."""
+        """Withdraw the inbox from the publishers of a message."""
         inboxes = self._inboxes.get(name, {})
         if inboxes.pop(subscriber, None) is None:
             return []
@@ -52,7 +52,7 @@ class DirectSubscribers:
         return [Outgoing(identity=p.identity, message=over) for p in publishers if p.near]
 
     def drop(self, subscriber: Peer, publishers: Iterator[Peer]) -> list[Outgoing]:
-        """It is gone: every publisher of what it subscribed to hears so once."""
+        """Withdraw the inboxes of a subscriber that is gone, once per publisher."""
         for name in subscriber.subscribes:
             inboxes = self._inboxes.get(name, {})
             if inboxes.pop(subscriber, None) and not inboxes:

@@ -1,10 +1,8 @@
-"""What central and a gateway are to each other. Gateways are in `hub/gateways/`.
+"""The interface between central and a gateway. Gateways are in `hub/gateways/`.
 
-Central knows this interface only. It opens each gateway at its start, serves what the gateway
-polls in its own thread, takes control messages at the gateway's entrances, and closes it at last.
-
-A gateway is free in how it reaches other machines. It brings broadcasts to and from the planes in
-threads of its own; `CentralAccess` says where they are.
+Central opens each gateway at its start. In its own thread it serves the gateway's polled sockets
+and reads control messages at its entrances; at its end it closes the gateway. A gateway forwards
+broadcasts to and from the planes in threads of its own; `CentralAccess` has the addresses.
 """
 
 from __future__ import annotations
@@ -26,17 +24,17 @@ class EntranceGuard(Protocol):
     """Decides about control messages that come from other machines."""
 
     def principal_of(self, frame: zmq.Frame) -> Principal:
-        """The key of the connection on which a frame came.
+        """The key of the connection that a frame came on.
 
         Raises:
-            NotAllowedError: It has none that counts.
+            NotAllowedError: It has no valid key.
         """
 
     def admits(self, principal: Principal, identity: bytes, body: Sequence[zmq.Frame]) -> bool:
         """Whether central serves a control message.
 
         Args:
-            principal: Whose key it came with.
+            principal: Holder of the connection's key.
             identity: Of its connection.
             body: Its parts.
         """
@@ -48,7 +46,7 @@ class ControlEntrance:
 
     Attributes:
         router: The socket (ROUTER).
-        ports: TCP ports of each plane in turn, in and out, for clients that use this entrance.
+        ports: TCP ports of each plane in turn, in and out, for clients of this entrance.
         paths: ipc:// paths of the same.
         guard: Decides about each message; None at the entrance for this machine.
     """
@@ -61,15 +59,15 @@ class ControlEntrance:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CentralAccess:
-    """What a gateway may use of central.
+    """The parts of central that a gateway may use.
 
     Attributes:
         context: Central's. Its second I/O thread is for gateways.
-        planes: The inproc addresses of each plane: where messages go in, and where they come out.
+        planes: The inproc addresses of each plane: in, and out.
         peer_of: The peer of a number in frame headers; any thread may ask.
-        has_connection: Whether the control connection of this descriptor is that of a peer.
-        descriptors_of: The control connections that were made with this key.
-        disconnected: The control connection of this descriptor has ended.
+        has_connection: Whether a peer has the control connection of this descriptor.
+        descriptors_of: The control connections of this key.
+        disconnected: Reports the end of the control connection of this descriptor.
         send: Sends a control message to the connection of this identity.
         faults: Counts what is refused.
         clock: Monotonic time [s].
@@ -87,12 +85,12 @@ class CentralAccess:
 
 
 class Gateway(Protocol):
-    """A way in for others than clients of this machine. Central's thread calls all of it.
+    """An entrance for other machines. Central's thread calls every method.
 
     Attributes:
-        endpoint: Where clients connect, for people.
-        entrances: Where its control messages come in; may be empty.
-        polled: Sockets to be polled for input; then `serve` is called.
+        endpoint: Address for clients, for people.
+        entrances: Its sockets for control messages; may be empty.
+        polled: Sockets that central polls for input; then it calls `serve`.
     """
 
     endpoint: str
@@ -102,14 +100,14 @@ class Gateway(Protocol):
     def serve(self, polled: sockets.Socket) -> None:
         """Read one of the polled sockets, without waiting."""
 
-    def see_ended(self) -> None:
-        """Report all control connections that ended up to now."""
+    def report_ended(self) -> None:
+        """Report all control connections that have ended."""
 
     def check(self) -> None:
-        """Look for what no socket shows, such as floods; called ten times a second or so."""
+        """Detect floods and removed keys; called about ten times a second."""
 
     def close(self) -> None:
-        """Free everything; called when central's thread has ended."""
+        """Free all resources, after the end of central's thread."""
 
 
 GatewayOpener = Callable[[CentralAccess], Gateway]

@@ -1,4 +1,4 @@
-"""LIST and LISTING: what central says of each message and each peer; and its log level."""
+"""LIST and LISTING: the messages and peers of central; and its log level."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from hub.nonblocking_logging import LEVELS
 _logger = logging.getLogger(__name__)
 
 LISTING_S = 0.25
-"""Clients with keys get the same LISTING for this long, unless what it shows has changed [s]."""
+"""Clients with keys get the same LISTING for this long, unless it has changed [s]."""
 MAX_NAMES = 1000
-"""What a listing says of one peer's publications and so on [characters]."""
+"""Most characters for the names of one peer's publications, and so on."""
 
 
 class Listings:
@@ -36,7 +36,7 @@ class Listings:
         clock: Callable[[], float],
         faults: FaultCounter,
     ) -> None:
-        """Begin.
+        """Keep no listing yet.
 
         Args:
             peers: The peers to list.
@@ -83,7 +83,7 @@ class Listings:
 
 
 def set_log_level(peer: Peer, message: control.LogLevel) -> list[Outgoing]:
-    """Set the log level of the hub as `peer` wants it; an unknown level changes nothing."""
+    """Set the log level of the hub; an unknown level changes nothing."""
     if message.level in LEVELS:
         logging.getLogger("hub").setLevel(message.level.upper())
         _logger.info("%s set the log level to %s", peer.name, message.level)
@@ -91,7 +91,7 @@ def set_log_level(peer: Peer, message: control.LogLevel) -> list[Outgoing]:
 
 
 def _definition(entry: control.Define, traffic: Traffic, now: float) -> control.Define:
-    """A message as it was defined, with what is known of its broadcasts."""
+    """A definition with its traffic."""
     messages_per_s, bytes_per_s = traffic.rate(now)
     return replace(
         entry,
@@ -114,7 +114,7 @@ def _peer(known: Peer, now: float) -> control.ListedPeer:
         pid=known.pid,
         publisher=known.publisher,
         role=known.principal.role.value,
-        silent_s=now - known.heard,
+        silent_s=now - known.last_message,
         handles=_listed(known.handles),
         publishes=_listed(known.publishes),
         subscribes=_listed(known.subscribes),
@@ -122,6 +122,6 @@ def _peer(known: Peer, now: float) -> control.ListedPeer:
 
 
 def _listed(names: set[str]) -> str:
-    """Names for a listing, which has to fit into a frame."""
+    """Names for a listing, cut to `MAX_NAMES`."""
     text = " ".join(sorted(names))
     return text if len(text) <= MAX_NAMES else text[:MAX_NAMES].rpartition(" ")[0]

@@ -1,4 +1,4 @@
-"""Which peers use which messages: those that publish them, or subscribe to them, or answer them."""
+"""The peers that publish, subscribe to or answer each message."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MAX_NAMES = 4096
 
 
 class MessageUsers:
-    """The peers that do one thing with messages, in the order in which they began."""
+    """The users of messages in one sense, such as publishers, in the order of their start."""
 
     def __init__(
         self,
@@ -30,8 +30,8 @@ class MessageUsers:
         """Start with no users.
 
         Args:
-            change: What is reported when a peer begins or ends.
-            names_of: The messages that a peer does this with.
+            change: The report at the start and end of a use.
+            names_of: The messages that a peer uses so.
             definitions: The messages that are defined.
             presence: Makes the reports.
             faults: Counts what is refused.
@@ -44,15 +44,15 @@ class MessageUsers:
         self._peers: dict[str, dict[Peer, None]] = {}
 
     def of(self, name: str) -> Iterator[Peer]:
-        """The peers that do it with the message `name`."""
+        """The users of the message `name`."""
         return iter(self._peers.get(name, ()))
 
     def count(self, name: str) -> int:
-        """How many peers do it with the message `name`."""
+        """The number of users of the message `name`."""
         return len(self._peers.get(name, ()))
 
     def refusal(self, peer: Peer, name: str, *, undefined: bool = False) -> str:
-        """Why `peer` may not begin with one more message, counted; empty if it may.
+        """Why `peer` may not use one more message, counted as a fault; empty: it may.
 
         Args:
             peer: The peer.
@@ -71,7 +71,7 @@ class MessageUsers:
         return text
 
     def join(self, peer: Peer, name: str) -> list[Outgoing]:
-        """`peer` begins; the reports, if that is new."""
+        """Add a user; the reports, if it is new."""
         self._names_of(peer).add(name)
         peers = self._peers.setdefault(name, {})
         if peer in peers:
@@ -80,7 +80,7 @@ class MessageUsers:
         return self._presence.report(self._change, peer, name, len(peers))
 
     def leave(self, peer: Peer, name: str) -> list[Outgoing]:
-        """`peer` ends; the reports, if it had begun."""
+        """Remove a user; the reports, if it was one."""
         self._names_of(peer).discard(name)
         peers = self._peers.get(name, {})
         if peer not in peers:
@@ -91,5 +91,5 @@ class MessageUsers:
         return self._presence.report(self._change, peer, name, len(peers))
 
     def leave_all(self, peer: Peer) -> list[Outgoing]:
-        """`peer` ends with all messages."""
+        """Remove `peer` from all messages."""
         return [each for name in sorted(self._names_of(peer)) for each in self.leave(peer, name)]

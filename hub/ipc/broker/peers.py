@@ -16,9 +16,9 @@ class Outgoing:
     """A control message to send.
 
     Attributes:
-        identity: To which connection.
+        identity: Of the connection.
         message: The control message.
-        attached: A message frame that goes with it.
+        attached: The message frame behind it.
     """
 
     identity: bytes
@@ -27,13 +27,13 @@ class Outgoing:
 
 
 class Caller(NamedTuple):
-    """Where a control message came from.
+    """The connection that a control message came on.
 
     Attributes:
         identity: Of the connection.
         descriptor: File descriptor of the connection; -1 if unknown.
-        principal: Whose key it was made with.
-        ports: TCP ports of the planes at the entrance that it used.
+        principal: Holder of the connection's key.
+        ports: TCP ports of the planes, at its entrance.
         paths: ipc:// paths of the same.
     """
 
@@ -53,18 +53,18 @@ class Peer:
         descriptor: File descriptor of that connection; -1 if unknown.
         name: Its unique name.
         pid: Its process id.
-        principal: Whose key it has, and so what it may do.
-        client: Its random number; 0 if it has none.
+        principal: Holder of its key; this decides its rights.
+        client: Its random number; 0: none.
         publisher: Its number in frame headers.
         heard: When its last control message came [s].
         handles: Names of the queries it answers.
         publishes: Names of the messages it publishes.
         subscribes: Names of the messages it subscribes to.
-        watches: Whether it gets a PRESENCE for every change.
-        follows: Names of the modules whose connections it gets a PRESENCE for.
+        watches: Whether it gets PRESENCE for every change.
+        follows: Names of the modules for whose connections it gets PRESENCE.
         near: Whether other peers of central's machine and user reach it directly.
-        direct_addresses: Where it takes queries directly, by message name.
-        direct_askers: The peers that have such an address, and for which message.
+        direct_addresses: Its addresses for direct queries, by message name.
+        direct_askers: The peers that have such an address, with the message.
     """
 
     identity: bytes
@@ -74,7 +74,7 @@ class Peer:
     principal: Principal
     client: int
     publisher: int
-    heard: float
+    last_message: float
     handles: set[str] = field(default_factory=set)
     publishes: set[str] = field(default_factory=set)
     subscribes: set[str] = field(default_factory=set)
@@ -86,7 +86,7 @@ class Peer:
 
 
 class Peers:
-    """All connected peers. Any thread may ask for `names` and `numbered`."""
+    """All connected peers. Any thread may call `names` and `numbered`."""
 
     def __init__(self) -> None:
         self._by_identity: dict[bytes, Peer] = {}
@@ -116,18 +116,18 @@ class Peers:
         return tuple(self._by_name)
 
     def new_number(self) -> int:
-        """A number that no peer has and nobody can guess."""
+        """A random number that no peer has."""
         while (number := secrets.randbits(32)) == 0 or number in self._by_number:
             pass
         return number
 
     def add(self, peer: Peer) -> None:
-        """`peer` is connected now."""
+        """Add a connected peer."""
         self._by_identity[peer.identity] = self._by_name[peer.name] = peer
         self._by_number[peer.publisher] = peer
 
     def remove(self, peer: Peer) -> None:
-        """`peer` is connected no longer."""
+        """Remove a peer."""
         self._by_identity.pop(peer.identity, None)
         self._by_number.pop(peer.publisher, None)
         if self._by_name.get(peer.name) is peer:

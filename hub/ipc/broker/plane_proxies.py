@@ -1,6 +1,6 @@
 """The planes of central: two sockets each, and ZeroMQ's proxy between them in a thread.
 
-The proxy also copies each broadcast to `copies`, where central looks at some of them.
+The proxy also copies each broadcast to `copies`; central checks some of them.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import frames
 
 _COPIES = {Plane.STATE: 400, Plane.COMMAND: 400, Plane.PICTURE: 8}
-"""Broadcasts that wait to be looked at, at most; each holds its memory until then."""
+"""Most broadcasts that wait for their check; each holds its memory until then."""
 
 
-_LOOKING_S, _LOOKING_CLOSER_S = 1e-3, 20e-3
-"""How long broadcasts are looked at each time: while all is well, after something wrong [s]."""
+_CHECK_S, _FAULT_CHECK_S = 1e-3, 20e-3
+"""Longest check of broadcasts: while all are right, and after a wrong one [s]."""
 
 
 def inner_addresses(plane: Plane) -> tuple[str, str]:
-    """Where gateways find the sockets of a plane: in, out."""
+    """The inproc addresses of a plane for gateways: in, out."""
     return f"inproc://{plane.value}-in", f"inproc://{plane.value}-out"
 
 
@@ -78,15 +78,15 @@ class PlaneProxies:
             thread.start()
 
     def check(self, is_right: Callable[[frames.Frame], bool]) -> None:
-        """Look at broadcasts that have passed, and count what is wrong with them.
+        """Check broadcasts that have passed, and count faults.
 
-        Looking at each one as it passes would wake central's thread, and take the processor from
-        the receiver of the message. Under a flood, some are not looked at.
+        A check at once would wake central's thread, and take the processor from the receiver of the
+        message. Under a flood, some broadcasts remain unchecked.
 
         Args:
-            is_right: Counts what is wrong with a broadcast; whether nothing is.
+            is_right: Counts the faults of a broadcast; whether it has none.
         """
-        began, longest = self._clock(), _LOOKING_S
+        began, longest = self._clock(), _CHECK_S
         while self._clock() - began < longest:
             try:
                 raw = self.copies.recv(zmq.NOBLOCK)
@@ -100,10 +100,10 @@ class PlaneProxies:
                 self._faults.count("malformed frame", str(error))
                 right = False
             if not right:
-                longest = _LOOKING_CLOSER_S
+                longest = _FAULT_CHECK_S
 
     def stop(self) -> None:
-        """Forward no more; the threads end soon."""
+        """Stop forwarding; the threads end soon."""
         for steering in self._steering:
             steering.send(b"TERMINATE", zmq.NOBLOCK)
 

@@ -1,6 +1,6 @@
-"""PRESENCE: central reports to peers what other peers do.
+"""PRESENCE: central's reports to peers about other peers.
 
-A peer watches everything, or follows the connections of some modules.
+A peer watches all changes, or follows the connections of some modules.
 """
 
 from __future__ import annotations
@@ -10,16 +10,16 @@ from hub.ipc.wire import control
 from hub.ipc.wire.control import Change
 
 MAX_FOLLOWED = 16
-"""Modules that one peer follows."""
+"""Most modules that one peer follows."""
 _CONNECTIONS = (Change.CONNECTED, Change.DISCONNECTED)
 _LISTED = (*_CONNECTIONS, Change.DEFINED)
 
 
 class PresenceReports:
-    """Makes the reports of one central.
+    """The reports of one central.
 
     Attributes:
-        listed_changes: How many changes a listing shows at once, of all that were reported.
+        listed_changes: Number of reported changes that a listing shows at once.
     """
 
     def __init__(self, peers: Peers) -> None:
@@ -30,13 +30,13 @@ class PresenceReports:
     def report(
         self, change: Change, peer: Peer, message: str = "", count: int = 0
     ) -> list[Outgoing]:
-        """Report what `peer` did.
+        """Report a change to the peers that watch or follow.
 
         Args:
-            change: What it did.
-            peer: The peer.
-            message: With which message, by name.
-            count: How many peers do the same with that message now.
+            change: Its kind.
+            peer: The peer that changed.
+            message: Name of the message.
+            count: Number of peers with the same use of that message now.
         """
         self.listed_changes += change in _LISTED
         presence = _presence(change, peer, message, count)

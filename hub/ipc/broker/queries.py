@@ -16,7 +16,7 @@ from hub.ipc.wire import control, frames
 
 
 class Queries:
-    """Sends queries to their handlers, and answers back."""
+    """Routes queries to their handlers, and answers back."""
 
     def __init__(
         self,
@@ -32,9 +32,9 @@ class Queries:
         Args:
             peers: All that are connected.
             handlers: The peers that answer the queries of each message.
-            publishers: The peers that publish each message, and so have its last value.
+            publishers: The peers that publish each message; they have its last value.
             clock: Monotonic time [s].
-            faults: Counts what is refused, and late answers.
+            faults: Counts refusals and late answers.
         """
         self._peers = peers
         self._handlers = handlers
@@ -45,7 +45,7 @@ class Queries:
         self._direct_routes = DirectRoutes()
 
     def handle(self, peer: Peer, message: control.Handle) -> list[Outgoing]:
-        """`peer` answers the queries of a message, or does so no longer."""
+        """Add or remove `peer` as a handler of a message."""
         name = message.name
         if not message.on:
             return self._direct_routes.close(peer, name) + self._handlers.leave(peer, name)
@@ -57,7 +57,7 @@ class Queries:
         return outgoing
 
     def ask(self, peer: Peer, message: Asked, attached: Buffer | None) -> list[Outgoing]:
-        """`peer` asks a query, or for the last value of a message."""
+        """Route a query of `peer`, or its request for the last value of a message."""
         if attached is None and isinstance(message, control.Query):
             text = f"the query of {message.name[:80]} came without its message"
             failure = control.Failure(number=message.number, error="NoHandlerError", text=text)
@@ -74,15 +74,15 @@ class Queries:
         return outgoing
 
     def answer(self, peer: Peer, message: Answer, attached: Buffer | None) -> list[Outgoing]:
-        """`peer` answers."""
+        """Route an answer of `peer`."""
         return self._routing.answer(peer, message, attached)
 
     def expire(self) -> None:
-        """Forget the queries whose time has run out."""
+        """Forget the queries that timed out."""
         self._routing.expire(self._clock())
 
     def drop(self, peer: Peer) -> list[Outgoing]:
-        """`peer` is gone; it publishes nothing any more."""
+        """Forget `peer`, which is gone and publishes nothing."""
         outgoing = self._direct_routes.drop(peer, self._peers)
         outgoing += self._handlers.leave_all(peer)
         return outgoing + self._routing.drop(peer, self._clock())
@@ -93,7 +93,7 @@ class Queries:
 
 
 def _is_forged(peer: Peer, attached: Buffer) -> bool:
-    """Whether a message has another number in its header than its sender has."""
+    """Whether the number in a message's header is not its sender's."""
     try:
         return frames.unpack(attached).publisher != peer.publisher
     except FrameError:

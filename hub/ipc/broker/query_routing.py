@@ -1,4 +1,4 @@
-"""Queries under way through central: their handlers, their successors, and how each one ends."""
+"""Queries under way through central: their handlers, their successors, and their ends."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _logger = logging.getLogger(__name__)
 MAX_QUERIES = 4096
 MAX_QUERY_S = 60.0
 _MAX_KEPT = 16 << 10
-"""A longer query is not kept, so no other handler can take it over [bytes]."""
+"""Longest query that another handler can take over; central keeps no longer one [bytes]."""
 
 Asked = control.Query | control.Last
 Answer = control.Response | control.Failure
@@ -33,7 +33,7 @@ class _Route:
         number: The asker's number of the query.
         handler: The peer that answers.
         query: The query, under central's number.
-        attached: The query's message; None if it has none or is too long to be asked again.
+        attached: The query's message; None: it has none, or is too long to ask again.
         deadline: When the asker stops waiting [s].
     """
 
@@ -52,8 +52,8 @@ class QueryRouting:
         """Start with none.
 
         Args:
-            candidates: The peers that could answer, the first that began comes first.
-            faults: Where late answers are counted.
+            candidates: The peers that could answer, in the order of their start.
+            faults: Counts late answers.
         """
         self._candidates = candidates
         self._faults = faults
@@ -66,8 +66,8 @@ class QueryRouting:
     def ask(self, asker: Peer, query: Asked, attached: Buffer | None, now: float) -> list[Outgoing]:
         """Send a query to the handler with the fewest under way.
 
-        Queries that timed out stay in the handler's load until it answers in time again. No other
-        handler gets them meanwhile: the slow one works on them, and the work would be done twice.
+        A query that timed out stays in the handler's load until it answers in time again. No other
+        handler gets it meanwhile: two would work on it.
         """
         if len(self._routes) >= MAX_QUERIES:
             text = f"{MAX_QUERIES} queries are under way, {query.name[:80]} is one too many"
@@ -94,7 +94,7 @@ class QueryRouting:
         return [self._send(route, attached)]
 
     def answer(self, handler: Peer, answer: Answer, attached: Buffer | None) -> list[Outgoing]:
-        """Send an answer on to the asker."""
+        """Forward an answer to the asker."""
         route = self._routes.get(answer.number)
         if route is None or route.handler is not handler:
             self._late.get(handler, set()).discard(answer.number)
@@ -106,7 +106,7 @@ class QueryRouting:
         return [Outgoing(identity=route.asker.identity, message=handed_on, attached=attached)]
 
     def expire(self, now: float) -> None:
-        """Forget the queries whose time has run out; the askers keep their own time."""
+        """Forget the queries that timed out; the askers keep their own time."""
         for route in [route for route in self._routes.values() if route.deadline < now]:
             self._end(route)
             detail = f"{route.handler.name} let {route.query.name} run out"
@@ -116,7 +116,7 @@ class QueryRouting:
                 late.add(route.query.number)
 
     def drop(self, peer: Peer, now: float) -> list[Outgoing]:
-        """`peer` is gone: another handler takes over its queries, or the askers hear so at once."""
+        """Hand the queries of a peer that is gone to another handler, or fail them at once."""
         outgoing = []
         for route in list(self._routes.values()):
             if route.asker is peer:

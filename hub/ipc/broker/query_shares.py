@@ -11,7 +11,7 @@ from hub.ipc.roles import Principal, Role
 
 
 class QueryShares:
-    """Counts queries under way that came with keys; those of this machine have no share."""
+    """Counts queries under way that came with keys; clients of this machine have no limit."""
 
     def __init__(self) -> None:
         self._of_key: Counter[Principal] = Counter()
@@ -19,7 +19,7 @@ class QueryShares:
         self._rates: dict[tuple[Peer, Role], Bucket] = {}
 
     def refusal(self, asker: Peer, handler: Peer, now: float) -> str:
-        """Why `asker` may not ask `handler` now; empty if it may, and then that counts."""
+        """Why `asker` may not ask `handler` now; empty: it may, and the query counts."""
         principal, quota = asker.principal, quota_of(asker.principal)
         if quota is None:
             return ""
@@ -41,15 +41,15 @@ class QueryShares:
         return ""
 
     def begin(self, asker: Peer, handler: Peer) -> None:
-        """A query is under way."""
+        """Count a query."""
         self._count(asker, handler, 1)
 
     def end(self, asker: Peer, handler: Peer) -> None:
-        """It is no longer."""
+        """Count the end of a query."""
         self._count(asker, handler, -1)
 
     def drop(self, handler: Peer) -> None:
-        """A handler is gone, and no query is under way at it."""
+        """Forget a handler that is gone."""
         for role in QUOTAS:
             self._rates.pop((handler, role), None)
 

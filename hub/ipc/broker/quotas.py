@@ -1,7 +1,6 @@
 """How much of central each role may use; pure.
 
-All connections with one key share its quota. Clients of this machine have no key and no quota: they
-run the robot.
+All connections with one key share its quota. Clients of this machine have no key and no quota.
 """
 
 from __future__ import annotations
@@ -15,13 +14,13 @@ from hub.ipc.roles import LOCAL, Principal, Role
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quota:
-    """What a role may use. Where a limit is "together", it counts the roles below as well.
+    """The limits of a role. A limit that is "together" counts the roles below as well.
 
     Attributes:
         connections: Connected clients of one key.
         connections_together: Connected clients with keys of this role.
-        definitions: New messages that the clients of one key define.
-        names: Messages that one client publishes, subscribes to or answers, each.
+        definitions: New messages that the clients of one key may define.
+        names: Messages that one client may publish; the same for subscriptions and answers.
         queries: Queries under way of one key.
         queries_together: Queries under way of this role.
         at_one_handler: Queries under way of this role at one handler.
@@ -30,7 +29,7 @@ class Quota:
         requests_at_once: The same, in one burst after a rest.
         bytes_per_s: Bytes of control messages of one key [B/s].
         bytes_at_once: The same, in one burst after a rest [B].
-        commands_per_s: Commands of one key that are broadcast, stops not among them [1/s].
+        commands_per_s: Broadcast commands of one key, without stops [1/s].
         handshakes_per_s: New connections of one key to one place [1/s].
         handshakes_at_once: The same, in one burst after a rest.
     """
@@ -113,5 +112,5 @@ def quota_of(principal: Principal) -> Quota | None:
 
 
 def counts_with(principal: Principal, role: Role) -> bool:
-    """Whether what `principal` uses counts for `role` where a limit is "together"."""
+    """Whether `principal` counts for `role` where a limit is "together"."""
     return principal is not LOCAL and role.includes(principal.role)

@@ -1,7 +1,7 @@
-"""Hands each control message to the part of central that decides about it. No sockets.
+"""Hands each control message to the part of central that handles it. No sockets.
 
-Each call says what happened and returns the control messages to send. A new control message takes
-a line in one of the two tables of `Registry`.
+Each call takes an event and returns the control messages to send. A new control message is a row
+in one of the two tables of `Registry`.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _FrameAction = Callable[[Peer, Any, Buffer | None], list[Outgoing]]
 
 
 class Registry:
-    """What one central knows and decides."""
+    """The state and the decisions of one central."""
 
     def __init__(
         self,
@@ -44,7 +44,7 @@ class Registry:
         Args:
             clock: Monotonic time [s].
             faults: Counts what is refused.
-            reserved: Names of this robot's modules, beside those that every robot may have.
+            reserved: Names of this robot's modules, beside `ROBOT_NAMES`.
         """
         self._clock = clock
         self._faults = faults
@@ -98,13 +98,13 @@ class Registry:
         return self._peers.numbered(publisher)
 
     def handle(self, caller: Caller, message: Any, attached: Buffer | None) -> list[Outgoing]:
-        """A control message came."""
+        """Handle a control message."""
         if isinstance(message, control.Hello):
             return self._connections.hello(caller, message)
         peer = self._peers.of(caller.identity)
         if peer is None:
             return [Outgoing(identity=caller.identity, message=control.UnknownPeer())]
-        peer.heard = self._clock()
+        peer.last_message = self._clock()
         kind = type(message)
         action, frame_action = self._actions.get(kind), self._frame_actions.get(kind)
         if action is None and frame_action is None:
@@ -121,7 +121,7 @@ class Registry:
         return action(peer, message) if action is not None else []
 
     def broadcast(self, frame: frames.Frame) -> bool:
-        """A broadcast passed; whether nothing was wrong with it."""
+        """Check a broadcast, and count its faults; whether it has none."""
         definition = self._definitions.get(frame.name)
         if definition is None:
             self._faults.count("undefined message", f"{frame.name} is not defined")
@@ -132,23 +132,23 @@ class Registry:
         return False
 
     def descriptors_of(self, principal: Principal) -> list[int]:
-        """The control connections that were made with this key."""
+        """The control connections of this key."""
         return [peer.descriptor for peer in self._peers if peer.principal == principal]
 
     def has_connection(self, descriptor: int) -> bool:
-        """Whether a control connection is that of a peer."""
+        """Whether a peer has this control connection."""
         return any(peer.descriptor == descriptor for peer in self._peers)
 
     def disconnected(self, descriptor: int) -> list[Outgoing]:
-        """A control connection ended."""
+        """Drop the peer whose control connection ended."""
         return self._connections.disconnected(descriptor)
 
     def unreachable(self, identity: bytes) -> list[Outgoing]:
-        """A message could not be delivered."""
+        """Drop a peer that a message could not reach."""
         return self._connections.unreachable(identity)
 
     def expire(self) -> list[Outgoing]:
-        """Drop silent peers and forget old queries; to be called ten times a second or so."""
+        """Drop silent peers and forget old queries; call it about ten times a second."""
         outgoing = self._connections.expire()
         self._queries.expire()
         return outgoing
@@ -158,6 +158,6 @@ class Registry:
         return []
 
     def _forget(self, peer: Peer) -> list[Outgoing]:
-        """End all that a peer did that is gone."""
-        # First the publishers: those that are gone have no last value any more.
+        """End all uses of a peer that is gone."""
+        # First the publishers: one that is gone has no last value.
         return self._broadcasts.drop(peer) + self._queries.drop(peer)

@@ -1,4 +1,4 @@
-"""Subscriptions on their way to the publishers: each stands when all publishers have seen it."""
+"""Subscriptions on their way: each is complete when all publishers have seen it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from hub.ipc.wire import control
 
 _MAX_UNDER_WAY = 16_384
 _MAX_FAR = _MAX_UNDER_WAY // 2
-"""Of clients with keys, so that they keep no module of the robot waiting."""
+"""Most of clients with keys, so that no module of the robot waits for them."""
 _MAX_EARLY = 4096
 
 
@@ -36,7 +36,7 @@ class SubscriptionAcks:
         self._early: OrderedDict[str, set[Peer]] = OrderedDict()
 
     def begin(self, subscriber: Peer, token: str, publishers: Iterable[Peer]) -> list[Outgoing]:
-        """`subscriber` waits until it and all `publishers` have seen `token`."""
+        """Wait until `subscriber` and all `publishers` have seen `token`."""
         far = subscriber.principal is not LOCAL
         full = len(self._under_way) >= _MAX_UNDER_WAY or (far and self._far >= _MAX_FAR)
         if full or (far and not token.startswith(f"{subscriber.publisher}.")):
@@ -48,7 +48,7 @@ class SubscriptionAcks:
         return self._conclude(token)
 
     def seen(self, peer: Peer, token: str) -> list[Outgoing]:
-        """`peer` has seen `token`."""
+        """Note that `peer` has seen `token`."""
         under_way = self._under_way.get(token)
         if under_way is None:  # the mark was faster than the control message
             self._early.setdefault(token, set()).add(peer)
@@ -59,7 +59,7 @@ class SubscriptionAcks:
         return self._conclude(token)
 
     def drop(self, peer: Peer) -> list[Outgoing]:
-        """`peer` is gone."""
+        """Forget `peer`, which is gone."""
         for token in [t for t, each in self._under_way.items() if each.subscriber is peer]:
             self._end(token)
         for early in self._early.values():

@@ -1,9 +1,9 @@
-"""Floods of subscriptions: a connection that makes one is ended.
+"""Floods of subscriptions: central ends a connection that makes one.
 
-ZeroMQ (4.3.5) takes any number of subscriptions from a connection, hands each on to all publishers,
-and takes all of them back at once when the connection ends. It says how many there are, but not
-of which connection. But central takes them in slowly (see `sockets`), so a flood waits in front of
-it, and the system knows how much waits of each connection.
+ZeroMQ (4.3.5) accepts any number of subscriptions from a connection, forwards each to all
+publishers, and withdraws all of them when the connection ends. It counts them in total, but not per
+connection. Central reads them slowly (see `sockets`), so a flood waits in front of it, and the
+system knows the waiting bytes of each connection.
 """
 
 from __future__ import annotations
@@ -23,33 +23,33 @@ from hub.ipc.transport import sockets
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.file_descriptors import hang_up, received
 
-_SUSPICIOUS = 200
-"""When there are this many more subscriptions than at the last look, connections are examined."""
-MOST = 3 * 4096
-"""What one connection may add in one go: its 4096 messages, a mark for each, and some more."""
-_LOOK_CLOSELY_S = 1.0
+_EXAMINE_FROM = 200
+"""Examine connections from this many new subscriptions since the last check."""
+MAX_AT_ONCE = 3 * 4096
+"""Most subscriptions that one connection may add at once: 4096 messages, their marks, and more."""
+_RATE_CHECK_S = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bounds:
-    """What subscribers with keys may do.
+    """Limits for subscribers with keys.
 
     Attributes:
-        topics: Different topics that all of them together subscribe to.
-        bytes_per_s: What one connection may send, which is nothing but subscriptions [B/s].
+        topics: Different topics of all of them together.
+        bytes_per_s: Bytes of one connection, which sends only subscriptions [B/s].
         bytes_at_once: The same, in one burst after a rest [B].
-        modest: An address that has sent no more than this is not ended for too many topics [B].
+        harmless: An address below this is never ended for too many topics [B].
     """
 
     topics: int = 1024
     bytes_per_s: float = 1024.0
     bytes_at_once: float = float(192 << 10)
-    modest: int = 96 << 10
+    harmless: int = 96 << 10
 
 
 @dataclass(slots=True)
 class _Sender:
-    """What one connection has sent: from where, bytes in all, and what it may send now."""
+    """One connection: its address, its bytes so far, and its remaining allowance."""
 
     address: str
     allowance: Bucket
@@ -57,7 +57,7 @@ class _Sender:
 
 
 class FloodWatch:
-    """Watches the connections of one socket that subscribers connect to."""
+    """Watches the subscribers' connections to one socket."""
 
     def __init__(
         self,
@@ -66,14 +66,14 @@ class FloodWatch:
         faults: FaultCounter,
         bounds: Bounds | None = None,
     ) -> None:
-        """Watch from now on.
+        """Start to watch.
 
         Args:
-            outward: The socket (XPUB); only the number of its subscriptions is read, which ZeroMQ
-                lets any thread do. It has to be open as long as `look` is called.
-            where: What it is called in the log.
-            faults: Where floods are counted.
-            bounds: What a connection may do in the long run; None for no such limit.
+            outward: The socket (XPUB), open while `check` is called. Only the number of its
+                subscriptions is read, which ZeroMQ allows to any thread.
+            where: Its name in the log.
+            faults: Counts floods.
+            bounds: Limits in the long run; None: no such limit.
         """
         self._outward = outward
         self._where = where
@@ -82,32 +82,32 @@ class FloodWatch:
         self._added: dict[int, float] = {}
         self._bounds = bounds
         self._senders: dict[int, _Sender] = {}
-        self._next_look = -math.inf
+        self._next_rate_check = -math.inf
 
     def connected(self, descriptor: int, address: str = "") -> None:
-        """A connection has come from this address."""
+        """Watch a new connection from this address."""
         self._added[descriptor] = 0.0
         if self._bounds is not None:
             allowance = Bucket(self._bounds.bytes_per_s, self._bounds.bytes_at_once)
             self._senders[descriptor] = _Sender(address, allowance)
 
     def disconnected(self, descriptor: int) -> None:
-        """A connection has ended."""
+        """Forget a connection that ended."""
         self._added.pop(descriptor, None)
         self._senders.pop(descriptor, None)
 
-    def look(self, now: float) -> None:
-        """See what was added; to be called ten times a second or so.
+    def check(self, now: float) -> None:
+        """End connections that add too many subscriptions; call it about ten times a second.
 
         Args:
             now: The time [s].
         """
-        if self._bounds is not None and now >= self._next_look:
-            self._next_look = now + _LOOK_CLOSELY_S
-            self._look_closely(self._bounds, now)
+        if self._bounds is not None and now >= self._next_rate_check:
+            self._next_rate_check = now + _RATE_CHECK_S
+            self._check_rates(self._bounds, now)
         known = int(self._outward.getsockopt(zmq.TOPICS_COUNT))
         new, self._known = known - self._known, known
-        if new < _SUSPICIOUS:
+        if new < _EXAMINE_FROM:
             if any(self._added.values()):
                 self._added = dict.fromkeys(self._added, 0.0)
             return
@@ -117,10 +117,10 @@ class FloodWatch:
             for descriptor, added in self._added.items()
         }
         for descriptor in waiting:
-            if self._added[descriptor] > MOST:
-                self._end(descriptor, f"after about {MOST} in one go")
+            if self._added[descriptor] > MAX_AT_ONCE:
+                self._end(descriptor, f"after about {MAX_AT_ONCE} in one go")
 
-    def _look_closely(self, bounds: Bounds, now: float) -> None:
+    def _check_rates(self, bounds: Bounds, now: float) -> None:
         """End connections that send too much; with too many topics, one of the busiest address."""
         for descriptor, sender in list(self._senders.items()):
             sent = received(descriptor)
@@ -133,7 +133,7 @@ class FloodWatch:
         for sender in self._senders.values():
             sent_from[sender.address] += sender.sent
         for address, sent in sent_from.most_common(1):
-            if sent > bounds.modest:
+            if sent > bounds.harmless:
                 most = max(
                     (each for each in self._senders if self._senders[each].address == address),
                     key=lambda each: self._senders[each].sent,
@@ -150,6 +150,6 @@ class FloodWatch:
 def _unread(descriptor: int) -> int:
     """Bytes that have come in on a connection and wait to be read."""
     count = array.array("i", [0])
-    with contextlib.suppress(OSError):  # it has gone by itself
+    with contextlib.suppress(OSError):  # it has ended by itself
         fcntl.ioctl(descriptor, termios.FIONREAD, count)
     return count[0]

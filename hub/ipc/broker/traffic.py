@@ -1,4 +1,4 @@
-"""What central knows of each message's broadcasts: what was published, and what was missed."""
+"""The broadcasts of each message, as publishers and subscribers report them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _MAX_JUMP = 1 << 24
 _MAX_BYTES = 1 << 40
 _RECENT_REPORTS = 16
 _LATELY_S = 3.0
-"""A report counts for this long; a publisher reports every second while it publishes [s]."""
+"""Time for which a report counts; a publisher reports every second while it publishes [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,14 +25,14 @@ class _Rate:
 
 @dataclass(slots=True)
 class Traffic:
-    """The broadcasts of one message, as publishers and subscribers report them.
+    """The broadcasts of one message.
 
     Attributes:
-        messages: How many.
+        messages: Number of them.
         bytes: Of their payloads.
-        lost: How many subscribers missed, by the sequence numbers.
-        expired: How many subscribers dropped because they were too old.
-        refused: How many subscribers refused because a value was out of its range.
+        lost: Missed by subscribers, by the sequence numbers.
+        expired: Dropped by subscribers as too old.
+        refused: Refused by subscribers because of a value out of its range.
     """
 
     messages: int = 0
@@ -45,7 +45,7 @@ class Traffic:
     _oldest: deque[float] = field(default_factory=lambda: deque(maxlen=_RECENT_REPORTS))
 
     def published(self, publisher: int, entry: control.Published, now: float) -> None:
-        """A publisher reports its broadcasts; impossible numbers are left out."""
+        """Add a publisher's report, without impossible numbers."""
         if entry.messages > _MAX_JUMP or entry.bytes > _MAX_BYTES:
             return
         if not (0.0 < entry.over_s < math.inf and 0.0 <= entry.silent_s < math.inf):
@@ -60,7 +60,7 @@ class Traffic:
         )
 
     def received(self, entry: control.Received) -> None:
-        """A subscriber reports what it received; impossible numbers are left out."""
+        """Add a subscriber's report, without impossible numbers."""
         most = max(entry.lost, entry.expired, entry.refused)
         if most > _MAX_JUMP or not 0.0 <= entry.oldest_s < math.inf:
             return

@@ -2,7 +2,7 @@
 
 For each format a pair of functions is generated once, as Python source: neighbouring numbers
 become one `struct` call, numeric arrays are views. A payload is the 4-byte encapsulation header
-00 01 00 00 and the members, each primitive aligned to its own size, counted from behind that
+00 01 00 00 and the members. Each primitive is aligned to its own size, counted from behind that
 header. Payloads in big-endian order (00 00 00 00) are read too; their arrays are copies.
 
 | format | value | on the wire |
@@ -53,9 +53,8 @@ class Codec:
         text: The format in its canonical spelling.
         fingerprint: 64-bit identity of the format: equal formats have equal fingerprints.
         fixed_length: Whether every payload has the same length.
-        flat_letters: If the format is flat (nothing but numbers and structs of numbers, no array,
-            boolean, enum or string), the letters for one little-endian `struct` of the whole body
-            behind the encapsulation, "x" for padding; else None.
+        flat_letters: Letters of one little-endian `struct` for the whole body of a flat format,
+        with "x" for padding. Flat: only numbers and structs of numbers. None: it is not flat.
     """
 
     def __init__(self, tree: formats.Format) -> None:
@@ -66,7 +65,7 @@ class Codec:
         self.fingerprint = int.from_bytes(digest, "little")
         self.tree = tree
 
-    # Generated when they are first used: no program uses all formats that it knows.
+    # Generated at first use: no program uses all its formats.
 
     @functools.cached_property
     def _encode(self) -> Callable[[Any], list[Buffer]]:

@@ -1,6 +1,6 @@
-"""What generating the writer and the reader of one format's payloads has in common.
+"""Common parts of the generators of a format's encoder and decoder.
 
-`codec` says what the payloads look like; a generator turns a Format tree into Python source.
+`codec` describes the payloads; a generator turns a Format tree into Python source.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ Order = Literal["<", ">"]
 """Little-endian or big-endian, as `struct` spells it."""
 
 ENCAPSULATION: Mapping[Order, bytes] = {"<": b"\x00\x01\x00\x00", ">": b"\x00\x00\x00\x00"}
-"""What a payload starts with in each order of bytes."""
+"""The first bytes of a payload, by byte order."""
 
 LETTERS = {
     "byte": "b",
@@ -51,12 +51,11 @@ def packed(letter: str) -> Packed:
 
 
 class Generator(abc.ABC):
-    """What writer and reader generation share: lines, constants, and the position as far as known.
+    """Lines, constants, and the position as far as it is constant.
 
-    `self.offset` is the position behind the encapsulation header while it is the same for all
-    values; from the first part of variable length on it is None and the generated code keeps it in
-    the local variable `at`. `self.run` are numbers that wait for one struct call, and
-    `self.afterwards` the lines that follow it.
+    `self.offset` is the position behind the encapsulation header. After the first part of variable
+    length it is None, and the generated code keeps the position in the local variable `at`.
+    `self.run` holds numbers for one struct call, and `self.afterwards` the lines behind that call.
     """
 
     arguments = ""
@@ -82,7 +81,7 @@ class Generator(abc.ABC):
 
     @abc.abstractmethod
     def body(self) -> None:
-        """Generate the whole of it."""
+        """Generate all lines."""
 
     def emit(self, line: str) -> None:
         """Add one line."""
@@ -90,31 +89,31 @@ class Generator(abc.ABC):
 
     @contextlib.contextmanager
     def block(self, head: str) -> Iterator[None]:
-        """Lines that belong under a `for` or an `if`."""
+        """Indent the lines under a `for` or an `if`."""
         self.emit(head)
         self.indent += 1
         yield
         self.indent -= 1
 
     def fresh(self, stem: str) -> str:
-        """A name that is not in use."""
+        """An unused name."""
         self.counter += 1
         return f"{stem}{self.counter}"
 
     def constant(self, stem: str, value: Any) -> str:
-        """The name under which the function knows a value."""
+        """The function's name for a value."""
         name = self.fresh(stem)
         self.names[name] = value
         return name
 
     def go_dynamic(self) -> None:
-        """From here on the position is only known at run time."""
+        """Keep the position at run time from here on."""
         if self.offset is not None:
             self.emit(f"at = {self.offset}")
             self.offset = None
 
     def run_struct(self) -> str:
-        """A constant with the struct of the pending run: one, or one per position modulo 8."""
+        """A constant with the struct of the pending run, or with one per position modulo 8."""
         run = [each for each, _ in self.run]
         if self.offset is not None:
             compact = struct.Struct(self.order + _padded(run, self.offset))
@@ -125,7 +124,7 @@ class Generator(abc.ABC):
 
 
 def flat_letters(tree: formats.Format) -> str | None:
-    """The padded letters of a whole body of nothing but numbers and structs of them, else None."""
+    """The padded letters of a body of numbers and structs of numbers; None for any other body."""
     letters = _number_letters(tree)
     return None if letters is None else _padded([packed(letter) for letter in letters], 0)
 
@@ -145,7 +144,7 @@ def _number_letters(node: formats.Format) -> list[str] | None:
 
 
 def _padded(run: Sequence[Packed], start: int) -> str:
-    """The letters of these numbers when the first byte free for them has position `start`."""
+    """The letters of these numbers, with padding, from position `start`."""
     text, at = "", start
     for letters, alignment in run:
         gap = -at % alignment

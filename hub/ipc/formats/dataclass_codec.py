@@ -1,8 +1,8 @@
-"""How a dataclass and the plain values that a codec knows turn into each other.
+"""Conversion between a dataclass and the plain values of a codec.
 
-A mapping with the names of the fields is as good as the dataclass, at any depth. The functions are
-generated once for each message, because that is the fastest, and when they are first used, because
-no program uses all messages that it knows.
+A mapping with the names of the fields may replace the dataclass, at any depth. The functions are
+generated once for each message, because that is the fastest. That happens at first use, because no
+program uses all its messages.
 """
 
 from __future__ import annotations
@@ -23,24 +23,24 @@ from hub.ipc.formats import ranges, wire_types
 from hub.ipc.formats.ranges import Note
 
 FAULTS = (TypeError, ValueError, IndexError, KeyError, AttributeError)
-"""What a value of the wrong kind may raise on its way."""
+"""Exceptions that a value of the wrong kind may raise."""
 
 _Converter = Callable[[Any], Any]
 _Reader = Callable[[Any, Note | None], Any]
-"""From what a codec knows to a field's value; without a Note nothing is checked."""
+"""From a codec's value to a field's value; without a Note nothing is checked."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Member:
-    """One field of a dataclass and the member of a struct that it stands for.
+    """One field of a dataclass and its member of a struct.
 
     Attributes:
         name: The field.
-        record: The record of the struct that the member is, or is made of.
-        inline: Whether it is that struct itself, no array of it, pointer to it or list.
-        outward: What turns the field's value into the member's, if anything has to.
-        inward: The way back.
-        checks: What is checked of the value that a codec knows.
+        record: The record of the member's struct, or of its elements' struct.
+        inline: Whether it is that struct itself, not an array, a pointer or a list.
+        outward: Converts the field's value to the member's; None: they are equal.
+        inward: Converts back.
+        checks: Checks of the codec's value.
         shown: Its inner names, for people: "[]" for each array, "*" for each pointer around them.
         counts: The field whose elements the member counts; empty: it is a field itself.
     """
@@ -57,13 +57,13 @@ class Member:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DataclassCodec:
-    """How one dataclass and the values of one struct turn into each other.
+    """Conversion between one dataclass and the values of one struct.
 
     Attributes:
         kind: The dataclass.
-        members: Those of the struct, in order: the fields, and the numbers of counted arrays.
-        adapt: From anything else that has those fields, such as a mapping, to an object of them.
-        next_place: Which member of a linked list's node is the next node; None: it is no list.
+        members: The struct's members in order: the fields, and the numbers of counted arrays.
+        adapt: From anything else with those fields, such as a mapping, to an object with them.
+        next_place: Index of the next node in a linked list's node; None: it is no list.
     """
 
     kind: type[Any]
@@ -80,11 +80,11 @@ class DataclassCodec:
         Args:
             kind: The dataclass.
             tree: The struct.
-            where: What they are of, for people.
+            where: Their message or field, for people.
             strict: Whether a number outside its range always refuses the message.
 
         Raises:
-            MessageFormatError: They do not fit each other.
+            MessageFormatError: They do not match.
         """
         if not (isinstance(kind, type) and dataclasses.is_dataclass(kind)):
             raise MessageFormatError(str(tree), 0, f"{where} needs a dataclass for a struct")
@@ -105,21 +105,21 @@ class DataclassCodec:
     def values(self) -> _Converter:
         """The function from the dataclass, or a mapping, to the members of the struct.
 
-        From the first node of a linked list to its members, nested like its dataclasses.
+        For a linked list: from the first node to its members, nested like its dataclasses.
         """
         values = _FieldReader(flat=False).function(self.kind, self.members, self.adapt)
-        return values if self.next_place is None else _list_taker_apart(values, self.next_place)
+        return values if self.next_place is None else _list_flattener(values, self.next_place)
 
     @functools.cached_property
     def build(self) -> Callable[..., Any]:
-        """The way back, of values that are trusted."""
+        """The function back to the dataclass, for trusted values."""
         return self._builder(checked=False)
 
     @functools.cached_property
     def receive(self) -> Callable[..., Any]:
-        """The way back, of values from elsewhere: each field within its declaration.
+        """The function back to the dataclass, for received values: it checks each field.
 
-        The function raises RangeError if a value cannot be taken, and tells of each it changes.
+        The function raises RangeError for a value that it cannot replace, and notes each change.
         """
         return self._builder(checked=True)
 
@@ -131,20 +131,20 @@ class DataclassCodec:
 
     @property
     def fields(self) -> str:
-        """The names, for people."""
+        """The field names, for people."""
         return ", ".join(member.name + member.shown for member in self.members)
 
     def flat_values(self) -> Callable[[Any], tuple[Any, ...]]:
-        """The function from a dataclass to the numbers in it and in its inner ones, in order."""
+        """The function from a dataclass to its numbers, inner ones too, in order."""
         return _FieldReader(flat=True).function(self.kind, self.members, self.adapt)
 
     def flat_receiver(self) -> Callable[..., Any]:
-        """The function from those numbers to the dataclass, as `receive` does it."""
+        """The function from those numbers to the dataclass, with the checks of `receive`."""
         return _Builder(flat=True, checked=True).function(self.kind, self.members)
 
 
 def _adapter(kind: type[Any], members: Sequence[Member], where: str) -> _Converter:
-    """The function that makes sure that an object of another type has the fields of `kind`."""
+    """The function that checks an object of another type for the fields of `kind`."""
     names = [member.name for member in members if not member.counts]
     counts = {member.name: member.counts for member in members if member.counts}
 
@@ -167,7 +167,7 @@ def _adapter(kind: type[Any], members: Sequence[Member], where: str) -> _Convert
 def _without_counts(
     value: Mapping[Any, Any], counts: Mapping[str, str], where: str
 ) -> Mapping[Any, Any]:
-    """The mapping without the numbers of elements, which have to be right if they are given."""
+    """The mapping without the numbers of elements; given ones have to be right."""
     for name, array in counts.items():
         if name in value and value[name] != len(value.get(array, ())):
             size = len(value.get(array, ()))
@@ -190,7 +190,7 @@ def _check_names(value: Mapping[Any, Any], names: Sequence[str], where: str) -> 
 
 
 class _Generator:
-    """Lines of a function and what it knows by name; `flat`: values of structs are not nested."""
+    """Lines and constants of a function; `flat`: values of structs are not nested."""
 
     def __init__(self, *, flat: bool) -> None:
         self.flat = flat
@@ -224,7 +224,7 @@ class _FieldReader(_Generator):
     def struct(
         self, kind: type[Any], members: Sequence[Member], adapt: _Converter, source: str
     ) -> str:
-        """Generate the looking at one dataclass; returns its values, each with a comma behind."""
+        """Generate the reading of one dataclass; returns its values, each with a comma behind."""
         own = self.variable()
         self.lines.append(f"{own} = {source}")
         self.lines.append(f"if {own}.__class__ is not {self.constant(kind)}:")
@@ -245,10 +245,10 @@ class _FieldReader(_Generator):
         return values
 
 
-def _list_taker_apart(
+def _list_flattener(
     members_of: Callable[[Any], Sequence[Any]], next_place: int
 ) -> Callable[[Any], Sequence[Any] | None]:
-    """The function that turns the first node of a list into nested members, without recursion."""
+    """The function from the first node of a list to nested members, without recursion."""
 
     def values(node: Any) -> Sequence[Any] | None:
         nodes: list[Sequence[Any]] = []
@@ -265,7 +265,7 @@ def _list_taker_apart(
 
 
 def _list_builder(build_node: _Reader, next_place: int, kind: str) -> Callable[..., Any]:
-    """The function that turns nested members into the first node of a list."""
+    """The function from nested members to the first node of a list."""
 
     def build(members: Sequence[Any] | None, note: Note | None = None) -> Any:
         nodes: list[Sequence[Any]] = []
@@ -296,8 +296,8 @@ def _refuse_longer(nodes: Sequence[Any]) -> None:
 class _Builder(_Generator):
     """Generates the function that turns the members of a struct into a dataclass.
 
-    A frozen class pays dearly for each field it sets, so a value is made as an open twin of its
-    class, with the same slots, and then becomes frozen.
+    A frozen class sets fields slowly. So a value starts as an open twin of its class, with the same
+    slots, and then becomes frozen.
     """
 
     def __init__(self, *, flat: bool, checked: bool) -> None:
@@ -307,19 +307,19 @@ class _Builder(_Generator):
     def function(self, kind: type[Any], members: Sequence[Member]) -> Callable[..., Any]:
         self.known |= {"new": object.__new__, "refuse": _refuse, "faults": FAULTS}
         self.known |= ranges.known()
-        self.known["unnoted"] = ranges.unnoted if self.checked else None
+        self.known["no_note"] = ranges.no_note if self.checked else None
         pattern, made = self.struct(kind, members)
         pattern = f"[{pattern}]" if self.flat else pattern
         body = [f"    {line}" for line in (f"{pattern} = values", *self.lines)]
         self.lines = ["try:", *body, "except faults as error:"]
         self.lines += [f"    refuse({kind.__name__!r}, error)", f"return {made}"]
-        return self.finished("def generated(values, note=unnoted):")
+        return self.finished("def generated(values, note=no_note):")
 
     def struct(self, kind: type[Any], members: Sequence[Member]) -> tuple[str, str]:
-        """Generate the making of one dataclass.
+        """Generate the construction of one dataclass.
 
         Returns:
-            The pattern that takes its values apart, the variable that holds it afterwards.
+            The pattern that unpacks its values, and the variable that holds it.
         """
         patterns, arguments = [], []
         plain = [
@@ -353,7 +353,7 @@ class _Builder(_Generator):
         return f"[{', '.join(patterns)}]", made
 
     def check(self, given: Sequence[tuple[Member, str]]) -> None:
-        """Generate the checks of members that are in these variables."""
+        """Generate the checks of the members in these variables."""
         found = [(check, value) for member, value in given for check in member.checks]
         at_once = [(check, check.lanes, value) for check, value in found if check.lanes is not None]
         for check, value in found:
@@ -377,8 +377,8 @@ def _refuse(kind: str, error: Exception) -> typing.NoReturn:
 
 
 def _open_twin(kind: type[Any], names: Sequence[str]) -> type[Any] | None:
-    """A class whose objects can become `kind`, or None if `kind` does more than hold fields."""
-    line = kind.__mro__[-2::-1]  # the first after object comes first
+    """A class whose objects can become `kind`; None if `kind` has more than fields."""
+    line = kind.__mro__[-2::-1]  # the class next to object comes first
     slots = tuple(slot for each in line for slot in getattr(each, "__slots__", ("",)))
     plain = all(len(each.__bases__) == 1 for each in line) and slots == tuple(names)
     if not plain or not names or hasattr(kind, "__post_init__"):
@@ -421,17 +421,17 @@ def _member(name: str, hint: Any, node: formats.Format, where: str, *, strict: b
 
 
 def _late(record: DataclassCodec) -> _Converter:
-    """A record's way out, which is generated when it is first called."""
-    return lambda value: record.values(value)  # noqa: PLW0108 - generated when it is looked up
+    """A record's outward conversion, generated at its first call."""
+    return lambda value: record.values(value)  # noqa: PLW0108 - the attribute generates it
 
 
 def _late_reader(record: DataclassCodec) -> _Reader:
-    """A record's way in, which is generated when it is first called."""
+    """A record's inward conversion, generated at its first call."""
     return lambda value, note: record.build(value) if note is None else record.receive(value, note)
 
 
 def _without_none(hint: Any) -> Any:
-    """The type that `hint` allows beside None, if it is one."""
+    """The one type that `hint` allows beside None, if any."""
     kinds = [kind for kind in typing.get_args(hint) if kind is not types.NoneType]
     optional = typing.get_origin(hint) in (typing.Union, types.UnionType)
     return kinds[0] if optional and len(kinds) == 1 else hint
@@ -443,7 +443,7 @@ def _around(
     writing: Callable[[_Converter], _Converter],
     reading: Callable[[Member], _Reader | None],
 ) -> Member:
-    """The member that is an array of what `inner` is, or a pointer to it."""
+    """The member that is an array of `inner`, or a pointer to it."""
     return dataclasses.replace(
         inner,
         inline=False,

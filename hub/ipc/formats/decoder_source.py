@@ -1,4 +1,4 @@
-"""Generating the function that turns a payload of one format into its value."""
+"""Generates the function from a payload of one format to its value."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ _TRAILING = 3
 
 
 def reader(tree: formats.Format) -> Callable[[Buffer], Any]:
-    """The function that turns a payload of the format into its value.
+    """The function from a payload of the format to its value.
 
-    It reads little-endian payloads; what starts otherwise goes to one that reads the other order,
-    which is only generated when it is needed.
+    It reads little-endian payloads. A payload in the other order goes to a second function,
+    generated at its first use.
     """
     big_reader = functools.cache(lambda: _Reader(tree, _refuse_encapsulation, ">").function())
 
@@ -59,8 +59,10 @@ class _Reader(Generator):
         result = self.read(self.root)
         self.flush()
         if not self.opened:
-            look = f"    if payload[:4] != {ENCAPSULATION[self.order]!r}: return otherwise(payload)"
-            self.lines.insert(head, look)
+            check = (
+                f"    if payload[:4] != {ENCAPSULATION[self.order]!r}: return otherwise(payload)"
+            )
+            self.lines.insert(head, check)
         end = "at + 4" if self.offset is None else str(self.offset + 4)
         self.emit(f"if not {end} <= len(payload) <= {end} + {_TRAILING}:")
         self.emit(f"    refuse(f'{{len(payload) - ({end})}} bytes are left over')")
@@ -77,7 +79,7 @@ class _Reader(Generator):
             self.emit(f"{targets}, = s.unpack_from(payload, at + 4)")
             self.emit("at += s.size")
         elif start == 0:
-            # The encapsulation is read with the first numbers, which costs hardly anything.
+            # The first struct call reads the encapsulation too, at almost no cost.
             self.opened = True
             self.names[name] = struct.Struct(f"{self.order}I{self.names[name].format[1:]}")
             self.emit(f"mark, {targets}, = {name}.unpack_from(payload)")
@@ -91,7 +93,7 @@ class _Reader(Generator):
         self.afterwards = []
 
     def read(self, node: formats.Format) -> str:
-        """Generate the reading of one value; returns the expression that holds it afterwards."""
+        """Generate the reading of one value; returns its expression."""
         if isinstance(node, formats.Primitive):
             return self.read_string() if node.name == "string" else self.read_number(node.name)
         if isinstance(node, formats.Enum):
@@ -242,14 +244,14 @@ def _empty(dtype: np.dtype[Any]) -> npt.NDArray[Any]:
 
 
 def _native(swapped: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Numbers of the other order as all arrays are: in this order, and not to be changed."""
+    """Numbers of the other byte order in this order, read-only like all arrays."""
     array = swapped.astype(swapped.dtype.newbyteorder("<"))
     array.flags.writeable = False
     return array
 
 
 def _linked(nodes: list[tuple[Any, ...]], next_place: int) -> tuple[Any, ...] | None:
-    """The first of these nodes, each with the next one as another member."""
+    """The first of these nodes, each with the next one as a further member."""
     first: tuple[Any, ...] | None = None
     for node in reversed(nodes):
         first = (*node[:next_place], first, *node[next_place:])
@@ -257,7 +259,7 @@ def _linked(nodes: list[tuple[Any, ...]], next_place: int) -> tuple[Any, ...] | 
 
 
 def _flags(octets: npt.NDArray[np.uint8]) -> npt.NDArray[np.bool_]:
-    """The booleans in these bytes; any other byte than 0 and 1 would be a broken boolean."""
+    """The booleans in these bytes; a byte beside 0 and 1 is refused."""
     if octets.size and octets.max() > 1:
         _refuse("a boolean that is neither 0 nor 1")
     return octets.view(np.bool_)
@@ -268,7 +270,7 @@ def _string(payload: Buffer, start: int, count: int) -> str:
         return ""
     raw = bytes(payload[start : start + count])
     if len(raw) != count or raw.find(b"\0") != count - 1:
-        _refuse("a string that does not end where it says")
+        _refuse("a string without NUL at its end")
     return raw[:-1].decode()
 
 

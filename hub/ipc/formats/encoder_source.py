@@ -1,4 +1,4 @@
-"""Generating the function that turns a value of one format into the pieces of its payload."""
+"""Generates the function from a value of one format to the pieces of its payload."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from hub.ipc.formats import grammar as formats
 from hub.ipc.formats.codegen import DTYPES, ENCAPSULATION, LETTERS, Buffer, Generator, packed
 
 _SMALL = 1024
-"""Arrays up to this length are copied into the struct around them [bytes]."""
+"""Longest array that is copied into the struct around it [bytes]."""
 
 
 def writer(tree: formats.Format) -> Callable[[Any], list[Buffer]]:
-    """The function that turns a value of the format into the pieces of its payload."""
+    """The function from a value of the format to the pieces of its payload."""
     return _Writer(tree).function()
 
 
@@ -146,7 +146,7 @@ class _Writer(Generator):
     def write_small_array(
         self, element: formats.Primitive, value: str, count: int, dimensions: tuple[int, ...]
     ) -> None:
-        """As bytes among the numbers around it: one more copy, but fewer pieces to join."""
+        """Write it as bytes among the numbers: one more copy, but fewer pieces to join."""
         dtype = DTYPES[element.name]
         local, kind = self.fresh("a"), self.constant("dtype", dtype)
         self.emit(f"{local} = {value}")
@@ -162,7 +162,7 @@ class _Writer(Generator):
         dtype = DTYPES[element.name]
         local, kind = self.fresh("a"), self.constant("dtype", dtype)
         self.emit(f"{local} = {value}")
-        # What nearly always comes needs no call.
+        # The usual case needs no call.
         self.emit(f"if {local}.__class__ is not ndarray or {local}.dtype is not {kind} or \\")
         self.emit(f"        {local}.shape != ({count},) or not {local}.flags.c_contiguous:")
         self.emit(f"    {local} = array({local}, {kind}, {count}, {dimensions})")
@@ -200,11 +200,11 @@ class _Writer(Generator):
 def _array(
     value: Any, dtype: np.dtype[Any], count: int, dimensions: tuple[int, ...] | None
 ) -> npt.NDArray[Any]:
-    """`value` as a flat array; of several dimensions only in the shape that is wanted, if any."""
+    """`value` as a flat array; an array of several dimensions needs the given shape, if any."""
     if isinstance(value, (bytes, bytearray, memoryview)):
         array = np.frombuffer(value, dtype)
     else:
-        # Of a list with numbers on both sides of 2**63 numpy would make floats.
+        # From a list with numbers on both sides of 2**63 numpy would make floats.
         whole = dtype.kind in "iu" and dtype.itemsize == 8 and not isinstance(value, np.ndarray)
         array = np.ascontiguousarray(value, object if whole else None)
         if array.dtype != dtype:
@@ -219,7 +219,7 @@ def _array(
 
 
 def _cast(array: npt.NDArray[Any], dtype: np.dtype[Any]) -> npt.NDArray[Any]:
-    """`array` as another kind of number; floats may lose digits, nothing else may be lost."""
+    """`array` as another kind of number; only floats may lose digits."""
     if array.size == 0 or np.can_cast(array.dtype, dtype, "safe"):
         return array.astype(dtype)
     if array.dtype.kind not in "biufO":
@@ -253,7 +253,7 @@ def _text(value: str) -> bytes:
 
 
 def _count_of(*sizes: Any) -> int:
-    """How many elements an array of these sizes has."""
+    """The number of elements of an array with these sizes."""
     lengths = [operator.index(size) for size in sizes]
     if min(lengths) < 0:
         text = f"sizes of {lengths} elements"

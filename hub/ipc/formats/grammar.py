@@ -9,7 +9,7 @@ sequence := '<' format ':' I {',' I} '>'         I: 1-based number of an integer
 pointer  := '*' format                           null or a value
 
 '*!' makes its struct the node of a linked list: it is the next node, or null at the end.
-LENGTH stands for so many bytes, [ubyte:LENGTH].
+LENGTH stands for [ubyte:LENGTH].
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ MAX_DEPTH = 16
 MAX_ELEMENTS = 1 << 24
 MAX_DIMENSIONS = 8
 MAX_NODES = 10_000
-"""Nodes of one linked list in a message."""
+"""Most nodes of one linked list in a message."""
 
 INTEGERS = ("byte", "ubyte", "char", "short", "ushort", "int", "uint", "long", "ulong")
 PRIMITIVES = (*INTEGERS, "float", "double", "boolean", "string")
@@ -48,7 +48,7 @@ class Primitive:
 
 @dataclass(frozen=True, slots=True)
 class Enum:
-    """A number from 0 to `largest`, with names for them or none."""
+    """A number from 0 to `largest`, with or without names."""
 
     largest: int
     names: tuple[str, ...] = ()
@@ -59,13 +59,13 @@ class Enum:
 
 @dataclass(frozen=True, slots=True)
 class Struct:
-    """Members one after the other."""
+    """Members in sequence."""
 
     members: tuple[Format, ...]
 
     @property
     def next_place(self) -> int | None:
-        """Index of the self pointer, if the struct is the node of a linked list."""
+        """Index of the self pointer; None: the struct is no node of a linked list."""
         return self.members.index(SelfPointer()) if SelfPointer() in self.members else None
 
     def __str__(self) -> str:
@@ -74,7 +74,7 @@ class Struct:
 
 @dataclass(frozen=True, slots=True)
 class FixedArray:
-    """As many elements as the product of `dimensions`, last index fastest."""
+    """Elements, as many as the product of `dimensions`, last index fastest."""
 
     element: Format
     dimensions: tuple[int, ...]
@@ -90,7 +90,7 @@ class FixedArray:
 
 @dataclass(frozen=True, slots=True)
 class VariableArray:
-    """As many elements as the product of the struct's members numbered in `size_members`."""
+    """Elements, as many as the product of the struct's members numbered in `size_members`."""
 
     element: Format
     size_members: tuple[int, ...]
@@ -111,7 +111,7 @@ class Pointer:
 
 @dataclass(frozen=True, slots=True)
 class SelfPointer:
-    """Null, or the next node: another value of the struct that it is a member of."""
+    """Null, or the next node: another value of the same struct."""
 
     def __str__(self) -> str:
         return "*!"
@@ -129,7 +129,7 @@ def parse(text: str) -> Format:
     parser = _Parser(text)
     tree = parser.format(1)
     if parser.token:
-        parser.fail("nothing may follow a complete format")
+        parser.fail("a complete format must end here")
     if len(str(tree)) > MAX_TEXT:
         parser.fail(f"spelt out, it is longer than {MAX_TEXT} characters")
     return tree
@@ -148,7 +148,7 @@ class _Parser:
         self.advance()
 
     def advance(self) -> str:
-        """The present token; moves on to the next."""
+        """Return the present token, and move to the next."""
         passed = self.token
         match = _TOKEN.match(self.text, self.end)
         if match is None:
@@ -304,7 +304,7 @@ def _is_integer(node: Format) -> bool:
 
 
 def elements_of(node: Format) -> int:
-    """How many values a value of this format has at least; 0 only for empty structs."""
+    """The least number of values in this format; 0 only for empty structs."""
     if isinstance(node, Struct):
         return sum(elements_of(member) for member in node.members)
     if isinstance(node, FixedArray):
@@ -313,7 +313,7 @@ def elements_of(node: Format) -> int:
 
 
 def is_fixed_length(node: Format) -> bool:
-    """Whether all values of it take the same space: no strings, pointers or variable arrays."""
+    """Whether all values take the same space: no strings, pointers or variable arrays."""
     if isinstance(node, Struct):
         return all(is_fixed_length(member) for member in node.members)
     if isinstance(node, FixedArray):

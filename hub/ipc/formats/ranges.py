@@ -1,18 +1,18 @@
-"""What a field of a message may hold: declared beside the field, applied where messages come in.
+"""The allowed values of a message's fields: declared beside the field, checked at reception.
 
-A declaration stands in the field's type: `x: Annotated[float, Range(-1e6, 1e6, unit="m")]`. What a
-value becomes that is not within it:
+A declaration stands in the field's type: `x: Annotated[float, Range(-1e6, 1e6, unit="m")]`. A
+value outside it is replaced:
 
-| the field | the value becomes |
+| the field | the replacement |
 | --- | --- |
-| a number that may be NaN, in a state | NaN, which says that it is not known |
+| a number that may be NaN, in a state | NaN: not known |
 | a number with `nearest`, but not NaN | the nearest number of the range |
 | any other number; every number of a command | nothing: the message is refused |
 | a text | its first letters, without control characters |
 | a list or an array that is too long | nothing: the message is refused |
 
-Each change and each refusal is told to who reads the message. A field without a declaration is
-taken as it comes.
+The reader of the message gets a note of each change and each refusal. A field without a declaration
+stays as it is.
 """
 
 from __future__ import annotations
@@ -32,15 +32,15 @@ from hub.ipc.formats.codegen import DTYPES, LETTERS
 from hub.plain_text import is_plain, plain
 
 Note = Callable[[str], object]
-"""Gets a sentence on a value that was changed."""
+"""Gets a sentence on a changed value."""
 
 
-def unnoted(_: str) -> None:
-    """Nobody wants to know what was changed."""
+def no_note(_: str) -> None:
+    """Ignore the change."""
 
 
 Fix = Callable[[Any, Note], Any]
-"""From a value that is not within its range to what is taken; raises RangeError if nothing is."""
+"""From a value outside its range to its replacement; raises RangeError if there is none."""
 
 _MOST_LANES: Final = 64
 _FLOATS: Final = ("float", "double")
@@ -48,13 +48,13 @@ _FLOATS: Final = ("float", "double")
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """The numbers that a number, or each number of an array, may be.
+    """The allowed values of a number, or of each number of an array.
 
     Attributes:
         low: The least.
         high: The largest.
-        unit: What they are counted in; empty: nothing.
-        nan: Whether NaN is allowed; it says that the value is not known.
+        unit: Their unit; empty: none.
+        nan: Whether NaN is allowed; it means "not known".
         infinite: Whether plus infinity is allowed as well.
         nearest: Whether a number outside becomes the nearest one.
     """
@@ -73,10 +73,10 @@ class Range:
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """The texts that a text may be.
+    """The allowed texts of a field.
 
     Attributes:
-        most: Letters; what is longer is cut.
+        most: Most letters; a longer text is cut.
         lines: Whether it may have several lines.
     """
 
@@ -86,7 +86,7 @@ class Text:
 
 @dataclass(frozen=True, slots=True)
 class Most:
-    """How long a list or an array may be.
+    """The largest length of a list or an array.
 
     Attributes:
         count: Entries.
@@ -102,14 +102,14 @@ Declared = Range | Text | Most
 class Lanes:
     """An array of floats as one integer, a lane of bits for each.
 
-    Of floats without a sign the bits grow with the number. So one sum over all lanes carries into
-    the sign of each lane with a number that is too large.
+    The bits of floats without a sign grow with the number. So one sum over all lanes carries into
+    the sign of each lane with too large a number.
 
     Attributes:
         bits: Of the whole array.
         signs: The sign of each lane.
-        above: What carries into the sign of a lane whose number is above the largest allowed.
-        endless: What carries into the sign of a lane that is infinite or NaN, if both are allowed.
+        above: Summand that carries into the sign of a lane above the largest allowed number.
+        endless: Summand that carries into the sign of an infinite or NaN lane, if both are allowed.
     """
 
     bits: int
@@ -123,10 +123,10 @@ class Check:
     """How generated code checks one member.
 
     Attributes:
-        outside: An expression that is true of `{value}` if it may not be within the declaration.
-            It knows `infinity` and `lined`.
-        fix: What is called then.
-        lanes: A quicker way to the same, for the array alone or with others; None: there is none.
+        outside: An expression that is true of `{value}` if it may be outside the declaration.
+            It may use `infinity` and `lined`.
+        fix: Called then.
+        lanes: A faster check of the array, alone or with others; None: there is none.
     """
 
     outside: str
@@ -140,14 +140,14 @@ def declared(hint: Any) -> tuple[Declared, ...]:
 
 
 def bare(hint: Any) -> Any:
-    """The type itself, without what is declared of it."""
+    """The type itself, without its declarations."""
     return typing.get_args(hint)[0] if typing.get_origin(hint) is typing.Annotated else hint
 
 
 def checks(
     declarations: tuple[Declared, ...], node: formats.Format, where: str, *, strict: bool
 ) -> tuple[Check, ...]:
-    """The checks of a member, in the order in which they are made.
+    """The checks of a member, in order.
 
     Args:
         declarations: Of the field.
@@ -195,13 +195,13 @@ def _text_check(text: Text, where: str) -> Check:
 
 
 def lined(text: str) -> bool:
-    """Whether a text of several lines is shown as it is."""
+    """Whether a text of several lines is printable."""
     return is_plain(text, lines=True)
 
 
-def _refuser(says: Callable[[Any], str], where: str) -> Fix:
+def _refuser(fault: Callable[[Any], str], where: str) -> Fix:
     def refuse(value: Any, _note: Note) -> Any:
-        text = f"{where} is {says(value)}"
+        text = f"{where} is {fault(value)}"
         raise RangeError(text)
 
     return refuse
@@ -225,17 +225,17 @@ def _number_check(wanted: Range, name: str, where: str, *, strict: bool) -> Chec
 
 
 def _number_fix(wanted: Range, where: str, *, strict: bool) -> Fix:
-    says = f"{where} is {{!r:.40}}, not {wanted}"
+    fault = f"{where} is {{!r:.40}}, not {wanted}"
 
     def fix(value: Any, note: Note) -> Any:
         if not strict and wanted.nan:
-            note(says.format(value) + ": it is taken as not known")
+            note(fault.format(value) + ": it is taken as not known")
             return math.nan
         if not strict and wanted.nearest and value == value:
             kept = type(value)(wanted.low if value < wanted.low else wanted.high)
-            note(says.format(value) + f": it is taken as {kept:g}")
+            note(fault.format(value) + f": it is taken as {kept:g}")
             return kept
-        raise RangeError(says.format(value))
+        raise RangeError(fault.format(value))
 
     return fix
 
@@ -252,7 +252,7 @@ def _array_check(
         return kept
 
     def fix(value: Any, note: Note) -> Any:
-        with np.errstate(invalid="ignore"):  # of a NaN that signals, which anybody may send
+        with np.errstate(invalid="ignore"):  # a signalling NaN may come from anywhere
             good = within(value)
         if good.all():
             return value
@@ -271,7 +271,7 @@ def _array_check(
 
 
 def _lanes(wanted: Range, node: formats.FixedArray) -> Lanes | None:
-    """How to look at an array of floats at once; None: not at this one."""
+    """Lanes for an array of floats; None: this array has none."""
     name = getattr(node.element, "name", "")
     if wanted.low != 0.0 or node.count > _MOST_LANES:
         return None
@@ -294,15 +294,14 @@ def _lanes(wanted: Range, node: formats.FixedArray) -> Lanes | None:
 
 
 def known() -> dict[str, Any]:
-    """What expressions of checks know by name."""
+    """Names that expressions of checks may use."""
     return {"infinity": math.inf, "lined": lined, "read": int.from_bytes}
 
 
 def suspect(arrays: Sequence[str], lanes: Sequence[Lanes]) -> str:
-    """An expression that is true if one of these arrays has to be looked at closely.
+    """An expression that is true if one of these arrays needs a closer check.
 
-    It needs `read`, which is `int.from_bytes`. Other ways take several times as long for so few
-    numbers.
+    It needs `read`, which is `int.from_bytes`: other ways take several times as long here.
 
     Args:
         arrays: The variables that hold them.

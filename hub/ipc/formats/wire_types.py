@@ -7,8 +7,8 @@
 | a dataclass | a struct |
 | `X` or None | a pointer; to the dataclass itself: the self pointer of a list |
 | a numpy array, `tuple[X, ...]`, with `Fixed(n)` | an array of n |
-| the same with `Counted(name)` | an integer member `name`, and an array of so many |
-| any of them with `Wire(text)` | what the text says, such as `uint` for an `int` |
+| the same with `Counted(name)` | an integer member `name`, and an array of that length |
+| any of them with `Wire(text)` | the text, such as `uint` for an `int` |
 
 The integer member before a `Counted` array is no field: the codec writes and checks it.
 """
@@ -33,7 +33,7 @@ from hub.ipc.formats.codegen import DTYPES
 
 @dataclass(frozen=True, slots=True)
 class Wire:
-    """The format of a field whose type leaves a choice, such as the size of a number.
+    """The format of a field whose type has several, such as the size of a number.
 
     Attributes:
         format: Format string; of an array it is the format of one element.
@@ -44,7 +44,7 @@ class Wire:
 
 @dataclass(frozen=True, slots=True)
 class Fixed:
-    """An array that always has the same shape.
+    """An array of constant shape.
 
     Attributes:
         dimensions: Elements along each dimension.
@@ -58,7 +58,7 @@ class Fixed:
 
 @dataclass(frozen=True, slots=True)
 class Counted:
-    """An array of any length, whose number of elements stands before it on the wire.
+    """An array of any length, with its number of elements before it on the wire.
 
     Attributes:
         name: Name of that number.
@@ -91,7 +91,7 @@ class WireMember:
 
     Attributes:
         name: Its name.
-        hint: Type of the field, with what is declared of it.
+        hint: Type of the field, with its declarations.
         counts: The field whose elements this member counts; empty: it is a field itself.
     """
 
@@ -128,7 +128,7 @@ def format_of(kind: Any) -> str:
     """The format string of a dataclass.
 
     Raises:
-        MessageFormatError: A field has a type that does not say its format.
+        MessageFormatError: The type of a field has no format.
     """
     return str(_struct(kind))
 
@@ -147,7 +147,7 @@ def _struct(kind: Any) -> formats.Struct:
 
 
 def _format(hint: Any, owner: Any, where: str, place: int) -> formats.Format:
-    """The format of a field; `place` is how many members stand before it."""
+    """The format of a field; `place` is the number of members before it."""
     bare = typing.get_args(hint)[0] if typing.get_origin(hint) is Annotated else hint
     fixed, counted = _annotation(hint, Fixed), _annotation(hint, Counted)
     wire = _annotation(hint, Wire)
@@ -185,6 +185,6 @@ Annotation = typing.TypeVar("Annotation")
 
 
 def _annotation(hint: Any, kind: type[Annotation]) -> Annotation | None:
-    """The last annotation of this kind; one that stands further out overrides the others."""
+    """The last annotation of this kind; an outer one overrides inner ones."""
     found = [each for each in getattr(hint, "__metadata__", ()) if isinstance(each, kind)]
     return found[-1] if found else None

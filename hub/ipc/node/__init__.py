@@ -1,1 +1,1 @@
-"""A client from within: its connection, publishers, subscriptions and queries."""
+"""The parts of a client: its connection, publishers, subscriptions and queries."""

@@ -1,4 +1,4 @@
-"""What a client is before it publishes or asks anything: connected, served, with definitions."""
+"""The base of a client: its connection, its loop and its definitions."""
 
 from __future__ import annotations
 
@@ -46,10 +46,10 @@ class BaseClient:
 
     Attributes:
         name: The name.
-        endpoint: Where central is.
-        faults: What was dropped, by reason.
-        loop: The loop that serves it.
-        directory: What central knows of all peers.
+        endpoint: Address of central.
+        faults: Dropped messages, by reason.
+        loop: Its loop.
+        directory: Central's list of peers.
     """
 
     def __init__(
@@ -66,11 +66,11 @@ class BaseClient:
 
         Args:
             name: Unique at central.
-            endpoint: Where central is.
+            endpoint: Address of central.
             clock: Monotonic time [s]; that of `loop` if one is given.
-            loop: The loop of a program with several clients; default a loop of its own.
+            loop: The shared loop of several clients; default a loop of its own.
             keys: For a central on another machine.
-            near: Whether messages to and from clients of this machine go past central.
+            near: Whether messages between clients of this machine go past central.
 
         Raises:
             EndpointError: The endpoint is malformed, or not on this machine and there are no keys.
@@ -104,7 +104,7 @@ class BaseClient:
 
     @property
     def connected(self) -> bool:
-        """Whether central knows this client and has answered lately."""
+        """Whether central has this client and answered within `LOST_S`."""
         return self._connection.alive
 
     @property
@@ -114,30 +114,30 @@ class BaseClient:
 
     @property
     def near(self) -> bool:
-        """Whether the hub is on this machine, and there is no link between."""
+        """Whether the hub is on this machine, without a link between."""
         return self._connection.near
 
     @property
     def round_trip(self) -> float:
-        """Shortest time in the last seconds for central to answer [s]; NaN before it has."""
+        """Shortest time of the last seconds for an answer of central [s]; NaN before the first."""
         return self._connection.hub_time.round_trip
 
     @property
     def refusal(self) -> HubError | None:
-        """Why central refused the connection, if it did."""
+        """Why central refused the connection; None: it did not."""
         return self._connection.refusal
 
     @property
     def closed_by(self) -> str:
-        """The client that had central disconnect this one for good; empty if none."""
+        """The client that had central disconnect this one for good; empty: none."""
         return self._connection.closed
 
     def wait_connected(self, timeout: float, *, give_up: Callable[[], bool] = _never) -> None:
         """Serve until this client is connected, or `give_up` says to stop waiting.
 
         Raises:
-            CentralUnreachableError: It did not within `timeout` [s].
-            NotAllowedError: It refuses the key.
+            CentralUnreachableError: Not connected within `timeout` [s].
+            NotAllowedError: Central refuses the key.
             NameTakenError: Another live module has the name.
         """
         why = (
@@ -145,7 +145,7 @@ class BaseClient:
             "to a key: give its file with --keys"
         )
         if self._keys is not None:
-            # A hub does not answer at all to the key of another hub.
+            # A hub gives no answer to the key of another hub.
             why = (
                 f"no hub answers at {self.endpoint} to the key in {self._keys.path}; is that its "
                 "gateway's port, and was the key made on that robot?"
@@ -170,10 +170,10 @@ class BaseClient:
         )
 
     def wait_subscribed(self, timeout: float, *, give_up: Callable[[], bool] = _never) -> None:
-        """Serve until all subscriptions stand: no message published from then on is missed.
+        """Serve until all subscriptions are complete: later messages are not missed.
 
         Raises:
-            CentralUnreachableError: Central did not say so within `timeout` [s].
+            CentralUnreachableError: Central did not confirm them within `timeout` [s].
         """
         self._wait(
             lambda: (self._connection.publisher and self._subscriptions.standing) or give_up(),
@@ -191,7 +191,7 @@ class BaseClient:
         self._wait(lambda: self.connected and not self._publishers.holding, timeout, why)
 
     def define(self, *definitions: MessageDefinition[Any]) -> None:
-        """Make messages known at central; publishing, subscribing and answering define too.
+        """Define messages at central; publishing, subscribing and answering define too.
 
         Raises:
             RedefinedMessageError: This client has defined one with another format.
@@ -212,15 +212,15 @@ class BaseClient:
         return self.loop.every(period, work)
 
     def post(self, work: Callable[[], None]) -> None:
-        """Have `work` called by the loop; the one method that any thread may call."""
+        """Let the loop call `work`; the only method that any thread may call."""
         self.loop.post(work)
 
     def listen(self, timeout: float) -> None:
-        """Wait for up to `timeout` [s] and serve what has come: messages, timers, posted work."""
+        """Wait for up to `timeout` [s], and serve messages, timers and posted work."""
         self.loop.listen(timeout)
 
     def close(self) -> None:
-        """Send BYE and free everything; nothing is sent afterwards."""
+        """Send BYE, and free all resources."""
         if self._context.closed:
             return
         self.loop.leave(self._session)
@@ -234,16 +234,16 @@ class BaseClient:
         done: Callable[[], object],
         timeout: float,
         why: str,
-        look: Callable[[], None] = lambda: None,
+        refresh: Callable[[], None] = lambda: None,
     ) -> None:
-        """Serve until it is `done`.
+        """Serve until `done` is true.
 
         Raises:
-            CentralUnreachableError: It was not within `timeout` [s].
+            CentralUnreachableError: Not within `timeout` [s].
         """
         deadline = self._clock() + timeout
         while not done():
-            look()
+            refresh()
             left = deadline - self._clock()
             if left <= 0:
                 raise CentralUnreachableError(why)
@@ -251,7 +251,7 @@ class BaseClient:
 
     def _attend(self) -> None:
         """Before a query: connect again if this client has not listened for long."""
-        if self.loop.neglect > LOST_S:
+        if self.loop.stall_time > LOST_S:
             with contextlib.suppress(HubError):  # the query itself reports it
                 self.listen(0.0)
                 self.wait_connected(_ATTEND_S)

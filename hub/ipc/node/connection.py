@@ -1,13 +1,13 @@
-"""A client's control connection: HELLO, signs of life, and the return after central was lost.
+"""A client's control connection: HELLO, heartbeats, and the return after a lost central.
 
-| control message | what the connection does |
+| control message | action of the connection |
 | --- | --- |
-| WELCOME | it is connected; if central is new, the session starts anew |
-| PONG | it notes the hub's time |
-| STRANGER (central does not know the client) | it is lost, and says HELLO |
-| CLOSE of this client | it is lost for good |
-| REFUSED before WELCOME | it says HELLO once more, then it reports the refusal |
-| any other | the session gets it |
+| WELCOME | report the connection, and whether central is new |
+| PONG | note the hub's time |
+| UNKNOWN_PEER | report the loss, and send HELLO |
+| CLOSE of this client | report the loss, for good |
+| REFUSED before WELCOME | send HELLO once more, then report the refusal |
+| any other | hand it to the session |
 """
 
 from __future__ import annotations
@@ -38,40 +38,40 @@ _logger = logging.getLogger(__name__)
 
 PING_S = 0.5
 LOST_S = 1.5
-"""Central has not answered for this long: the connection counts as lost [s]."""
+"""Time without an answer after which the connection counts as lost [s]."""
 _QUEUE = 10_000
-"""Control messages under way; a client that comes back sends all that it does at once."""
+"""Most control messages under way; a client that returns announces everything at once."""
 _WATCHED = zmq.EVENT_HANDSHAKE_SUCCEEDED | zmq.EVENT_HANDSHAKE_FAILED_AUTH | zmq.EVENT_DISCONNECTED
 _SECOND_HELLO_S = 0.2
 """Retry HELLO once after this delay, then report the refusal [s]."""
-_STAY_S = 2.0
-"""How long one socket tries to connect before a new one does [s]."""
+_SOCKET_LIFE_S = 2.0
+"""Time after which a new socket replaces one that cannot connect [s]."""
 _SHORTEST_S, _LONGEST_S = 0.25, 1.5
-"""How long one attempt may take [s].
+"""Shortest and longest time for one attempt [s].
 
-After a dead link heals, the next attempt connects. So an attempt is as short as the last known
-round trip allows. Where none is known, and every `_LONG_EACH` attempts, it is long.
+The attempt after a link returns connects. So an attempt is as short as the last known round trip
+allows. Without a known round trip, and every `_LONG_EACH` attempts, it is long.
 """
 _LONG_EACH = 6
 
 
 class ConnectionOwner(Protocol):
-    """What a connection reports to."""
+    """The receiver of a connection's reports."""
 
-    def welcomed(self, message: control.Welcome, *, anew: bool, same_run: bool) -> None:
-        """Central knows this client.
+    def welcomed(self, message: control.Welcome, *, is_new: bool, same_run: bool) -> None:
+        """Central has this client.
 
         Args:
             message: Its answer to HELLO.
-            anew: Central did not know this client before, so it knows none of its messages.
-            same_run: Central was not started again, so other clients keep their numbers.
+            is_new: Whether central has no messages of this client yet.
+            same_run: Whether central was not restarted, so other clients keep their numbers.
         """
 
     def lost(self, why: str) -> None:
-        """Central is gone, or does not know this client any more."""
+        """Central is gone, or has lost this client."""
 
     def on_control_message(self, message: Any, attached: bytes | None) -> None:
-        """A control message came that is not about the connection."""
+        """Handle a control message about anything but the connection."""
 
 
 class Connection:
@@ -79,12 +79,12 @@ class Connection:
 
     Attributes:
         client: The client's random number.
-        publisher: Its number at central; 0 while central does not know it.
+        publisher: Its number at central; 0 while it is not connected.
         hub_time: The hub's clock.
         near: Whether central is on the same machine, run by the same user.
         keys: The keys for a central on another machine.
-        refusal: Why central refused the key, or the connection twice; None if it did not.
-        closed: The client that had central close this connection; empty if none.
+        refusal: Why central refused the key, or the connection twice; None: it did not.
+        closed: The client that had central close this connection; empty: none.
     """
 
     def __init__(
@@ -113,7 +113,7 @@ class Connection:
         self._faults = transport.faults
         self.client = secrets.randbits(63) | 1
         self._joined = (0, 0)
-        self._heard = -math.inf
+        self._last_answer = -math.inf
         self._next_ping = 0.0
         self._attempt = 0
         self._actions: dict[type, Callable[[Any], bool]] = {
@@ -126,7 +126,7 @@ class Connection:
         self._open()
 
     def may_connect(self, plane: Plane) -> bool:
-        """Whether this client may connect to where the messages of a plane go in."""
+        """Whether this client may connect to the input of a plane."""
         return self.keys is None or may_connect(self.keys.role, f"{plane.value} in")
 
     def demand_right(self, definition: MessageDefinition[Any]) -> None:
@@ -140,15 +140,15 @@ class Connection:
 
     @property
     def alive(self) -> bool:
-        """Whether central knows this client and has answered lately."""
-        return self.publisher > 0 and self._clock() - self._heard < LOST_S
+        """Whether central has this client and answered within `LOST_S`."""
+        return self.publisher > 0 and self._clock() - self._last_answer < LOST_S
 
     def due(self, otherwise: float) -> float:
-        """When the next PING or HELLO is due [s]."""
+        """Time of the next PING or HELLO [s]."""
         return min(otherwise, self._next_ping)
 
     def send(self, message: Any, attached: bytes | None = None) -> bool:
-        """Send a control message; False if there is no connection now."""
+        """Send a control message; False: there is no connection now."""
         sent = self._channel.send(message, attached)
         if not sent and self.publisher:
             self._faults.count("not sent", "there is no connection to central now")
@@ -160,15 +160,15 @@ class Connection:
             self._keep_alive()
 
     def addresses(self, message: control.Welcome) -> list[str]:
-        """Where each plane goes in and comes out, as this client reaches it."""
+        """The addresses of each plane, in and out, for this client."""
         if self._endpoint.startswith("ipc://"):
-            # Beside the known file: a tunnel may have put it elsewhere than central's.
+            # Beside the known file: behind a tunnel it differs from central's path.
             return [f"{self._endpoint}.{number}" for number in range(1, 1 + len(message.paths))]
         host = self._endpoint.rpartition(":")[0]
         return [f"{host}:{port}" for port in message.ports]
 
     def start_over(self, why: str) -> None:
-        """Connect anew; whatever is queued either way would arrive too late."""
+        """Connect again; queued messages would arrive too late."""
         self._lose(why)
         self._channel.close()
         self._attempt = 1
@@ -197,7 +197,7 @@ class Connection:
             transport=self._transport,
             address=self._endpoint,
         )
-        self._reopen = self._clock() + _STAY_S
+        self._reopen = self._clock() + _SOCKET_LIFE_S
         self._next_ping = 0.0
 
     def _keep_alive(self) -> None:
@@ -205,7 +205,7 @@ class Connection:
         self._next_ping = now + PING_S
         if self.closed:
             return
-        if self.publisher and now - self._heard > LOST_S:
+        if self.publisher and now - self._last_answer > LOST_S:
             self.start_over("it does not answer")
         elif self.publisher:
             self.send(control.Ping(epoch=self._joined[0], sent=now))
@@ -229,7 +229,7 @@ class Connection:
         )
 
     def _on_event(self, event: int) -> None:
-        """The socket connected, disconnected or was refused; HELLO follows at once."""
+        """Handle a connect, disconnect or refusal of the socket; HELLO follows at once."""
         if event == zmq.EVENT_DISCONNECTED:
             self._lose("the connection ended")
         elif event == zmq.EVENT_HANDSHAKE_FAILED_AUTH and self.keys is not None:
@@ -247,13 +247,13 @@ class Connection:
             self._owner.lost(f"the hub at {self._endpoint} is gone: {why}")
 
     def _on_control_message(self, message: Any, attached: bytes | None) -> None:
-        self._heard = self._clock()
+        self._last_answer = self._clock()
         action = self._actions.get(type(message))
         if action is None or not action(message):
             self._owner.on_control_message(message, attached)
 
     def _on_pong(self, message: control.Pong) -> bool:
-        self.hub_time.note(message.sent, message.hub_time, self._heard)
+        self.hub_time.note(message.sent, message.hub_time, self._last_answer)
         return True
 
     def _on_unknown(self, _: control.UnknownPeer) -> bool:
@@ -281,12 +281,12 @@ class Connection:
         self.near = message.near
         self._attempt = 1
         joined = (message.epoch, message.publisher)
-        anew, same_run = joined != self._joined, joined[0] == self._joined[0]
+        is_new, same_run = joined != self._joined, joined[0] == self._joined[0]
         self._joined = joined
-        if anew:
+        if is_new:
             self.hub_time.begin(message.machine)
-        self.hub_time.note(message.sent, message.hub_time, self._heard)
-        self._owner.welcomed(message, anew=anew, same_run=same_run)
+        self.hub_time.note(message.sent, message.hub_time, self._last_answer)
+        self._owner.welcomed(message, is_new=is_new, same_run=same_run)
         return True
 
     def _on_refused(self, message: control.Refused) -> bool:
@@ -301,7 +301,7 @@ class Connection:
             # The BYE of the client that had the name before may still be under way.
             self._next_ping = min(self._next_ping, self._refused + _SECOND_HELLO_S)
             return True
-        with contextlib.suppress(TypeError):  # an error that takes more than a sentence
+        with contextlib.suppress(TypeError):  # an error that needs more than a sentence
             self.refusal = kind(message.text)
         self._faults.count("refused by central", message.text)
         return True

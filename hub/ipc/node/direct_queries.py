@@ -1,8 +1,7 @@
 """Direct queries between two modules of one machine, past central.
 
-Central knows which module answers a query. If there is only one, central sends its address to the
-clients that ask, and their next queries go there. When that connection ends, queries go through
-central again.
+If only one module answers a query, central sends its address to the clients that ask, and their
+next queries go there. When that connection ends, queries go through central again.
 """
 
 from __future__ import annotations
@@ -28,10 +27,10 @@ Asked = Callable[[control.Query, bytes, bytes], None]
 
 
 class DirectResponder:
-    """Where a module takes queries directly.
+    """The socket where a module receives queries directly.
 
     Attributes:
-        address: Where others connect.
+        address: Address for its clients.
     """
 
     def __init__(
@@ -44,7 +43,7 @@ class DirectResponder:
 
         Args:
             number: This client's random number.
-            asked: Gets what comes in.
+            asked: Gets the queries.
             transport: The client's.
         """
         self.address = f"{endpoints.DIRECT_PREFIX}{number:x}"
@@ -59,7 +58,7 @@ class DirectResponder:
         self._file = self._loop.register(self._socket, self._receive)
 
     def answer(self, asker: bytes, message: Any, attached: bytes | None) -> None:
-        """Send an answer; it is dropped if the asker is gone or this is closed."""
+        """Send an answer; it is dropped if the asker is gone or the socket is closed."""
         if self._socket.closed:
             return
         packed = control_codec.pack(message)
@@ -69,7 +68,7 @@ class DirectResponder:
             sockets.send_parts(self._send, parts)
 
     def close(self) -> None:
-        """Close; the askers notice at once."""
+        """Close; the askers see it at once."""
         self._loop.unregister(self._file)
         self._socket.close(0)
 
@@ -95,7 +94,7 @@ class DirectRequester:
     """A direct connection to one module that answers.
 
     Attributes:
-        address: Where it takes queries.
+        address: Its address for direct queries.
         names: The messages that it answers.
     """
 
@@ -130,7 +129,7 @@ class DirectRequester:
         )
 
     def ask(self, query: control.Query, frame: bytes) -> bool:
-        """Send a query; False if there is no connection yet, or none any more."""
+        """Send a query; False: there is no connection."""
         return self._channel.send(query, frame)
 
     def close(self) -> None:

@@ -19,7 +19,7 @@ class DirectSockets:
 
     def __init__(self, transport: ClientTransport) -> None:
         self._transport = transport
-        # By inbox: its socket, how to send by it, and the messages that go there.
+        # By inbox: its socket, its send function, and the messages that go there.
         self._sockets: dict[str, sockets.Socket] = {}
         self._sends: dict[str, Send] = {}
         self._names: dict[str, set[str]] = {}
@@ -34,11 +34,11 @@ class DirectSockets:
 
     @property
     def unreached(self) -> tuple[control.Subscriber, ...]:
-        """Subscribers that no socket could be made for; to be added again some time."""
+        """Subscribers without a socket, because none could be made; add them again later."""
         return tuple(self._unreached.values())
 
     def add(self, subscriber: control.Subscriber, plane: Plane) -> bool:
-        """Send a message of `plane` to a subscriber; False if no socket can be made for it."""
+        """Add a subscriber of a message of `plane`; False: no socket could be made."""
         name, inbox = subscriber.name, subscriber.inbox
         self._remove(name, subscriber.subscriber)
         if not endpoints.is_direct_address(inbox):
@@ -53,10 +53,10 @@ class DirectSockets:
         return True
 
     def remove(self, name: str, subscriber: int) -> None:
-        """It subscribes to the message no longer; without a name: it is gone.
+        """End a subscription; without a name: all of a subscriber that is gone.
 
-        The socket of a connected subscriber stays open for a while. If it subscribes again, a new
-        socket would overtake what still waits in the first one.
+        The socket of a connected subscriber stays open for a while: after a new subscription, a new
+        socket would overtake the messages that still wait in the first one.
         """
         if name:
             self._remove(name, subscriber)
@@ -68,14 +68,14 @@ class DirectSockets:
                 self._close(inbox)
 
     def close_unused(self) -> None:
-        """Close the sockets that were unused last time too; to be called every second or so."""
+        """Close the sockets that were unused last time too; call it about once a second."""
         unused = {inbox for inbox, names in self._names.items() if not names}
         for inbox in unused & self._unused:
             self._close(inbox)
         self._unused = unused
 
     def receivers(self, name: str) -> tuple[tuple[Send, ...], tuple[Send, ...]]:
-        """The subscribers of a message, and those that read it from shared memory."""
+        """The subscribers of a message, and its readers from shared memory."""
         known = self._subscribers.get(name, {}).values()
         whole = tuple(self._sends[each.inbox] for each in known if not each.in_ring)
         in_ring = tuple(self._sends[each.inbox] for each in known if each.in_ring)
@@ -83,7 +83,7 @@ class DirectSockets:
         return self._tuples.setdefault(whole, whole), in_ring
 
     def close(self, linger_ms: int) -> None:
-        """Close all sockets; what was just sent gets `linger_ms` to leave."""
+        """Close all sockets; sent frames get `linger_ms` to leave."""
         for socket in self._sockets.values():
             socket.close(linger_ms)
         for each in (self._sockets, self._sends, self._names, self._unused):
@@ -93,7 +93,7 @@ class DirectSockets:
         self._tuples.clear()
 
     def _remove(self, name: str, subscriber: int) -> str:
-        """Forget a subscriber of a message; its inbox, if it had one."""
+        """Forget a subscriber of a message; returns its inbox, if any."""
         self._unreached.pop((name, subscriber), None)
         others = self._subscribers.get(name, {})
         known = others.pop(subscriber, None)

@@ -1,4 +1,4 @@
-"""What central knows of all peers, and what a client may ask it to do."""
+"""Central's list of all peers, and a client's requests to central."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from hub.ipc.wire import control
 
 class _Wait(Protocol):
     def __call__(self, done: Callable[[], object], timeout: float, why: str) -> None:
-        """Serve until it is `done`; CentralUnreachableError if it is not within `timeout` [s]."""
+        """Serves until `done` is true; raises CentralUnreachableError after `timeout` [s]."""
 
 
 class Directory:
-    """Central's view, for one client."""
+    """Central's list, for one client."""
 
     def __init__(
         self, connection: Connection, wait: _Wait, attend: Callable[[], None], endpoint: str
@@ -25,9 +25,9 @@ class Directory:
 
         Args:
             connection: To central.
-            wait: Serves the client until something is done.
-            attend: To be called before each request.
-            endpoint: Where central is.
+            wait: Serves the client until a condition is true.
+            attend: Called before each request.
+            endpoint: Address of central.
         """
         self._connection = connection
         self._wait = wait
@@ -47,7 +47,7 @@ class Directory:
         }
 
     def listing(self, timeout: float) -> control.Listing:
-        """All that central knows: modules, messages, how they are used, what was dropped.
+        """Central's listing: modules, messages, their users, and dropped messages.
 
         Raises:
             CentralUnreachableError: It did not answer within `timeout` [s].
@@ -58,7 +58,7 @@ class Directory:
         return self._listings[-1]
 
     def watch(self, handler: Callable[[control.Presence], None]) -> None:
-        """Call `handler` when a module comes or goes, defines, publishes, subscribes or answers.
+        """Call `handler` when a module connects, leaves, defines, publishes, subscribes or answers.
 
         `listing` has those that are connected already.
         """
@@ -68,13 +68,13 @@ class Directory:
     def follow(self, module: str, learn: Callable[[int], None]) -> None:
         """Call `learn` with the number of the module of this name; 0 while it is not connected.
 
-        Central gave that connection the number. A number in a frame may be forged.
+        This number comes from central. A number in a frame may be forged.
         """
         self._followed[module] = learn
         self._ask_for(module)
 
     def ask_again(self) -> None:
-        """Central is new: send all requests again that are still open."""
+        """Send the open requests to a new central."""
         if self._watchers and self._connection.publisher:
             self._connection.send(control.Watch())
         for module, learn in self._followed.items():
@@ -121,7 +121,7 @@ class Directory:
             self._asked = None
 
     def on_control_message(self, message: Any) -> bool:
-        """A control message came; whether it was for the directory."""
+        """Handle a control message; whether it was for the directory."""
         action = self._actions.get(type(message))
         return action is not None and action(message)
 

@@ -20,7 +20,7 @@ class FrameReader:
 
         Args:
             faults: Counts wrong frames.
-            no_ring: Called with the reason when shared memory cannot give a payload.
+            no_ring: Called with the reason if shared memory has no payload.
         """
         self._faults = faults
         self._no_ring = no_ring
@@ -31,7 +31,7 @@ class FrameReader:
         self._rings.close()
 
     def read(self, subscription: Subscription, raw: bytes) -> ReceivedFrame | None:
-        """What a frame brings; None, and counted, if it is malformed and stands for nothing."""
+        """The messages in a frame; None, and counted: it is malformed and has no replacement."""
         try:
             return subscription.read(raw)
         except FrameError as error:
@@ -48,7 +48,7 @@ class FrameReader:
             self._faults.count("malformed frame", str(error))
 
     def split(self, bundle: bytes) -> list[bytes]:
-        """The frames of a bundle; none, and counted, if it is damaged."""
+        """The frames of a bundle; none, and counted: it is damaged."""
         try:
             return frames.split_bundle(bundle)
         except FrameError as error:
@@ -79,7 +79,7 @@ class FrameReader:
     def _payload(
         self, subscription: Subscription, kind: int, payload: memoryview
     ) -> memoryview | None:
-        """The payload itself; None if it is not there any more."""
+        """The payload itself; None: it is gone."""
         if kind == frames.INLINE:
             return payload
         if kind == frames.NO_RING:

@@ -1,4 +1,4 @@
-"""The queries that a client waits for: each ends exactly once, with an answer or with an error."""
+"""A client's queries under way: each ends exactly once, with an answer or an error."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ class PendingQuery:
 
     Attributes:
         name: Message name of the query.
-        read: Turns the answer's frame into what `answered` gets.
-        timeout: How long the answer may take [s].
-        deadline: When it has taken so long [s].
+        read: Turns the answer's frame into the argument of `answered`.
+        timeout: Longest time for the answer [s].
+        deadline: End of that time [s].
         answered: Called with the answer.
         failed: Called with the error.
         unsent: Whether it could not be sent.
         frame: The message of a query that was sent directly.
-        requester: Where it was sent directly; None if it went through central.
-        sent_again: Whether that connection ended, and it was sent again through central.
+        requester: Its direct connection; None: it went through central.
+        sent_again: Whether it was sent again through central, after that connection ended.
     """
 
     name: str
@@ -61,13 +61,13 @@ class PendingQueries:
         self._waiting: dict[int, PendingQuery] = {}
         self._last = 0
         self._requesters: dict[str, DirectRequester] = {}
-        # No query times out before this [s], so most turns need not look at every query.
+        # No query times out before this [s], so most turns need not check every query.
         self._earliest = math.inf
 
     def ask(self, pending: PendingQuery, frame: bytes | None) -> None:
         """Ask with a message's frame, or without one for the last value of the message.
 
-        It does not wait for a lost central: it fails at the next `expire`.
+        It never waits for a lost central: it fails at the next `expire`.
         """
         self._last = number = self._last % 0xFFFF_FFFF + 1
         self._waiting[number] = pending
@@ -87,7 +87,7 @@ class PendingQueries:
     def ask_and_wait(
         self, name: str, frame: bytes | None, timeout: float, listen: Callable[[float], None]
     ) -> frames.Frame:
-        """Ask, and `listen` until the answer is there.
+        """Ask, and `listen` until the answer arrives.
 
         Raises:
             QueryError: No handler, it died or failed, or the time ran out.
@@ -102,7 +102,7 @@ class PendingQueries:
         return answers[0]
 
     def ask_last(self, name: str, timeout: float, answered: Callable[[frames.Frame], None]) -> None:
-        """Ask for the last value of a message; without one, nothing is called."""
+        """Ask for the last value of a message; without one, `answered` is not called."""
         self._ask_for_frame(name, None, timeout, answered, lambda _: None)
 
     def _ask_for_frame(
@@ -113,7 +113,7 @@ class PendingQueries:
         answered: Callable[[frames.Frame], None],
         failed: Callable[[QueryError], None],
     ) -> None:
-        """Ask, and pass the answer's frame on as it is."""
+        """Ask, and hand on the answer's frame."""
         pending = PendingQuery(
             name=name,
             read=lambda answer: answer,
@@ -135,7 +135,7 @@ class PendingQueries:
         """Send queries of this name by `requester` from now on; None: through central.
 
         Returns:
-            The requester before that, if it is another one.
+            The requester before that, if it was another one.
         """
         if requester is not None and self._requesters.get(name) is requester:
             return None
@@ -164,11 +164,11 @@ class PendingQueries:
                 self._ask_central(pending, query, pending.frame)
 
     def due(self, otherwise: float) -> float:
-        """When the next query times out [s], at most `otherwise`."""
+        """Time at which the next query times out [s], at most `otherwise`."""
         return min(otherwise, self._earliest)
 
     def expire(self, now: float, endpoint: str) -> None:
-        """End those whose time has run out at `now` [s]."""
+        """Fail the queries that timed out by `now` [s]."""
         if now <= self._earliest:
             return
         overdue = [(each.deadline, n) for n, each in self._waiting.items() if each.deadline < now]
@@ -185,7 +185,7 @@ class PendingQueries:
         self._earliest = min((each.deadline for each in self._waiting.values()), default=math.inf)
 
     def end_all(self, why: str) -> None:
-        """Central is gone, and with it all queries."""
+        """Fail all queries, after the loss of central."""
         for number in list(self._waiting):
             pending = self._waiting.pop(number, None)
             if pending is not None:
@@ -198,7 +198,7 @@ class PendingQueries:
         attached: bytes | None,
         received: Callable[[frames.Frame], MessageInfo],
     ) -> bool:
-        """An answer or an error came; False if no query waits for it any more."""
+        """Conclude a query by its answer or error; False: no query waits for it."""
         pending = self._waiting.pop(message.number, None)
         if pending is None:
             return False

@@ -3,8 +3,8 @@
 | state | a published message |
 | --- | --- |
 | without central | is counted as not sent |
-| advertised, central has not answered | is held back |
-| a subscriber was announced, its subscription is on the way | is held back, for `_HOLD_S` at most |
+| advertised, without central's answer | is held back |
+| a subscriber is announced, its subscription under way | is held back, for `_HOLD_S` at most |
 | open | goes to the send queue, or into shared memory and its descriptor to the queue |
 """
 
@@ -25,13 +25,13 @@ from hub.ipc.transport.client_transport import ClientTransport
 from hub.ipc.wire import control, frames
 
 _HOLD_S = 2.0
-"""A message waits no longer than this for a subscription that central announced [s]."""
+"""Longest wait for a subscription that central announced [s]."""
 _BURST_S = 200e-6
-"""A message belongs to a burst if it is published this soon after the one before [s]."""
+"""Longest time between two messages of a burst [s]."""
 _BATCH_ITEMS = 48
 _BATCH_DESCRIPTORS = 16
 _MAX_ITEM = 2048
-"""Longer payloads gain nothing by travelling together [bytes]."""
+"""Longest payload that gains by a shared frame [bytes]."""
 _UNFIT = (struct.error, AttributeError, TypeError, ValueError, OverflowError)
 
 
@@ -41,8 +41,8 @@ class Publisher:
     Attributes:
         definition: The message.
         direct: The subscribers on this machine that get the message itself.
-        direct_in_ring: Those that get a descriptor of shared memory.
-        topic: What others subscribe to at central.
+        direct_in_ring: The subscribers that get a descriptor of shared memory.
+        topic: Topic of all other subscribers, at central.
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class Publisher:
         self._emitted = 0.0
         self._reported, self._reported_at, self._bytes = 0, transport.clock(), 0
         self._published = -math.inf
-        # Commands never wait for others; of pictures only descriptors do.
+        # Commands never join a burst; of pictures only descriptors do.
         self._burst = _BURST_S if definition.plane is Plane.STATE else 0.0
         self._limit = _BATCH_ITEMS if definition.plane is Plane.STATE else _BATCH_DESCRIPTORS
         self._last: bytes | tuple[int, int, bytes | shared_ring.Place] | None = None
@@ -84,7 +84,7 @@ class Publisher:
 
     @property
     def unanswered(self) -> bool:
-        """Whether central has not answered ADVERTISE yet."""
+        """Whether central's answer to ADVERTISE is missing."""
         return self._held is not None and self._open_by == 0.0
 
     @property
@@ -98,7 +98,7 @@ class Publisher:
 
     @property
     def wanted(self) -> bool:
-        """Whether anybody subscribes, as far as is known."""
+        """Whether the message has known subscribers."""
         return bool(self.direct or self.direct_in_ring) or self._wanted_at_central
 
     def publish(self, value: Any, measured: float | None) -> None:
@@ -157,7 +157,7 @@ class Publisher:
         self._queue.previous = now
 
     def advertised(self, *, subscribed: bool, now: float) -> None:
-        """Central answers ADVERTISE; an announced subscription is waited for."""
+        """Handle the answer to ADVERTISE; wait for an announced subscription."""
         if self._held is None:
             return
         if not subscribed or self._wanted_at_central:
@@ -166,7 +166,7 @@ class Publisher:
             self._open_by = now + _HOLD_S
 
     def check_open(self, now: float) -> None:
-        """Open if the announced subscription has come, or if it is late."""
+        """Open if the announced subscription has arrived, or is late."""
         if self._held is not None and self._open_by > 0.0:
             late = now > self._open_by
             if late:
@@ -176,14 +176,14 @@ class Publisher:
                 self._release()
 
     def begin(self) -> None:
-        """Central is new: hold messages until it says whether anybody subscribes."""
+        """Hold messages until a new central reports the subscribers."""
         self._address()
         self._open_by = 0.0
         self._open = False
         self._held = deque(maxlen=sockets.QUEUE[self._plane])
 
     def end(self) -> None:
-        """Central is gone; drop the held messages, which would be old."""
+        """Drop the held messages after the loss of central: they would be old."""
         for _ in self._held or ():
             self._not_sent("the hub was gone before it listed the subscribers")
         self._held = None
@@ -191,7 +191,7 @@ class Publisher:
         self.direct = self.direct_in_ring = ()
 
     def report(self, now: float) -> control.Published | None:
-        """What was published since the last time; None if nothing."""
+        """The publications since the last report; None: there are none."""
         messages, over_s = self._sequence - self._reported, now - self._reported_at
         self._reported, self._reported_at = self._sequence, now
         if not messages:
@@ -206,7 +206,7 @@ class Publisher:
         )
 
     def last(self) -> bytes | None:
-        """The last message as a frame with its payload; None if there is none any more."""
+        """The last message as a frame with its payload; None: there is none."""
         frame = self._last_frame()
         return None if frame is None or len(frame) > frames.MAX_FRAME else frame
 
@@ -218,7 +218,7 @@ class Publisher:
             if self._last_is_item:
                 stamp, payload = frames.item_payload(last)
                 return self._frame(self._sequence, stamp, [payload])
-            old = frames.unpack(last)  # perhaps made under another number
+            old = frames.unpack(last)  # the client's number may have changed
             return self._frame(old.sequence, old.stamp_ns, [old.payload])
         sequence, stamp, kept = last
         if isinstance(kept, shared_ring.Place):
@@ -245,7 +245,7 @@ class Publisher:
         self._ring.close()
 
     def _address(self) -> None:
-        """Set the topic: it says whether this client also sends to subscribers directly."""
+        """Set the topic: it shows whether this client also sends to subscribers directly."""
         kind = b"" if self._connection.near else frames.FAR
         name, letters = self.definition.name, self.definition.flat_letters
         self.topic, self._prefix = frames.topic(name, kind), frames.prefix(name, kind)
@@ -258,12 +258,12 @@ class Publisher:
     ) -> None:
         if held.maxlen == len(held):
             self._not_sent("central does not list the subscribers")
-        whole = b"".join(payload)  # the pieces may be views of what changes meanwhile
+        whole = b"".join(payload)  # the pieces may be views of changing data
         self._last = (self._sequence, stamp, whole)
         held.append(self._last)
 
     def _not_sent(self, why: str) -> None:
-        """Count it here: subscribers cannot, because the client's number changes."""
+        """Count a lost message here: subscribers cannot, because the client's number changes."""
         self._faults.count("not sent", f"{self.definition.name}: {why}")
 
     def _release(self) -> None:
@@ -279,7 +279,7 @@ class Publisher:
                 return
         frame = self._frame(sequence, stamp, payload)
         self._last, self._last_is_item = frame, False
-        if len(frame) > frames.MAX_FRAME:  # a receiver would end the connection
+        if len(frame) > frames.MAX_FRAME:  # the receiver would end the connection
             text = f"{self.definition.name}: {len(frame)} bytes; at most {frames.MAX_FRAME} can go"
             self._faults.count("too long", text)
         elif self._open:
@@ -305,7 +305,7 @@ class Publisher:
         self._queue.send(frame, self.direct_in_ring, b"", self._plane)
 
     def _write(self, payload: Sequence[Buffer]) -> shared_ring.Place | None:
-        """Put a payload into the ring; None if there is no ring for it."""
+        """Put a payload into the ring; None: there is no ring."""
         if not shared_ring.available:
             return None
         try:

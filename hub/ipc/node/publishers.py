@@ -1,7 +1,7 @@
 """All messages that a client publishes, and its sockets to central.
 
-The sockets show the subscriptions of the other side (XPUB). So a publisher knows whether anybody
-wants its message, and central hears when a new subscription has arrived here.
+The sockets show the subscriptions of the other side (XPUB). So a publisher sees whether its message
+has subscribers, and central gets READY when a new subscription has arrived here.
 
     Client.publish -> Publisher -> SendQueue -> DirectSockets, and the sockets to central
 """
@@ -29,7 +29,7 @@ _MARK = b"~"
 
 
 def mark(topic: bytes, token: str) -> bytes:
-    """What a subscriber subscribes to behind the topic itself; no client publishes it."""
+    """The topic of a mark: it follows a subscription, and no client publishes it."""
     return _MARK + topic + token.encode("ascii")
 
 
@@ -50,7 +50,7 @@ class Publishers:
 
     @property
     def used(self) -> bool:
-        """Whether anything is published."""
+        """Whether it has publishers."""
         return bool(self._publishers)
 
     @property
@@ -64,7 +64,7 @@ class Publishers:
         return any(publisher.holding for publisher in self._publishers.values())
 
     def of(self, definition: MessageDefinition[Any]) -> Publisher:
-        """The publisher of a message that is defined; a new one is advertised at central.
+        """The publisher of a defined message; a new one is advertised at central.
 
         Raises:
             NotAllowedError: The client's key or name does not allow it.
@@ -80,7 +80,7 @@ class Publishers:
         return publisher
 
     def connect(self, addresses: Sequence[str]) -> None:
-        """Connect to where each plane goes in, at a new central."""
+        """Connect to the input of each plane at a new central."""
         for plane, address in zip(sockets.PLANES, addresses, strict=True):
             if not self._connection.may_connect(plane):
                 continue
@@ -98,12 +98,12 @@ class Publishers:
             publisher.begin()
 
     def advertise_all(self) -> None:
-        """Advertise all messages at central, which knows the definitions now."""
+        """Advertise all messages at a central that has the definitions."""
         for publisher in self._publishers.values():
             self._advertise(publisher)
 
     def disconnect(self, linger_ms: int = 0) -> None:
-        """Central is gone; what was just sent gets `linger_ms` to leave."""
+        """Disconnect from central; sent frames get `linger_ms` to leave."""
         for publisher in self._publishers.values():
             publisher.end()
         for file in self._files.values():
@@ -121,20 +121,20 @@ class Publishers:
         self._marks.clear()
 
     def close(self) -> None:
-        """Send what waits, and free everything."""
+        """Send waiting messages, and free all resources."""
         self._queue.close()
         self.disconnect(linger_ms=100)
         for publisher in self._publishers.values():
             publisher.close()
 
     def advertised(self, message: control.Advertised) -> None:
-        """Central answers ADVERTISE."""
+        """Handle the answer to ADVERTISE."""
         publisher = self._publishers.get(message.name)
         if publisher is not None:
             publisher.advertised(subscribed=message.subscribed, now=self._clock())
 
     def subscriber(self, message: control.Subscriber) -> None:
-        """A client on this machine subscribes, or does so no longer."""
+        """Add or remove a subscriber on this machine."""
         publisher = self._publishers.get(message.name)
         added = False
         with self._queue.lock:
@@ -143,7 +143,7 @@ class Publishers:
                 self._direct_sockets.remove(message.name, message.subscriber)
             elif publisher is not None:
                 added = self._direct_sockets.add(message, publisher.definition.plane)
-            # Also without a socket to the subscriber: there may have been one before.
+            # Even without a socket to the subscriber: there may have been one before.
             for each in self._publishers.values() if not message.name else [publisher]:
                 if each is not None:
                     direct = self._direct_sockets.receivers(each.definition.name)
@@ -152,32 +152,32 @@ class Publishers:
             self._connection.send(control.Ready(token=message.token))
 
     def reports(self) -> tuple[control.Published, ...]:
-        """What was published by each publisher since the last time."""
+        """The publications of each publisher since the last report."""
         now = self._clock()
         made = (publisher.report(now) for publisher in self._publishers.values())
         return tuple(report for report in made if report is not None)
 
     def last(self, name: str) -> bytes | None:
-        """The last message of this name, as a frame; all that waits leaves before it."""
+        """The last message of this name, as a frame; waiting messages leave before it."""
         self.flush()
         publisher = self._publishers.get(name)
         return None if publisher is None else publisher.last()
 
     def flush(self) -> None:
-        """Send all that waits; any thread may call this."""
+        """Send all waiting messages; any thread may call this."""
         self._queue.flush()
 
     def check(self) -> None:
-        """Try again what could not be done; to be called every second or so."""
+        """Retry what failed; call it about once a second."""
         self._check_open()
         with self._queue.lock:
             self._direct_sockets.close_unused()
             unreached = self._direct_sockets.unreached
-        for message in unreached:  # perhaps this process has descriptors again
+        for message in unreached:  # this process may have descriptors again
             self.subscriber(message)
         for publisher in self._publishers.values():
             if publisher.unanswered and self._connection.publisher:
-                self._advertise(publisher)  # perhaps the message is defined now
+                self._advertise(publisher)  # the message may be defined now
 
     def _send_to_central(self, frame: bytes, topic: bytes, plane: Plane) -> None:
         """Send a frame; the lock of the queue is held."""
@@ -203,7 +203,7 @@ class Publishers:
             self._connection.send(control.Ready(token=token))
 
     def _receive(self, socket: sockets.Socket) -> bool:
-        """Take the subscriptions that have come."""
+        """Read the new subscriptions."""
         came = self._subscriptions(socket)
         for raw in came:
             on, topic = raw[:1] == b"\1", raw[1:]
@@ -241,7 +241,8 @@ class Publishers:
         if len(self._marks) < _MAX_FILTERS:
             self._marks.setdefault(wanted, set()).add(token)
         publisher = self._publishers.get(wanted.removeprefix(frames.FAR).decode("ascii", "replace"))
-        # A subscriber on this machine has an inbox; its subscription at central is for others.
+        # A subscriber on this machine has an inbox; its subscription at central is for other
+        # machines.
         sent = publisher is not None and publisher.topic[:-1] == wanted
         if sent or token.startswith(f"{self._connection.publisher}."):
             self._connection.send(control.Ready(token=token))

@@ -1,9 +1,9 @@
-"""The messages that came to a client, until their handlers have them.
+"""The received messages of a client, until their handlers get them.
 
 | the message | it goes to its handlers |
 | --- | --- |
-| all are kept, no priority, nothing waits | as it is read |
-| any other | when all that came is read; higher priority first |
+| all are kept, no priority, empty queue | as it is read |
+| any other | after all sockets are read; higher priority first |
 | older than its lifespan, or repeated | never, and is counted |
 """
 
@@ -25,13 +25,13 @@ from hub.ipc.wire import frames
 
 _BATCH = 256
 _MOST_EVENTS = 2 * max(sockets.QUEUE.values())
-"""What can wait between two clients of this machine, at both ends [frames]."""
+"""Most frames that wait between two clients of this machine, at both ends."""
 _SLICE_S = 0.005
-"""After this long of handling, read what has come: it may be more urgent [s]."""
+"""Longest time in handlers before the sockets are read again [s]."""
 
 
 def _topics(name: str) -> list[bytes]:
-    """What stands before the NUL of a frame of this message."""
+    """The texts before the NUL in frames of this message."""
     return [frames.topic(name, kind)[:-1] for kind in (b"", frames.FAR, frames.RING)]
 
 
@@ -39,12 +39,12 @@ _new = tuple.__new__
 
 
 class _Opened:
-    """Messages of one publisher that are being handed to the handlers.
+    """Messages of one publisher on their way to the handlers.
 
     Attributes:
-        messages: Stamp [ns] and payload, or the numbers of a flat format, of each that is left.
+        messages: Stamp [ns] and payload, or the numbers of a flat format, of each.
         sequence: Number of the next.
-        accepted: Whether their numbers were looked at before.
+        accepted: Whether their numbers were checked before.
     """
 
     __slots__ = ("accepted", "kind", "messages", "publisher", "sequence", "source", "subscription")
@@ -60,7 +60,7 @@ class _Opened:
 
 
 class ReceiveQueue:
-    """All that came to one client and was not handed to the handlers yet."""
+    """The received messages of one client that wait for the handlers."""
 
     def __init__(
         self,
@@ -70,13 +70,13 @@ class ReceiveQueue:
         faults: FaultCounter,
         no_ring: Callable[[Subscription, str], None],
     ) -> None:
-        """Nothing is taken before a subscription is added.
+        """Without subscriptions it reads nothing.
 
         Args:
             clock: Monotonic time [s].
-            hub_time: What stamps are on.
-            faults: Where wrong frames and messages that come too late are counted.
-            no_ring: Called with the reason when shared memory cannot give a payload.
+            hub_time: The clock of stamps.
+            faults: Counts wrong frames and late messages.
+            no_ring: Called with the reason if shared memory has no payload.
         """
         self._clock = clock
         self._hub_time = hub_time
@@ -91,11 +91,11 @@ class ReceiveQueue:
 
     @property
     def pending(self) -> bool:
-        """Whether messages were taken from the sockets and not handed on yet."""
+        """Whether messages wait."""
         return self._waits > 0 or bool(self._opened) or bool(self._bundled)
 
     def add(self, subscription: Subscription) -> None:
-        """Take the frames of this message, or do so by another priority than before."""
+        """Receive this message, or change its priority."""
         for topic in _topics(subscription.definition.name):
             self._topics[topic] = subscription
         if subscription.priority not in self._queues:
@@ -103,22 +103,22 @@ class ReceiveQueue:
             self._queues = dict(sorted(self._queues.items(), reverse=True))
 
     def remove(self, subscription: Subscription) -> None:
-        """Take them no longer; messages that wait find no handler."""
+        """Stop receiving it; waiting messages are dropped."""
         for topic in _topics(subscription.definition.name):
             del self._topics[topic]
 
     def close_rings(self) -> None:
-        """Close all shared memory; it is opened again for what still waits there."""
+        """Close all shared memory; waiting messages open it again."""
         self._reader.close()
 
     def turn(self) -> None:
-        """Hand on what waits."""
+        """Hand on waiting messages."""
         self._finish()
         if self._waits:
             self._hand_on()
 
     def accept(self, subscription: Subscription, frame: frames.Frame) -> None:
-        """Handle a message that came as an answer, unless it or a later one has come already."""
+        """Handle a message from an answer, unless it or a later one has arrived already."""
         source = subscription.source(frame.publisher)
         if frame.sequence <= source.arrived:
             return
@@ -129,16 +129,16 @@ class ReceiveQueue:
         self._deliver(subscription, source, frame.publisher, frame.sequence, frame.stamp_ns, value)
 
     def _finish(self) -> None:
-        """Hand on the rest of what a handler interrupted, because it raised or listened itself."""
+        """Hand on the rest after a handler that raised or listened itself."""
         while self._opened:
             self._hand_out(self._opened[-1])
         while self._bundled:
             self._take_frame(self._bundled.popleft())
 
     def take(self, socket: sockets.Socket) -> bool:
-        """Take a batch from a socket; whether there may be more.
+        """Read a batch from a socket; whether there may be more.
 
-        Something newer or more urgent may come, so most messages wait until all are read.
+        Most messages wait until all sockets are read: a newer or more urgent one may follow.
         """
         self._finish()
         receive = socket.recv
@@ -157,7 +157,7 @@ class ReceiveQueue:
         return True
 
     def take_events(self, socket: sockets.Socket) -> None:
-        """Keep the messages in a socket that are kept in full, and drop all others."""
+        """Read a socket: keep the messages of `Keep.ALL`, and drop all others."""
         self._finish()
         for _ in range(_MOST_EVENTS):
             try:
@@ -200,7 +200,7 @@ class ReceiveQueue:
             self._put(subscription, received)
 
     def _put(self, subscription: Subscription, received: ReceivedFrame) -> None:
-        """Let messages wait; a limit lets the oldest of their publisher go."""
+        """Add waiting messages; beyond the limit, drop the oldest of their publisher."""
         publisher, sequence, kind, messages = received
         source = subscription.source(publisher)
         for number, (stamp_ns, message) in enumerate(messages, sequence):
@@ -219,10 +219,10 @@ class ReceiveQueue:
             self._waits += 1
 
     def _arrived(self, subscription: Subscription, source: Source, sequence: int) -> bool:
-        """Whether a message of this number may be handed on; a gap before it is counted.
+        """Whether a message of this number may be handed on; counts a gap before it.
 
-        Only for a message that was decoded, or that lies in a ring of this machine: a number that
-        came with nonsense is not believed.
+        Only for a message that was decoded, or that lies in a ring of this machine. The number of a
+        damaged message is ignored.
         """
         last = source.arrived
         if subscription.unordered:
@@ -240,14 +240,14 @@ class ReceiveQueue:
         return True
 
     def _hand_on(self) -> None:
-        """Hand on what waits, most urgent first; after a while, look what has come meanwhile."""
+        """Hand on waiting messages, most urgent first; read the sockets every `_SLICE_S`."""
         end = self._clock() + _SLICE_S
         for queue in self._queues.values():
             while queue:
                 waiting = queue.popleft()
                 self._waits -= 1
                 if waiting.subscription is None:
-                    continue  # a newer one came
+                    continue  # a newer one arrived
                 if waiting.source.waiting and waiting.source.waiting[0] is waiting:
                     waiting.source.waiting.popleft()
                 self._opened.append(waiting)
@@ -256,7 +256,7 @@ class ReceiveQueue:
                     return
 
     def _hand_out(self, opened: _Opened) -> None:
-        """Hand messages to their handlers; after one that raises, the rest comes later."""
+        """Hand messages to their handlers; after an exception, `_finish` hands on the rest."""
         subscription, source, publisher = opened.subscription, opened.source, opened.publisher
         if subscription is None:
             return
@@ -266,7 +266,7 @@ class ReceiveQueue:
             value = self._accepted(opened, subscription, sequence, message)
             if value is not None:
                 self._deliver(subscription, source, publisher, sequence, stamp_ns, value)
-        if opened in self._opened:  # not if a handler listened, and so had the rest handed out
+        if opened in self._opened:  # not if a handler listened, and thus handed on the rest
             self._opened.remove(opened)
 
     def _accepted(
@@ -310,10 +310,10 @@ class ReceiveQueue:
             missed = sequence - source.handed_on - 1 if source.handed_on else 0
             source.handed_on = sequence
         subscription.received += 1
-        how = _new(MessageInfo, (publisher, sequence, missed, age, measured))
+        info = _new(MessageInfo, (publisher, sequence, missed, age, measured))
         handlers = subscription.handlers
         for each in handlers:
             if (
                 handlers is subscription.handlers or each in subscription.handlers
             ):  # one may unsubscribe another
-                each(value, how)
+                each(value, info)

@@ -19,7 +19,7 @@ Pack = Callable[[MessageDefinition[Any], Any, float], bytes]
 
 
 class Reply(Generic[R]):
-    """Answers one query, once, at any time before the query's time has run out.
+    """Answers one query, once, at any time before it times out.
 
     Attributes:
         asker: The asker's number at central, as in frame headers.
@@ -35,11 +35,11 @@ class Reply(Generic[R]):
 
         Args:
             value: The answer.
-            measured: When its content was measured, on the monotonic clock [s]; default when the
-                query came.
+            measured: Time of its measurement, on the monotonic clock [s]; default: arrival of the
+            query.
 
         Raises:
-            CodecError: The value does not fit the format; the query has ended with that error.
+            CodecError: The value does not fit the format; the asker gets this error too.
         """
         try:
             self._respond(value, measured)
@@ -72,8 +72,8 @@ class Responders:
 
         Args:
             name: Of the client.
-            connection: Where answers go.
-            pack: Makes the frame of a value that was measured at a time [s].
+            connection: Sends the answers.
+            pack: Makes the frame of a value, with the time of its measurement [s].
             last: The last published message of a name, as a frame.
             clock: Monotonic time [s].
         """
@@ -105,25 +105,25 @@ class Responders:
         self._announce(request.name)
 
     def announce_all(self) -> None:
-        """Announce all at central, which knows the definitions now."""
+        """Announce all at a central that has the definitions."""
         for name in self._responders:
             self._announce(name)
 
     def use_direct_responder(self, direct_responder: DirectResponder | None) -> None:
-        """Take queries there too, or only through central."""
+        """Take queries directly too, or only through central."""
         self._direct_responder = direct_responder
 
     def answer(self, query: control.Query, attached: bytes | None) -> None:
-        """A query has come from central."""
+        """Handle a query from central."""
         self._answer(query, attached, self._connection.send)
 
     def answer_directly(self, query: control.Query, attached: bytes, asker: bytes) -> None:
-        """A query came from a client on this machine."""
+        """Handle a query from a client on this machine."""
         if self._direct_responder is not None:
             self._answer(query, attached, functools.partial(self._direct_responder.answer, asker))
 
     def _answer(self, query: control.Query, attached: bytes | None, send: SendControl) -> None:
-        asked = self._clock()  # the answer was measured now, whenever it is sent
+        asked = self._clock()  # the answer counts as measured now, even if it is sent later
         responder = self._responders.get(query.name)
         try:
             if responder is None or attached is None:
@@ -153,6 +153,6 @@ class Responders:
 
 
 def _fail(send: SendControl, number: int, error: str, text: str) -> None:
-    """Send an error; characters that cannot be sent are replaced."""
+    """Send an error, without unsendable characters."""
     text = text.replace("\0", "?").encode(errors="replace").decode()
     send(control.Failure(number=number, error=error, text=text), None)

@@ -1,9 +1,9 @@
 """The queue in front of a client's sockets: messages of a burst leave it together.
 
-| a message comes | it leaves |
+| a message | leaves |
 | --- | --- |
 | alone | at once |
-| in a burst | with those that follow, when enough have come or the module listens |
+| in a burst | with the next ones, when enough wait or the module listens |
 | in a burst, while the module is busy | after `WAIT_S`, by a thread of the queue |
 
 The lock of the queue also guards the sockets behind it, because two threads send.
@@ -24,13 +24,13 @@ from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import frames
 
 WAIT_S = 0.5e-3
-"""How long a message of a burst may wait for more while its module is busy elsewhere [s]."""
+"""Longest wait of a message in a burst while its module is busy [s]."""
 
 Send = Callable[[bytes, int], Any]
 """Sends a frame to one subscriber; the number is of flags."""
 Combine = Callable[[int, Sequence[bytes]], tuple[bytes, tuple[Send, ...], bytes, Plane]]
 """(number of the first message, messages) -> one frame for them, the subscribers on this machine
-that get it, its topic for all others (empty: it is not for them), and its plane."""
+that get it, its topic for all others (empty: none), and its plane."""
 
 
 class SendQueue:
@@ -38,10 +38,10 @@ class SendQueue:
 
     Attributes:
         lock: Guards the queue and the sockets.
-        topics: What subscribers at central want.
-        previous: When the last message was published, whether it waits or not [s].
-        latest: Its publisher. The next frame of another publisher is a frame of its own: that is
-            cheaper than a batch of one.
+        topics: Topics with subscribers at central.
+        previous: Time of the last message, waiting or sent [s].
+        latest: Its publisher. The next message of another publisher has a frame of its own: that
+            is cheaper than a batch of one.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class SendQueue:
 
         Args:
             send_to_central: Sends a frame under a topic on a plane.
-            faults: Counts what could not be sent.
+            faults: Counts unsent messages.
         """
         self.lock = threading.Lock()
         self.topics: set[bytes] = set()
@@ -61,7 +61,7 @@ class SendQueue:
         self._faults = faults
         # Each: how to combine, the number of the first (0: a whole frame), the messages.
         self._runs: list[tuple[Combine, int, list[bytes]]] = []
-        # Of the last run, if messages can still join it.
+        # Messages of the last run, if more can still join it.
         self._last_combine: Combine | None = None
         self._last_messages: list[bytes] = []
         self._count = 0
@@ -77,12 +77,12 @@ class SendQueue:
         return bool(self._runs)
 
     def send(self, frame: bytes, direct: tuple[Send, ...], topic: bytes, plane: Plane) -> None:
-        """Send a frame at once, behind all that waits.
+        """Send a frame at once, behind all waiting messages.
 
         Args:
             frame: The frame.
             direct: The subscribers on this machine that get it.
-            topic: For all other subscribers; empty if it is not for them.
+            topic: For all other subscribers; empty: none.
             plane: Its plane.
         """
         with self.lock:
@@ -94,14 +94,14 @@ class SendQueue:
                 self._send_to_central(frame, topic, plane)
 
     def add(self, combine: Combine, number: int, message: bytes, now: float, limit: int) -> None:
-        """Let a message of a burst wait for more.
+        """Keep a message of a burst, to send it with more.
 
         Args:
             combine: Makes one frame of consecutive messages of the same publisher.
             number: Its sequence number; 0 if the message is a whole frame.
             message: The message.
             now: The time [s].
-            limit: All are sent when this many wait.
+            limit: Number of waiting messages at which all are sent.
         """
         with self.lock:
             if number and combine is self._last_combine:
@@ -119,23 +119,23 @@ class SendQueue:
                 self._send_waiting()
 
     def flush(self) -> None:
-        """Send all that waits; any thread may call this."""
+        """Send all waiting messages; any thread may call this."""
         with self.lock:
             self.flush_locked()
 
     def flush_locked(self) -> None:
-        """Send all that waits; the caller holds the lock."""
+        """Send all waiting messages; the caller holds the lock."""
         if self._runs:
             self._send_waiting()
 
     def clear_locked(self) -> None:
-        """Forget all that waits; the caller holds the lock."""
+        """Forget all waiting messages; the caller holds the lock."""
         self._runs.clear()
         self._count = 0
         self._last_combine = None
 
     def close(self) -> None:
-        """Send all that waits and end the thread."""
+        """Send all waiting messages, and end the thread."""
         self.flush()
         self._closed = True
         self._wake.set()
@@ -177,5 +177,5 @@ class SendQueue:
             self._wake.wait()
             self._wake.clear()
             time.sleep(WAIT_S)
-            self._woken = False  # before the flush: a message that comes now wakes it again
+            self._woken = False  # before the flush: a message from now on wakes the thread again
             self.flush()

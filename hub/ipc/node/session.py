@@ -1,4 +1,4 @@
-"""The parts of a client, and in which order they act when the connection changes."""
+"""The parts of a client, and the order of their actions when the connection changes."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ _CHECK_S = 1.0
 _LAST_S = 2.0
 _REPORT_ENTRIES = 1000
 _HANDSHAKE_S = 0.5
-"""How long `close` waits for handshakes that are under way [s]."""
+"""Longest wait of `close` for handshakes under way [s]."""
 
 
 class Session:
-    """The parts of one client, served by its loop.
+    """The parts of one client.
 
     Attributes:
         connection: To central.
         publishers: All messages that it publishes.
         subscriptions: All messages that it subscribes to.
-        pending_queries: The queries that it waits for.
+        pending_queries: Its queries under way.
         responders: The queries that it answers.
-        directory: What central knows of all peers.
+        directory: Central's list of peers.
         refused: Why central refused a definition, by message name.
     """
 
@@ -99,7 +99,7 @@ class Session:
         return self._confirmed.issuperset(self._definitions)
 
     def define(self, definition: MessageDefinition[Any]) -> None:
-        """Make a message known at central.
+        """Define a message at central.
 
         Raises:
             RedefinedMessageError: This client has defined it with another format.
@@ -116,16 +116,16 @@ class Session:
 
     @property
     def pending(self) -> bool:
-        """Whether messages were taken and not handed on yet, or wait to be sent."""
+        """Whether received messages wait for handlers, or messages wait to be sent."""
         return self.subscriptions.receive_queue.pending or self.publishers.pending
 
     def due(self, otherwise: float) -> float:
-        """When work is due even if nothing comes [s]."""
+        """Time of the next work without input [s]."""
         wake = min(otherwise, self.connection.due(otherwise), self._next_check)
         return self.pending_queries.due(wake)
 
     def turn(self) -> None:
-        """Do what is due."""
+        """Do the work that is due."""
         if self.publishers.pending:
             self.publishers.flush()
         self.subscriptions.receive_queue.turn()
@@ -134,23 +134,23 @@ class Session:
         if now >= self._next_check:
             self._check(now)
 
-    def neglected(self, time: float) -> None:
-        """The loop stood still for `time` [s]: drop what is old in the sockets, but keep events."""
+    def stalled(self, time: float) -> None:
+        """Drop old messages in the sockets, but keep events, after a stall of `time` [s]."""
         if time > LOST_S and self.connection.publisher:
             self.subscriptions.take_events()
             self.connection.start_over(f"{self._name} did not listen for {time:.1f} s")
         else:
             self.subscriptions.drop_pictures()
 
-    def welcomed(self, message: control.Welcome, *, anew: bool, same_run: bool) -> None:
-        """Central knows this client."""
-        if anew:
-            # What waits in the old connections is from before central forgot this client.
+    def welcomed(self, message: control.Welcome, *, is_new: bool, same_run: bool) -> None:
+        """Announce everything at a new central."""
+        if is_new:
+            # Messages in the old connections are from before central forgot this client.
             self._confirmed.clear()
             self.refused.clear()
             addresses = self.connection.addresses(message)
             if message.near:
-                # Other clients connect to this one. ZeroMQ ends a process without free descriptors.
+                # Other clients connect here. ZeroMQ ends a process without free descriptors.
                 file_descriptors.allow_many()
             self._leave_planes()
             self._plane_addresses = (addresses, message.near, same_run)
@@ -159,7 +159,7 @@ class Session:
             self._open_direct_responder(near=message.near)
         for definition in self._definitions.values():
             self.connection.send(definition_listing.to_listing(definition))
-        if anew:
+        if is_new:
             self.publishers.advertise_all()
             self.subscriptions.subscribe_all()
             for name in self._last_names:
@@ -169,15 +169,15 @@ class Session:
                 self.directory.ask_again()
 
     def ask_last(self, name: str) -> None:
-        """Have the last value of a message handed on, now and whenever central is new."""
+        """Ask for the last value of a message, now and at each new central."""
         self._last_names.add(name)
         if self.connection.publisher:
             self.pending_queries.ask_last(name, _LAST_S, self.subscriptions.accept)
 
     def enter_planes(self) -> None:
-        """Connect to where broadcasts go in and come out, unless that is done.
+        """Connect to the inputs and outputs of the planes, once.
 
-        This waits until something is published or subscribed to. A client that only asks needs no
+        This happens at the first publication or subscription. A client that only asks needs no
         broadcasts, and would often leave in the middle of these handshakes.
         """
         if self._plane_addresses is not None:
@@ -192,14 +192,14 @@ class Session:
         self.subscriptions.disconnect()
 
     def lost(self, why: str) -> None:
-        """Central is gone: nothing waits for its return, because it would be old by then."""
+        """Drop all waiting messages after the loss of central: they would be old at its return."""
         self._confirmed.clear()
         self._leave_planes()
         self._close_direct_requesters()
         self.pending_queries.end_all(why)
 
     def close(self) -> None:
-        """Free everything."""
+        """Free all resources."""
         self._plane_addresses = None
         if self.connection.publisher:
             self._transport.handshakes.wait(_HANDSHAKE_S)
@@ -210,7 +210,7 @@ class Session:
         self.connection.close()
 
     def on_control_message(self, message: Any, attached: bytes | None) -> None:
-        """A control message came that is not about the connection."""
+        """Handle a control message about anything but the connection."""
         kind = type(message)
         if kind in self._frame_actions:
             self._frame_actions[kind](message, attached)
@@ -236,7 +236,7 @@ class Session:
         self._transport.faults.count("refused by central", message.text)
 
     def _open_direct_responder(self, *, near: bool) -> None:
-        """Take queries directly if central is on this machine, and only then."""
+        """Take queries directly if central is on this machine."""
         if near and self._direct_responder is None:
             self._direct_responder = DirectResponder(
                 self.connection.client, self.responders.answer_directly, self._transport
@@ -247,7 +247,7 @@ class Session:
         self.responders.use_direct_responder(self._direct_responder)
 
     def _on_direct_route(self, message: control.DirectRoute) -> None:
-        """Central says where queries of a name go directly; without an address, through central."""
+        """Set the direct route of a query by central's order; without an address, remove it."""
         known = self.pending_queries.requesters()
         requester = next((each for each in known if each.address == message.address), None)
         if requester is None and endpoints.is_direct_address(message.address):
@@ -271,7 +271,7 @@ class Session:
             self._direct_requester_lost(requester)
 
     def _check(self, now: float) -> None:
-        """Do the work of every second or so."""
+        """Do the work of about every second."""
         self._next_check = now + _CHECK_S
         self._transport.handshakes.look()
         self.publishers.check()

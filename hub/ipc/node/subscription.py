@@ -1,4 +1,4 @@
-"""One message that a client subscribes to: its handlers, its publishers, and how it is read."""
+"""One message that a client subscribes to: its handlers, its publishers, and its reading."""
 
 from __future__ import annotations
 
@@ -15,52 +15,52 @@ Handler = Callable[[Any, MessageInfo], None]
 
 _MAX_PUBLISHERS = 256
 _MAX_JUMP = 1 << 24
-_CONVINCING = 3
-"""This many impossible numbers in a row are believed: then an earlier one was wrong."""
+_RESYNC_COUNT = 3
+"""Number of impossible numbers in a row that are accepted: then an earlier one was wrong."""
 
 
 class Source:
-    """What is known of one publisher of one message.
+    """One publisher of one message.
 
     Attributes:
-        arrived: Number of the last message that came.
+        arrived: Number of the last message that arrived.
         handed_on: Number of the last message that was handed on.
-        waiting: What came and was not handed on yet, where that is limited.
+        waiting: Waiting messages, where their number is limited.
     """
 
-    __slots__ = ("_doubtful", "_doubts", "arrived", "handed_on", "waiting")
+    __slots__ = ("_refused_count", "_refused_number", "arrived", "handed_on", "waiting")
 
     def __init__(self) -> None:
         self.arrived = 0
         self.handed_on = 0
         self.waiting: deque[Any] = deque()
-        self._doubtful = self._doubts = 0
+        self._refused_number = self._refused_count = 0
 
     def accepts(self, sequence: int) -> bool:
-        """Whether a message of this number may follow.
+        """Whether a message may have this number.
 
-        A number that was used or is far away is not believed, but several in a row are: then an
-        earlier one was wrong. So a damaged frame costs itself and a few more at most.
+        A number that was used or is far away is refused. `_RESYNC_COUNT` of them in a row are
+        accepted: then an earlier one was wrong. So a damaged frame costs only a few messages.
         """
         if self.arrived < sequence <= self.arrived + _MAX_JUMP or (not self.arrived and sequence):
-            self._doubts = 0
+            self._refused_count = 0
             return True
-        self._doubts = self._doubts + 1 if sequence == self._doubtful + 1 else 1
-        self._doubtful = sequence
-        if self._doubts < _CONVINCING:
+        self._refused_count = self._refused_count + 1 if sequence == self._refused_number + 1 else 1
+        self._refused_number = sequence
+        if self._refused_count < _RESYNC_COUNT:
             return False
-        self._doubts = 0
+        self._refused_count = 0
         self.arrived, self.handed_on = sequence - 1, 0
         return True
 
 
 class ReceivedFrame(NamedTuple):
-    """What one frame brought.
+    """The content of one frame.
 
     Attributes:
         publisher: Number of the sender's connection.
         first: Sequence number of the first message.
-        kind: What the frame holds.
+        kind: Kind of the frame.
         messages: For each message its stamp on the hub's clock [ns], and its payload or, of a flat
             format, its numbers.
     """
@@ -80,18 +80,18 @@ class Subscription:
     Attributes:
         definition: The message.
         handlers: The handlers.
-        limit: How many of each publisher wait at most; the oldest are dropped. None: all wait.
-        priority: The higher, the sooner it is handed on.
-        in_ring: Whether it is asked for by descriptors.
-        token: Of the subscription that is under way; empty when it stands.
+        limit: Most waiting messages of each publisher; the oldest are dropped. None: no limit.
+        priority: Higher ones are handed on first.
+        in_ring: Whether it asks for descriptors.
+        token: Of the subscription under way; empty: it is complete.
         received: Messages handed on.
-        lost: Messages that did not come, by the sequence numbers.
-        expired: Messages that came too old.
+        lost: Messages that did not arrive, by the sequence numbers.
+        expired: Messages that were too old.
         refused: Messages with a value out of its range.
-        unfit: What was wrong first with a value of it, in a sentence; empty: nothing was.
+        unfit: The first fault in a value, in a sentence; empty: none.
         oldest: Largest age since the last report [s].
         flat: Reads direct messages of a flat format; None for any other format.
-        unordered: Whether every frame counts, whatever its header says.
+        unordered: Whether every frame counts, even with a wrong header.
     """
 
     def __init__(self, definition: MessageDefinition[Any]) -> None:
@@ -122,7 +122,7 @@ class Subscription:
             self.receive = definition.receive_flat
 
     def forget(self) -> None:
-        """Forget the publishers: their numbers belong to others now."""
+        """Forget the publishers: their numbers have new owners."""
         self._sources.clear()
 
     def source(self, publisher: int) -> Source:
@@ -135,7 +135,7 @@ class Subscription:
         return known
 
     def read(self, raw: bytes) -> ReceivedFrame:
-        """What a frame of this message brings.
+        """The content of a frame of this message.
 
         Raises:
             FrameError: It is no frame.
@@ -158,7 +158,7 @@ class Subscription:
                 or kind > frames.RING_BATCH
                 or (kind in frames.RING_KINDS) != in_ring
             ):
-                frames.unpack(raw)  # says what is wrong
+                frames.unpack(raw)  # raises the reason
         if fingerprint != self._fingerprint:
             text = f"{self._name} came in another format"
             raise CodecError(text)
@@ -176,13 +176,13 @@ class Subscription:
         return ReceivedFrame(publisher, sequence, kind, [(stamp, payload)])
 
     def unreadable(self) -> ReceivedFrame | None:
-        """What stands for a frame that cannot be read; None if nothing does."""
+        """The replacement of an unreadable frame; None: there is none."""
         if not self.unordered:
             return None
         return ReceivedFrame(0, 0, frames.INLINE, [(_JUST_NOW, memoryview(b""))])
 
     def report(self) -> control.Received | None:
-        """What came since the last time; None if nothing."""
+        """The receptions since the last report; None: there are none."""
         now = (self.received, self.lost, self.expired, self.refused)
         if now == self._reported:
             return None

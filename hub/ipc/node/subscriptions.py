@@ -1,4 +1,4 @@
-"""All messages that a client subscribes to, and the sockets where they come in."""
+"""All messages that a client subscribes to, and their sockets."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from hub.ipc.wire import control, frames
 
 
 class Subscriptions:
-    """All subscriptions of one client, and the sockets they share.
+    """All subscriptions of one client, and their shared sockets.
 
     Attributes:
         receive_queue: Messages that wait for their handlers.
@@ -46,17 +46,17 @@ class Subscriptions:
 
     @property
     def used(self) -> bool:
-        """Whether anything is subscribed to."""
+        """Whether it has subscriptions."""
         return bool(self._subscriptions)
 
     @property
     def lost(self) -> int:
-        """Messages that did not come, of those that are subscribed to now."""
+        """Number of lost messages of the present subscriptions."""
         return sum(subscription.lost for subscription in self._subscriptions.values())
 
     @property
     def unfit(self) -> dict[str, str]:
-        """What was wrong first with values of each message, in a sentence by its name."""
+        """The first fault in a value of each message, in a sentence, by message name."""
         return {
             name: subscription.unfit
             for name, subscription in self._subscriptions.items()
@@ -69,19 +69,19 @@ class Subscriptions:
         return not self._under_way
 
     def connect(self, addresses: Sequence[str], *, near: bool, same_run: bool) -> None:
-        """Connect to where each plane comes out, at a new central."""
+        """Connect to the output of each plane at a new central."""
         self._near = near
         self._where = dict(zip(sockets.PLANES, addresses, strict=True))
         # Commands first: they must not wait behind a burst of states.
         for plane in (Plane.COMMAND, Plane.STATE, Plane.PICTURE):
             self._connect(plane)
         for subscription in self._subscriptions.values():
-            if not same_run:  # else what was missed meanwhile shows in the numbers
+            if not same_run:  # else the numbers show the missed messages
                 subscription.forget()
             subscription.in_ring = self._may_ring(subscription.definition)
 
     def drop_pictures(self) -> None:
-        """Connect the plane of pictures anew: the waiting ones are old."""
+        """Reconnect the plane of pictures: the waiting ones are old."""
         if Plane.PICTURE in self._sockets:
             self._disconnect(Plane.PICTURE)
             self._connect(Plane.PICTURE)
@@ -90,7 +90,7 @@ class Subscriptions:
                     self._ask_for(subscription)
 
     def take_events(self) -> None:
-        """Take the messages that are kept in full, and drop all others that came."""
+        """Read all sockets: keep the messages of `Keep.ALL`, and drop all others."""
         for plane in tuple(self._sockets):
             if plane is not Plane.PICTURE:
                 self.receive_queue.take_events(self._sockets[plane])
@@ -109,12 +109,12 @@ class Subscriptions:
             self._inboxes[plane] = DirectInbox(self._transport, plane, self.receive_queue.take)
 
     def subscribe_all(self) -> None:
-        """Subscribe anew, at a central that knows the definitions now."""
+        """Subscribe again, at a central that has the definitions."""
         for subscription in self._subscriptions.values():
             self._ask_for(subscription)
 
     def disconnect(self) -> None:
-        """Central is gone; what was received is still handled."""
+        """Disconnect from central; received messages are still handled."""
         for plane in tuple(self._sockets):
             self._disconnect(plane)
         self._under_way.clear()
@@ -153,7 +153,7 @@ class Subscriptions:
                 self._ask_for(subscription)
 
     def unsubscribe(self, name: str, handler: Handler | None) -> None:
-        """Call `handler` no longer, or none; messages that wait are dropped."""
+        """Remove `handler`, or all handlers; waiting messages are dropped."""
         subscription = self._subscriptions.get(name)
         if subscription is None:
             return
@@ -166,20 +166,20 @@ class Subscriptions:
         self.receive_queue.remove(subscription)
         if self._sockets:
             self._filter(subscription, on=False)
-            self._stands(subscription.token)
+            self._complete(subscription.token)
             self._connection.send(control.Unsubscribe(name=name))
 
     def subscribed(self, message: control.Subscribed) -> None:
-        """Central says that a subscription stands."""
-        self._stands(message.token)
+        """Handle central's report that a subscription is complete."""
+        self._complete(message.token)
 
     def reports(self) -> tuple[control.Received, ...]:
-        """What came to each subscription since the last time."""
+        """The receptions of each subscription since the last report."""
         made = (subscription.report() for subscription in self._subscriptions.values())
         return tuple(report for report in made if report is not None)
 
     def accept(self, frame: frames.Frame) -> None:
-        """Handle a message that came as an answer, such as the last value."""
+        """Handle a message from an answer, such as the last value."""
         subscription = self._subscriptions.get(frame.name)
         if subscription is None:
             return
@@ -190,18 +190,18 @@ class Subscriptions:
     def _emptied(self, inbox: DirectInbox, frame: frames.Frame) -> bool:
         """Whether an inbox is empty after a turn; else the frame is accepted in a later turn.
 
-        What was sent before the frame has come by now, and would be taken for repeated behind it.
+        Earlier messages have arrived by now; behind the frame they would count as repeated.
         """
         more = True
         try:
             more = inbox.take_now()
-        finally:  # also after a handler that raised
+        finally:  # even after a handler that raised
             if more:
                 self._transport.loop.after(0.0, functools.partial(self.accept, frame))
         return not more
 
     def _ask_for(self, subscription: Subscription) -> None:
-        """Subscribe; central says when no message can be missed any more."""
+        """Subscribe; central reports when the subscription is complete."""
         definition = subscription.definition
         self._under_way.pop(subscription.token, None)
         self._tokens += 1
@@ -226,8 +226,8 @@ class Subscriptions:
             Plane.STATE if subscription.in_ring else subscription.definition.plane
         )
 
-    def _stands(self, token: str) -> None:
-        """A subscription stands: take its mark back."""
+    def _complete(self, token: str) -> None:
+        """Withdraw the mark of a complete subscription."""
         subscription = self._under_way.pop(token, None)
         if subscription is not None:
             subscription.token = ""
@@ -250,7 +250,7 @@ class Subscriptions:
                 socket.subscribe(publishers.mark(topic, subscription.token))
 
     def _filters(self, subscription: Subscription) -> list[bytes]:
-        """The topics that come through central; without direct messages, all of them."""
+        """The topics that arrive through central; without direct messages, all."""
         kinds = (frames.FAR,) if self._near else (frames.FAR, b"")
         return [frames.topic(subscription.definition.name, kind) for kind in kinds]
 
@@ -260,7 +260,7 @@ class Subscriptions:
             self._transport.faults.count(
                 "no shared memory", f"{subscription.definition.name}: {why}"
             )
-            self._stands(subscription.token)
+            self._complete(subscription.token)
             self._filter(subscription, on=False)
             subscription.in_ring = False
             self._ask_for(subscription)

@@ -1,4 +1,4 @@
-"""A client's keys: the file a person copies to a console's machine, and how a socket uses them."""
+"""A client's keys: their file, which a person copies to a console's machine, and their use."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ class KeyPair:
         return KeyPair(public=public.decode(), secret=secret.decode())
 
     def demand_whole(self, path: Path, advice: str) -> None:
-        """See that the halves belong together.
+        """Check that the two keys belong together.
 
         Raises:
-            KeyFileError: They do not; `path` is where they were read.
+            KeyFileError: They do not; `path` is their file.
         """
         if zmq.curve_public(self.secret.encode()).decode() != self.public:
             raise KeyFileError(path, f"its public and secret key are no pair; {advice}")
@@ -47,13 +47,13 @@ class KeyPair:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ClientKeys:
-    """What a client needs to connect from another machine.
+    """The keys for connections from another machine.
 
     Attributes:
-        principal: Who it is at the hub.
+        principal: The client at the hub.
         pair: Its own keys.
-        hub: Public key of the hub, so that no other can pretend to be it.
-        path: The file that they are from, if they are from one.
+        hub: Public key of the hub: no other can pretend to be it.
+        path: Their file; None: they are from none.
     """
 
     principal: Principal
@@ -63,18 +63,18 @@ class ClientKeys:
 
     @property
     def role(self) -> Role:
-        """What the hub lets it do."""
+        """Its role at the hub."""
         return self.principal.role
 
     def apply(self, socket: zmq.Socket[bytes]) -> None:
-        """Make a client's socket use the keys; to be called before it connects."""
+        """Set the keys of a client's socket, before it connects."""
         socket.curve_publickey = self.pair.public.encode()
         socket.curve_secretkey = self.pair.secret.encode()
         socket.curve_serverkey = self.hub.encode()
 
 
 def read_client_keys(path: Path) -> ClientKeys:
-    """The keys in the file that `rune-hub keys make` wrote.
+    """The keys in a file from `rune-hub keys make`.
 
     Raises:
         KeyFileError: It is missing, damaged, or open to others.
@@ -94,7 +94,7 @@ def write_client_keys(path: Path, keys: ClientKeys) -> None:
         KeyFileError: It cannot be written.
     """
     text = (
-        "# A key to a robot's hub. Whoever has this file can use it.\n"
+        "# A key to a robot's hub. Everyone with this file can use it.\n"
         f'name = "{keys.principal.name}"\n'
         f'role = "{keys.principal.role.value}"\n'
         f'public = "{keys.pair.public}"\n'

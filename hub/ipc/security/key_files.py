@@ -24,7 +24,7 @@ _MOST_SHOWN = 5
 
 
 def is_key_name(text: str) -> bool:
-    """Whether a key can have this name: 1 to 64 letters, digits, - and _, none of these first."""
+    """Whether this can be a key's name: 1 to 64 letters, digits, - and _, no mark first."""
     return _NAME.fullmatch(text) is not None
 
 
@@ -32,7 +32,7 @@ def key_text(value: object) -> str:
     """A CURVE key in Z85: 40 characters for 32 bytes (ZeroMQ RFC 32).
 
     Raises:
-        RefusedError: It is none. The text does not repeat it, because it may be a secret.
+        RefusedError: It is none. The text leaves it out, because it may be a secret.
     """
     if isinstance(value, str) and _Z85.fullmatch(value):
         with contextlib.suppress(Exception):  # 40 such characters can still be above 32 bytes
@@ -43,7 +43,7 @@ def key_text(value: object) -> str:
 
 
 def key_name(value: object) -> str:
-    """A name that a key can have.
+    """A valid name of a key.
 
     Raises:
         RefusedError: It is none.
@@ -58,7 +58,7 @@ key_role: Reader = choice({role.value: role for role in Role})
 
 
 def is_there(path: Path) -> bool:
-    """Whether there is such a file, or something that hides it."""
+    """Whether the file exists, or something that hides it."""
     try:
         return path.exists()
     except OSError:
@@ -70,7 +70,7 @@ def read_private(path: Path, *, advice: str) -> dict[str, Any]:
 
     Args:
         path: The file.
-        advice: What to do if it is missing or damaged.
+        advice: The remedy for a missing or damaged file.
 
     Raises:
         KeyFileError: It is missing, damaged, another user's, or open to others.
@@ -81,7 +81,7 @@ def read_private(path: Path, *, advice: str) -> dict[str, Any]:
         raise KeyFileError(path, f"it is not there; {advice}") from fault
     except (OSError, ValueError) as fault:
         raise KeyFileError(path, f"{reason_of(fault)}; {advice}") from fault
-    if stat.S_ISREG(found.st_mode):  # what is no file, `load` refuses
+    if stat.S_ISREG(found.st_mode):  # `load` refuses anything but a file
         _demand_private(path, found, f"chmod 600 {path}")
     data, _ = load(path, lambda name, problems: _damaged(name, problems, advice))
     return data
@@ -90,7 +90,7 @@ def read_private(path: Path, *, advice: str) -> dict[str, Any]:
 def read_keys(
     keys: Mapping[str, Key], values: object, place: str, path: Path, *, advice: str
 ) -> dict[str, Any]:
-    """The values of one table of a file of keys.
+    """The values of one table in a file of keys.
 
     Raises:
         KeyFileError: Something is missing, unknown or malformed.
@@ -106,7 +106,7 @@ def write_private(path: Path, text: str) -> None:
     """Replace a file at once and whole; only its owner can read it.
 
     Raises:
-        KeyFileError: It cannot be written; what was there before still is.
+        KeyFileError: It cannot be written; the old file stays.
     """
     beside = path.with_name(f".{path.name}.{secrets.token_hex(8)}")
     try:
@@ -124,7 +124,7 @@ def write_private(path: Path, text: str) -> None:
 
 
 def private_folder(folder: Path) -> None:
-    """Make a folder that no other user can look into, or check that it is one.
+    """Make a folder that no other user can read, or check it.
 
     Raises:
         KeyFileError: It cannot be made, is another user's, or is open to others.
@@ -139,7 +139,7 @@ def private_folder(folder: Path) -> None:
 
 
 def _demand_private(path: Path, found: os.stat_result, remedy: str) -> None:
-    if sys.platform == "win32":  # these bits do not say which users may read it
+    if sys.platform == "win32":  # these bits do not name the users that may read it
         return
     if found.st_uid not in (os.geteuid(), 0):
         raise KeyFileError(path, "it belongs to another user; make a new one as yourself")
@@ -153,5 +153,5 @@ def _damaged(name: str, problems: list[str], advice: str) -> KeyFileError:
 
 
 def reason_of(fault: Exception) -> str:
-    """What the system says is wrong."""
+    """The system's reason for a fault."""
     return getattr(fault, "strerror", None) or str(fault)

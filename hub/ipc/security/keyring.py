@@ -1,7 +1,7 @@
 """The hub's own keys, and the list of keys that may connect from other machines.
 
-A folder holds `hub.toml` (the hub's key pair), `list.toml` (name, role and public key of each
-holder) and `clients/NAME.toml` (the file to copy to that client's machine).
+A folder holds `hub.toml` (the hub's key pair) and `list.toml` (name, role and public key of each
+holder). It also holds `clients/NAME.toml` (the file to copy to that client's machine).
 """
 
 from __future__ import annotations
@@ -42,13 +42,13 @@ class Holder:
 
 
 def default_folder() -> Path:
-    """Where keys are unless a folder is given: $XDG_CONFIG_HOME/rune/keys or ~/.config/rune/keys.
+    """The default folder of keys: $XDG_CONFIG_HOME/rune/keys or ~/.config/rune/keys.
 
     Raises:
         KeyFileError: The user has no home.
     """
     named = Path(os.environ.get("XDG_CONFIG_HOME", ""))
-    if named.is_absolute():  # the XDG specification wants others ignored
+    if named.is_absolute():  # the XDG specification ignores relative paths
         return named / "rune" / "keys"
     try:
         return Path.home() / ".config" / "rune" / "keys"
@@ -61,7 +61,7 @@ class Keyring:
     """The keys in one folder; several processes may use it at the same time.
 
     Attributes:
-        folder: Where the files are; it is made when the first is written.
+        folder: Their folder; made with the first file.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -76,14 +76,14 @@ class Keyring:
         Raises:
             KeyFileError: The file is damaged, open to others, or cannot be written.
         """
-        if key_files.is_there(self._hub):  # no lock, so that a read-only folder will do
+        if key_files.is_there(self._hub):  # no lock: a read-only folder is enough
             key_files.private_folder(self.folder)
             return self._hub_keys()
         with _alone_in(self.folder):
             return self._hub_keys()
 
     def holders(self) -> tuple[Holder, ...]:
-        """All holders of keys, by name; read again when the file has changed.
+        """All holders of keys, by name; read again after a change of the file.
 
         Raises:
             KeyFileError: The list is damaged or open to others.
@@ -92,7 +92,7 @@ class Keyring:
         return tuple(sorted(self._holders.values(), key=lambda holder: holder.name))
 
     def holder(self, public: str) -> Holder | None:
-        """The holder of this key, by the list as it is now.
+        """The holder of this key, by the present list.
 
         Raises:
             KeyFileError: The list is damaged or open to others.
@@ -104,7 +104,7 @@ class Keyring:
         """Make a key and put it on the list; returns the file for the client's machine.
 
         Raises:
-            KeyNameError: The name is taken, or cannot be one.
+            KeyNameError: The name is taken or invalid.
             KeyFileError: A file cannot be used.
         """
         if not key_files.is_key_name(name):
@@ -128,12 +128,12 @@ class Keyring:
             try:
                 self._write([*holders, holder])
             except KeyFileError:
-                path.unlink(missing_ok=True)  # a key that opens nothing would only confuse
+                path.unlink(missing_ok=True)  # a key without rights would only confuse
                 raise
         return path
 
     def remove(self, name: str) -> None:
-        """Take a key off the list: new connections with it are refused from now on.
+        """Remove a key from the list: the hub refuses new connections with it.
 
         Raises:
             KeyNameError: There is no such key.
@@ -147,7 +147,7 @@ class Keyring:
                 text = f"there is no key {name[:80]!r} in {self.folder}{known}"
                 raise KeyNameError(text)
             self._write(holder for holder in holders if holder.name != name)
-            with contextlib.suppress(OSError):  # often it was moved to the client's machine
+            with contextlib.suppress(OSError):  # it may have been moved to the client's machine
                 (self.folder / "clients" / f"{name}.toml").unlink()
 
     def _hub_keys(self) -> KeyPair:
@@ -173,11 +173,11 @@ class Keyring:
             return
         except OSError as fault:
             raise KeyFileError(self._list, f"{fault.strerror}; {_ADVICE}") from fault
-        # A replaced file has another inode, whatever the resolution of the clock; the time of
-        # change shows a new mode as well.
+        # A replaced file has another inode, at any resolution of the clock; the time of change
+        # shows a new mode as well.
         signature = (found.st_ctime_ns, found.st_size, found.st_ino)
         if signature != self._seen:
-            # What was known is forgotten first: a damaged list lets no client in.
+            # Forget the old list first: a damaged list admits no client.
             self._seen, self._holders = None, {}
             self._holders = self._read()
             self._seen = signature
@@ -200,13 +200,13 @@ class Keyring:
             f'\n[{holder.name}]\nrole = "{holder.role.value}"\npublic = "{holder.public}"\n'
             for holder in sorted(holders, key=lambda holder: holder.name)
         ]
-        head = "# Who may connect from other machines; written by `rune-hub keys`.\n"
+        head = "# Keys that may connect from other machines; written by `rune-hub keys`.\n"
         key_files.write_private(self._list, head + "".join(tables))
 
 
 @contextlib.contextmanager
 def _alone_in(folder: Path) -> Iterator[None]:
-    """Make the folder if it is not there, and hold an exclusive lock.
+    """Make the folder if needed, and hold an exclusive lock.
 
     Raises:
         KeyFileError: The folder cannot be used.

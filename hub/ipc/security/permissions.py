@@ -1,4 +1,4 @@
-"""Which right each control message to central needs."""
+"""The right that each control message to central needs."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ def check(
     """Refuse a control message that its sender may not send.
 
     Args:
-        principal: Whose key the sender has.
+        principal: Holder of the sender's key.
         client: The sender's name at central.
         message: The control message.
-        plane: The plane of the message of a name; None if it is not defined.
+        plane: The plane of a message, by name; None: it is not defined.
 
     Raises:
-        NotAllowedError: The text says what the sender may not do, and which role may.
+        NotAllowedError: The text names the missing right, and the role that has it.
     """
     if isinstance(message, control.Define):
         _check_definition(principal, message.name, plane)
@@ -50,7 +50,7 @@ def check(
 
 def _check_definition(principal: Principal, name: str, plane: Callable[[str], str | None]) -> None:
     if plane(name) is None and not may(principal.role, Action.DEFINE):
-        # No advice to take a stronger key: a module of the robot will define it.
+        # A stronger key is no remedy: a module of the robot defines it.
         text = (
             f"{principal.name} has a key to {principal.role.value} and may not define a new "
             f"message: no module of this robot has defined {name[:80]} yet; start the module that "
@@ -60,7 +60,7 @@ def _check_definition(principal: Principal, name: str, plane: Callable[[str], st
 
 
 def refusal(message: Any, text: str) -> Any:
-    """The answer to a control message that is not allowed; None if it has none."""
+    """The answer to a forbidden control message; None: it has none."""
     if isinstance(message, (control.Query, control.Last)):
         return control.Failure(number=message.number, error="HandlerFailedError", text=text)
     if isinstance(message, _NAMED):

@@ -1,7 +1,7 @@
-"""Who may publish which message: one table by message and role; pure.
+"""The rights to publish: one table by message and role; pure.
 
-A client looks here before it publishes, central when a client asks to publish or to query on the
-command plane, and the gateway at every command that comes from another machine.
+A client checks them before it publishes. Central checks them when a client asks to publish, or to
+query on the command plane. The gateway checks every command from another machine.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from hub.ipc.roles import Principal, Role
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Right:
-    """What it takes to publish a message, or to query with it.
+    """The conditions to publish a message, or to query with it.
 
     Attributes:
         role: The least role of a key.
-        module: The only module that may; empty: any client of that role.
-        unordered: Whether it passes whatever its header says. Only a stop does.
+        module: The only module with this right; empty: any client of that role.
+        unordered: Whether it passes even with a wrong header. Only a stop does.
     """
 
     role: Role
@@ -34,9 +34,9 @@ _SUPERVISOR = Right(role=Role.SUPERVISE)
 _MODULE = Right(role=Role.MODULE)
 
 COMMANDS: Mapping[str, Right] = {
-    # Whoever may connect may stop the robot.
+    # Every client may stop the robot.
     "GCM_Stop": Right(role=Role.OBSERVE, unordered=True),
-    # What an operator does. `hub.control_gate` checks which of them has control.
+    # Commands of operators. `hub.control_gate` checks which operator has control.
     "GCM_Velocity_Command": _OPERATOR,
     "GCM_Goal_Command": _OPERATOR,
     "GCM_Turn_Command": _OPERATOR,
@@ -51,31 +51,31 @@ COMMANDS: Mapping[str, Right] = {
     "GCM_Capability_Wants": _OPERATOR,
     "GCM_Common_RequestData": _OPERATOR,
     "GCM_Console_Heartbeat": _OPERATOR,
-    # Two of its actions need `supervise`; `hub.robomon.control_service` looks at them.
+    # Two of its actions need `supervise`; `hub.robomon.control_service` checks them.
     "GCM_Control_Request": _OPERATOR,
     "GCM_Pad_Device": _OPERATOR,
     "GCM_Pad_State": _OPERATOR,
     "GCM_Pad_Console": _OPERATOR,
-    # What starts and ends the robot's modules.
+    # The start and end of the robot's modules.
     "GCM_Common_Command": _SUPERVISOR,
     "GCM_Module_Command": _SUPERVISOR,
-    # What turns the wheels. The driver looks at the sender once more.
+    # Wheel commands. The driver checks the sender once more.
     "GCM_Drive_Command": Right(role=Role.MODULE, module="navigation"),
 }
-"""All messages of the vocabulary on the command plane."""
+"""All messages of GCM on the command plane."""
 
 ROBOMON = "robomon"
-"""The name of the hub's daemon at central; only its connection reports who has control."""
+"""The name of the hub's daemon at central; only its connection reports the owner of control."""
 ROBOT_NAMES: frozenset[str] = frozenset(
     {ROBOMON, "driver", "navigation", "vision", "mapping", "autonomy"}
 )
-"""Names that only the robot's own modules have, whether they run or not."""
+"""Names that are reserved for the robot's own modules, even while they do not run."""
 
 
 def right(message: str, plane: str) -> Right:
-    """What it takes to publish a message that is defined on this plane.
+    """The right to publish a message that is defined on this plane.
 
-    A command that is not in the table is for operators: a module of the robot has defined it.
+    A command that is not in the table is for operators: a module of the robot defined it.
     States and pictures come from the robot's own modules.
     """
     known = COMMANDS.get(message)
@@ -85,21 +85,21 @@ def right(message: str, plane: str) -> Right:
 
 
 def may_publish(role: Role, message: str, plane: str = Plane.COMMAND.value) -> bool:
-    """Whether holders of this role may publish a message."""
+    """Whether a role may publish a message."""
     return role.includes(right(message, plane).role)
 
 
 def demand_right(principal: Principal, client: str, message: str, plane: str) -> None:
-    """Refuse a message that the holder of a key, or its client, may not publish.
+    """Check the right of a principal and its client to publish a message.
 
     Args:
-        principal: Whose key it is.
+        principal: Holder of the key.
         client: The client's name at central.
         message: The message's name.
         plane: The message's plane.
 
     Raises:
-        NotAllowedError: The text names the least role that may.
+        NotAllowedError: It is missing; the text names the least role that has it.
     """
     needed = right(message, plane)
     if not principal.role.includes(needed.role):
@@ -116,7 +116,7 @@ def demand_right(principal: Principal, client: str, message: str, plane: str) ->
 
 
 def reserved_text(name: str, principal: Principal) -> str:
-    """Why the holder of a key cannot connect under a name of the robot's modules."""
+    """Why a key cannot connect under a name of the robot's modules."""
     return (
         f"{name!r} is the name of a module of the robot, and {principal.name} has a key to "
         f"{principal.role.value}; connect under another name"

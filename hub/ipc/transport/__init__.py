@@ -1,1 +1,1 @@
-"""Sockets, the loop that serves them, and what clients and the broker both need around them."""
+"""Sockets, their loop, and common parts of clients and the broker."""

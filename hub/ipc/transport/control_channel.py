@@ -14,11 +14,11 @@ from hub.ipc.wire import control_codec
 
 _BATCH = 256
 _TURN_S = 0.02
-"""After this long, timers have their turn before more messages are served [s]."""
+"""Longest turn of messages before timers have theirs [s]."""
 
 
 class ControlChannel:
-    """A connected socket (DEALER), served by a loop until it is closed."""
+    """A connected socket (DEALER), served by a loop."""
 
     def __init__(
         self,
@@ -52,7 +52,7 @@ class ControlChannel:
         self._monitor_file = self._loop.register(self._monitor, self._watch)
 
     def send(self, message: Any, attached: bytes | None = None) -> bool:
-        """Send a control message; False if there is no connection now, or none any more."""
+        """Send a control message; False: there is no connection."""
         if self._socket.closed:
             return False
         packed = control_codec.pack(message)
@@ -66,7 +66,7 @@ class ControlChannel:
         return True
 
     def close(self, linger_ms: int = 0) -> None:
-        """Close; what was just sent gets `linger_ms` to leave."""
+        """Close; sent frames get `linger_ms` to leave."""
         self._loop.unregister(self._file)
         self._loop.unregister(self._monitor_file)
         self._socket.disable_monitor()

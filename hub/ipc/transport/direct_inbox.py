@@ -1,4 +1,4 @@
-"""The socket where a client receives messages directly from other clients of its machine."""
+"""The socket for direct messages from other clients of the machine."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ class DirectInbox:
     """The inbox of one plane.
 
     Attributes:
-        address: Where publishers connect.
-        socket: What comes.
+        address: Address for publishers.
+        socket: The messages.
     """
 
     def __init__(
@@ -32,8 +32,8 @@ class DirectInbox:
 
         Args:
             transport: The client's.
-            plane: What it is for.
-            take: Reads what has come; whether there may be more.
+            plane: Its plane.
+            take: Reads messages; whether there may be more.
         """
         self.address = f"{endpoints.DIRECT_PREFIX}{plane.value}-{secrets.token_hex(8)}"
         self._loop = transport.loop
@@ -43,9 +43,9 @@ class DirectInbox:
         self._file = self._loop.register(self.socket, self._take)
 
     def take_now(self) -> bool:
-        """Read what has come, out of turn; whether there may be more.
+        """Read messages out of turn; whether there may be more.
 
-        The loop reads on: a socket announces new messages only after it was found empty.
+        The loop reads on: a socket announces new messages only after it was empty.
         """
         self._loop.touch(self._file)
         return self._take()

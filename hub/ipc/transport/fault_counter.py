@@ -1,4 +1,4 @@
-"""Counting what is dropped, and logging it without flooding the log."""
+"""Counts dropped messages, and logs them without flooding the log."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from collections.abc import Callable
 
 
 class FaultCounter:
-    """Counts by reason; logs the first of each reason and then at most one a minute.
+    """Counts by reason; logs the first of each reason, then at most one a minute.
 
     Attributes:
-        counts: How often, by reason.
+        counts: Number by reason.
     """
 
     def __init__(
@@ -24,7 +24,7 @@ class FaultCounter:
         self._next: dict[str, float] = {}
 
     def count(self, reason: str, detail: str) -> None:
-        """One more of `reason`; `detail` is what the log says of it if it is its turn."""
+        """Count one more of `reason`; `detail` is its text in the log, if it is due."""
         self.counts[reason] += 1
         now = self._clock()
         if now >= self._next.get(reason, now):

@@ -1,8 +1,8 @@
-"""Descriptors that central keeps free: when too few are left, new connections are turned away.
+"""A reserve of file descriptors: if too few are left, central refuses new connections.
 
-A process without a free descriptor can neither take the connections that wait for it nor refuse
-them. ZeroMQ (4.3.5) then tries again without a pause and takes a processor for itself; at an ipc://
-address it ends the process. To unbind is no way out, as that ends all connections made there.
+A process without a free descriptor can neither accept nor refuse a waiting connection. ZeroMQ
+(4.3.5) then retries without a pause and occupies a processor; at an ipc:// address it ends the
+process. To unbind is no remedy, because that ends all connections of the address.
 """
 
 from __future__ import annotations
@@ -17,22 +17,22 @@ with contextlib.suppress(ImportError):  # Windows has no such limits
     import resource
 
 WANTED = 16_384
-"""How many descriptors central asks the system for."""
+"""Number of descriptors that central asks the system for."""
 LOCAL, BEYOND = 1 / 2, 3 / 8
-"""The part of the descriptors that may be in use when a connection from this machine, or from
-another one, is taken. ZeroMQ's thread takes waiting connections before central can turn one away.
-It may be ahead by the 1000 events that each of the seven sockets queues at each end. With `WANTED`
-descriptors, half of them has room for most of that."""
+"""Largest used part of the descriptors at which central accepts a connection from this machine, or
+from another one. ZeroMQ's thread accepts connections before central can refuse one. It may be ahead
+by the 1000 events that each of the seven sockets queues at each end. With `WANTED` descriptors,
+half of them has room for most of that."""
 
 _ANY = socket.AF_INET6
-"""Has room for an address of each family; to ask for the family takes as long as all else."""
+"""Has room for an address of each family; a call for the family would double the time."""
 _TCP_INFO = 11
 _TCP_INFO_SIZE, _RECEIVED_AT, _RECEIVED = 192, 128, struct.Struct("=Q")
-"""tcp_info of Linux (tcp(7)) and where tcpi_bytes_received stands in it."""
+"""Size of tcp_info of Linux (tcp(7)), and place of tcpi_bytes_received in it."""
 
 
 def allow_many() -> None:
-    """Raise this process's limit to `WANTED` descriptors, or to what the system gives."""
+    """Raise this process's limit to `WANTED` descriptors, or as far as the system allows."""
     now, most = resource.getrlimit(resource.RLIMIT_NOFILE)
     wanted = WANTED if most == resource.RLIM_INFINITY else min(WANTED, most)
     if now != resource.RLIM_INFINITY and now < wanted:
@@ -41,12 +41,12 @@ def allow_many() -> None:
 
 
 def hang_up(descriptor: int) -> None:
-    """End a connection that stays ZeroMQ's to close.
+    """End a connection; ZeroMQ closes it.
 
-    Only what comes in is ended: if both ways were, the system would signal ZeroMQ even while
-    the connection's queue is full, which it does not expect.
+    Only its input ends. An end of both directions would signal ZeroMQ even while the
+    connection's queue is full, which it does not expect.
     """
-    with contextlib.suppress(OSError):  # it has gone by itself
+    with contextlib.suppress(OSError):  # it has ended by itself
         connection = socket.socket(_ANY, socket.SOCK_STREAM, fileno=descriptor)
         try:
             connection.shutdown(socket.SHUT_RD)
@@ -55,7 +55,7 @@ def hang_up(descriptor: int) -> None:
 
 
 def ends_of(descriptor: int) -> tuple[int, str] | None:
-    """The TCP port here and the address there of a connection; None if it is none any more."""
+    """The TCP port here and the address there of a connection; None: it has ended."""
     with contextlib.suppress(OSError):
         connection = socket.socket(_ANY, socket.SOCK_STREAM, fileno=descriptor)
         try:
@@ -68,8 +68,8 @@ def ends_of(descriptor: int) -> tuple[int, str] | None:
 
 
 def received(descriptor: int) -> int:
-    """Bytes that have come in on a TCP connection since it was made; 0 if the system cannot say."""
-    with contextlib.suppress(OSError, struct.error):  # it has gone by itself
+    """Received bytes of a TCP connection; 0: the system does not report them."""
+    with contextlib.suppress(OSError, struct.error):  # it has ended by itself
         connection = socket.socket(_ANY, socket.SOCK_STREAM, fileno=descriptor)
         try:
             known = connection.getsockopt(socket.IPPROTO_TCP, _TCP_INFO, _TCP_INFO_SIZE)
@@ -80,27 +80,26 @@ def received(descriptor: int) -> int:
 
 
 class Reserve:
-    """Keeps some of this process's descriptors free."""
+    """Refuses connections to keep some of this process's descriptors free."""
 
     def __init__(self, faults: FaultCounter, *, part: float = LOCAL) -> None:
         """Watch the connections that `admit` gets.
 
         Args:
-            faults: Where those turned away are counted.
+            faults: Counts refused connections.
             part: The part of the descriptors that may be in use, from 0 to 1.
         """
         self._faults = faults
         self._part = part
 
     def admit(self, descriptor: int, where: str) -> None:
-        """A connection was accepted; it is ended at once if it has one of the last descriptors.
+        """Check an accepted connection: end it if it has one of the last descriptors.
 
-        The system gives the lowest free number, so a high one shows that those below are in use.
-        Should the connection have gone meanwhile, whatever has its number now has one of the last
-        as well.
+        The system gives the lowest free number, so a high one shows that all below are in use.
+        If the connection has ended meanwhile, another file with one of the last numbers ends.
 
         Args:
-            descriptor: Of the connection, which stays ZeroMQ's to close.
+            descriptor: Of the connection; ZeroMQ closes it.
             where: The socket that accepted it, for the log.
         """
         most, _ = resource.getrlimit(resource.RLIMIT_NOFILE)

@@ -1,4 +1,4 @@
-"""Which of a client's sockets are in the middle of their handshake with central."""
+"""The sockets of a client in their handshake with central."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ from hub.ipc.transport import sockets
 class Handshakes:
     """Handshakes under way.
 
-    A socket that is closed during its handshake looks to central like a program that does not speak
-    the protocol. So a client that closes waits for its handshakes first, which takes a moment.
+    To central, a socket that closes during its handshake looks like a program of another protocol.
+    So a client that closes waits for its handshakes first.
     """
 
     def __init__(self) -> None:
         self._monitors: dict[sockets.Socket, sockets.Socket] = {}
 
     def begin(self, socket: sockets.Socket) -> None:
-        """This socket is going to connect."""
+        """Watch a socket that is about to connect."""
         self._monitors[socket] = socket.get_monitor_socket(zmq.EVENT_HANDSHAKE_SUCCEEDED)
 
     def end(self, socket: sockets.Socket) -> None:
-        """The handshake is over, or the socket is going to be closed."""
+        """Stop watching a socket, after its handshake or before its close."""
         monitor = self._monitors.pop(socket, None)
         if monitor is not None:
             socket.disable_monitor()
             monitor.close(0)
 
-    def look(self) -> None:
-        """Stop watching those that are over: they would fill their monitors."""
+    def end_finished(self) -> None:
+        """Stop watching finished handshakes: they would fill their monitors."""
         self.wait(0.0)
 
     def wait(self, timeout: float) -> None:

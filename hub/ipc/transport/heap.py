@@ -19,11 +19,11 @@ _SET_ALREADY = ("MALLOC_TRIM_THRESHOLD_", "MALLOC_TOP_PAD_", "MALLOC_ARENA_MAX",
 
 @functools.cache
 def keep_heap() -> bool:
-    """Have glibc's allocator keep its memory; whether that was possible.
+    """Make glibc's allocator keep its memory; whether that was possible.
 
-    A picture's buffer lies at the top of the heap. By default that is returned to the system when
-    it is freed and faulted in again, page by page, for the next picture, which costs more than
-    copying the picture does. Settings of the user, by environment variables, are kept.
+    A picture's buffer lies at the top of the heap. By default, glibc returns it to the system, and
+    each page of it faults in again for the next picture. That costs more than a copy of the
+    picture. Environment variables of the user override this.
     """
     if sys.platform != "linux" or any(name in os.environ for name in _SET_ALREADY):
         return False
@@ -45,7 +45,7 @@ def _trimmer() -> Callable[[int], int] | None:
 
 
 def give_back() -> None:
-    """Return unused memory to the system, such as after many connections."""
+    """Return unused memory to the system, for example after many connections."""
     trim = _trimmer()
     if trim is not None:
         trim(_KEPT_BYTES)

@@ -1,13 +1,11 @@
 """The loop of a module: one thread that serves its connections, timers, files and posted work.
 
-Usually a client has a loop of its own. A program that talks to several centrals at once gives its
-clients one loop in common, CMU IPC's contexts: each handler belongs to its client, so it knows the
-context its message came from.
+Usually a client has a loop of its own. Clients of several centrals in one program share a loop,
+like CMU IPC's contexts: each handler belongs to one client, and so to one context.
 
-A ZeroMQ socket shows by a file descriptor that something happened, once: a call on the
-socket since then may have cleared it. So a socket that was touched is looked at in the next turn
-whatever its descriptor says, and a socket is read until it is empty. In return the loop waits on
-plain descriptors, which costs a fraction of asking every socket each time.
+A ZeroMQ socket signals an event once, by a file descriptor; any later call on the socket may clear
+the signal. So the next turn checks each touched socket, and a socket is read until it is empty. In
+return the loop waits on plain descriptors, at a fraction of the cost of polling every socket.
 """
 
 from __future__ import annotations
@@ -24,10 +22,10 @@ import zmq
 from hub.ipc.transport.timers import CallQueue, Timer, Timers
 
 Serve = Callable[[], bool]
-"""Reads a socket; whether there may be more in it."""
+"""Reads a socket; whether there may be more."""
 
-_NEGLECT_S = 0.3
-"""After a pause this long, what waits in the sockets counts as old [s]."""
+_STALL_S = 0.3
+"""Pause after which the messages in the sockets count as old [s]."""
 
 
 _READ = selectors.EVENT_READ
@@ -57,24 +55,24 @@ def _poller() -> _Poller:
 
 
 class Participant(Protocol):
-    """What has work to do in every turn of a loop."""
+    """A part of a program that works in every turn of a loop."""
 
     @property
     def pending(self) -> bool:
-        """Whether something waits that no socket shows."""
+        """Whether work waits that no socket shows."""
 
     def due(self, otherwise: float) -> float:
-        """When it wants a turn even if nothing comes [s]."""
+        """Time of its next turn without input [s]."""
 
     def turn(self) -> None:
-        """Everything that came was read: do what is due."""
+        """Do the work that is due; all sockets are read."""
 
-    def neglected(self, time: float) -> None:
-        """The loop did not look for `time` [s] longer than it meant to; nothing is read yet."""
+    def stalled(self, time: float) -> None:
+        """The loop paused for `time` [s] more than it intended; nothing is read yet."""
 
 
 class Loop:
-    """Serves whatever is registered; one thread owns it and calls everything but `post`.
+    """Serves sockets, files and timers; one thread owns it and calls all methods but `post`.
 
     Attributes:
         clock: Monotonic time [s].
@@ -89,19 +87,19 @@ class Loop:
         self._timers = Timers()
         self._posted = CallQueue()
         self._ended = False
-        self._looked = math.inf
+        self._last_turn = math.inf
         self.watch(self._posted.file, self._posted.drain)
 
     def join(self, participant: Participant) -> None:
-        """Give this one a turn too."""
+        """Add a participant."""
         self._participants.append(participant)
 
     def leave(self, participant: Participant) -> None:
-        """Give it no more turns."""
+        """Remove a participant."""
         self._participants.remove(participant)
 
     def register(self, socket: zmq.Socket[Any], serve: Serve) -> int:
-        """Call `serve` when something may be in the socket; the number to `touch` it with."""
+        """Call `serve` when the socket may have input; returns the number for `touch`."""
         file = int(socket.fd)
         self._poller.register(file, _READ)
         self._served[file] = serve
@@ -109,17 +107,17 @@ class Loop:
         return file
 
     def unregister(self, file: int) -> None:
-        """Serve the socket of this number no longer; to be called before it is closed."""
+        """Stop serving the socket of this number; call this before its close."""
         self._poller.unregister(file)
         del self._served[file]
         self._ready.discard(file)
 
     def settle(self, file: int) -> None:
-        """The socket of this number was found empty after it was touched."""
+        """Note that a touched socket was empty."""
         self._ready.discard(file)
 
     def touch(self, file: int) -> None:
-        """The socket of this number was sent on, or changed."""
+        """Note a call on the socket of this number."""
         self._ready.add(file)
 
     def watch(self, file: int, work: Callable[[], None]) -> None:
@@ -137,7 +135,7 @@ class Loop:
         self.unregister(file)
 
     def every(self, period: float, work: Callable[[], None], *, count: float = math.inf) -> Timer:
-        """Call `work` every `period` [s], `count` times; late calls are skipped, not made up."""
+        """Call `work` every `period` [s], `count` times; late calls are skipped."""
         return self._timers.add(self.clock(), period, work, count=count)
 
     def after(self, delay: float, work: Callable[[], None]) -> Timer:
@@ -145,13 +143,13 @@ class Loop:
         return self._timers.add(self.clock(), delay, work, count=1)
 
     def post(self, work: Callable[[], None]) -> None:
-        """Have `work` called by the loop; the one method that any thread may call."""
+        """Let the loop call `work`; the only method that any thread may call."""
         self._posted.add(work)
 
     def listen(self, timeout: float) -> None:
-        """Wait for up to `timeout` [s] and serve what has come."""
+        """Wait for up to `timeout` [s], and serve the input."""
         wait = self.idle_for(timeout)
-        # Rounded up: to wake before the time would mean another turn for nothing.
+        # Rounded up: waking before the time would cost a useless turn.
         self.serve(math.ceil(wait * 1e3) / 1e3 if wait > 0.0 else 0.0)
 
     def dispatch(self) -> None:
@@ -161,11 +159,11 @@ class Loop:
             self.listen(1.0)
 
     def end(self) -> None:
-        """Have `dispatch` return, once what is being served is served."""
+        """Let `dispatch` return after the present turn."""
         self._ended = True
 
     def idle_for(self, longest: float) -> float:
-        """How long nothing needs to be done unless something comes, up to `longest` [s]."""
+        """Time until the next work without input, up to `longest` [s]."""
         if self._ready or self._posted:
             return 0.0
         end = self.clock() + longest
@@ -177,20 +175,20 @@ class Loop:
         return max(0.0, wake - self.clock())
 
     def serve(self, wait: float = 0.0, *, waited: float = 0.0) -> None:
-        """One turn: wait for up to `wait` [s], read what has come, do what is due.
+        """Do one turn: wait for up to `wait` [s], read the input, do the work that is due.
 
         Args:
-            wait: How long to wait for something to come [s].
-            waited: How long the caller has waited for it already, on purpose [s].
+            wait: Longest wait for input [s].
+            waited: Intended wait of the caller before this turn [s].
         """
         ready = self._ready
         for file, _ in self._poller.poll(wait):
             ready.add(file)
         now = self.clock()
-        neglect, self._looked = now - self._looked - wait - waited, now
-        if neglect > _NEGLECT_S:
+        stall_time, self._last_turn = now - self._last_turn - wait - waited, now
+        if stall_time > _STALL_S:
             for participant in tuple(self._participants):
-                participant.neglected(neglect)
+                participant.stalled(stall_time)
         self._posted.run()
         if ready:
             self._read(ready)
@@ -199,36 +197,36 @@ class Loop:
         self._timers.run(self.clock())
 
     def _read(self, ready: set[int]) -> None:
-        """Serve the sockets in `ready` in the order in which they were registered."""
+        """Serve the sockets in `ready`, in the order of their registration."""
         again: list[int] = []
         try:
-            while ready:  # a handler may add to it, also by a turn of its own
+            while ready:  # a handler may add to it, even by a turn of its own
                 file = (
                     ready.pop() if len(ready) == 1 else next(f for f in self._served if f in ready)
                 )
                 ready.discard(file)
-                if file in again:  # touched as it was served; it has its next turn after all others
+                if file in again:  # touched by its own service: its turn is last
                     continue
                 again.append(file)
                 if not self._served[file]():
                     again.remove(file)
-        finally:  # after a handler that raised, the rest is still there
+        finally:  # after a handler that raised, the rest remains
             ready.update(file for file in again if file in self._served)
 
     @property
-    def neglect(self) -> float:
-        """How long ago the loop last looked for messages [s]."""
-        return max(0.0, self.clock() - self._looked)
+    def stall_time(self) -> float:
+        """Time since the loop last checked for messages [s]."""
+        return max(0.0, self.clock() - self._last_turn)
 
     def files(self) -> dict[int, Serve]:
-        """The descriptors that are waited on, for a program with another loop around this one.
+        """The watched descriptors, for a program with another loop around this one.
 
-        A descriptor that is served by something else than before was closed, and its number was
-        given to another file: it has to be waited on anew.
+        A descriptor with another server than before was closed, and its number belongs to another
+        file: the program has to register it again.
         """
         return dict(self._served)
 
     def close(self) -> None:
-        """Free the loop; posted work is forgotten."""
+        """Free the loop, without doing posted work."""
         self._poller.close()
         self._posted.close()

@@ -1,15 +1,13 @@
 """Shared memory for large payloads between processes of one machine.
 
-A publisher writes payloads into the slots of a ring and sends where they lie; receivers copy them
-out and then look whether they were overwritten meanwhile. The ring is an anonymous file
-(memfd_create(2)) that receivers open through /proc, so nothing is left behind when its publisher
-dies, however it dies. It is sealed against shrinking, so no receiver can be killed by a publisher
-that cuts it off.
+A publisher writes payloads into the slots of a ring and sends descriptors. Receivers copy a
+payload, and then check that it was not overwritten meanwhile. The ring is an anonymous file
+(memfd_create(2)) that receivers open through /proc, so it disappears with its publisher. It is
+sealed against shrinking: a publisher that truncated it would kill its receivers.
 
-A slot is its generation (8 bytes), 4 bytes unused, and the payload, whose members thus start at a
-multiple of 16. Generation 0 means: being written. A slot is marked so one message before it is
-written again: between the two lies the sending of a message, which orders them for other
-processors too.
+A slot is its generation (8 bytes), 4 unused bytes, and the payload, so its members start at a
+multiple of 16. Generation 0 means: being written. A slot gets this mark one message before it is
+written again. The system call that sends the message between orders both for other processors.
 """
 
 from __future__ import annotations
@@ -27,7 +25,7 @@ from typing import NamedTuple
 from hub.errors import FrameError
 from hub.ipc.formats.codegen import Buffer
 
-with contextlib.suppress(ImportError):  # Windows has neither this nor such files
+with contextlib.suppress(ImportError):  # Windows has neither this module nor such files
     import fcntl
 
 available = hasattr(os, "memfd_create")
@@ -45,13 +43,13 @@ _LINK = re.compile(r"/memfd:rune-ring( \(deleted\))?")
 
 
 class Place(NamedTuple):
-    """Where a payload lies.
+    """The place of a payload.
 
     Attributes:
         process: Process id of the publisher.
         file: Its file descriptor of the ring.
-        ring: Tells this ring from others that had the same two numbers: the file's inode.
-        generation: Which payload of the ring it is, from 1.
+        ring: The file's inode: the two numbers above may have belonged to another ring.
+        generation: Number of the payload in the ring, from 1.
         start: Offset of the slot [bytes].
         length: Of the payload [bytes].
     """
@@ -64,7 +62,7 @@ class Place(NamedTuple):
     length: int
 
     def pack(self) -> bytes:
-        """The descriptor that travels."""
+        """The descriptor of the place, as sent."""
         return _DESCRIPTOR.pack(*self)
 
     @classmethod
@@ -78,14 +76,14 @@ class Place(NamedTuple):
 
 
 class RingWriter:
-    """A ring that this process fills.
+    """A ring that this process writes.
 
     Attributes:
         capacity: Largest payload [bytes].
     """
 
     def __init__(self, payload: int) -> None:
-        """Make a ring for payloads of up to `payload` bytes and a quarter more.
+        """Make a ring for payloads of `payload` bytes and a quarter more.
 
         Raises:
             OSError: There is not enough shared memory.
@@ -98,7 +96,7 @@ class RingWriter:
         self._file = os.memfd_create("rune-ring", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
         try:
             os.ftruncate(self._file, size)
-            os.posix_fallocate(self._file, 0, size)  # running out later would kill this process
+            os.posix_fallocate(self._file, 0, size)  # no memory later would kill us
             fcntl.fcntl(self._file, fcntl.F_ADD_SEALS, _SEALS | fcntl.F_SEAL_SEAL)
             self._identity = os.fstat(self._file).st_ino
             self._map = mmap.mmap(self._file, size)
@@ -120,31 +118,31 @@ class RingWriter:
             memory[at : at + len(raw)] = raw
             at += len(raw)
         _GENERATION.pack_into(memory, start, self._generation)
-        # The next one is taken away now, long before it is written.
+        # Mark the next slot now, long before it is written.
         _GENERATION.pack_into(memory, (self._generation + 1) % self._slots * self._slot, 0)
         length = at - start - _PAYLOAD_AT
         return Place(self._process, self._file, self._identity, self._generation, start, length)
 
     def read(self, place: Place) -> memoryview | None:
-        """What `write` put there; None if it was overwritten since."""
+        """The payload at a place; None: it was overwritten."""
         return _copy(self._memory, place.generation, place.start, place.length)
 
     def close(self) -> None:
-        """Free the memory; receivers that have it open keep it until they close it too."""
+        """Free the memory; receivers keep it until they close it."""
         self._memory.release()
         self._map.close()
         os.close(self._file)
 
 
 class GrowingRing:
-    """A ring of this process that is made for the first payload, and anew for a longer one."""
+    """A ring of this process, made for the first payload, and again for a longer one."""
 
     def __init__(self) -> None:
         self._writer: RingWriter | None = None
 
     @property
     def capacity(self) -> int:
-        """The longest payload that fits now [bytes]; 0 without a ring."""
+        """The longest payload that fits now [bytes]; 0: no ring."""
         return self._writer.capacity if self._writer else 0
 
     def write(self, payload: Sequence[Buffer], length: int) -> Place:
@@ -159,7 +157,7 @@ class GrowingRing:
         return self._writer.write(payload)
 
     def read(self, place: Place) -> memoryview | None:
-        """What `write` put there; None if it was overwritten since."""
+        """The payload at a place; None: it was overwritten."""
         return self._writer.read(place) if self._writer else None
 
     def close(self) -> None:
@@ -174,11 +172,11 @@ class RingReader:
 
     Attributes:
         ring: The file's inode.
-        memory: The file, which can be read only.
+        memory: The file, read-only.
     """
 
     def __init__(self, place: Place) -> None:
-        """Open the ring in which `place` lies.
+        """Open the ring of `place`.
 
         Raises:
             OSError: It is gone, belongs to another user or machine, or is no ring.
@@ -203,17 +201,17 @@ class RingReader:
         self.memory = memoryview(self._map)
 
     def read(self, place: Place) -> memoryview | None:
-        """The payload; None if it was overwritten, or lies outside the ring."""
+        """The payload; None: it was overwritten, or lies outside the ring."""
         return _copy(self.memory, place.generation, place.start, place.length)
 
     def close(self) -> None:
-        """Let go of the memory."""
+        """Free the memory."""
         self.memory.release()
         self._map.close()
 
 
 class Readers:
-    """The rings of others that were read last."""
+    """The last used rings of other processes."""
 
     def __init__(self) -> None:
         self._open: OrderedDict[tuple[int, ...], RingReader] = OrderedDict()
@@ -221,7 +219,7 @@ class Readers:
         self._memory = memoryview(b"")
 
     def read(self, descriptor: Buffer) -> memoryview | None:
-        """The payload of a descriptor; None if it was overwritten, or lies outside.
+        """The payload of a descriptor; None: it was overwritten, or lies outside.
 
         Raises:
             FrameError: It is no descriptor.
@@ -242,7 +240,7 @@ class Readers:
         self._latest, self._memory = key, reader.memory
 
     def close(self) -> None:
-        """Let go of all of them."""
+        """Free all rings."""
         self._latest, self._memory = None, memoryview(b"")
         while self._open:
             self._open.popitem()[1].close()
@@ -259,7 +257,7 @@ def _copy(memory: memoryview, generation: int, start: int, length: int) -> memor
     at = start + _PAYLOAD_AT
     if at + length > len(memory) or generation == 0:
         return None
-    # With the 4 bytes before it, so that the members of the copy are aligned as well.
+    # With the 4 bytes before it: then the members of the copy are aligned as well.
     copied = memory[at - 4 : at + length].tobytes()
     if _GENERATION.unpack_from(memory, start) != (generation,):
         return None

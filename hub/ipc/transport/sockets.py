@@ -1,4 +1,4 @@
-"""Where every socket of the bus is made: options before bind or connect, in one place."""
+"""Makes every socket of the bus, with its options before bind or connect."""
 
 from __future__ import annotations
 
@@ -14,42 +14,42 @@ from hub.ipc.security.client_keys import ClientKeys
 from hub.ipc.wire.frames import MAX_FRAME
 
 _EVENT = struct.Struct("=hi")
-"""How ZeroMQ packs an event of a monitor: which, and a descriptor or an error number."""
+"""A monitor's event in ZeroMQ's layout: its kind, and a descriptor or an error number."""
 Socket = zmq.Socket[bytes]
 Context = zmq.Context[Socket]
 
 PLANES = tuple(Plane)
 QUEUE = {Plane.STATE: 1000, Plane.COMMAND: 500, Plane.PICTURE: 2}
-"""Messages a plane keeps for one slow peer; beyond it the newest are dropped and seen as gaps."""
+"""Most messages that wait for one slow peer, by plane; newer ones are dropped and show as gaps."""
 
-# As plain numbers: to combine members of an enum takes microseconds.
+# Plain numbers: combining members of an enum takes microseconds.
 NOBLOCK = int(zmq.NOBLOCK)
 MORE = int(zmq.NOBLOCK) | int(zmq.SNDMORE)
 _POLLIN = int(zmq.POLLIN)
 
 _CONTROL_QUEUE, _CONTROL_BACKLOG = 1000, 20_000
-"""Control messages that wait from one peer and for one: a new one gets many at once."""
+"""Most control messages that wait from one peer, and for one: a new peer gets many at once."""
 _PICTURE_BUFFER = 64 << 10
-"""Kernel buffers of the picture plane [bytes]: what lies in them is old before it is seen."""
+"""Kernel buffers of the picture plane [bytes]: pictures in them grow old."""
 _SUBSCRIPTIONS = 1 << 16
-"""Subscriptions that may be under way at once; they are messages too and must not be dropped."""
+"""Most subscriptions under way at once; they are messages that must not be dropped."""
 _TAKEN_AT_ONCE = 16
 _LONGEST_SUBSCRIPTION = 320
-"""Nothing but subscriptions comes in where broadcasts go out. The longest frame of a handshake has
-some 300 bytes. A byte of a topic takes 0.3 kB of central's memory [B]."""
+"""Longest subscription at the output of a plane, its only input [B]. The longest frame of a
+handshake has about 300 bytes. A byte of a topic takes 0.3 kB of central's memory."""
 _CONNECTING = 1024
-"""Publishers that may wait to be taken by an inbox: more than central has clients."""
+"""Most publishers that wait for a connection to an inbox: more than central has clients."""
 _DIRECT_THREAD = 0b10
-"""A client's second I/O thread is for direct messages: a flood at central does not delay them."""
+"""A client's second I/O thread, for direct messages: a flood at central does not delay them."""
 
 
 def make(context: Context, kind: int, queue: int, keys: ClientKeys | None = None) -> Socket:
     """A socket with the bus's options, and a client's keys if it has some.
 
-    Queues are bounded; closing never waits. What frees the connections of a dead peer is the
-    system's own keep-alive; its missing PINGs have shown before that it is dead. ZeroMQ's
-    heartbeats would do it too, but libzmq 4.3.5 aborts the process when one is due while a
-    connection's queue has been full for a while, or when it ends just then.
+    Queues are bounded; closing never waits. The system's keep-alive frees the connections of a dead
+    peer; its missing PINGs show earlier that it is dead. ZeroMQ's heartbeats would free them too.
+    But libzmq 4.3.5 aborts the process when a heartbeat is due on a connection that ends, or whose
+    queue has been full for a while.
     """
     made = context.socket(kind)
     made.linger = 0
@@ -61,9 +61,9 @@ def make(context: Context, kind: int, queue: int, keys: ClientKeys | None = None
     made.handshake_ivl = 3000
     made.tcp_keepalive = 1
     made.tcp_keepalive_idle, made.tcp_keepalive_intvl, made.tcp_keepalive_cnt = 4, 2, 2
-    made.tcp_maxrt = 8000  # the same, while something is under way
+    made.tcp_maxrt = 8000  # the same, while data is under way
     if kind in (zmq.XPUB, zmq.DEALER):
-        # Nothing may be kept for a central that is not there: it would be old when it comes.
+        # Keep nothing for an absent central: it would be old at its arrival.
         made.immediate = True
     if keys is not None:
         keys.apply(made)
@@ -71,11 +71,11 @@ def make(context: Context, kind: int, queue: int, keys: ClientKeys | None = None
 
 
 def make_plane(context: Context, kind: int, plane: Plane, keys: ClientKeys | None = None) -> Socket:
-    """A socket of one plane: XSUB and XPUB at central, at a client XPUB to send, SUB to receive."""
+    """A socket of one plane: at central XSUB and XPUB, at a client XPUB to send, SUB to receive."""
     made = make(context, kind, QUEUE[plane], keys)
     # Subscriptions run against the messages, so the other queue of each socket holds only them.
-    # ZeroMQ takes in all that have come before it looks at messages again, so few are let in at
-    # once; what has no room waits where it comes from and is not lost.
+    # ZeroMQ reads all waiting subscriptions before the next message, so their queue is short.
+    # The rest waits at the sender and is not lost.
     if kind in (zmq.SUB, zmq.XSUB):
         made.sndhwm = _SUBSCRIPTIONS
     else:
@@ -87,7 +87,7 @@ def make_plane(context: Context, kind: int, plane: Plane, keys: ClientKeys | Non
 
 
 def make_router(context: Context) -> Socket:
-    """The socket of central where control messages come in (ROUTER)."""
+    """Central's socket for control messages (ROUTER)."""
     made = make(context, zmq.ROUTER, _CONTROL_QUEUE)
     made.sndhwm = _CONTROL_BACKLOG
     made.router_mandatory = True
@@ -107,7 +107,7 @@ def make_inbox(context: Context, kind: int, plane: Plane) -> Socket:
     made = make(context, kind, QUEUE[plane])
     if kind == zmq.PULL:
         allow_own_user_only(made)
-        # A busy subscriber takes the connections of all its publishers later.
+        # A busy subscriber accepts the connections of all its publishers later.
         made.backlog = _CONNECTING
     made.affinity = _DIRECT_THREAD
     if plane is Plane.PICTURE:
@@ -116,12 +116,12 @@ def make_inbox(context: Context, kind: int, plane: Plane) -> Socket:
 
 
 def allow_own_user_only(socket: Socket) -> None:
-    """Let only this user connect: an abstract Unix socket has no permissions of its own."""
+    """Admit only this user: an abstract Unix socket has no permissions of its own."""
     socket.setsockopt(zmq.IPC_FILTER_UID, os.getuid())
 
 
 def sender(socket: Socket) -> Callable[[bytes, int], Any]:
-    """The socket's `send` for plain bytes; what pyzmq adds to it in Python is for other kinds."""
+    """The socket's `send` for plain bytes, without pyzmq's Python code for other types."""
     send: Callable[[bytes, int], Any] = zmq.backend.Socket.send.__get__(socket)
     return send
 
@@ -138,33 +138,33 @@ def send_parts(send: Callable[[bytes, int], Any], parts: Sequence[bytes]) -> Non
 
 
 def readable(socket: Socket) -> bool:
-    """Whether there is something to receive; costs half of what a failing attempt does."""
+    """Whether there is input; costs half of a failing attempt."""
     return bool(int(socket.getsockopt(zmq.EVENTS)) & _POLLIN)
 
 
 def bind(socket: Socket, address: str) -> None:
-    """Bind; IPv6 is switched on for the addresses that need it."""
+    """Bind; IPv6 is on for the addresses that need it."""
     socket.ipv6 = "[" in address
     socket.bind(address)
 
 
 def connect(socket: Socket, address: str) -> None:
-    """Connect; IPv6 is switched on for the addresses that need it."""
+    """Connect; IPv6 is on for the addresses that need it."""
     socket.ipv6 = "[" in address
     socket.connect(address)
 
 
 def parse_event(parts: Sequence[bytes]) -> tuple[int, int]:
-    """The event, and the value that goes with it, of a message from a monitor.
+    """The event in a message from a monitor, and its value.
 
-    pyzmq's own function stands in a file that imports asyncio, which takes as long as NumPy.
+    pyzmq's own function is in a file that imports asyncio, which takes as long as NumPy.
     """
     event, value = _EVENT.unpack(parts[0])
     return event, value
 
 
 def descriptor_of(frame: zmq.Frame) -> int:
-    """The connection a frame came in on; -1 where the transport does not say."""
+    """The descriptor of a frame's connection; -1: unknown."""
     try:
         return int(frame.get("__fd"))
     except (zmq.ZMQError, ValueError, TypeError):

@@ -1,4 +1,4 @@
-"""Timers of a loop, and calls that other threads post to it."""
+"""Timers of a loop, and calls from other threads."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ _logger = logging.getLogger(__name__)
 
 
 class Timer:
-    """Work that is due at a time, or again and again.
+    """Work that is due once or repeatedly.
 
     Attributes:
-        due: When next [s].
+        due: Next time [s].
     """
 
     __slots__ = ("_work", "due", "left", "period")
@@ -33,11 +33,11 @@ class Timer:
         self.left = 0
 
     def run(self, now: float) -> None:
-        """Do the work that is due at `now` [s], and set when it is due again."""
+        """Do the work at `now` [s], and set its next time."""
         self.left -= 1
         self.due += self.period
         if self.due <= now:
-            self.due = now + self.period  # late calls are skipped, not made up for
+            self.due = now + self.period  # late calls are skipped
         self._work()
 
 
@@ -50,17 +50,17 @@ class Timers:
     def add(
         self, now: float, period: float, work: Callable[[], None], *, count: float = math.inf
     ) -> Timer:
-        """Call `work` every `period` [s] from `now` [s] on, `count` times, not at once."""
+        """Call `work` `count` times, first one `period` [s] after `now` [s]."""
         timer = Timer(now + period, period, count, work)
         self._timers.append(timer)
         return timer
 
     def due(self, otherwise: float) -> float:
-        """When the next is due [s]; `otherwise` if there is none."""
+        """Time of the next call [s]; `otherwise`: there is none."""
         return min((timer.due for timer in self._timers if timer.left > 0), default=otherwise)
 
     def run(self, now: float) -> None:
-        """Call what is due at `now` [s]."""
+        """Do the work that is due at `now` [s]."""
         for timer in self._timers:
             if timer.left > 0 and timer.due <= now:
                 timer.run(now)
@@ -69,15 +69,15 @@ class Timers:
 
 
 class CallQueue:
-    """Work from other threads, with a pipe that wakes the thread that does it.
+    """Work from other threads, with a pipe that wakes the loop's thread.
 
     Attributes:
-        file: Readable when there may be work.
+        file: Readable when work may wait.
     """
 
     def __init__(self) -> None:
         self._work: collections.deque[Callable[[], None]] = collections.deque()
-        # Reentrant, because signal handlers post as well.
+        # Reentrant, because signal handlers post too.
         self._lock = threading.RLock()
         self.file, self._wake = os.pipe()
         os.set_blocking(self.file, False)
@@ -87,14 +87,14 @@ class CallQueue:
         return len(self._work)
 
     def add(self, work: Callable[[], None]) -> None:
-        """Have `work` done; any thread may call this, also when it is too late."""
+        """Add work; any thread may call this, even after `close`."""
         self._work.append(work)
         with self._lock:
             if self._wake < 0:
-                # The number of the closed file may be another file's by now.
+                # Another file may have the number of the closed file by now.
                 _logger.debug("posted to a closed loop")
                 return
-            # A full pipe wakes just as well.
+            # A full pipe wakes the thread as well.
             with contextlib.suppress(BlockingIOError):
                 os.write(self._wake, b"\0")
 
@@ -105,7 +105,7 @@ class CallQueue:
                 pass
 
     def run(self) -> None:
-        """Do all that is there."""
+        """Do all posted work."""
         while self._work:
             self._work.popleft()()
 

@@ -1,1 +1,1 @@
-"""What travels: frames of messages, and the control messages of the bus; pure."""
+"""Frames of messages, and the control messages of the bus; pure."""

@@ -1,4 +1,4 @@
-"""What clients and central say to each other besides messages: administration, itself typed."""
+"""The control messages between clients and central."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from hub.ipc.formats.wire_types import Counted, Fixed, Uint32, Uint64
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Hello:
-    """Client: I want to connect under this name.
+    """Client to central: connect under this name.
 
     Attributes:
         name: The name.
         pid: Process id.
-        machine: Number of the machine, to tell whether central's clock is ours; 0: do not ask.
+        machine: Number of the machine, to detect a shared clock; 0: unknown.
         sent: Time of sending on the client's clock [s].
-        client: A random number of this client, which thereby takes the place of its own earlier
-            connection; 0: none.
-        neighbourhood: Number of all clients that can reach each other directly; 0: go through
+        client: A random number of this client: it replaces an earlier connection with the same
+            number; 0: none.
+        neighbourhood: Number of all clients that reach each other directly; 0: only through
             central.
     """
 
@@ -35,17 +35,17 @@ class Hello:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Welcome:
-    """Central: you are connected.
+    """Central: the client is connected.
 
     Attributes:
         publisher: Number of this connection, for frame headers.
-        epoch: Tells one run of central from the next.
+        epoch: Number of this run of central.
         machine: Number of central's machine.
         sent: From the HELLO.
-        hub_time: Time of answering on the hub's clock [s].
+        hub_time: Time of the answer on the hub's clock [s].
         near: Whether the client is a neighbour of all others in central's neighbourhood.
-        ports: TCP ports of each plane in turn, in and out; 0 where there is none.
-        paths: ipc:// paths of the same; empty where there is none.
+        ports: TCP ports of each plane in turn, in and out; 0: none.
+        paths: ipc:// paths of the same; empty: none.
     """
 
     publisher: Uint32
@@ -60,11 +60,11 @@ class Welcome:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Refused:
-    """Central: no.
+    """Central: a refusal.
 
     Attributes:
-        subject: Name of the module or message that was refused.
-        error: Class of `hub.errors` it stands for.
+        subject: Name of the refused module or message.
+        error: Its class in `hub.errors`.
         text: One sentence for people.
     """
 
@@ -75,7 +75,7 @@ class Refused:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Define:
-    """Client: this is a message; also an entry of central's list, with what is known of it.
+    """Client: define a message; also an entry of a listing, with its traffic.
 
     Attributes:
         name: Message name.
@@ -85,15 +85,15 @@ class Define:
         plane: "state", "command" or "picture".
         rate_hz: Nominal rate [Hz].
         lifespan_s: Age beyond which a receiver drops it [s].
-        definer: Who defined it; only in a listing, as all that follows.
-        messages: Broadcasts of it, as its publishers count them.
+        definer: Name of its definer; only in a listing, like all attributes below.
+        messages: Broadcasts of it, by its publishers' count.
         bytes: Bytes of their payloads.
-        messages_per_s: Broadcasts of it lately [1/s].
-        bytes_per_s: Bytes of their payloads lately [1/s].
+        messages_per_s: Recent broadcasts of it [1/s].
+        bytes_per_s: Bytes of their payloads [1/s].
         lost: Broadcasts that subscribers missed, by their sequence numbers.
         expired: Broadcasts that subscribers dropped because they were too old.
         oldest_s: Largest age at a subscriber in the last seconds [s].
-        silent_s: Time since the last broadcast [s]; infinite if there was none.
+        silent_s: Time since the last broadcast [s]; infinite: there was none.
         refused: Broadcasts that subscribers refused because a value was out of its range.
     """
 
@@ -125,14 +125,14 @@ class Defined:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Advertise:
-    """Client: I am going to publish this message."""
+    """Client: it will publish this message."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Advertised:
-    """Central: noted; whether anybody subscribes to it now whose subscription comes by ZeroMQ."""
+    """Central: answer to ADVERTISE; whether a subscription by ZeroMQ is on its way."""
 
     name: str
     subscribed: bool
@@ -140,12 +140,12 @@ class Advertised:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Subscribe:
-    """Client: I have subscribed to this message; tell me when no publisher can miss me any more.
+    """Client: it has subscribed to this message; central answers with SUBSCRIBED.
 
     Attributes:
         name: Message name.
-        token: Tells this subscription from all others; empty: do not tell me.
-        inbox: Where neighbours send it to; empty: nowhere.
+        token: Identity of this subscription; empty: no answer.
+        inbox: Address for messages of neighbours; empty: none.
         in_ring: Whether they send descriptors of shared memory where they can.
     """
 
@@ -157,14 +157,14 @@ class Subscribe:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Subscriber:
-    """Central: this neighbour subscribes to what you publish; send it there directly.
+    """Central: a neighbour subscribes to a message of this client, which sends it directly.
 
     Attributes:
-        name: Message name; empty: all, if it does so no longer.
+        name: Message name; empty: the end of all its subscriptions.
         subscriber: Number of its connection.
-        inbox: Where; empty: it does so no longer.
-        in_ring: Whether it wants descriptors of shared memory where there is some.
-        token: Of its subscription, which READY confirms; empty: no need to.
+        inbox: Its address; empty: the end of the subscription.
+        in_ring: Whether it wants descriptors of shared memory.
+        token: Of its subscription, which READY confirms; empty: none.
     """
 
     name: str
@@ -176,33 +176,33 @@ class Subscriber:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Unsubscribe:
-    """Client: I do not want it any more."""
+    """Client: the end of a subscription."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ready:
-    """Client: the subscription of this token has reached me; what I publish goes there."""
+    """Client: the subscription of this token has arrived; later messages go there."""
 
     token: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Subscribed:
-    """Central: the subscription of this token has reached everybody who publishes the message."""
+    """Central: the subscription of this token has reached all publishers of the message."""
 
     token: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Handle:
-    """Client: I answer queries of this name, or no longer.
+    """Client: it answers queries of this name, or stops.
 
     Attributes:
         name: Message name.
-        on: Whether.
-        address: Where I can be asked directly by others on this machine; empty: nowhere.
+        on: Whether it answers.
+        address: Its address for direct queries on this machine; empty: none.
     """
 
     name: str
@@ -221,7 +221,7 @@ class Query:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Last:
-    """A query for the last value that was published, numbered as queries are."""
+    """A query for the last published value, numbered as queries are."""
 
     number: Uint32
     name: str
@@ -246,7 +246,7 @@ class Failure:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ping:
-    """Client: I live, and central was of this epoch when I last heard (0: never)."""
+    """Client: a heartbeat, with the last known epoch of central (0: none)."""
 
     epoch: Uint64
     sent: float = 0.0
@@ -254,7 +254,7 @@ class Ping:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pong:
-    """Central: so do I; `sent` is from the PING, `hub_time` mine at answering [s]."""
+    """Central: answer to PING; `sent` is from the PING, `hub_time` its time of answering [s]."""
 
     epoch: Uint64
     sent: float
@@ -263,12 +263,12 @@ class Pong:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UnknownPeer:
-    """Central: I do not know you; say hello."""
+    """Central: the client is unknown and has to send HELLO."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class List:
-    """Client: tell me all you know."""
+    """Client: ask for a LISTING."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -280,7 +280,7 @@ class ListedPeer:
         pid: Its process id.
         publisher: Number of it in frame headers.
         role: What it may do: observe, operate or module.
-        silent_s: Time since it was heard [s].
+        silent_s: Time since its last control message [s].
         handles: Names of the queries it answers, separated by spaces.
         publishes: Names of the messages it publishes.
         subscribes: Names of the messages it subscribes to.
@@ -298,7 +298,7 @@ class ListedPeer:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Count:
-    """How often central has dropped something, by reason."""
+    """Number of dropped messages, by reason."""
 
     reason: str
     count: Uint64
@@ -306,7 +306,7 @@ class Count:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Listing:
-    """Central: all I know."""
+    """Central: its messages, peers and faults."""
 
     uptime_s: float
     level: str
@@ -317,23 +317,23 @@ class Listing:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bye:
-    """Client: I leave."""
+    """Client: it disconnects."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Watch:
-    """Client: tell me who comes and goes from now on.
+    """Client: ask for PRESENCE from now on.
 
     Attributes:
-        module: Tell me only when a module of this name connects, or is connected already, and when
-            its connection ends; empty: tell me all.
+        module: Only the connections of a module of this name, the present one too; empty: all
+        changes.
     """
 
     module: str = ""
 
 
 class Change(enum.IntEnum):
-    """What a PRESENCE tells."""
+    """Kind of a PRESENCE."""
 
     CONNECTED = 0
     DISCONNECTED = 1
@@ -345,14 +345,14 @@ class Change(enum.IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Presence:
-    """Central: something changed.
+    """Central: a change.
 
     Attributes:
-        change: What.
-        module: Whose doing it was.
+        change: Its kind.
+        module: The module that changed.
         pid: Its process id.
         message: The message it is about; empty for a connection.
-        count: How many publishers, subscribers or handlers the message has now.
+        count: Number of publishers, subscribers or handlers of the message now.
         publisher: Number of the module in frame headers.
     """
 
@@ -366,13 +366,13 @@ class Presence:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Received:
-    """What a subscriber has had of one message since it last told.
+    """The receptions of one message since the subscriber's last report.
 
     Attributes:
         name: Message name.
         received: Messages handed on.
-        lost: Messages that did not come, by the sequence numbers.
-        expired: Messages that came too old.
+        lost: Messages that did not arrive, by the sequence numbers.
+        expired: Messages that were too old.
         oldest_s: Largest age [s].
         refused: Messages with a value out of its range.
     """
@@ -387,13 +387,13 @@ class Received:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Published:
-    """What a publisher has broadcast of one message since it last told.
+    """The broadcasts of one message since the publisher's last report.
 
     Attributes:
         name: Message name.
-        messages: How many.
+        messages: Number of them.
         bytes: Of their payloads.
-        over_s: In what time [s].
+        over_s: Time since the last report [s].
         silent_s: Time since the last one [s].
     """
 
@@ -406,7 +406,7 @@ class Published:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Report:
-    """Client: this is what came to me, and what I have published."""
+    """Client: its receptions and broadcasts."""
 
     received: Annotated[tuple[Received, ...], Counted("received_count", "uint")]
     published: Annotated[tuple[Published, ...], Counted("published_count", "uint")]
@@ -414,7 +414,7 @@ class Report:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Close:
-    """Client: disconnect the module of this name; central, to both: it is, and by whom."""
+    """Client: disconnect the module of this name; central, to both: done, by `by`."""
 
     name: str
     by: str = ""
@@ -422,7 +422,7 @@ class Close:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LogLevel:
-    """Client: log from this level on: debug, info, warning or error."""
+    """Client: set central's log level: debug, info, warning or error."""
 
     level: str
 

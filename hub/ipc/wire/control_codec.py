@@ -1,4 +1,4 @@
-"""The wire of control messages.
+"""The encoding of control messages.
 
 A control message is one ZeroMQ frame: "RUNE", protocol version, kind, two zero bytes, and a CDR
 payload in the kind's format. QUERY and RESPONSE are followed by a second frame with the message.
@@ -51,7 +51,7 @@ KINDS: tuple[MessageDefinition[Any], ...] = tuple(
         ("SUBSCRIBER", control.Subscriber),
     )
 )
-"""The kinds; a kind's number on the wire is its place here, counted from 1."""
+"""The kinds; a kind's number on the wire is its place, from 1."""
 
 _NUMBER = {definition.type: number for number, definition in enumerate(KINDS, 1)}
 
@@ -64,7 +64,7 @@ def pack(message: Any) -> bytes:
 
 
 def peek(raw: Buffer) -> type | None:
-    """What kind of control message a frame says it is, by its preamble alone; None if none."""
+    """The kind of a control message by its preamble; None: it is none."""
     view = memoryview(raw)
     number = view[5] if len(view) >= _PREAMBLE.size else 0
     return KINDS[number - 1].type if 1 <= number <= len(KINDS) else None

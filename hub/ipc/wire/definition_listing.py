@@ -1,4 +1,4 @@
-"""Definitions made from what central lists, for tools that have no dataclass of a message."""
+"""Definitions from a listing, for tools without a message's dataclass."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from hub.ipc.formats.grammar import MAX_DEPTH
 from hub.ipc.wire import control
 
 MAX_FIELDS = 16_384
-"""Longest text that the fields of a message may have [characters]."""
+"""Longest text of the fields of a message [characters]."""
 
 _TOKEN = re.compile(r" *([A-Za-z]\w*|\[\]|[*{},])", re.ASCII)
 _TEXT = re.compile(f"(?:{_TOKEN.pattern})*", re.ASCII)
 
 
 def from_listing(entry: control.Define) -> MessageDefinition[Any]:
-    """The definition that a listing describes; values are generated dataclasses.
+    """The definition in a listing; its type is a generated dataclass.
 
     Raises:
         MessageFormatError: The entry does not describe a message.
@@ -49,7 +49,7 @@ def from_listing(entry: control.Define) -> MessageDefinition[Any]:
 
 
 def to_listing(definition: MessageDefinition[Any]) -> control.Define:
-    """What central is told of a definition."""
+    """The DEFINE of a definition."""
     return control.Define(
         name=definition.name,
         format=definition.format,
@@ -62,7 +62,7 @@ def to_listing(definition: MessageDefinition[Any]) -> control.Define:
 
 
 def _record(tokens: list[str], name: str, depth: int) -> type[Any]:
-    """The dataclass of the fields that `tokens` start with; consumed up to the closing brace."""
+    """The dataclass of the first fields in `tokens`; consumes them up to the closing brace."""
     if depth > MAX_DEPTH:
         raise MessageFormatError(name[:80], 0, f"its fields are nested deeper than {MAX_DEPTH}")
     members: list[tuple[str, Any]] = []
@@ -78,7 +78,7 @@ def _record(tokens: list[str], name: str, depth: int) -> type[Any]:
             if not tokens:
                 raise MessageFormatError(name, 0, "its fields do not end")
             tokens.pop(0)
-            # What a pointer points to needs no other type: it may be None anyway.
+            # A pointer's target needs no other type: it may be None anyway.
             for _ in range(around.count("[]")):
                 kind = types.GenericAlias(tuple, (kind, ...))
         members.append((field, kind))

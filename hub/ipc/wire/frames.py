@@ -1,19 +1,19 @@
-"""The wire layout of a message and the protocol's version; only this file knows them.
+"""The wire layout of a message, and the protocol's version.
 
 A message is one ZeroMQ frame: its topic, NUL bytes up to a multiple of 8 (at least one), a header
-of 36 bytes, the payload. The topic comes first so that ZeroMQ can filter on it; with the payload's
-own 4-byte encapsulation, its members start at a multiple of 8.
+of 36 bytes, and the payload. The topic comes first because ZeroMQ filters on it. Behind the
+payload's own 4-byte encapsulation, its members start at a multiple of 8.
 
-Small messages of one name that are published in a burst share a frame: its payload is their number
-(4 bytes) and for each its stamp, its payload's length (8 and 4 bytes), the payload, and NUL bytes
-up to a multiple of 8. Their sequence numbers follow the one in the header.
+Small messages of one name in a burst share a frame. Its payload starts with their number (4 bytes).
+For each follow its stamp (8 bytes), its payload's length (4 bytes), the payload, and NUL bytes up
+to a multiple of 8. Their sequence numbers follow the one in the header.
 
-The topic is the message's name; `!` and the name if its publisher reaches nobody directly. A large
-payload may lie in a ring of shared memory instead; then the topic is `@` and the name, and what is
-sent is a descriptor of the place.
+The topic is the message's name, or `!` and the name if its publisher sends nothing directly. A
+large payload may lie in a ring of shared memory: then the topic is `@` and the name, and the frame
+holds a descriptor of the place.
 
-A direct message needs no topic for filters: a bundle is one ZeroMQ frame with several of these
-frames in it, behind a `*`.
+Direct messages need no filters: a bundle is one ZeroMQ frame with a `*` and several of these
+frames.
 """
 
 from __future__ import annotations
@@ -30,16 +30,16 @@ VERSION = 4
 """Protocol version; peers with another one are refused."""
 
 MAX_FRAME = 4 << 20
-"""Largest frame any socket takes [bytes]; ZeroMQ ends a connection that sends more."""
+"""Largest frame [bytes]; ZeroMQ ends a connection that sends a larger one."""
 
 INLINE, IN_RING, NO_RING, BATCH, RING_BATCH = 0, 1, 2, 3, 4
-"""What a frame holds: a payload; the descriptor of a place in a ring; nothing, for want of a ring;
-several payloads, or several descriptors, that were published at once."""
+"""Content of a frame: a payload; the descriptor of a place in a ring; nothing, without a ring;
+several payloads of a burst; several descriptors of a burst."""
 RING_KINDS = (IN_RING, NO_RING, RING_BATCH)
-"""Those that travel under the topic of descriptors."""
+"""The kinds under the topic of descriptors."""
 
 FAR, RING = b"!", b"@"
-"""The mark before the name in a topic: of publishers that send nothing directly; of descriptors."""
+"""The mark before the name in a topic: for publishers without direct messages; for descriptors."""
 
 _HEADER = struct.Struct("<HHIQQqI")
 _ITEM = struct.Struct("<qI")
@@ -51,15 +51,15 @@ MAX_TOPIC = MAX_NAME_LENGTH + 1
 
 
 class Frame(NamedTuple):
-    """A message as it travels.
+    """A message on the wire.
 
     Attributes:
         name: Message name.
         kind: INLINE, IN_RING, NO_RING, BATCH or RING_BATCH.
         publisher: Number that central gave the sender's connection.
-        fingerprint: Identity of the format the payload was made with.
+        fingerprint: Identity of the payload's format.
         sequence: Counts the messages of this name from this publisher, from 1.
-        stamp_ns: When the content was measured, on the hub's clock [ns].
+        stamp_ns: Time of measurement, on the hub's clock [ns].
         payload: CDR bytes with their encapsulation header; a view of the frame.
     """
 
@@ -73,18 +73,18 @@ class Frame(NamedTuple):
 
 
 def topic(name: str, kind: bytes = b"") -> bytes:
-    """The filter that selects exactly the messages of this name; `kind` is FAR, RING or empty."""
+    """The filter for the messages of this name; `kind` is FAR, RING or empty."""
     return kind + name.encode("ascii") + b"\0"
 
 
 def prefix(name: str, kind: bytes = b"") -> bytes:
-    """What stands before the header."""
+    """The text before the header."""
     raw = topic(name, kind)
     return raw + bytes(-len(raw) % 8)
 
 
 def size(payload: Iterable[Buffer]) -> int:
-    """How long the pieces are together [bytes]."""
+    """Total length of the pieces [bytes]."""
     length = 0
     for piece in payload:
         length += len(piece) if piece.__class__ is bytes else memoryview(piece).nbytes
@@ -101,7 +101,7 @@ def pack(
     payload: Iterable[Buffer],
     kind: int = INLINE,
 ) -> bytes:
-    """One frame; `payload` is joined here, the only copy it sees."""
+    """One frame; the only copy of `payload` is made here."""
     parts = list(payload)
     length = size(parts)
     header = _HEADER.pack(VERSION, kind, publisher, fingerprint, sequence, stamp_ns, length)
@@ -114,8 +114,8 @@ class FlatFrames:
     Attributes:
         pack: (publisher, sequence, stamp_ns, values) -> a whole frame.
         pack_item: (stamp_ns, values) -> one message of a batch.
-        unpack: A frame with one message -> nothing of interest, publisher, nothing, sequence,
-            stamp_ns, nothing, and the values; None if it is anything else.
+        unpack: A frame with one message -> unused, publisher, unused, sequence, stamp_ns, unused,
+            and the values; None: it is anything else.
         length: Of a payload [bytes].
     """
 
@@ -123,7 +123,7 @@ class FlatFrames:
         """Prepare.
 
         Args:
-            prefix: What stands before the header.
+            prefix: The text before the header.
             fingerprint: Identity of the format.
             letters: `struct` letters of the whole body, with its padding.
         """
@@ -133,7 +133,7 @@ class FlatFrames:
         self._body = struct.Struct("<4s" + letters)
         self._item = item
         self.length = length
-        # What is the same in every frame, in one piece where that can be: fewer things to handle.
+        # The constant parts of every frame, joined where possible: fewer pieces to handle.
         start = prefix + struct.pack("<HH", VERSION, INLINE)
         middle = struct.pack("<Q", fingerprint)
         end = struct.pack("<I", length) + _LITTLE_ENDIAN
@@ -156,13 +156,13 @@ class FlatFrames:
         self.unpack = unpack
 
     def values(self, payload: memoryview) -> tuple[Any, ...] | None:
-        """The numbers in a payload; None if it is not laid out as we do it."""
+        """The numbers in a payload; None: it has another layout."""
         if len(payload) != self.length or bytes(payload[:4]) != _LITTLE_ENDIAN:
             return None
         return self._body.unpack(payload)[1:]
 
     def items(self, payload: memoryview) -> list[tuple[int, tuple[Any, ...]]] | None:
-        """Stamp and numbers of each message of a batch; None if one is not laid out as ours."""
+        """Stamp and numbers of each message of a batch; None: one has another layout."""
         if (len(payload) - 4) % self._item.size:
             return None
         items = list(self._item.iter_unpack(payload[4:]))
@@ -188,7 +188,7 @@ def batch(items: Sequence[bytes]) -> tuple[bytes, ...]:
 
 
 def item_payload(item: bytes) -> tuple[int, memoryview]:
-    """Stamp and payload of one message of a batch that we made ourselves."""
+    """Stamp and payload of one message of a batch from this process."""
     stamp_ns, length = _ITEM.unpack_from(item)
     return stamp_ns, memoryview(item)[_ITEM.size : _ITEM.size + length]
 
@@ -215,7 +215,7 @@ def items(payload: memoryview) -> list[tuple[int, memoryview]]:
 
 
 def bundle(whole: Sequence[bytes]) -> bytes:
-    """Several frames, first to last, as one that goes directly to one subscriber."""
+    """Several frames in order as one direct frame."""
     parts = [_BUNDLE]
     for frame in whole:
         parts += (_COUNT.pack(len(frame)), frame)
@@ -223,7 +223,7 @@ def bundle(whole: Sequence[bytes]) -> bytes:
 
 
 def is_bundle(raw: bytes) -> bool:
-    """Whether these are several frames."""
+    """Whether this is a bundle."""
     return raw[:1] == _BUNDLE
 
 
@@ -245,7 +245,7 @@ def split_bundle(raw: bytes) -> list[bytes]:
 
 
 def count(payload: memoryview) -> int:
-    """How many messages a batch says it holds."""
+    """The number of messages in a batch, by its header."""
     return int(_COUNT.unpack_from(payload)[0]) if len(payload) >= _COUNT.size else 0
 
 
@@ -254,7 +254,7 @@ read_header: Callable[[Buffer, int], tuple[int, int, int, int, int, int, int]] =
 
 
 def name_of(raw: Buffer) -> str:
-    """The message's name, whatever comes behind it.
+    """The message's name, without a check of the rest.
 
     Raises:
         FrameError: The bytes do not start with a name.
@@ -288,7 +288,7 @@ def unpack(raw: Buffer) -> Frame:
 
 
 def _start(view: memoryview) -> tuple[str, int]:
-    """The message's name, and where the header starts if there is one."""
+    """The message's name, and the start of its header."""
     length = bytes(view[: MAX_TOPIC + 1]).find(b"\0")
     if length < 1:
         text = f"a frame of {len(view)} bytes does not start with a message name"

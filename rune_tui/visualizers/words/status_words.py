@@ -139,7 +139,7 @@ def _doing(robot: RobotState, navigation: NavigationState, now: float) -> Iterat
     """What the robot does and how fast."""
     motion = navigation.motion
     if motion is MotionState.WAITING and not robot.link.may_command:
-        motion = MotionState.STANDING  # whoever only watches sends no neutral command
+        motion = MotionState.STANDING  # an observer sends no neutral command
     text = _MOTION[motion]
     if _rolls(navigation):
         text = _ROLLING_ON.get(motion, text)

@@ -41,7 +41,7 @@ def peer(number: int, name: str, principal: Principal) -> Peer:
         principal=principal,
         client=number,
         publisher=number,
-        heard=0.0,
+        last_message=0.0,
     )
 
 

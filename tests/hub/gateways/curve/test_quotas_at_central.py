@@ -118,7 +118,7 @@ def test_who_asks_too_much_is_told_the_limit(attack: Attack) -> None:
 
 
 @pytest.mark.parametrize(
-    "bounds", [Bounds(topics=500, modest=10_000), Bounds(bytes_at_once=100_000)], ids=str
+    "bounds", [Bounds(topics=500, harmless=10_000), Bounds(bytes_at_once=100_000)], ids=str
 )
 @pytest.mark.parametrize("place", [2, 6])
 def test_subscriber_that_floods_is_hung_up_on(
