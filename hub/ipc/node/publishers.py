@@ -204,8 +204,8 @@ class Publishers:
 
     def _receive(self, socket: sockets.Socket) -> bool:
         """Read the new subscriptions."""
-        came = self._subscriptions(socket)
-        for raw in came:
+        events = self._subscriptions(socket)
+        for raw in events:
             on, topic = raw[:1] == b"\1", raw[1:]
             if topic[:1] == _MARK:
                 self._marked(topic, on=on)
@@ -215,20 +215,20 @@ class Publishers:
                 self._queue.topics.add(topic)
             else:
                 self._transport.faults.count("too many subscriptions", "one more is ignored")
-        if came:
+        if events:
             self._check_open()
-        return len(came) == _AT_ONCE
+        return len(events) == _AT_ONCE
 
     def _subscriptions(self, socket: sockets.Socket) -> list[bytes]:
-        came: list[bytes] = []
+        events: list[bytes] = []
         with self._queue.lock:
             if not socket.closed and sockets.readable(socket):
                 try:
-                    while len(came) < _AT_ONCE:
-                        came.append(socket.recv(zmq.NOBLOCK))
+                    while len(events) < _AT_ONCE:
+                        events.append(socket.recv(zmq.NOBLOCK))
                 except zmq.Again:
                     pass
-        return came
+        return events
 
     def _marked(self, topic: bytes, *, on: bool) -> None:
         wanted, _, raw = topic[1:].partition(b"\0")
