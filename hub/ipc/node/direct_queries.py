@@ -109,10 +109,10 @@ class DirectRequester:
         """Connect.
 
         Args:
-            address: Where the module takes queries.
+            address: The module's address for direct queries.
             transport: The client's.
-            answered: Gets what comes back.
-            lost: Called when the connection has ended.
+            answered: Gets the answers.
+            lost: Called at the end of the connection.
         """
         self.address = address
         self.names: set[str] = set()

@@ -273,7 +273,7 @@ class Session:
     def _check(self, now: float) -> None:
         """Do the work of about every second."""
         self._next_check = now + _CHECK_S
-        self._transport.handshakes.look()
+        self._transport.handshakes.end_finished()
         self.publishers.check()
         received = self.subscriptions.reports()[:_REPORT_ENTRIES]
         published = self.publishers.reports()[:_REPORT_ENTRIES]

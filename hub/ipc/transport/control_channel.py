@@ -34,11 +34,11 @@ class ControlChannel:
 
         Args:
             socket: The socket.
-            on_message: Gets each control message and the message frame that goes with it.
-            events: Which events of the connection are reported: `zmq.EVENT_...` together.
+            on_message: Gets each control message and the message frame behind it.
+            events: The reported events of the connection: `zmq.EVENT_...` together.
             on_event: Gets each of these.
             transport: The client's.
-            address: Where to.
+            address: Address of the other end.
         """
         self._socket = socket
         self._on_message = on_message
