@@ -56,7 +56,7 @@ class Peer:
         principal: Holder of its key; this decides its rights.
         client: Its random number; 0: none.
         publisher: Its number in frame headers.
-        heard: When its last control message came [s].
+        last_message: Time of its last control message [s].
         handles: Names of the queries it answers.
         publishes: Names of the messages it publishes.
         subscribes: Names of the messages it subscribes to.
