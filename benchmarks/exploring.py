@@ -10,9 +10,10 @@ from collections.abc import Callable
 
 from hub.gcm.autonomy import AutonomyCommand, Behaviour
 from hub.gcm.navigation import GoalCommand, MotionState
+from hub.gcm.occupancy_map import OccupancyMap
 from hub.grids.grid import Grid
 from hub.modules.autonomy.autonomy_driver import AutonomyDriver as Autonomy
-from hub.modules.mapping.grid import GridPicture, OccupancyGrid
+from hub.modules.mapping.grid import OccupancyGrid
 from hub.modules.mapping.scans import ScanSelector
 from hub.modules.navigation.dynamic_window import body_of
 from hub.modules.navigation.path_follower import PathFollower as Navigator
@@ -143,7 +144,7 @@ class Exploration:
         self._mail.append((self.now + LATE_S, deliver))
 
 
-def _as_grid(picture: GridPicture) -> Grid:
+def _as_grid(picture: OccupancyMap) -> Grid:
     return Grid(
         cells=picture.cells,
         resolution=picture.resolution,

@@ -14,17 +14,11 @@ import numpy as np
 from benchmarks.figures import median_ms, report, say
 from hub.gcm.navigation import MotionState
 from hub.gcm.navigation import RobotState as NavigationState
+from hub.gcm.occupancy_map import OccupancyMap
 from hub.robots.magellan import SimulatedCamera
 from hub.sim.arena import load_arena
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.robot_state import (
-    LinkPhase,
-    LinkState,
-    OccupancyMap,
-    Picture,
-    Received,
-    RobotState,
-)
+from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.registry import VISUALIZERS
 from tests.console.states import robot_of, visualizer_spec

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from hub.errors import CodecError
-from hub.gcm import map_coding
 from hub.gcm.mapping import Map
+from hub.gcm.occupancy_map import OccupancyMap
 
 UNKNOWN = -1
 MOST_FREE = 45
@@ -27,21 +26,10 @@ _FINEST, _COARSEST = 0.001, 10.0
 Mask = npt.NDArray[np.bool_]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Grid:
-    """A grid map in the frame `map`.
+class Grid(OccupancyMap):
+    """A grid map in the frame `map`, and the places of its cells."""
 
-    Attributes:
-        cells: Shape (height, width), row 0 at the lowest y; -1 unknown, 0 free to 100 occupied.
-        resolution: Edge of a cell [m].
-        origin_x: Lower left corner of cell (0, 0) [m].
-        origin_y: Lower left corner of cell (0, 0) [m].
-    """
-
-    cells: npt.NDArray[np.int8]
-    resolution: float
-    origin_x: float
-    origin_y: float
+    __slots__ = ()
 
     @property
     def height_cells(self) -> int:
@@ -129,10 +117,4 @@ def grid_of(message: Map) -> Grid:
             f" at {message.origin_x}, {message.origin_y} cannot be worked on"
         )
         raise CodecError(text)
-    cells = map_coding.decode(message.data, message.height_cells, message.width_cells)
-    return Grid(
-        cells=cells,
-        resolution=message.resolution,
-        origin_x=message.origin_x,
-        origin_y=message.origin_y,
-    )
+    return Grid.of(message)

@@ -15,10 +15,10 @@ import numpy as np
 from hub import files
 from hub.errors import MissionFileError
 from hub.gcm.mapping import InterestPoint
+from hub.gcm.occupancy_map import OccupancyMap
 from hub.missions import journal_file, point_file, ros_map
 from hub.missions.book import MissionBook
 from hub.missions.folder import MissionFolder
-from hub.missions.grid_picture import GridPicture
 from hub.missions.log_odds import LogOdds
 
 _KNOWN = 0.1
@@ -89,12 +89,12 @@ def _contents(folder: MissionFolder, mission: str, book: MissionBook) -> list[tu
     return contents
 
 
-def picture_of(grid: LogOdds) -> GridPicture:
+def picture_of(grid: LogOdds) -> OccupancyMap:
     """The map in the form of nav_msgs/OccupancyGrid."""
     values = grid.values
     cells = np.rint(100.0 / (1.0 + np.exp(-values))).astype(np.int8)
     cells[np.abs(values) < _KNOWN] = -1
-    return GridPicture(
+    return OccupancyMap(
         cells=cells,
         resolution=grid.resolution,
         origin_x=grid.origin_x,

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from hub.errors import MapFileError
 from hub.gcm.map_coding import MAX_CELLS
-from hub.missions.grid_picture import GridPicture
+from hub.gcm.occupancy_map import OccupancyMap
 
 MAX_YAML_BYTES = 10_000
 MAX_PGM_BYTES = MAX_CELLS + 1024
@@ -54,7 +54,7 @@ class MapHeader:
     free_thresh: float = 0.196
 
 
-def encode_pgm(picture: GridPicture) -> bytes:
+def encode_pgm(picture: OccupancyMap) -> bytes:
     """The picture's file."""
     cells = picture.cells[::-1]
     grey = np.full(cells.shape, _UNKNOWN, np.uint8)
@@ -66,7 +66,7 @@ def encode_pgm(picture: GridPicture) -> bytes:
     )
 
 
-def encode_yaml(picture: GridPicture, image: str) -> bytes:
+def encode_yaml(picture: OccupancyMap, image: str) -> bytes:
     """The YAML file beside the picture of this name."""
     return (
         f"image: {image}\n"
@@ -133,14 +133,14 @@ def decode_yaml(raw: bytes) -> MapHeader:
     return header
 
 
-def picture_of(header: MapHeader, grey: npt.NDArray[np.uint8]) -> GridPicture:
+def picture_of(header: MapHeader, grey: npt.NDArray[np.uint8]) -> OccupancyMap:
     """The cells that map_server would publish of the two files: -1, 0 and 100."""
     shades = np.arange(256) / 255.0
     occupied = shades if header.negate else 1.0 - shades
     table = np.full(256, -1, np.int8)
     table[occupied > header.occupied_thresh] = 100
     table[occupied < header.free_thresh] = 0
-    return GridPicture(
+    return OccupancyMap(
         cells=np.take(table, grey[::-1]),
         resolution=header.resolution,
         origin_x=header.origin_x,

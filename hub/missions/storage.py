@@ -9,8 +9,8 @@ from pathlib import Path
 from hub import files
 from hub.errors import MapFileError
 from hub.gcm.mapping import InterestPoint
+from hub.gcm.occupancy_map import OccupancyMap
 from hub.missions import point_file, ros_map
-from hub.missions.grid_picture import GridPicture
 
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
 
@@ -30,7 +30,7 @@ def checked_name(name: str) -> str:
     return name
 
 
-def save(folder: Path, name: str, picture: GridPicture, points: tuple[InterestPoint, ...]) -> Path:
+def save(folder: Path, name: str, picture: OccupancyMap, points: tuple[InterestPoint, ...]) -> Path:
     """Write a map; a file that is there already is replaced as a whole, or not at all.
 
     Returns:
@@ -51,7 +51,7 @@ def save(folder: Path, name: str, picture: GridPicture, points: tuple[InterestPo
     return described
 
 
-def load(folder: Path, name: str) -> tuple[GridPicture, tuple[InterestPoint, ...]]:
+def load(folder: Path, name: str) -> tuple[OccupancyMap, tuple[InterestPoint, ...]]:
     """Read a map; there are no points where there is no file of them.
 
     Raises:

@@ -15,8 +15,8 @@ import numpy as np
 from PIL import Image
 
 from hub.gcm.mapping import InterestPoint, PointKind
+from hub.gcm.occupancy_map import OccupancyMap
 from rune_tui.export.points import moment, thumbnail_text
-from rune_tui.model.robot_state import OccupancyMap
 from rune_tui.model.world import metres_text
 
 _STYLE = """

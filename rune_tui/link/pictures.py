@@ -9,10 +9,9 @@ import numpy.typing as npt
 from PIL import Image as PillowImage
 
 from hub.errors import CodecError
-from hub.gcm import map_coding, rle
-from hub.gcm.mapping import Map
+from hub.gcm import rle
 from hub.gcm.vision import Image, ImageCoding
-from rune_tui.model.robot_state import OccupancyMap, Picture
+from rune_tui.model.robot_state import Picture
 
 MOST_PIXELS = 1 << 22
 """Pixels of the largest picture that is decoded; no terminal shows half as many."""
@@ -46,20 +45,6 @@ def picture_of(image: Image) -> Picture:
     if image.channels == 1:
         pixels = pixels.repeat(3, axis=2)
     return Picture(pixels=pixels, camera=image.camera)
-
-
-def map_of(coded: Map) -> OccupancyMap:
-    """The map in a message.
-
-    Raises:
-        CodecError: It is not what it says.
-    """
-    return OccupancyMap(
-        cells=map_coding.decode(coded.data, coded.height_cells, coded.width_cells),
-        resolution=coded.resolution,
-        origin_x=coded.origin_x,
-        origin_y=coded.origin_y,
-    )
 
 
 def _file(image: Image, shape: tuple[int, int, int]) -> npt.NDArray[np.uint8]:

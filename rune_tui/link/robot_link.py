@@ -23,6 +23,7 @@ from hub.gcm.catalog import BY_NAME
 from hub.gcm.control import CONTROL_STATE, ControlAction, ControlState
 from hub.gcm.mission import MISSION_STATE, MissionAction
 from hub.gcm.navigation import VELOCITY_COMMAND
+from hub.gcm.occupancy_map import OccupancyMap
 from hub.gcm.providers import PROVIDED_BY
 from hub.gcm.supervision import (
     CAPABILITY_REPORTS,
@@ -40,7 +41,7 @@ from rune_tui.link.map_stream import MapStream
 from rune_tui.link.mission_line import MissionLine
 from rune_tui.link.pad_line import PadLine
 from rune_tui.link.picture_stream import PictureStream
-from rune_tui.link.pictures import map_of, picture_of
+from rune_tui.link.pictures import picture_of
 from rune_tui.link.streams import Streams
 from rune_tui.link.traffic import Traffic
 from rune_tui.link.tunnel import Tunnel
@@ -367,5 +368,5 @@ class RobotLink:
     def _take_map(self, coded: mapping.Map, reception: MessageInfo) -> int:
         self._traffic.add(coded.data.size)
         self.record(mapping.MAP, coded, reception.measured)
-        self._state = self._state.with_(map=self._received(map_of(coded), reception))
+        self._state = self._state.with_(map=self._received(OccupancyMap.of(coded), reception))
         return 0

@@ -26,9 +26,9 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.gcm.navigation import RobotState as NavigationState
+from hub.gcm.occupancy_map import OccupancyMap
 from rune_tui.model.geometry import PictureGeometry
 from rune_tui.model.pose import Pose
-from rune_tui.model.robot_state import OccupancyMap
 from rune_tui.model.world import SaidBy, WorldPoint
 
 FARTHEST_M: Final = 12.0

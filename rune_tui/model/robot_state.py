@@ -16,6 +16,7 @@ import numpy.typing as npt
 from hub.gcm.body import ROBOT_DESCRIPTION, RobotBody
 from hub.gcm.navigation import ROBOT_STATE
 from hub.gcm.navigation import RobotState as NavigationState
+from hub.gcm.occupancy_map import OccupancyMap
 from hub.gcm.vision import CAMERA_STATE, CameraState, ImageCoding
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.roles import Role
@@ -68,23 +69,6 @@ class Picture:
 
     pixels: npt.NDArray[np.uint8]
     camera: CameraState
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class OccupancyMap:
-    """A decoded map.
-
-    Attributes:
-        cells: -1 unknown, 0 free to 100 occupied; row 0 at the lowest y, shape (height, width).
-        resolution: Edge of a cell [m].
-        origin_x: Lower left corner of cell (0, 0) in `map` [m].
-        origin_y: Lower left corner of cell (0, 0) in `map` [m].
-    """
-
-    cells: npt.NDArray[np.int8]
-    resolution: float
-    origin_x: float
-    origin_y: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from hub.gcm.occupancy_map import OccupancyMap
 from rune_tui.model.map_window import MapWindow
-from rune_tui.model.robot_state import OccupancyMap
 from rune_tui.model.sightings import Floats
 from rune_tui.raster.canvas import Colour
 

@@ -29,6 +29,7 @@ from hub.gcm.navigation import (
     Point,
     Task,
 )
+from hub.gcm.occupancy_map import OccupancyMap
 from hub.pose import Pose
 from hub.robots.magellan import SimulatedCamera
 from hub.sim.arena import load_arena
@@ -39,14 +40,7 @@ from rune_tui.compositor.colours import at_depth
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState, Notice
-from rune_tui.model.robot_state import (
-    LinkPhase,
-    LinkState,
-    OccupancyMap,
-    Picture,
-    Received,
-    RobotState,
-)
+from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
 from rune_tui.model.theme import DARK, Theme
 from rune_tui.startup.opening import open_layout
 from rune_tui.view import View

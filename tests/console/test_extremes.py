@@ -21,12 +21,13 @@ from hub.errors import CodecError
 from hub.gcm.catalog import MESSAGES
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.mapping import MAP
+from hub.gcm.occupancy_map import OccupancyMap
 from hub.gcm.vision import IMAGE
 from rune_tui.compositor.picture import plain_text
 from rune_tui.controls.events import ControlEvent
 from rune_tui.dispatch import Dispatch
 from rune_tui.layout.spec import LayoutSpec
-from rune_tui.link.pictures import map_of, picture_of
+from rune_tui.link.pictures import picture_of
 from rune_tui.model.change_notifier import ChangeNotifier
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import SendEffect, StateEffect, changed
@@ -73,7 +74,7 @@ class Robots:
             name=name,
             link=link,
             picture=picture,
-            map=self._decoded(map_of, values[MAP.name], self._received(room(), now), now),
+            map=self._decoded(OccupancyMap.of, values[MAP.name], self._received(room(), now), now),
             messages=some,
         )
 

@@ -14,17 +14,11 @@ import pytest
 from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints, PointKind
 from hub.gcm.navigation import MotionState
+from hub.gcm.occupancy_map import OccupancyMap
 from hub.gcm.supervision import MODULE_REPORTS, ModulePhase, ModuleReport, ModuleReports
 from rune_tui.compositor.picture import plain_text
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.robot_state import (
-    LinkPhase,
-    LinkState,
-    OccupancyMap,
-    Picture,
-    Received,
-    RobotState,
-)
+from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
 from rune_tui.view import View
 from tests.console.situations import shipped
 from tests.console.states import described, renamed, rendered, robot_of

@@ -10,14 +10,14 @@ import time
 
 from hub.bucket import Bucket
 from hub.errors import HandlerFailedError, MapFileError, MissionError, RobotFileError
-from hub.gcm import map_coding, mapping, navigation
+from hub.gcm import mapping, navigation
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.common import COMMON_RESULT, CommonResult
+from hub.gcm.occupancy_map import OccupancyMap
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 from hub.missions import storage
 from hub.missions.folder import MissionFolder
-from hub.missions.grid_picture import GridPicture
 from hub.missions.keeper import MissionKeeper, MissionLimits
 from hub.modules.mapping.grid import LOADED, MAX_EDGE_CELLS, OccupancyGrid
 from hub.modules.mapping.mission_desk import MissionDesk
@@ -133,7 +133,7 @@ class Mapping:
             _logger.warning("the robot has left the map, which ends %.1f m away", -self._grid.low)
 
     def _map(self, request: mapping.MapRequest) -> mapping.Map:
-        picture: GridPicture | None
+        picture: OccupancyMap | None
         if math.isnan(request.x):
             picture = self._grid.whole()
         else:
@@ -144,16 +144,7 @@ class Mapping:
                 f" ({request.x:g}, {request.y:g}); x=nan asks for all that is known"
             )
             raise HandlerFailedError(text)
-        data = map_coding.encode(picture.cells)
-        return mapping.Map(
-            stamp=self._stamp,
-            resolution=picture.resolution,
-            width_cells=picture.cells.shape[1],
-            height_cells=picture.cells.shape[0],
-            origin_x=picture.origin_x,
-            origin_y=picture.origin_y,
-            data=data,
-        )
+        return picture.message(self._stamp)
 
     def _command(self, command: mapping.MapCommand) -> CommonResult:
         try:
@@ -193,7 +184,7 @@ class Mapping:
         return f"the map is empty; {len(self._keeper.points.points)} points are kept"
 
     def _load(
-        self, picture: GridPicture, points: tuple[mapping.InterestPoint, ...], what: str
+        self, picture: OccupancyMap, points: tuple[mapping.InterestPoint, ...], what: str
     ) -> str:
         """Begin a new sheet with the map and points of a file; the old marks stay."""
         self._save()

@@ -8,7 +8,7 @@ import numpy as np
 
 from hub.gcm.map_coding import MAX_CELLS
 from hub.gcm.navigation import SENSOR_COUNT
-from hub.missions.grid_picture import GridPicture
+from hub.gcm.occupancy_map import OccupancyMap
 from hub.missions.log_odds import LogOdds
 from hub.modules.mapping.evidence import INFRARED, SONAR, Evidence, Floats
 
@@ -108,7 +108,7 @@ class OccupancyGrid:
             self._flat[changed] = np.clip(change, LEAST, MOST, out=change)
         return True
 
-    def whole(self) -> GridPicture:
+    def whole(self) -> OccupancyMap:
         """What is known, with a border; a few unknown cells where nothing is."""
         known = np.abs(self.log_odds) >= KNOWN
         rows, columns = np.flatnonzero(known.any(axis=1)), np.flatnonzero(known.any(axis=0))
@@ -122,7 +122,7 @@ class OccupancyGrid:
             int(columns[-1]) + border + 1,
         )
 
-    def window(self, x: float, y: float, width: float, height: float) -> GridPicture | None:
+    def window(self, x: float, y: float, width: float, height: float) -> OccupancyMap | None:
         """A part of the map, clipped to the square.
 
         Args:
@@ -146,7 +146,7 @@ class OccupancyGrid:
             math.ceil((right - self.low) / self.resolution),
         )
 
-    def paint(self, picture: GridPicture, log_odds: float) -> int:
+    def paint(self, picture: OccupancyMap, log_odds: float) -> int:
         """Give up what is known for what a picture shows.
 
         Where cells of the two do not lie on each other, those of the picture go where their middle
@@ -199,7 +199,7 @@ class OccupancyGrid:
             self.log_odds[row : row + height, column : column + width] = kept.values
             return 0
         shown = np.where(kept.cells == 0, -1, np.where(kept.cells > 0, 100, 0)).astype(np.int8)
-        picture = GridPicture(
+        picture = OccupancyMap(
             cells=shown,
             resolution=kept.resolution,
             origin_x=kept.origin_x,
@@ -207,7 +207,7 @@ class OccupancyGrid:
         )
         return self.paint(picture, LOADED)
 
-    def _picture(self, bottom: int, top: int, left: int, right: int) -> GridPicture:
+    def _picture(self, bottom: int, top: int, left: int, right: int) -> OccupancyMap:
         """Rows from `bottom` and columns from `left` on, as far as there are any."""
         bottom, left = max(bottom, 0), max(left, 0)
         top, right = min(top, self.edge_cells), min(right, self.edge_cells)
@@ -215,7 +215,7 @@ class OccupancyGrid:
         shown = _PERCENT / _STEP / (1.0 + np.exp(-part))
         cells = np.rint(shown).astype(np.int8) * np.int8(_STEP)
         cells[np.abs(part) < KNOWN] = -1
-        return GridPicture(
+        return OccupancyMap(
             cells=cells,
             resolution=self.resolution,
             origin_x=self.low + left * self.resolution,

@@ -11,13 +11,14 @@ import numpy as np
 from hub.gcm.capability import Capability
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoint
 from hub.gcm.navigation import NAVIGATION_STATUS, Task
+from hub.gcm.occupancy_map import OccupancyMap
 from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.doing import by_navigation
 from rune_tui.model.map_window import MapWindow
 from rune_tui.model.pose import Pose
-from rune_tui.model.robot_state import OccupancyMap, RobotState
+from rune_tui.model.robot_state import RobotState
 from rune_tui.model.sightings import Floats
 from rune_tui.model.theme import Theme
 from rune_tui.model.world import WorldPoint

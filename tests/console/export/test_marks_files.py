@@ -18,10 +18,10 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from hub.gcm.mapping import InterestPoint, PointKind
+from hub.gcm.occupancy_map import OccupancyMap
 from hub.missions.point_file import decode_points
 from rune_tui.export.points import COLUMNS, csv_table, geojson, moment
 from rune_tui.export.report import html_page
-from rune_tui.model.robot_state import OccupancyMap
 from rune_tui.raster.thumbnail import thumbnail
 
 JPEG = thumbnail(np.full((40, 40, 3), 200, np.uint8), (0.5, 0.5))

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hub.gcm.occupancy_map import OccupancyMap
 from rune_tui.model.geometry import PictureGeometry
 from rune_tui.model.line_of_sight import SURE_HEIGHT_M, Surroundings, hidden, place_of_pixel
 from rune_tui.model.pose import Pose
-from rune_tui.model.robot_state import OccupancyMap
 from rune_tui.model.world import SaidBy, WorldPoint
 from tests.support.messages import camera_state, robot_state
 

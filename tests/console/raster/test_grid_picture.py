@@ -9,8 +9,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from hub.gcm.occupancy_map import OccupancyMap
 from rune_tui.model.map_window import MapWindow
-from rune_tui.model.robot_state import OccupancyMap
 from rune_tui.raster.grid_picture import (
     OUTSIDE,
     UNKNOWN,

@@ -16,9 +16,10 @@ from hub.gcm.fields import FARTHEST_M as LARGEST
 from hub.gcm.flight import ALTITUDE, ATTITUDE
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoints
 from hub.gcm.navigation import NAVIGATION_STATUS, NavigationStatus, Point, Task
+from hub.gcm.occupancy_map import OccupancyMap
 from hub.gcm.supervision import CAPABILITY_REPORTS, MODULE_REPORTS
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.robot_state import Lack, LackKind, OccupancyMap, Picture, RobotState
+from rune_tui.model.robot_state import Lack, LackKind, Picture, RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.registry import VISUALIZERS
 from rune_tui.visualizers.visualizer import Locating

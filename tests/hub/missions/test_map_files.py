@@ -21,11 +21,11 @@ from ruamel.yaml import YAML
 
 from hub.errors import MapFileError
 from hub.gcm.mapping import InterestPoint, PointKind
+from hub.gcm.occupancy_map import OccupancyMap
 from hub.missions import point_file, ros_map, storage
-from hub.missions.grid_picture import GridPicture
 from hub.missions.points import MAX_POINTS
 
-PICTURE = GridPicture(
+PICTURE = OccupancyMap(
     cells=np.array([[-1, 0, 25], [30, 65, 100]], np.int8),
     resolution=0.05,
     origin_x=-1.25,
@@ -83,7 +83,7 @@ def test_other_programs_read_the_description_as_map_server_does() -> None:
     resolution=st.floats(0.01, 1.0), x=st.floats(-999, 999), y=st.floats(-999, 999),
 )  # fmt: skip
 def test_a_map_is_read_as_it_was_written(cells: Any, resolution: float, x: float, y: float) -> None:
-    picture = GridPicture(cells=cells, resolution=resolution, origin_x=x, origin_y=y)
+    picture = OccupancyMap(cells=cells, resolution=resolution, origin_x=x, origin_y=y)
     header = ros_map.decode_yaml(ros_map.encode_yaml(picture, "m.pgm"))
     read = ros_map.picture_of(header, ros_map.decode_pgm(ros_map.encode_pgm(picture)))
     expected = np.where(cells < 0, -1, np.where(cells <= 25, 0, np.where(cells >= 65, 100, -1)))

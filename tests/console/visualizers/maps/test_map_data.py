@@ -11,8 +11,9 @@ import pytest
 
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints, PointKind
 from hub.gcm.navigation import NAVIGATION_STATUS, Cause, NavigationStatus, Point, Task
+from hub.gcm.occupancy_map import OccupancyMap
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.robot_state import LinkPhase, OccupancyMap
+from rune_tui.model.robot_state import LinkPhase
 from rune_tui.model.theme import DARK, LIGHT
 from rune_tui.raster.canvas import Canvas
 from rune_tui.view import View

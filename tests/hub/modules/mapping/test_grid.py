@@ -10,7 +10,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from hub.gcm.map_coding import decode, encode
-from hub.missions.grid_picture import GridPicture
+from hub.gcm.occupancy_map import OccupancyMap
 from hub.modules.mapping.evidence import INFRARED, SONAR
 from hub.modules.mapping.grid import BORDER, LEAST, LOADED, MOST, OccupancyGrid
 
@@ -82,7 +82,7 @@ def test_evidence_of_a_sonar_falls_with_angle_and_range() -> None:
 def test_an_echo_is_put_where_the_map_already_has_something() -> None:
     post = (2.0 * math.cos(0.12), 2.0 * math.sin(0.12))
     grid = OccupancyGrid(0.05, 10.0)
-    picture = GridPicture(
+    picture = OccupancyMap(
         cells=np.array([[100]], np.int8), resolution=0.05, origin_x=post[0] - 0.025,
         origin_y=post[1] - 0.025,
     )  # fmt: skip
@@ -96,7 +96,7 @@ def test_an_echo_is_put_where_the_map_already_has_something() -> None:
 def test_a_known_wall_is_not_erased_by_an_echo_from_behind_it() -> None:
     """Smooth walls send beams away: the echo of something farther off comes beside them."""
     grid = OccupancyGrid(0.05, 10.0)
-    wall = GridPicture(
+    wall = OccupancyMap(
         cells=np.full((20, 1), 100, np.int8), resolution=0.05, origin_x=1.0, origin_y=-0.5
     )
     grid.paint(wall, LOADED)
@@ -224,7 +224,7 @@ def test_a_window_that_is_nowhere_shows_nothing(bad: float) -> None:
 def test_painting_a_picture_and_taking_it_gives_the_same(
     cells: list[int], left: int, bottom: int
 ) -> None:
-    picture = GridPicture(
+    picture = OccupancyMap(
         cells=np.array(cells, np.int8).reshape(3, 4),
         resolution=0.1,
         origin_x=left * 0.1,
@@ -241,7 +241,7 @@ def test_painting_a_picture_and_taking_it_gives_the_same(
 
 
 def test_known_cells_of_a_picture_outside_the_square_are_counted() -> None:
-    picture = GridPicture(
+    picture = OccupancyMap(
         cells=np.array([[0, -1, 100, 100]], np.int8), resolution=1.0, origin_x=0.0, origin_y=0.0
     )
     grid = OccupancyGrid(0.5, 6.0)
@@ -249,7 +249,7 @@ def test_known_cells_of_a_picture_outside_the_square_are_counted() -> None:
 
 
 def test_a_cell_that_gets_several_is_occupied_if_one_of_them_is() -> None:
-    picture = GridPicture(
+    picture = OccupancyMap(
         cells=np.array([[100, 0], [0, 0]], np.int8), resolution=0.05, origin_x=0.0, origin_y=0.0
     )
     grid = OccupancyGrid(0.1, 2.0)
