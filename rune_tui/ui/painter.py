@@ -20,7 +20,7 @@ from rune_tui.compositor.colours import at_depth
 from rune_tui.compositor.screen_encoder import ScreenEncoder
 from rune_tui.model.display_state import DisplayState
 from rune_tui.raster.urgency import Urgencies
-from rune_tui.terminal.frames import Frame, FrameWriter
+from rune_tui.terminal.block_output import Frame, FrameWriter
 from rune_tui.terminal.input_stream import CursorReport
 from rune_tui.terminal.pacing import FramePacer
 from rune_tui.terminal.rate import RateController

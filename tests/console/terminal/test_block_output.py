@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.screen_encoder import ScreenEncoder
 from rune_tui.raster.urgency import Urgency
-from rune_tui.terminal.frames import Frame, FrameWriter, coarsened
+from rune_tui.terminal.block_output import Frame, FrameWriter, coarsened
 from rune_tui.terminal.pacing import Acknowledgement, SentFrame
 from rune_tui.terminal.rate import LADDER, RateController
 from tests.console.compositor.frames import as_drawn, flat, random_cells, refined
