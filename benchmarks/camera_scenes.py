@@ -13,6 +13,7 @@ from PIL import Image
 
 from rune_tui.compositor.blend import Layer, compose
 from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.seen_pictures import SeenPicture, seen_pictures
 from rune_tui.raster.canvas import Canvas
 
 COLUMNS, ROWS, FRAMES = 160, 48, 30
@@ -69,12 +70,13 @@ def seen(frame: np.ndarray) -> Cells:
     )
 
 
-def seen_finely(frame: np.ndarray) -> Cells:
+def seen_in_quadrants(frame: np.ndarray) -> tuple[Cells, tuple[SeenPicture, ...]]:
     """The same for a terminal that shows quadrants."""
-    canvas = Canvas.blank(COLUMNS, 2 * ROWS, fine=True)
-    small = Image.fromarray(frame).resize((2 * COLUMNS, 2 * ROWS), Image.Resampling.BOX)
-    canvas.paste_fine(np.asarray(small), 0, 0)
-    return compose(COLUMNS, ROWS, (0, 0, 0), [Layer(canvas=canvas, x=0, y=0)])
+    canvas = Canvas.blank(COLUMNS, 2 * ROWS, scale=(2, 1))
+    canvas.place_picture(frame, 0, 0, (COLUMNS, 2 * ROWS))
+    layers = [Layer(canvas=canvas, x=0, y=0)]
+    cells = compose(COLUMNS, ROWS, (0, 0, 0), layers)
+    return cells, seen_pictures(cells, layers)
 
 
 def _panned(world: np.ndarray, random: np.random.Generator, noise: float) -> Iterator[np.ndarray]:

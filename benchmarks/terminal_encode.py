@@ -33,15 +33,17 @@ from benchmarks.camera_scenes import (
     photo,
     photo_frames,
     seen,
-    seen_finely,
+    seen_in_quadrants,
     static,
 )
 from benchmarks.figures import report, say
 from benchmarks.peers.contest import PEERS_PYTHON, ROOT
 from benchmarks.peers.terminal_programs import Played, played_by_mpv, played_by_timg
 from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.looks import looks_of
 from rune_tui.compositor.quality import EXACT, Quality
 from rune_tui.compositor.screen_encoder import ScreenEncoder
+from rune_tui.compositor.seen_pictures import SeenPicture
 from tests.console.compositor.terminal_model import Terminal
 
 GOOD = Quality(tolerance=8, threshold=10)
@@ -71,6 +73,8 @@ class Costs:
         return mean(self.sizes) / 1e3
 
 
+Frame = tuple[Cells, tuple[SeenPicture, ...]]
+"""Cells, and the pictures in them that have more pixels."""
 Draw = Callable[[str, int], tuple[float, int]]
 """Draws a frame of a scene, by its number; CPU time [ms] and bytes."""
 
@@ -78,15 +82,20 @@ Draw = Callable[[str, int], tuple[float, int]]
 class Ours:
     """The encoder over all scenes, each on a terminal of its own."""
 
-    def __init__(self, scenes: Mapping[str, list[Cells]], quality: Quality) -> None:
+    def __init__(self, scenes: Mapping[str, list[Frame]], quality: Quality) -> None:
         self._scenes, self._quality = scenes, quality
         self._encoders = {scene: ScreenEncoder() for scene in scenes}
 
     def draw(self, scene: str, number: int) -> tuple[float, int]:
-        cells, encoder = self._scenes[scene][number], self._encoders[scene]
+        frame, encoder = self._scenes[scene][number], self._encoders[scene]
         start = time.process_time()
-        encoded = encoder.encode(cells, self._quality)
+        encoded = encoder.encode(looks_of(*frame), self._quality)
         return (time.process_time() - start) * 1e3, len(encoded)
+
+
+def without_pictures(frames: list[Cells]) -> list[Frame]:
+    """The same frames, of which all that is known are the cells."""
+    return [(cells, ()) for cells in frames]
 
 
 def plain_python(cells: Cells) -> str:
@@ -149,7 +158,7 @@ def contest(contenders: Mapping[str, Draw], scene: str, rounds: int = ROUNDS) ->
 
 
 def quality_of(
-    frames: list[Cells], quality: Quality, pictures: list[np.ndarray] | None = None
+    frames: list[Frame], quality: Quality, pictures: list[np.ndarray] | None = None
 ) -> tuple[float, float]:
     """Kilobytes a frame after the first, and what the terminal then shows of it [dB].
 
@@ -161,8 +170,8 @@ def quality_of(
     """
     encoder, terminal = ScreenEncoder(), Terminal(COLUMNS, ROWS)
     sizes, errors = [], []
-    for number, cells in enumerate(frames):
-        encoded = encoder.encode(cells, quality)
+    for number, (cells, seen_pictures) in enumerate(frames):
+        encoded = encoder.encode(looks_of(cells, seen_pictures), quality)
         terminal.feed(encoded.decode())
         marks = np.array([terminal.marks[place].quarters for place in np.ndindex(ROWS, COLUMNS)])
         shown = marks.reshape(ROWS, COLUMNS, 2, 2, 3).transpose(0, 2, 1, 3, 4)
@@ -204,7 +213,8 @@ def report_times(
         drawn = plain_python(scenes[scene][number])
         return (time.process_time() - start) * 1e3, len(drawn.encode())
 
-    exact, good = Ours(scenes, EXACT), Ours(scenes, GOOD)
+    frames = {scene: without_pictures(cells) for scene, cells in scenes.items()}
+    exact, good = Ours(frames, EXACT), Ours(frames, GOOD)
     say(f"{ROUNDS} rounds of a panning camera")
     contenders = {"exact": exact.draw, "good": good.draw, "f-strings (Python)": naive, **others}
     costs = contest(contenders, "pan")
@@ -247,9 +257,10 @@ def report_bytes(
         ("photo", GOOD, None, None),
     ):
         say(f"bytes of scene {scene}")
-        kilobytes, decibels = quality_of(scenes[scene], quality)
+        frames = without_pictures(scenes[scene])
+        kilobytes, decibels = quality_of(frames, quality)
         peers = {name: cost.mean_kb for name, cost in contest(others, scene, rounds=1).items()}
-        peers["exact"], _ = quality_of(scenes[scene], EXACT)
+        peers["exact"], _ = quality_of(frames, EXACT)
         peers |= {name: cost.kilobytes for name, cost in programs(folder, scene).items()}
         rounded = {name: round(value, 1) for name, value in peers.items()}
         report(f"terminal.{scene}_kB", kilobytes, "kB", bar=bar_kb, peers=rounded)
@@ -272,9 +283,12 @@ def report_quadrants() -> None:
             np.asarray(Image.fromarray(frame).resize(size, Image.Resampling.BOX))
             for frame in frames
         ]
-        drawn = {"half": list(map(seen, frames)), "quadrants": list(map(seen_finely, frames))}
+        drawn = {
+            "half": without_pictures(list(map(seen, frames))),
+            "quadrants": list(map(seen_in_quadrants, frames)),
+        }
         for label, quality in (("exact", EXACT), ("good", GOOD)):
-            found = {name: quality_of(cells, quality, pictures) for name, cells in drawn.items()}
+            found = {name: quality_of(each, quality, pictures) for name, each in drawn.items()}
             sizes = {name: round(kilobytes, 1) for name, (kilobytes, _) in found.items()}
             likeness = {name: round(decibels, 2) for name, (_, decibels) in found.items()}
             gains[f"{scene} {label}"] = likeness["quadrants"] - likeness["half"]
@@ -286,7 +300,7 @@ def report_quadrants() -> None:
                 note=f"dB against the picture of 320x192: {likeness}",
             )
         costs = contest(
-            {name: Ours({scene: cells}, GOOD).draw for name, cells in drawn.items()}, scene
+            {name: Ours({scene: each}, GOOD).draw for name, each in drawn.items()}, scene
         )
         report(
             f"terminal.quadrants_{scene}_ms",

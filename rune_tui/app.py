@@ -80,7 +80,12 @@ class Console(CoveredApp, inherit_bindings=False):
         self._links = links
         self._pane = ViewPane(traits.glyphs.half)
         self._painter = painter = Painter(self, self._pane, traits, round_trip)
-        self.current = current = CurrentLayout(source.layout, traits, links.operator)
+        self.current = current = CurrentLayout(
+            source.layout,
+            links.operator,
+            pixels_per_cell=painter.pixels_per_cell,
+            aspect=traits.aspect,
+        )
         self.inputs = InputEvents(self, current, painter, links.pads, self._state, self._execute)
         self.effects = EffectRunner(
             self, source, current, self.inputs, links, self._pane, self._state, self._leave

@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 
 _DEMO_ROBOT = "magellan"
 _INSTEAD_OF_WATCHING = "`rune joytest --list` lists what is plugged in"
-_PICTURE_ENDINGS = (".txt", ".svg", ".png")
 _LOG_BYTES = 1_000_000
 _OBJECTS_PER_LOOK = 10_000
 """So many new objects later, Python looks for rubbish among them; by itself it does after 700."""
@@ -182,11 +181,11 @@ def _shot(options: argparse.Namespace) -> int:
 
     from rune_tui.commands import shot
     from rune_tui.commands.demo import DemoHub
+    from rune_tui.compositor.picture import PictureFile
 
     path: Path = options.output
-    if path.suffix not in _PICTURE_ENDINGS:
-        text = f"{path}: the name has to end in one of {', '.join(_PICTURE_ENDINGS)}"
-        raise _UsageError(text)
+    glyphs = GlyphSet(options.glyphs or GlyphSet.HALF)
+    output = PictureFile(path, depth=ColourDepth(options.colors), glyphs=glyphs)
     layout = _load(options.layout, options.set)
     with ExitStack() as stack:
         hubs = _endpoints(options.hub)
@@ -200,10 +199,8 @@ def _shot(options: argparse.Namespace) -> int:
             _links(layout, hubs, options.keys, tunnels),
             size=options.size,
             seconds=options.seconds,
-            depth=ColourDepth(options.colors),
-            glyphs=GlyphSet(options.glyphs or GlyphSet.HALF),
             offline=options.offline,
-            path=path,
+            output=output,
         )
     if answered or options.offline:
         return ExitCode.OK

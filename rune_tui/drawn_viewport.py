@@ -46,7 +46,7 @@ class DrawnViewport:
     place: Area
     head: Area | None
     spent: Callable[[], float]
-    fine: bool = False
+    scale: tuple[int, int] = (1, 1)
     rests_until: float = -math.inf
     layer: Layer | None = None
     over: Layer | None = None
@@ -156,7 +156,7 @@ class DrawnViewport:
         )
 
     def _drawn(self, robot: RobotState, state: ConsoleState) -> Canvas:
-        canvas = Canvas.blank(self.place.width, self.place.height, fine=self.fine)
+        canvas = Canvas.blank(self.place.width, self.place.height, scale=self.scale)
         self.visualizer.draw(canvas, robot, state)
         return canvas
 

@@ -225,7 +225,8 @@ class EffectRunner:
             case SendEffect() | ControlEffect() | MissionEffect():
                 self._send(effect)
             case ScreenshotEffect() | RecordEffect() | ExportEffect():
-                self.filing.do(effect, self._current.layout, state, self._pane.cells)
+                cells, pictures = self._pane.cells, self._pane.pictures
+                self.filing.do(effect, self._current.layout, state, cells, pictures)
             case CalibrateEffect(joystick=name, control=control):
                 self._inputs.joysticks.calibrate(name, control, state.now)
             case NextLayoutEffect():

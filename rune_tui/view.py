@@ -13,6 +13,7 @@ import numpy as np
 from rune_tui.compositor.blend import Layer, compose, tinted, urgencies_of
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.contrast import make_legible
+from rune_tui.compositor.seen_pictures import SeenPicture, seen_pictures
 from rune_tui.controls.events import Hit
 from rune_tui.drawn_viewport import DrawnViewport, is_shown
 from rune_tui.layout.placing import Placed, arrangement_for, filled, placed
@@ -45,7 +46,6 @@ class View:
     """Turns the states of robots into cells; nothing is drawn until `resize` was called.
 
     Attributes:
-        fine: Whether the terminal shows cameras' pictures with two pixels across a cell.
         places: Viewports that have a place at this size, and whether they are shown there at first.
     """
 
@@ -54,7 +54,7 @@ class View:
         layout: LayoutSpec,
         spent: Callable[[], float] = time.thread_time,
         *,
-        fine: bool = False,
+        pixels_per_cell: tuple[int, int] = (1, 2),
     ) -> None:
         """Prepare.
 
@@ -62,9 +62,9 @@ class View:
             layout: What there is to see.
             spent: The processor's time that this thread has used so far [s]. A busy machine makes
                 drawings late, and that must not make them rest as well.
-            fine: Whether the terminal shows cameras' pictures with two pixels across a cell.
+            pixels_per_cell: Pixels of pictures across and down a cell, as an `Output` shows them.
         """
-        self.fine = fine
+        self._scale = pixels_per_cell[0], pixels_per_cell[1] // 2
         self._spent = spent
         self._spec = layout.view
         self._vocabulary = layout.vocabulary
@@ -88,6 +88,12 @@ class View:
         self._sizes: Mapping[str, tuple[int, int]] = {}
         self._banner = BannerLayer()
         self._urgencies: Urgencies = np.zeros((0, 0), np.uint8)
+        self._pictures: tuple[SeenPicture, ...] = ()
+
+    @property
+    def pictures(self) -> tuple[SeenPicture, ...]:
+        """The pictures in the newest cells that have more pixels than these."""
+        return self._pictures
 
     @property
     def urgencies(self) -> Urgencies:
@@ -116,7 +122,6 @@ class View:
             shown = self._visualizer(viewport)
             title = "" if self._full else viewport.title
             head, area = with_title(place.area, title)
-            fine = self.fine and shown.rule.pictures
             self._panes.append(
                 DrawnViewport(
                     spec=viewport,
@@ -125,7 +130,7 @@ class View:
                     place=area,
                     head=head,
                     spent=self._spent,
-                    fine=fine,
+                    scale=self._scale,
                     markable=self._choice,
                 )
             )
@@ -169,6 +174,7 @@ class View:
             _logger.exception("the picture cannot be made")
             layers = [self._apology("this cannot be drawn; the log says why", state)]
             self._urgencies = urgencies_of(self._columns, self._rows, layers)
+            self._pictures = ()
             return compose(self._columns, self._rows, self._ground(state.theme), layers)
         self._failed = False
         return cells
@@ -204,6 +210,7 @@ class View:
         self._urgencies = urgencies_of(self._columns, self._rows, layers)
         cells = compose(self._columns, self._rows, self._ground(state.theme), layers)
         make_legible(cells, state.theme.tint)
+        self._pictures = seen_pictures(cells, layers, state.theme.tint)
         return tinted(cells, state.theme.tint)
 
     def hits(self, x: int, y: int, state: ConsoleState) -> tuple[Hit, ...]:
@@ -227,8 +234,8 @@ class View:
         for pane in self._panes:
             robot, shown = pane.robot(state), pane.visualizer
             if shown.rule.pictures and robot is not None and pane.visible(state):
-                across = 2 if pane.fine else 1
-                width, height = across * pane.place.width, across * pane.place.height
+                more = max(self._scale)
+                width, height = more * pane.place.width, more * pane.place.height
                 size = cast("Picturing", shown).picture_size(width, height)
                 sizes[robot.name] = max(size, sizes.get(robot.name, MIN_PICTURE))
         self._sizes = sizes

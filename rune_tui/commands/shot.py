@@ -5,13 +5,9 @@ from __future__ import annotations
 import dataclasses
 import time
 from collections.abc import Collection, Mapping
-from pathlib import Path
 
 from hub.gcm.mapping import MAP
-from rune_tui.compositor import picture
-from rune_tui.compositor.colours import at_depth
-from rune_tui.compositor.depth import ColourDepth
-from rune_tui.compositor.glyph_set import GlyphSet
+from rune_tui.compositor.picture import PictureFile
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.model.console_state import ConsoleState
@@ -29,10 +25,8 @@ def take(
     *,
     size: tuple[int, int],
     seconds: float,
-    depth: ColourDepth,
-    glyphs: GlyphSet,
     offline: bool,
-    path: Path,
+    output: PictureFile,
 ) -> bool:
     """Watch the robots for a while, then write what the console would show.
 
@@ -41,10 +35,8 @@ def take(
         links: A connection for each robot, not yet started.
         size: Columns and rows of the terminal [cells].
         seconds: How long to watch [s].
-        depth: What colours the terminal would have.
-        glyphs: What it would make pictures of.
         offline: Whether it is written although no hub answers.
-        path: File to write; its ending says what: .txt, .svg or .png.
+        output: The file to write.
 
     Returns:
         Whether every robot's hub answered; if not, nothing is written, except with `offline`.
@@ -52,7 +44,7 @@ def take(
     Raises:
         PictureFileError: The file cannot be written.
     """
-    view = View(layout, fine=glyphs.fine and depth is ColourDepth.TRUECOLOUR)
+    view = View(layout, pixels_per_cell=output.pixels_per_cell)
     view.resize(*size)
     state = dataclasses.replace(
         ConsoleState.at_start(layout, time.monotonic()),
@@ -77,7 +69,7 @@ def take(
             link.close()
     answered = all(robot.link.phase is LinkPhase.CONNECTED for robot in robots.values())
     if (answered or offline) and cells is not None:
-        picture.save(at_depth(cells, depth), path)
+        output.write(output.draw(cells, view.pictures, view.urgencies))
     return answered
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.glyph_set import UPPER_HALF
-from rune_tui.compositor.looks import looks_of
+from rune_tui.compositor.looks import Looks, looks_of
 from rune_tui.compositor.planes import planes_of
 from rune_tui.compositor.sgr import FORMS, RESET, words
 from rune_tui.compositor.word_matrix import WordMatrix
@@ -14,18 +14,19 @@ from rune_tui.compositor.word_matrix import WordMatrix
 _RESET, _NEXT = words([RESET, b"\n"])
 
 
-def encoded_rows(cells: Cells, half: str = UPPER_HALF) -> list[str]:
+def encoded_rows(frame: Cells | Looks, half: str = UPPER_HALF) -> list[str]:
     """The rows as what a terminal is sent.
 
     A row begins and ends with the terminal's attributes reset, does not move the cursor, and takes
     exactly as many cells as the frame has columns.
 
     Args:
-        cells: The frame.
+        frame: Cells, or their looks if they were taken already.
         half: `UPPER_HALF` or `LOWER_HALF`, as a `ScreenEncoder` takes it.
     """
-    form = FORMS[cells.depth]
-    planes = planes_of(looks_of(cells), form, half)
+    looks = frame if isinstance(frame, Looks) else looks_of(frame)
+    form = FORMS[looks.depth]
+    planes = planes_of(looks, form, half)
     rows, columns = (int(length) for length in planes.marks.shape)
     if not rows or not columns:
         return [RESET.decode()] * rows

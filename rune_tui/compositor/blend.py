@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rune_tui.compositor.cells import Cells
-from rune_tui.raster.canvas import Canvas, halved
+from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgencies, Urgency
 
 _HALF = 128
@@ -77,11 +77,10 @@ def compose(
         glyphs=np.zeros((rows, columns), np.uint32),
         ink=np.zeros((rows, columns, 4), np.uint8),
     )
-    layers = sorted(layers, key=attrgetter("zpos"))
-    for layer in layers:
+    for layer in sorted(layers, key=attrgetter("zpos")):
         if layer.transparency < 255:
             _lay(cells, layer)
-    return _refined(cells, layers)
+    return cells
 
 
 def urgencies_of(columns: int, rows: int, layers: Iterable[Layer]) -> Urgencies:
@@ -139,33 +138,6 @@ def _share_of_255(total: npt.NDArray[np.uint16]) -> npt.NDArray[np.uint8]:
     total += total >> 8
     total >>= 8
     return total.astype(np.uint8)
-
-
-def _refined(cells: Cells, layers: Iterable[Layer]) -> Cells:
-    """The cells with the finer pixels of those layers that have them, where these are seen.
-
-    That is where both pixels of a cell still are the mean of their finer ones: nothing has been
-    drawn over them, neither on their canvas nor by another layer.
-    """
-    fine = None
-    for layer in layers:
-        window = _window(cells, layer)
-        if layer.canvas.fine is None or layer.transparency or window is None:
-            continue
-        if fine is None:
-            fine = cells.pixels.view(_WORDS)[..., 0].repeat(2, axis=1)
-        finer = np.zeros((*fine.shape, 4), np.uint8)
-        finer[window.top : window.bottom, 2 * window.left : 2 * window.right] = layer.canvas.fine[
-            window.top - layer.y : window.bottom - layer.y,
-            2 * (window.left - layer.x) : 2 * (window.right - layer.x),
-        ]
-        seen = (halved(finer).view(_WORDS) == cells.pixels.view(_WORDS))[..., 0]
-        whole = seen[0::2] & seen[1::2] & (cells.glyphs == 0)
-        where = whole.repeat(2, axis=0).repeat(2, axis=1)
-        np.copyto(fine, finer.view(_WORDS)[..., 0], where=where)
-    if fine is None:
-        return cells
-    return dataclasses.replace(cells, fine=fine[..., None].view(np.uint8))
 
 
 def _window(cells: Cells, layer: Layer) -> _Window | None:
@@ -255,14 +227,13 @@ def tinted(cells: Cells, tint: tuple[int, int, int]) -> Cells:
     """What is left of red, green and blue, 0 to 255 each, of all pixels and characters."""
     if min(tint) == _OPAQUE:
         return cells
+    pixels, ink = tinted_colours(cells.pixels, tint), tinted_colours(cells.ink, tint)
+    return dataclasses.replace(cells, pixels=pixels, ink=ink)
+
+
+def tinted_colours(
+    colours: npt.NDArray[np.uint8], tint: tuple[int, int, int]
+) -> npt.NDArray[np.uint8]:
+    """What is left of red, green and blue, 0 to 255 each; any shape (..., 4)."""
     scale = np.array((*tint, _OPAQUE), np.uint16)
-
-    def scaled(colours: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
-        return ((colours * scale + _HALF) // _OPAQUE).astype(np.uint8)
-
-    return dataclasses.replace(
-        cells,
-        pixels=scaled(cells.pixels),
-        ink=scaled(cells.ink),
-        fine=None if cells.fine is None else scaled(cells.fine),
-    )
+    return ((colours * scale + _HALF) // _OPAQUE).astype(np.uint8)

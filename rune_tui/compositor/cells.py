@@ -22,16 +22,12 @@ class Cells:
             A cell with a glyph shows it in `ink` on the mean of its two pixels.
         ink: Red, green, blue, number of the glyphs, shape (rows, columns, 4).
         depth: Which colours there are in `pixels` and `ink`.
-        fine: The pixels twice as wide, shape (2 * rows, 2 * columns, 4), for terminals that are to
-            show quadrants in truecolour; None if there is nothing finer. Where it knows no more,
-            and in cells with a glyph, two beside each other are the pixel; else it is their mean.
     """
 
     pixels: npt.NDArray[np.uint8]
     glyphs: npt.NDArray[np.uint32]
     ink: npt.NDArray[np.uint8]
     depth: ColourDepth = ColourDepth.TRUECOLOUR
-    fine: npt.NDArray[np.uint8] | None = None
 
     @property
     def rows(self) -> int:

@@ -77,9 +77,6 @@ def make_legible(cells: Cells, tint: tuple[int, int, int] = _NO_TINT) -> None:
         row, column = row[lacking], column[lacking]
         for half in (0, 1):
             cells.pixels[2 * row + half, column, :3] = plate
-            if cells.fine is not None:
-                for side in (0, 1):
-                    cells.fine[2 * row + half, 2 * column + side, :3] = plate
 
 
 @cache

@@ -5,6 +5,8 @@ from __future__ import annotations
 import enum
 from typing import Final
 
+from rune_tui.compositor.depth import ColourDepth
+
 UPPER_HALF: Final = "▀"
 LOWER_HALF: Final = "▄"
 
@@ -28,6 +30,10 @@ class GlyphSet(enum.Enum):
         return LOWER_HALF if self is GlyphSet.LOWER else UPPER_HALF
 
     @property
-    def fine(self) -> bool:
-        """Whether a camera's picture has two pixels across a cell."""
-        return self is GlyphSet.QUADRANTS
+    def pixels_per_cell(self) -> tuple[int, int]:
+        """Pixels of a picture across and down a cell."""
+        return (2, 2) if self is GlyphSet.QUADRANTS else (1, 2)
+
+    def at(self, depth: ColourDepth) -> GlyphSet:
+        """What is drawn with these colours; fewer of them leave no choice."""
+        return self if depth is ColourDepth.TRUECOLOUR else GlyphSet.HALF

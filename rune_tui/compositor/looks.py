@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +12,8 @@ import numpy.typing as npt
 from rune_tui.compositor.blend import RGB_MASK
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.depth import ColourDepth
-from rune_tui.compositor.quadrants import quarters_of, split
+from rune_tui.compositor.quadrants import quarters_of, quarters_with, split
+from rune_tui.compositor.seen_pictures import SeenPicture
 from rune_tui.compositor.sgr import Words
 
 Flags = npt.NDArray[np.bool_]
@@ -82,6 +84,19 @@ class Looks:
             newer, pixels=pixels, shapes=shapes, glyphs=glyphs, ink=ink, written=written
         )
 
+    def part(self, row: int, start: int, end: int) -> Looks:
+        """One row's columns `start` to `end`."""
+        place = slice(row, row + 1), slice(start, end)
+        glyphs = self.glyphs[place]
+        return dataclasses.replace(
+            self,
+            pixels=self.pixels[2 * row : 2 * row + 2, start:end],
+            shapes=self.shapes[place],
+            glyphs=glyphs,
+            ink=self.ink[place],
+            written=self.written and bool(glyphs.any()),
+        )
+
     def taken(self, numbers: Numbers) -> Looks:
         """Some of the cells, by their numbers in reading order, each a row of one column."""
         columns = self.glyphs.shape[1]
@@ -99,15 +114,21 @@ class Looks:
         )
 
 
-def looks_of(cells: Cells) -> Looks:
-    """What cells look like."""
+def looks_of(cells: Cells, pictures: Collection[SeenPicture] = ()) -> Looks:
+    """What cells look like in half blocks, and with pictures in quadrants.
+
+    Args:
+        cells: The cells.
+        pictures: What they show of pictures that have two pixels across one of theirs; in
+            truecolour only.
+    """
     pixels, glyphs, ink = packed(cells.pixels), cells.glyphs, packed(cells.ink)
     masked = cells.depth is ColourDepth.TRUECOLOUR
     # A copy in either case: it is about to be changed, and kept for longer than the cells.
     halves = pixels = pixels & RGB_MASK if masked else pixels.copy()
     shapes = np.zeros(glyphs.shape, np.uint8)
-    if cells.fine is not None and masked:
-        pixels, shapes = split(halves, packed(cells.fine) & RGB_MASK)
+    if pictures:
+        pixels, shapes = split(halves, quarters_with(halves, pictures))
     written = bool(glyphs.any())
     shown, inked = np.zeros_like(glyphs, np.uint32), np.zeros_like(ink)
     if written:

@@ -1,9 +1,11 @@
-"""Cells as files: a PNG picture, an SVG drawing, or plain text."""
+"""Views as files: a PNG picture, an SVG drawing, or plain text."""
 
 from __future__ import annotations
 
 import functools
+import io
 import math
+from collections.abc import Collection
 from pathlib import Path
 from xml.sax.saxutils import escape
 
@@ -13,10 +15,15 @@ from PIL import Image, ImageDraw, ImageFont
 
 from rune_tui.compositor.blend import mean
 from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.colours import at_depth
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.drawn_glyphs import drawn_glyph
+from rune_tui.compositor.glyph_set import GlyphSet
 from rune_tui.compositor.looks import looks_of, unpacked
+from rune_tui.compositor.output import Frame, Output
+from rune_tui.compositor.seen_pictures import SeenPicture
 from rune_tui.errors import PictureFileError
+from rune_tui.raster.urgency import Urgencies
 
 SUFFIXES = (".txt", ".svg", ".png")
 
@@ -29,34 +36,81 @@ _DOTS = np.array([[0, 2], [3, 1]])
 _LUMA = np.array([299, 587, 114], np.uint32)  # ITU-R BT.601, thousandths
 
 
-def save(cells: Cells, path: Path) -> None:
-    """Write cells to a file, as its suffix says.
+class PictureFile(Output):
+    """A file that shows a view as a terminal would show it; its suffix says how."""
 
-    Raises:
-        PictureFileError: The suffix is none of `SUFFIXES`, or the file cannot be written.
-    """
-    suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
-        text = f"{path}: a picture file ends in {', '.join(SUFFIXES)}; name it so"
-        raise PictureFileError(text)
-    try:
+    def __init__(
+        self,
+        path: Path,
+        *,
+        depth: ColourDepth = ColourDepth.TRUECOLOUR,
+        glyphs: GlyphSet = GlyphSet.HALF,
+    ) -> None:
+        """Prepare; nothing is written yet.
+
+        Args:
+            path: The file.
+            depth: The terminal's colours; in truecolour, cells stay as they are.
+            glyphs: The terminal's characters for pixels.
+
+        Raises:
+            PictureFileError: The suffix is none of `SUFFIXES`.
+        """
+        self._path, self._depth, self._glyphs = path, depth, glyphs.at(depth)
+        if path.suffix.lower() not in SUFFIXES:
+            text = f"{path}: a picture file ends in {', '.join(SUFFIXES)}; name it so"
+            raise PictureFileError(text)
+
+    @property
+    def pixels_per_cell(self) -> tuple[int, int]:
+        """Pixels of a picture across and down a cell."""
+        return self._glyphs.pixels_per_cell
+
+    def draw(
+        self,
+        cells: Cells,
+        pictures: Collection[SeenPicture],
+        urgencies: Urgencies | None = None,
+    ) -> Frame:
+        """The content of the file.
+
+        Args:
+            cells: The view.
+            pictures: Those in it that have more pixels than the cells, from back to front.
+            urgencies: Not used; a file is written as a whole.
+        """
+        del urgencies
+        cells, suffix = at_depth(cells, self._depth), self._path.suffix.lower()
         if suffix == ".png":
-            image(cells).save(path, "PNG")
-        else:
-            path.write_text(svg(cells) if suffix == ".svg" else plain_text(cells), "utf-8")
-    except OSError as error:
-        text = f"{path} cannot be written: {error.strerror or error}; choose another place"
-        raise PictureFileError(text) from error
+            file = io.BytesIO()
+            image(cells, pictures).save(file, "PNG")
+            return Frame(first=file.getvalue())
+        text = svg(cells, pictures) if suffix == ".svg" else plain_text(cells)
+        return Frame(first=text.encode())
+
+    def write(self, frame: Frame) -> None:
+        """Write what was drawn.
+
+        Raises:
+            PictureFileError: The file cannot be written.
+        """
+        try:
+            self._path.write_bytes(frame.first)
+        except OSError as error:
+            why = error.strerror or error
+            text = f"{self._path} cannot be written: {why}; choose another place"
+            raise PictureFileError(text) from error
 
 
-def image(cells: Cells, *, scale: int = 8) -> Image.Image:
+def image(cells: Cells, pictures: Collection[SeenPicture] = (), *, scale: int = 8) -> Image.Image:
     """The cells as a terminal would show them.
 
     Args:
         cells: The frame.
+        pictures: What they show of pictures that have two pixels across one of theirs.
         scale: Width and height of a cell's half [pixels of the result].
     """
-    shown = unpacked(looks_of(cells).quarters)
+    shown = unpacked(looks_of(cells, pictures).quarters)
     picture = Image.fromarray(np.ascontiguousarray(shown[..., :3]))
     size = (cells.columns * scale, 2 * cells.rows * scale)
     picture = picture.resize(size, Image.Resampling.NEAREST)
@@ -99,11 +153,12 @@ def plain_text(cells: Cells) -> str:
     return "".join("".join(map(_visible, line)).rstrip() + "\n" for line in lines)
 
 
-def svg(cells: Cells, *, scale: int = 8) -> str:
+def svg(cells: Cells, pictures: Collection[SeenPicture] = (), *, scale: int = 8) -> str:
     """The cells as an SVG drawing: a rectangle for each run of one colour, text over them.
 
     Args:
         cells: The frame.
+        pictures: As for `image`.
         scale: Width and height of a cell's half [user units].
     """
     width, height = cells.columns * scale, 2 * cells.rows * scale
@@ -112,7 +167,7 @@ def svg(cells: Cells, *, scale: int = 8) -> str:
         f'width="{width}" height="{height}" shape-rendering="crispEdges">',
     ]
     wide = scale / 2
-    for row, line in enumerate(unpacked(looks_of(cells).quarters)):
+    for row, line in enumerate(unpacked(looks_of(cells, pictures).quarters)):
         parts += [
             f'<rect x="{first * wide:g}" y="{row * scale}" width="{(end - first) * wide:g}" '
             f'height="{scale}" fill="{_hexadecimal(line[first])}"/>'

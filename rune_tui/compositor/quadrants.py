@@ -7,11 +7,13 @@ lower colour. It is 0 where the cell shows two halves.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
+from rune_tui.compositor.seen_pictures import SeenPicture
 from rune_tui.compositor.sgr import Words
 
 Bytes = npt.NDArray[np.uint8]
@@ -30,7 +32,7 @@ _STEP: Final = 8
 """Where no value differs by more from the one beside it, the gain is at most 6 * 8 * 8 / 2."""
 
 
-def split(halves: Words, fine: Words) -> tuple[Words, Bytes]:
+def split(halves: Words, quarters: Words) -> tuple[Words, Bytes]:
     """The two colours and the shape of each cell that come near to its four pixels.
 
     The quarters that are brighter than the mean of all four share one colour, their mean, and the
@@ -39,23 +41,23 @@ def split(halves: Words, fine: Words) -> tuple[Words, Bytes]:
 
     Args:
         halves: What the cells show as two halves, shape (2 * rows, columns).
-        fine: Their pixels, shape (2 * rows, 2 * columns). The unused byte of both is zero.
+        quarters: Their pixels, shape (2 * rows, 2 * columns). The unused byte of both is zero.
 
     Returns:
         Upper and lower colours, shape (2 * rows, columns), and shapes, shape (rows, columns).
     """
     colours, shapes = halves.copy(), np.zeros((len(halves) // 2, halves.shape[1]), np.uint8)
-    left, right = _values(fine[:, 0::2]), _values(fine[:, 1::2])
+    left, right = _values(quarters[:, 0::2]), _values(quarters[:, 1::2])
     # Four flags read as one word.
     steps = (np.maximum(left, right) - np.minimum(left, right) > _STEP).view(np.uint32)[..., 0]
     place = np.nonzero(steps[0::2] | steps[1::2])
-    corners = [fine[down::2, across::2][place] for down in (0, 1) for across in (0, 1)]
-    quarters = _values(np.stack(corners)).astype(np.float32)
-    light = quarters @ _LUMA
+    corners = [quarters[down::2, across::2][place] for down in (0, 1) for across in (0, 1)]
+    values = _values(np.stack(corners)).astype(np.float32)
+    light = values @ _LUMA
     bright = 4.0 * light > light.sum(axis=0)
     has_upper = bright == bright[0]
-    first = (quarters * has_upper[..., None]).sum(axis=0)
-    whole, top = quarters.sum(axis=0), quarters[0] + quarters[1]
+    first = (values * has_upper[..., None]).sum(axis=0)
+    whole, top = values.sum(axis=0), values[0] + values[1]
     count = has_upper.sum(axis=0, dtype=np.float32)
     rest = np.maximum(4.0 - count, 1.0)  # of cells of one colour: nothing, of none
     gain = _squares(first) / count + _squares(whole - first) / rest
@@ -66,6 +68,28 @@ def split(halves: Words, fine: Words) -> tuple[Words, Bytes]:
     colours[0::2][taken] = _rounded(first[better] / count[better, None])
     colours[1::2][taken] = _rounded((whole - first)[better] / rest[better, None])
     return colours, shapes
+
+
+def quarters_with(halves: Words, pictures: Iterable[SeenPicture]) -> Words:
+    """The pixels of cells, with those of pictures where these are seen.
+
+    Args:
+        halves: What the cells show as two halves, shape (2 * rows, columns).
+        pictures: With two pixels across one of the cells', from back to front.
+
+    Returns:
+        Shape (2 * rows, 2 * columns).
+    """
+    quarters = halves.repeat(2, axis=1)
+    for each in pictures:
+        picture = each.picture
+        height, width = picture.means.shape[:2]
+        down = slice(picture.y, picture.y + height)
+        seen = each.seen[:, picture.x : picture.x + width].repeat(2, axis=0)[down]
+        target = quarters[down, 2 * picture.x : 2 * (picture.x + width)]
+        pixels = picture.pixels.view(np.uint32)[..., 0]
+        np.copyto(target, pixels, where=seen.repeat(2, axis=1))
+    return quarters
 
 
 def quarters_of(colours: Words, shapes: Bytes) -> Words:

@@ -17,7 +17,6 @@ from rune_tui.compositor.planes import planes_of
 from rune_tui.compositor.quality import EXACT, Quality
 from rune_tui.compositor.sgr import FORMS, RESET
 from rune_tui.compositor.word_matrix import WordMatrix
-from rune_tui.raster.canvas import halved
 from rune_tui.raster.urgency import Urgencies
 
 _WHOLE = 0.98
@@ -62,26 +61,6 @@ class ScreenEncoder:
         self._depth = ColourDepth.TRUECOLOUR
         self._known: Flags = np.zeros((0, 0), np.bool_)
         self._moves = Moves((0, 0), top=top, left=left)
-
-    @property
-    def shown(self) -> Cells | None:
-        """What the terminal shows, where it is `known`; None before the first frame.
-
-        Both pixels of a cell with a character have the colour behind it.
-        """
-        if self._shown is None:
-            return None
-        pixels, fine = unpacked(self._shown.pixels), None
-        if self._shown.shapes.any():
-            fine = unpacked(self._shown.quarters)
-            pixels = halved(fine)
-        return Cells(
-            pixels=pixels,
-            fine=fine,
-            glyphs=self._shown.glyphs,
-            ink=unpacked(self._shown.ink),
-            depth=self._depth,
-        )
 
     @property
     def known(self) -> Flags:

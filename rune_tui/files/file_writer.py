@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import datetime
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Collection, Coroutine
 from typing import Any
 
 from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.seen_pictures import SeenPicture
 from rune_tui.controls.joystick.calibration_store import CalibrationStore
 from rune_tui.files import user_files
 from rune_tui.files.recorder import Recorder
@@ -47,6 +48,7 @@ class Filing:
         layout: LayoutSpec,
         state: ConsoleState,
         cells: Cells | None,
+        pictures: Collection[SeenPicture],
     ) -> None:
         """Write what a widget asks for.
 
@@ -54,13 +56,14 @@ class Filing:
             effect: What that is.
             layout: What is shown.
             state: What the console knows.
-            cells: What the operator sees; None before the first picture.
+            cells: What the operator sees; None before the first frame.
+            pictures: Those in it that have more pixels than the cells.
         """
         match effect:
             case RecordEffect():
                 self.record_or_not(layout, state.operator)
             case ScreenshotEffect() if cells is not None:
-                self.keep_screen(cells)
+                self.keep_screen(cells, pictures)
             case ExportEffect(robot=name):
                 self.keep_marks(state.robots[name])
 
@@ -71,10 +74,10 @@ class Filing:
         else:
             self._report(self.recorder.begin(layout, operator))
 
-    def keep_screen(self, cells: Cells) -> None:
+    def keep_screen(self, cells: Cells, pictures: Collection[SeenPicture]) -> None:
         """Write a picture of what the operator sees."""
         now = _now()
-        self._write(lambda: user_files.write_screenshot(cells, now))
+        self._write(lambda: user_files.write_screenshot(cells, pictures, now))
 
     def keep_marks(self, robot: RobotState) -> None:
         """Write what is marked."""

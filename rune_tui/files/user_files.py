@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime
 import getpass
 import logging
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,8 +14,9 @@ import platformdirs
 
 from hub.gcm.mapping import INTEREST_POINTS
 from hub.ipc.definition import Keep
-from rune_tui.compositor import picture
 from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.picture import PictureFile
+from rune_tui.compositor.seen_pictures import SeenPicture
 from rune_tui.controls.joystick.calibration_store import CalibrationStore
 from rune_tui.export.points import csv_table, geojson
 from rune_tui.export.report import html_page
@@ -83,13 +85,16 @@ def undelivered(
     return Outcome(text=text, alarm=True, robot=robot.name)
 
 
-def write_screenshot(cells: Cells, now: datetime.datetime) -> Outcome:
+def write_screenshot(
+    cells: Cells, pictures: Collection[SeenPicture], now: datetime.datetime
+) -> Outcome:
     """Write what is shown into the user's pictures folder, as PNG and as text."""
     base = platformdirs.user_pictures_path() / _FOLDER / f"rune-{now:%Y%m%d-%H%M%S}"
     try:
         base.parent.mkdir(parents=True, exist_ok=True)
         for suffix in (".png", ".txt"):
-            picture.save(cells, base.with_suffix(suffix))
+            file = PictureFile(base.with_suffix(suffix))
+            file.write(file.draw(cells, pictures))
     except OSError as error:
         return _not_written("screenshot", error)
     return Outcome(text=f"the screenshot is {base}.png and .txt", routine=True)

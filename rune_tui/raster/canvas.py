@@ -1,15 +1,17 @@
-"""A surface that visualizers draw on: pixels with alpha, and characters laid over them."""
+"""A surface that visualizers draw on: pixels with alpha, characters over them, and pictures."""
 
 from __future__ import annotations
 
 import functools
 import unicodedata
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
 
 from rune_tui.model import theme
+from rune_tui.raster.placed_picture import PlacedPicture
+from rune_tui.raster.resize import resized
 
 Colour = theme.Colour
 """Red, green, blue, alpha, each 0 to 255; alpha 0 shows what is behind."""
@@ -17,7 +19,7 @@ Colour = theme.Colour
 REPLACEMENT = "?"
 """Stands for every character that a terminal would not show in exactly one cell."""
 
-_LOW_BITS_OFF = np.uint32(0xFEFEFEFE)
+_BRIGHT = 255
 _DROPPED = frozenset({"Mn", "Me"})
 # Missing in Python's tables: Hangul vowels and final consonants join the syllable before them;
 # symbols that Unicode 16 made wide, and regional indicators, which terminals pair into flags.
@@ -58,22 +60,6 @@ def printable_text(string: str) -> str:
     return "".join(map(printable, unicodedata.normalize("NFC", string)))
 
 
-def halved(fine: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
-    """Each two pixels side by side as their mean, rounded down.
-
-    Args:
-        fine: Shape (height, 2 * width, 4).
-
-    Returns:
-        Shape (height, width, 4).
-    """
-    words = fine.view(np.uint32)[..., 0]
-    left, right = words[:, 0::2], words[:, 1::2]
-    # All four bytes at once; none overflows into another.
-    means = (left & right) + (((left ^ right) & _LOW_BITS_OFF) >> 1)
-    return means[..., None].view(np.uint8)
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Canvas:
     """Pixels and characters; a character covers a cell of 1 x 2 pixels.
@@ -82,30 +68,31 @@ class Canvas:
         pixels: Red, green, blue, alpha, shape (height, width, 4).
         glyphs: Code points, shape (ceil(height / 2), width); 0 where there is no character.
         ink: Red, green, blue, alpha of the characters, shape (ceil(height / 2), width, 4).
-        fine: A finer picture for where `pixels` stay as it was pasted, shape (height, 2 * width,
-            4), its last byte unused; None where nobody could see it.
+        scale: Pixels of pictures across and down one pixel of the canvas.
+        pictures: Those that have more pixels than the canvas, in the order of placing.
     """
 
     pixels: npt.NDArray[np.uint8]
     glyphs: npt.NDArray[np.uint32]
     ink: npt.NDArray[np.uint8]
-    fine: npt.NDArray[np.uint8] | None = None
+    scale: tuple[int, int] = (1, 1)
+    pictures: list[PlacedPicture] = field(default_factory=list)
 
     @classmethod
-    def blank(cls, width: int, height: int, *, fine: bool = False) -> Canvas:
+    def blank(cls, width: int, height: int, *, scale: tuple[int, int] = (1, 1)) -> Canvas:
         """A canvas through which everything behind it is seen, of this size in pixels.
 
         Args:
             width: Its width.
             height: Its height.
-            fine: Whether a finer picture can be seen.
+            scale: Pixels of pictures across and down one of its pixels.
         """
         rows = (height + 1) // 2
         return cls(
             pixels=np.zeros((height, width, 4), np.uint8),
             glyphs=np.zeros((rows, width), np.uint32),
             ink=np.zeros((rows, width, 4), np.uint8),
-            fine=np.zeros((height, 2 * width, 4), np.uint8) if fine else None,
+            scale=scale,
         )
 
     @property
@@ -144,21 +131,49 @@ class Canvas:
         target[..., :3] = pixels[top - y : bottom - y, left - x : right - x]
         target[..., 3] = 255
 
-    def paste_fine(self, pixels: npt.NDArray[np.uint8], x: int, y: int) -> None:
-        """Lay an opaque picture on a canvas that shows finer ones.
+    def place_picture(
+        self,
+        pixels: npt.NDArray[np.uint8],
+        x: int,
+        y: int,
+        size: tuple[int, int],
+        *,
+        brightness: int = _BRIGHT,
+    ) -> None:
+        """Lay an opaque picture on the canvas, clipped at its edges.
+
+        The canvas shows the means of the picture's pixels. Where nothing is drawn over them, an
+        output may show the pixels themselves.
 
         Args:
-            pixels: Twice as wide as they are shown, shape (height, 2 * width, 3).
-            x: Column of its left edge [pixels of the canvas]; inside, as is all of the picture.
-            y: Row of its upper edge [pixels]; in the same way.
+            pixels: Red, green, blue, shape (h, w, 3), of any size.
+            x: Column of its left edge [pixels of the canvas]; may be outside.
+            y: Row of its upper edge [pixels of the canvas]; may be outside.
+            size: Width and height that it takes [pixels of the canvas].
+            brightness: What is left of it, of 255.
         """
-        if self.fine is None:
-            text = "this canvas shows no finer pictures; make it with fine=True"
-            raise ValueError(text)
-        place = slice(y, y + len(pixels))
-        fine = self.fine[place, 2 * x : 2 * x + pixels.shape[1]]
-        fine[..., :3] = pixels
-        self.paste(halved(fine)[..., :3], x, y)
+        left, top = max(0, x), max(0, y)
+        width = min(self.width, x + size[0]) - left
+        height = min(self.height, y + size[1]) - top
+        if width <= 0 or height <= 0:
+            return
+        part = None
+        if (width, height) != size:
+            rows, columns = pixels.shape[:2]
+            part = (
+                (left - x) * columns / size[0],
+                (top - y) * rows / size[1],
+                (left - x + width) * columns / size[0],
+                (top - y + height) * rows / size[1],
+            )
+        shown = resized(pixels, self.scale[0] * width, self.scale[1] * height, part)
+        if brightness != _BRIGHT:
+            shown = (shown * np.uint16(brightness) // np.uint16(_BRIGHT)).astype(np.uint8)
+        if self.scale != (1, 1):
+            placed = PlacedPicture.of(shown, left, top, self.scale)
+            self.pictures.append(placed)
+            shown = placed.means[..., :3]
+        self.paste(shown, left, top)
 
     def text(self, column: int, row: int, string: str, colour: Colour) -> None:
         """Write characters, clipped at the edges; the pixels under them stay.

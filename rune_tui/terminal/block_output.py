@@ -1,16 +1,20 @@
-"""Frames for a terminal near or far: what matters first, then the picture as it fits."""
+"""Views as half blocks and quadrants: what matters first, then the picture as it fits."""
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Collection
 from typing import Final
 
 import numpy as np
 
 from rune_tui.compositor.cells import Cells
+from rune_tui.compositor.glyph_set import GlyphSet
 from rune_tui.compositor.looks import Flags, Looks, looks_of
+from rune_tui.compositor.output import Frame, TerminalOutput
 from rune_tui.compositor.quality import EXACT, Quality
 from rune_tui.compositor.screen_encoder import ScreenEncoder
+from rune_tui.compositor.seen_pictures import SeenPicture
 from rune_tui.raster.urgency import Urgencies, Urgency
 from rune_tui.terminal.rate import RateController
 
@@ -18,29 +22,18 @@ _CELL_BYTES: Final = 52
 """What the dearest cell takes, with the move to it [bytes]."""
 
 
-@dataclasses.dataclass(frozen=True, slots=True, kw_only=True)
-class Frame:
-    """The bytes to write, in this order; either may be empty.
+class BlockOutput(TerminalOutput):
+    """Draws the newest view, the camera's picture only as exactly as there is room for."""
 
-    Attributes:
-        first: What is around the picture: stops and alarms, drive state, ranges, all else.
-        picture: The camera's picture.
-    """
+    def __init__(self, glyphs: GlyphSet, control: RateController) -> None:
+        """Prepare; nothing is known of what the terminal shows.
 
-    first: bytes
-    picture: bytes
-
-    @property
-    def size(self) -> int:
-        """Length of both [bytes]."""
-        return len(self.first) + len(self.picture)
-
-
-class FrameWriter:
-    """Draws the newest cells, the camera's picture only as exactly as there is room for."""
-
-    def __init__(self, encoder: ScreenEncoder, control: RateController) -> None:
-        self._encoder = encoder
+        Args:
+            glyphs: The characters that stand for pixels.
+            control: Knows how much the way to the terminal takes.
+        """
+        self._glyphs = glyphs
+        self._encoder = ScreenEncoder(half=glyphs.half)
         self._control = control
         self._newest: tuple[Looks, Flags] | None = None
         self._inexact = False
@@ -48,8 +41,13 @@ class FrameWriter:
         self._row = 0
 
     @property
+    def pixels_per_cell(self) -> tuple[int, int]:
+        """Pixels of a picture across and down a cell."""
+        return self._glyphs.pixels_per_cell
+
+    @property
     def inexact(self) -> bool:
-        """Whether the terminal may show less than the newest cells say."""
+        """Whether the terminal may show less than the newest view says."""
         return self._inexact
 
     @property
@@ -57,15 +55,22 @@ class FrameWriter:
         """Whether the last frame had no room for all that is around the picture."""
         return self._behind
 
-    def draw(self, cells: Cells, urgencies: Urgencies, covered: Flags | None = None) -> Frame:
+    def draw(
+        self,
+        cells: Cells,
+        pictures: Collection[SeenPicture],
+        urgencies: Urgencies,
+        covered: Flags | None = None,
+    ) -> Frame:
         """The next frame.
 
         Args:
-            cells: The picture to show.
+            cells: The view, in the terminal's colours.
+            pictures: Those in it that have more pixels than the cells, from back to front.
             urgencies: What each cell shows, shape (rows, columns).
             covered: Cells that something else covers.
         """
-        looks, video = looks_of(cells), urgencies == Urgency.VIDEO
+        looks, video = looks_of(cells, pictures), urgencies == Urgency.VIDEO
         self._newest = looks, video
         before = self._encoder.remembered
         around = {"only": ~video, "urgencies": urgencies}
@@ -75,22 +80,22 @@ class FrameWriter:
             self._encoder.return_to(before)
             most = max(1, int(self._control.room() / _CELL_BYTES))
             first = self._encoder.encode(looks, EXACT, covered, **around, most=most)
-            return Frame(first=first, picture=b"")
+            return Frame(first=first)
         return Frame(first=first, picture=self._picture(cells, looks, video, covered))
 
     def refine(self, covered: Flags | None = None) -> Frame:
         """What makes the picture more exact, no longer than there is room for; some rows of it."""
         if self._newest is None or not self._inexact:
-            return Frame(first=b"", picture=b"")
+            return Frame()
         picture = self._some_rows(*self._newest, covered)
         self._inexact = bool(picture)
-        return Frame(first=b"", picture=picture)
+        return Frame(picture=picture)
 
     def forget(self, where: Flags | None = None) -> None:
-        """The terminal may show anything.
+        """Forget what the terminal shows.
 
         Args:
-            where: Which cells, shape (rows, columns); None for all.
+            where: In which cells, shape (rows, columns); None for all.
         """
         self._encoder.forget(where)
 
@@ -141,4 +146,4 @@ def coarsened(cells: Cells, grain: int) -> Cells:
     counts = (heights[:, None] * widths[None, :])[..., None]
     means = ((sums + counts // 2) // counts).astype(np.uint8)
     spread = np.repeat(np.repeat(means, heights, axis=0), widths, axis=1)
-    return dataclasses.replace(cells, pixels=spread, fine=None)
+    return dataclasses.replace(cells, pixels=spread)

@@ -105,11 +105,10 @@ def _colours(
 
 
 def _blocks(depth: ColourDepth, given: GlyphSet | None) -> tuple[GlyphSet, str]:
+    blocks = (given or GlyphSet.HALF).at(depth)
     if depth is not ColourDepth.TRUECOLOUR:
-        return GlyphSet.HALF, "with these colours, both half blocks are needed"
-    if given is not None:
-        return given, _GIVEN
-    return GlyphSet.HALF, "all fonts have it, and no terminal tells more"
+        return blocks, "with these colours, both half blocks are needed"
+    return blocks, _GIVEN if given else "all fonts have it, and no terminal tells more"
 
 
 def _shape(answers: Answers, size: tuple[int, int], given: float | None) -> tuple[float, str]:

@@ -10,7 +10,6 @@ from rune_tui.dispatch import Dispatch
 from rune_tui.files.user_files import operator_name
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState, carried_over
-from rune_tui.terminal.traits import Traits
 from rune_tui.view import View
 
 
@@ -24,23 +23,32 @@ class CurrentLayout:
         console: What the console itself is doing; `LiveState` adds what its parts know.
     """
 
-    def __init__(self, layout: LayoutSpec, traits: Traits, operator: str) -> None:
+    def __init__(
+        self,
+        layout: LayoutSpec,
+        operator: str,
+        *,
+        pixels_per_cell: tuple[int, int],
+        aspect: float,
+    ) -> None:
         """Open the first layout.
 
         Args:
             layout: The layout.
-            traits: What the terminal can do.
             operator: The operator's name; empty: that of the user.
+            pixels_per_cell: Pixels of a picture that the terminal shows across and down a cell.
+            aspect: Height of the terminal's cells over their width.
         """
         self.layout = layout
-        self.view = View(layout, fine=traits.glyphs.fine)
+        self._pixels_per_cell = pixels_per_cell
+        self.view = View(layout, pixels_per_cell=pixels_per_cell)
         self.dispatch = Dispatch(layout)
         start = ConsoleState.at_start(layout, time.monotonic(), operator or operator_name())
-        self.console = dataclasses.replace(start, pixel_height=traits.aspect / 2.0)
+        self.console = dataclasses.replace(start, pixel_height=aspect / 2.0)
 
     def open(self, layout: LayoutSpec, columns: int, rows: int) -> None:
         """Go on with another layout on a terminal of this size [cells]."""
-        view, dispatch = View(layout, fine=self.view.fine), Dispatch(layout)
+        view, dispatch = View(layout, pixels_per_cell=self._pixels_per_cell), Dispatch(layout)
         view.resize(columns, rows)
         self.view, self.dispatch = view, dispatch
         self.console = carried_over(self.console, layout)

@@ -58,7 +58,7 @@ class FrameClock:
             await asyncio.sleep(0)
         finally:
             self._drawing = False
-        self._painter.paint(state.now, cells, view.urgencies)
+        self._painter.paint(state.now, cells, view.pictures, view.urgencies)
         for name, robot in state.robots.items():
             if robot.picture is not None:
                 self._links[name].shown(robot.picture.number)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Collection
 from typing import Final
 
 import numpy as np
@@ -17,10 +18,11 @@ from textual.widget import Widget
 
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.colours import at_depth
-from rune_tui.compositor.screen_encoder import ScreenEncoder
+from rune_tui.compositor.output import Frame, TerminalOutput
+from rune_tui.compositor.seen_pictures import SeenPicture
 from rune_tui.model.display_state import DisplayState
 from rune_tui.raster.urgency import Urgencies
-from rune_tui.terminal.block_output import Frame, FrameWriter
+from rune_tui.terminal.block_output import BlockOutput
 from rune_tui.terminal.input_stream import CursorReport
 from rune_tui.terminal.pacing import FramePacer
 from rune_tui.terminal.rate import RateController
@@ -72,11 +74,16 @@ class Painter:
         self._traits = traits
         self._pacer = FramePacer(heard=traits.acknowledges)
         self._control = RateController(round_trip)
-        self._frames = FrameWriter(ScreenEncoder(half=traits.glyphs.half), self._control)
+        self._output: TerminalOutput = BlockOutput(traits.glyphs, self._control)
         self._urgencies: Urgencies = np.zeros((0, 0), np.uint8)
         self._latency = math.nan
         self._asked = self._moved = -math.inf
         self._sent: deque[tuple[float, int]] = deque()
+
+    @property
+    def pixels_per_cell(self) -> tuple[int, int]:
+        """Pixels of a picture that the terminal shows across and down a cell."""
+        return self._output.pixels_per_cell
 
     @property
     def answers(self) -> bool:
@@ -91,21 +98,28 @@ class Painter:
             return False
         return not self._pacer.answers or self._control.may_follow(now, self._pacer.under_way)
 
-    def paint(self, now: float, cells: Cells | None, urgencies: Urgencies) -> None:
-        """Bring the terminal to the newest cells, or nearer to them.
+    def paint(
+        self,
+        now: float,
+        cells: Cells | None,
+        pictures: Collection[SeenPicture],
+        urgencies: Urgencies,
+    ) -> None:
+        """Bring the terminal to the newest view, or nearer to it.
 
         Args:
             now: The time [s].
             cells: The newest in truecolour; None if they are those of the last time.
-            urgencies: What each of them shows, shape (rows, columns).
+            pictures: Those in the view that have more pixels than the cells.
+            urgencies: What each cell shows, shape (rows, columns).
         """
         if not self._pane.is_attached:
             return  # the console is ending
         if output_was_lost(self._app):
-            self._frames.forget()
+            self._output.forget()
             self._app.screen.refresh()
         if cells is not None:
-            self._pane.cells = at_depth(cells, self._traits.depth)
+            self._pane.show(at_depth(cells, self._traits.depth), pictures)
             self._urgencies = urgencies
         newest = self._pane.cells
         if newest is None:
@@ -116,7 +130,7 @@ class Painter:
         if rows.size:
             drawn = np.zeros((newest.rows, newest.columns), np.bool_)
             drawn[rows[rows < newest.rows]] = True
-            self._frames.forget(drawn)
+            self._output.forget(drawn)
         frame = self._frame(now, newest, anew=cells is not None or bool(rows.size))
         if frame.size:
             self._write(now, frame)
@@ -124,16 +138,16 @@ class Painter:
     def _frame(self, now: float, newest: Cells, *, anew: bool) -> Frame:
         """What brings the terminal nearer to the newest cells."""
         covered = self._covered(newest)
-        frame = Frame(first=b"", picture=b"")
-        if anew or self._frames.behind:
-            frame = self._frames.draw(newest, self._urgencies, covered)
+        frame = Frame()
+        if anew or self._output.behind:
+            frame = self._output.draw(newest, self._pane.pictures, self._urgencies, covered)
         if len(frame.picture) > _MUCH_BYTES:
             self._moved = now
         # Together with what is around the picture it could be more than tmux keeps.
         alone = not (frame.first and self._traits.discards)
         still = not frame.picture and now - self._moved > _STILL_S
-        if alone and still and self._frames.inexact:
-            finer = self._frames.refine(covered)
+        if alone and still and self._output.inexact:
+            finer = self._output.refine(covered)
             frame = Frame(first=frame.first, picture=finer.picture)
         return frame
 
@@ -167,7 +181,7 @@ class Painter:
     def restart(self) -> None:
         """The terminal was away, or is another one."""
         self._pacer.restart()
-        self._frames.forget()
+        self._output.forget()
 
     def display(self, now: float) -> DisplayState:
         """How the picture reaches the operator's eyes."""
@@ -177,7 +191,7 @@ class Painter:
             latency=self._latency if self._pacer.answers else math.nan,
             frames_per_s=len(self._sent) / _COUNTED_S,
             bytes_per_s=sum(size for _, size in self._sent) / _COUNTED_S,
-            coarseness=self._control.level if self._frames.inexact else 0,
+            coarseness=self._control.level if self._output.inexact else 0,
         )
 
     def _write(self, now: float, frame: Frame) -> None:

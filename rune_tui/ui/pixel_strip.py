@@ -23,20 +23,31 @@ from rune_tui.compositor.ansi import encoded_rows
 from rune_tui.compositor.blend import mean
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.glyph_set import LOWER_HALF, UPPER_HALF
+from rune_tui.compositor.looks import Looks
 from rune_tui.ui.textual_inside import LazyStrip
 
 
 class PixelStrip(LazyStrip):
     """Columns `start` to `end` of one row of cells."""
 
-    __slots__ = ["_cells", "_end", "_half", "_row", "_start"]
+    __slots__ = ["_cells", "_end", "_half", "_looks", "_row", "_start"]
 
     def __init__(
-        self, cells: Cells, row: int, start: int, end: int, half: str = UPPER_HALF
+        self, cells: Cells, looks: Looks, row: int, start: int, end: int, half: str = UPPER_HALF
     ) -> None:
+        """Prepare; nothing is encoded yet.
+
+        Args:
+            cells: The frame, for segments.
+            looks: Its looks, for the terminal.
+            row: Which row of it.
+            start: The first column.
+            end: The column after the last.
+            half: The half block to draw with.
+        """
         super().__init__(end - start)
-        self._cells, self._row, self._start, self._end = cells, row, start, end
-        self._half = half
+        self._cells, self._looks, self._half = cells, looks, half
+        self._row, self._start, self._end = row, start, end
 
     def segments(self) -> list[Segment]:
         """One for each cell."""
@@ -53,7 +64,7 @@ class PixelStrip(LazyStrip):
         del console
         rendered = self.kept
         if rendered is None:
-            part = part_of(self._cells, self._row, self._start, self._end)
+            part = self._looks.part(self._row, self._start, self._end)
             self.kept = rendered = encoded_rows(part, self._half)[0]
         return rendered
 
@@ -67,7 +78,7 @@ class PixelStrip(LazyStrip):
         if last <= first:
             return Strip([], 0)
         start, end = self._start + first, self._start + last
-        return PixelStrip(self._cells, self._row, start, end, self._half)
+        return PixelStrip(self._cells, self._looks, self._row, start, end, self._half)
 
     def divide(self, cuts: Iterable[int]) -> Sequence[Strip]:
         """The row in pieces that end at the cuts."""
@@ -81,18 +92,6 @@ class PixelStrip(LazyStrip):
         """Unchanged: filters are for styles, these are a camera's colours."""
         del filter, background
         return self
-
-
-def part_of(cells: Cells, row: int, start: int, end: int) -> Cells:
-    """One row's columns `start` to `end`, as a frame of its own."""
-    fine = cells.fine
-    return Cells(
-        pixels=cells.pixels[2 * row : 2 * row + 2, start:end],
-        fine=None if fine is None else fine[2 * row : 2 * row + 2, 2 * start : 2 * end],
-        glyphs=cells.glyphs[row : row + 1, start:end],
-        ink=cells.ink[row : row + 1, start:end],
-        depth=cells.depth,
-    )
 
 
 def segments(cells: Cells, row: int, start: int, end: int, half: str = UPPER_HALF) -> list[Segment]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 import numpy.typing as npt
 from rich.style import Style
@@ -12,6 +14,8 @@ from textual.widget import Widget
 
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.glyph_set import UPPER_HALF
+from rune_tui.compositor.looks import Looks, looks_of
+from rune_tui.compositor.seen_pictures import SeenPicture
 from rune_tui.ui.pixel_strip import PixelStrip
 
 
@@ -32,6 +36,7 @@ class ViewPane(Widget, can_focus=False):
 
     Attributes:
         cells: The newest, in the terminal's colours; None before the first.
+        pictures: Those in the newest view that have more pixels than the cells.
     """
 
     DEFAULT_CSS = "ViewPane { width: 100%; height: 100%; background: black; }"
@@ -45,7 +50,13 @@ class ViewPane(Widget, can_focus=False):
         super().__init__()
         self._half = half
         self.cells: Cells | None = None
+        self.pictures: Collection[SeenPicture] = ()
+        self._looks: Looks | None = None
         self._drawn: set[int] = set()
+
+    def show(self, cells: Cells, pictures: Collection[SeenPicture]) -> None:
+        """Keep the newest view, with cells in the terminal's colours."""
+        self.cells, self.pictures, self._looks = cells, pictures, None
 
     def drawn_rows(self) -> npt.NDArray[np.intp]:
         """Which rows Textual has drawn since this was asked last."""
@@ -62,4 +73,6 @@ class ViewPane(Widget, can_focus=False):
         if cells is None or number >= cells.rows or cells.columns < self.size.width:
             # The terminal has grown and the frame that fits it is still to come.
             return Strip.blank(self.size.width)
-        return PixelStrip(cells, number, 0, cells.columns, self._half)
+        if self._looks is None:
+            self._looks = looks_of(cells, self.pictures)
+        return PixelStrip(cells, self._looks, number, 0, cells.columns, self._half)

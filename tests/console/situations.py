@@ -34,10 +34,8 @@ from hub.pose import Pose
 from hub.robots.magellan import SimulatedCamera
 from hub.sim.arena import load_arena
 from hub.sim.range_sensors import RangeSensors
-from rune_tui.compositor import picture as picture_files
 from rune_tui.compositor.cells import Cells
-from rune_tui.compositor.colours import at_depth
-from rune_tui.compositor.depth import ColourDepth
+from rune_tui.compositor.picture import PictureFile
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
@@ -369,10 +367,8 @@ def main() -> None:
     for title, situation in SITUATIONS.items():
         for size in SIZES:
             cells = scene(layout, situation, size)
-            picture_files.save(
-                at_depth(cells, ColourDepth.TRUECOLOUR),
-                folder / f"{name}-{title}-{size[0]}x{size[1]}.png",
-            )
+            file = PictureFile(folder / f"{name}-{title}-{size[0]}x{size[1]}.png")
+            file.write(file.draw(cells, ()))
 
 
 if __name__ == "__main__":

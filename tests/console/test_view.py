@@ -17,8 +17,8 @@ from rune_tui.layout.placing import area_of
 from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.joystick_state import JoystickState
 from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, RobotState
-from rune_tui.model.theme import DARK
-from rune_tui.raster.canvas import Canvas, halved
+from rune_tui.model.theme import DARK, THEMES, Theme
+from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgency
 from rune_tui.view import MIN_COLUMNS, MIN_ROWS, View
 from tests.console.states import layout_of, rendered
@@ -150,24 +150,49 @@ def test_for_quadrants_the_camera_shows_more_and_all_else_stays() -> None:
     stripes = np.zeros((192, 256, 3), np.uint8)
     stripes[:, 1::4] = stripes[:, 2::4] = 250  # halves of cells, beside each other
     robots = {"magellan": robot(picture=known(Picture(pixels=stripes, camera=CAMERA)))}
-    fine, plain = View(layout_of(spec), fine=True), View(layout_of(spec))
-    for screen in (fine, plain):
+    quadrants, halves = View(layout_of(spec), pixels_per_cell=(2, 2)), View(layout_of(spec))
+    for screen in (quadrants, halves):
         screen.resize(160, 48)
-    finer, usual = rendered(fine, robots, STATE), rendered(plain, robots, STATE)
-    assert finer is not None
+    more, usual = rendered(quadrants, robots, STATE), rendered(halves, robots, STATE)
+    assert more is not None
     assert usual is not None
-    assert usual.fine is None
-    assert finer.fine is not None
-    assert (finer.glyphs == usual.glyphs).all()
-    assert (halved(finer.fine) == finer.pixels).all()
-    video = (fine.urgencies == Urgency.VIDEO) & (finer.glyphs == 0)
-    apart = (finer.fine[:, 0::2] != finer.fine[:, 1::2]).any(axis=2)
-    assert apart.mean() > 0.5
-    assert not apart[~video.repeat(2, axis=0)].any()
-    assert (finer.pixels == usual.pixels)[~video.repeat(2, axis=0)].all()
+    assert not halves.pictures
+    ((picture, seen),) = ((each.picture, each.seen) for each in quadrants.pictures)
+    assert (more.glyphs == usual.glyphs).all()
+    assert (picture.pixels[:, 0::2] != picture.pixels[:, 1::2]).any(axis=2).all()
+    video = (quadrants.urgencies == Urgency.VIDEO) & (more.glyphs == 0)
+    assert seen.mean() > 0.5
+    assert not seen[~video].any()
+    assert (more.pixels == usual.pixels)[~video.repeat(2, axis=0)].all()
     state = dataclasses.replace(STATE, robots=robots)
-    assert plain.picture_sizes(state) == {"magellan": (128, 96)}
-    assert fine.picture_sizes(state) == {"magellan": (256, 192)}
+    assert halves.picture_sizes(state) == {"magellan": (128, 96)}
+    assert quadrants.picture_sizes(state) == {"magellan": (256, 192)}
+
+
+@pytest.mark.parametrize("theme", THEMES.values(), ids=str)
+def test_every_theme_shows_all_of_the_cameras_picture_in_quadrants(theme: Theme) -> None:
+    spec = view(viewport("visualizeCameraImage", (0, 0, 160, 96)))
+    pixels = np.random.default_rng(1).integers(0, 256, (192, 256, 3), np.uint8)
+    robots = {"magellan": robot(picture=known(Picture(pixels=pixels, camera=CAMERA)))}
+    screen = View(layout_of(spec), pixels_per_cell=(2, 2))
+    screen.resize(160, 48)
+    assert rendered(screen, robots, dataclasses.replace(STATE, theme=theme)) is not None
+    ((picture, seen),) = ((each.picture, each.seen) for each in screen.pictures)
+    assert 2 * seen.sum() == picture.means.shape[0] * picture.means.shape[1]
+
+
+def test_a_view_that_cannot_be_made_shows_no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    spec = view(viewport("visualizeCameraImage", (0, 0, 160, 96)))
+    pixels = np.full((192, 256, 3), 99, np.uint8)
+    robots = {"magellan": robot(picture=known(Picture(pixels=pixels, camera=CAMERA)))}
+    screen = View(layout_of(spec), pixels_per_cell=(2, 2))
+    screen.resize(160, 48)
+    assert rendered(screen, robots, STATE) is not None
+    assert screen.pictures
+    monkeypatch.setattr("rune_tui.view.make_legible", lambda *_: 1 / 0)
+    screen.resize(160, 48)
+    assert rendered(screen, robots, STATE) is not None
+    assert not screen.pictures
 
 
 def test_a_plot_keeps_its_history_when_the_terminal_changes_its_size() -> None:

@@ -8,8 +8,6 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import ClassVar, Final, Self
 
-import numpy as np
-
 from hub.gcm.vision import CameraState
 from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
@@ -21,7 +19,7 @@ from rune_tui.model.robot_state import Picture, RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.model.world import WorldPoint
 from rune_tui.raster.canvas import Canvas
-from rune_tui.raster.resize import covering_size, fitted_size, resized
+from rune_tui.raster.resize import covering_size, fitted_size
 from rune_tui.raster.shapes import drawing
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.notice import link_trouble, write_notice
@@ -30,7 +28,6 @@ from rune_tui.visualizers.video.picture_frame import FIT, FIT_OPTION, PictureFra
 from rune_tui.visualizers.video.picture_marks import draw_marks, marks_source
 
 _ASIDE_DEG: Final = 5.0
-_BRIGHT: Final = 255
 _SAME_MOMENT_S: Final = 0.5
 _SAME_PLACE_M: Final = 0.05
 _SAME_HEADING: Final = math.radians(2.0)
@@ -95,8 +92,8 @@ class CameraImage:
             picture = robot.picture.value
             age = robot.picture.age(state.now)
             frame = self._frame(picture, (canvas.width, canvas.height), state)
-            _paste(canvas, picture, frame)
-            _darken(canvas, state.theme.picture)
+            size, brightness = (frame.width, frame.height), state.theme.picture
+            canvas.place_picture(picture.pixels, frame.left, frame.top, size, brightness=brightness)
             fade_by_age(canvas, age)
             self._draw_marks(canvas, robot, picture, state)
             if self.crosshair:
@@ -210,36 +207,6 @@ def aside_words(pan: float, least_deg: float) -> str:
     if not math.isfinite(pan) or abs(math.degrees(pan)) < least_deg:
         return ""
     return f"camera is {abs(math.degrees(pan)):.0f}° {'left' if pan > 0.0 else 'right'}"
-
-
-def _paste(canvas: Canvas, picture: Picture, frame: PictureFrame) -> None:
-    """Draw what of the picture is in the viewport."""
-    left, top = max(0, frame.left), max(0, frame.top)
-    right = min(canvas.width, frame.left + frame.width)
-    bottom = min(canvas.height, frame.top + frame.height)
-    part = None
-    if (right - left, bottom - top) != (frame.width, frame.height):
-        rows, columns = picture.pixels.shape[:2]
-        part = (
-            (left - frame.left) * columns / frame.width,
-            (top - frame.top) * rows / frame.height,
-            (right - frame.left) * columns / frame.width,
-            (bottom - frame.top) * rows / frame.height,
-        )
-    if canvas.fine is None:
-        canvas.paste(resized(picture.pixels, right - left, bottom - top, part), left, top)
-    else:
-        fine = resized(picture.pixels, 2 * (right - left), bottom - top, part)
-        canvas.paste_fine(fine, left, top)
-
-
-def _darken(canvas: Canvas, brightness: int) -> None:
-    """Scale the picture's brightness, of 255."""
-    if brightness == _BRIGHT:
-        return
-    for pixels in (canvas.pixels, canvas.fine):
-        if pixels is not None:
-            pixels[..., :3] = pixels[..., :3] * np.uint16(brightness) // np.uint16(_BRIGHT)
 
 
 def _mark_middle(canvas: Canvas, frame: PictureFrame, theme: Theme) -> None:

@@ -1,4 +1,4 @@
-"""Random frames of cells."""
+"""Random frames of cells, and pictures in them."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 from hypothesis import strategies as st
 
 from rune_tui.compositor.cells import Cells
-from rune_tui.compositor.looks import looks_of, unpacked
-from rune_tui.raster.canvas import halved
+from rune_tui.compositor.seen_pictures import SeenPicture
+from rune_tui.raster.placed_picture import PlacedPicture
 
 GLYPHS = [32, 33, 65, 0xB0, 0x416, 0x2588, 0x2580, 0x1D400]
 
@@ -27,22 +27,37 @@ def random_cells(seed: int, columns: int, rows: int, colours: int, written: floa
     )
 
 
-def refined(cells: Cells, seed: int, *, steps: tuple[int, ...] = (0, 0, 2, 60)) -> Cells:
-    """The cells with finer pixels, some of them so far from their mean [levels]."""
+def with_picture(
+    cells: Cells, seed: int, *, steps: tuple[int, ...] = (0, 0, 2, 60)
+) -> tuple[Cells, tuple[SeenPicture, ...]]:
+    """The cells as they show a picture with two pixels across each of theirs.
+
+    Args:
+        cells: What the picture is like.
+        seed: Of what is random.
+        steps: How far the picture's pixels may be off their mean [levels].
+    """
     random = np.random.default_rng(seed)
-    off = random.choice(np.array(steps), cells.pixels.shape[:2])[..., None] * np.array([1, 1, 1, 0])
-    off *= random.choice([-1, 1], cells.pixels.shape)
-    pixels = cells.pixels.astype(int)
-    fine = np.stack([pixels - off, pixels + off], axis=2).clip(0, 255).astype(np.uint8)
-    fine = fine.reshape(2 * cells.rows, 2 * cells.columns, 4)
-    return dataclasses.replace(cells, pixels=halved(fine), fine=fine)
+    off = random.choice(np.array(steps), cells.pixels.shape[:2])[..., None]
+    off = off * random.choice([-1, 1], (*off.shape[:2], 3))
+    pixels = cells.pixels[..., :3].astype(int)
+    pair = np.stack([pixels - off, pixels + off], axis=2).clip(0, 255).astype(np.uint8)
+    return in_quadrants(pair.reshape(2 * cells.rows, 2 * cells.columns, 3), cells)
 
 
-def as_drawn(cells: Cells) -> Cells:
-    """The cells with the finer pixels that quadrants show of them."""
-    if cells.fine is None:
-        return cells
-    return dataclasses.replace(cells, fine=unpacked(looks_of(cells).quarters))
+def in_quadrants(
+    pixels: np.ndarray, cells: Cells | None = None
+) -> tuple[Cells, tuple[SeenPicture, ...]]:
+    """Cells full of a picture, and the picture.
+
+    Args:
+        pixels: With two of them across one of the cells', shape (2 * rows, 2 * columns, 3).
+        cells: Have the characters; None: there are none.
+    """
+    picture = PlacedPicture.of(pixels, 0, 0, (2, 1))
+    cells = cells or flat(pixels.shape[1] // 2, len(pixels) // 2, 0)
+    seen = SeenPicture(picture=picture, seen=cells.glyphs == 0)
+    return dataclasses.replace(cells, pixels=picture.means), (seen,)
 
 
 def flat(columns: int, rows: int, *colour: int) -> Cells:

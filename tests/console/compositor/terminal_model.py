@@ -9,6 +9,7 @@ import numpy as np
 
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.depth import ColourDepth
+from rune_tui.compositor.looks import Looks, unpacked
 
 Colour = tuple[int, ...] | int | None
 """Red, green, blue; the number of a colour; or the terminal's own."""
@@ -140,29 +141,29 @@ def colour(pixel: np.ndarray, depth: ColourDepth) -> Colour:
     return tuple(pixel[:3].tolist()) if depth is ColourDepth.TRUECOLOUR else int(pixel[3])
 
 
-def assert_shows(terminal: Terminal, cells: Cells, *, off: int = 0) -> None:
-    """Every cell is as it should be, or at most so far off where it has no character.
-
-    Where there are finer pixels, these are what should be seen.
-    """
-    for row, column in np.ndindex(cells.glyphs.shape):
-        assert_cell(terminal.marks[row, column], cells, row, column, off=off)
+def assert_shows(terminal: Terminal, frame: Cells | Looks, *, off: int = 0) -> None:
+    """Every cell is as it should be, or at most so far off where it has no character."""
+    for row, column in np.ndindex(frame.glyphs.shape):
+        assert_cell(terminal.marks[row, column], frame, row, column, off=off)
 
 
-def assert_cell(mark: Mark, cells: Cells, row: int, column: int, *, off: int = 0) -> None:
+def assert_cell(mark: Mark, frame: Cells | Looks, row: int, column: int, *, off: int = 0) -> None:
     """A cell is as it should be, or at most so far off if it has no character."""
-    upper, lower = cells.pixels[2 * row : 2 * row + 2, column].astype(int)
-    glyph = int(cells.glyphs[row, column])
+    pixels, ink = frame.pixels[2 * row : 2 * row + 2, column], frame.ink[row, column]
+    halves = [True, True, False, False]
+    if isinstance(frame, Looks):
+        pixels, ink = unpacked(pixels), unpacked(ink)
+        shape = int(frame.shapes[row, column])
+        halves = [bool(shape & quarter) for quarter in (8, 4, 2, 1)] if shape else halves
+    upper, lower = pixels.astype(int)
+    glyph = int(frame.glyphs[row, column])
     if glyph:
         assert mark.character == chr(glyph)
-        assert mark.ground == colour((upper + lower) // 2, cells.depth)
-        assert mark.character == " " or mark.ink == colour(cells.ink[row, column], cells.depth)
+        assert mark.ground == colour((upper + lower) // 2, frame.depth)
+        assert mark.character == " " or mark.ink == colour(ink, frame.depth)
     else:
-        wanted = np.array([upper, upper, lower, lower])
-        if cells.fine is not None:
-            place = slice(2 * row, 2 * row + 2), slice(2 * column, 2 * column + 2)
-            wanted = cells.fine[place].reshape(4, 4).astype(int)
+        wanted = np.array([upper if has_upper else lower for has_upper in halves])
         if off:
             assert np.abs(np.array(mark.quarters) - wanted[:, :3]).max() <= off
         else:
-            assert mark.quarters == tuple(colour(pixel, cells.depth) for pixel in wanted)
+            assert mark.quarters == tuple(colour(pixel, frame.depth) for pixel in wanted)

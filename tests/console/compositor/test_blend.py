@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rune_tui.compositor.blend import Layer, compose, mix, tinted
+from rune_tui.compositor.blend import Layer, compose, mix
 from rune_tui.compositor.cells import Cells
-from rune_tui.raster import canvas as canvases
 from rune_tui.raster.canvas import Canvas
 
 COLUMNS, ROWS = 9, 5
@@ -203,67 +200,3 @@ def test_mixing_rounds_every_share_to_the_nearest(alpha: int) -> None:
     exact = (over.astype(int) * alpha + under.astype(int) * (255 - alpha)) / 255
     result = mix(under, over, np.full_like(under, alpha))
     assert (result == np.floor(exact + 0.5)).all()
-
-
-def camera(seed: int, width: int, height: int) -> Canvas:
-    """A canvas full of a picture with two pixels across each of its own."""
-    canvas = Canvas.blank(width, height, fine=True)
-    random = np.random.default_rng(seed)
-    canvas.paste_fine(random.integers(0, 256, (height, 2 * width, 3), np.uint8), 0, 0)
-    return canvas
-
-
-@given(
-    seed=st.integers(0, 1000),
-    at=st.tuples(st.integers(-3, 9), st.integers(-3, 10)),
-    overs=st.lists(st.tuples(st.integers(-2, 9), st.integers(-2, 10), st.integers(0, 255))),
-)
-def test_finer_pixels_show_where_nothing_lies_over_both_of_a_cells(
-    seed: int, at: tuple[int, int], overs: list[tuple[int, int, int]]
-) -> None:
-    picture = camera(seed, 6, 6)
-    layers = [Layer(canvas=picture, x=at[0], y=at[1])]
-    for x, y, alpha in overs:
-        over = Canvas.blank(2, 1)
-        over.fill((7, 200, 90, alpha))
-        layers.append(Layer(canvas=over, x=x, y=y, zpos=1))
-    word = Canvas.blank(2, 2)
-    word.text(0, 0, "ab", (255, 255, 255, 255))
-    layers.append(Layer(canvas=word, x=3, y=4, zpos=2))
-    cells = compose(COLUMNS, ROWS, BACKGROUND, layers)
-    covered = (cells.pixels != compose(COLUMNS, ROWS, BACKGROUND, layers[:1]).pixels).any(axis=2)
-    plain = compose(COLUMNS, ROWS, BACKGROUND, [as_plain(layer) for layer in layers])
-    assert (cells.pixels == plain.pixels).all()
-    assert (cells.glyphs == plain.glyphs).all()
-    if cells.fine is None or picture.fine is None:
-        assert not -6 < at[0] < COLUMNS or not -6 < at[1] < 2 * ROWS
-        return
-    assert (canvases.halved(cells.fine) == cells.pixels).all()
-    for row, column in np.ndindex(ROWS, COLUMNS):
-        place = slice(2 * row, 2 * row + 2)
-        seen = cells.fine[place, 2 * column : 2 * column + 2]
-        inside = 0 <= column - at[0] < 6 and 0 <= 2 * row - at[1] < 5
-        whole = inside and not covered[place, column].any() and not cells.glyphs[row, column]
-        wanted = cells.pixels[place, column, None].repeat(2, axis=1)
-        if whole:
-            down, across = 2 * row - at[1], 2 * (column - at[0])
-            wanted = picture.fine[down : down + 2, across : across + 2]
-        assert (seen == wanted).all()
-
-
-def as_plain(layer: Layer) -> Layer:
-    return dataclasses.replace(layer, canvas=dataclasses.replace(layer.canvas, fine=None))
-
-
-def test_a_transparent_layer_shows_no_finer_pixels() -> None:
-    layer = Layer(canvas=camera(1, COLUMNS, 2 * ROWS), x=0, y=0, transparency=100)
-    cells = compose(COLUMNS, ROWS, BACKGROUND, [layer])
-    assert cells.fine is None
-
-
-def test_night_tints_finer_pixels_too() -> None:
-    layer = Layer(canvas=camera(1, COLUMNS, 2 * ROWS), x=0, y=0)
-    red = tinted(compose(COLUMNS, ROWS, BACKGROUND, [layer]), (255, 0, 0))
-    assert red.fine is not None
-    assert red.fine[..., 0].any()
-    assert not red.fine[..., 1:].any()

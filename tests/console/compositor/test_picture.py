@@ -15,9 +15,10 @@ from PIL import Image
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.colours import at_depth
 from rune_tui.compositor.depth import ColourDepth
-from rune_tui.compositor.picture import image, plain_text, save, svg
+from rune_tui.compositor.glyph_set import GlyphSet
+from rune_tui.compositor.picture import PictureFile, image, plain_text, svg
 from rune_tui.errors import PictureFileError
-from rune_tui.raster.canvas import halved
+from tests.console.compositor.frames import in_quadrants
 
 
 @pytest.fixture
@@ -114,6 +115,11 @@ def test_whatever_the_code_points_the_files_are_well_formed(points: list[int]) -
     image(cells, scale=2)
 
 
+def save(cells: Cells, path: Path) -> None:
+    file = PictureFile(path)
+    file.write(file.draw(cells, ()))
+
+
 def test_the_suffix_says_how_a_file_is_written(cells: Cells, tmp_path: Path) -> None:
     save(cells, tmp_path / "shot.PNG")
     with Image.open(tmp_path / "shot.PNG") as picture:
@@ -131,17 +137,22 @@ def test_a_file_that_cannot_be_written_is_named(cells: Cells, tmp_path: Path, na
 
 
 def test_pictures_show_quadrants() -> None:
-    fine = np.zeros((2, 4, 4), np.uint8)
-    fine[0, 1, :3] = 200
-    fine[:, 2, 0] = 100
-    cells = Cells(
-        pixels=halved(fine),
-        fine=fine,
-        glyphs=np.zeros((1, 2), np.uint32),
-        ink=np.zeros((1, 2, 4), np.uint8),
-    )
-    picture = image(cells, scale=8)
+    pixels = np.zeros((2, 4, 3), np.uint8)
+    pixels[0, 1] = 200
+    pixels[:, 2, 0] = 100
+    cells, pictures = in_quadrants(pixels)
+    picture = image(cells, pictures, scale=8)
     assert picture.size == (16, 16)
     seen = [[picture.getpixel((4 * x + 2, 8 * y + 4)) for x in range(4)] for y in range(2)]
-    assert seen == [[tuple(pixel[:3]) for pixel in row] for row in fine.tolist()]
-    assert '<rect x="4" y="0" width="4" height="8" fill="#c8c8c8"/>' in svg(cells)
+    assert seen == [[tuple(pixel) for pixel in row] for row in pixels.tolist()]
+    assert '<rect x="4" y="0" width="4" height="8" fill="#c8c8c8"/>' in svg(cells, pictures)
+
+
+@pytest.mark.parametrize("depth", ColourDepth)
+@pytest.mark.parametrize("glyphs", GlyphSet)
+def test_a_file_wants_more_pixels_for_quadrants_in_truecolour_only(
+    glyphs: GlyphSet, depth: ColourDepth
+) -> None:
+    more = (glyphs, depth) == (GlyphSet.QUADRANTS, ColourDepth.TRUECOLOUR)
+    file = PictureFile(Path("shot.png"), depth=depth, glyphs=glyphs)
+    assert file.pixels_per_cell == ((2, 2) if more else (1, 2))

@@ -15,10 +15,10 @@ from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.colours import at_depth
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import LOWER_HALF, UPPER_HALF
+from rune_tui.compositor.looks import Looks, looks_of, unpacked
 from rune_tui.compositor.quality import EXACT, Quality
 from rune_tui.compositor.screen_encoder import ScreenEncoder
-from rune_tui.raster.canvas import halved
-from tests.console.compositor.frames import as_drawn, flat, random_cells, refined
+from tests.console.compositor.frames import flat, in_quadrants, random_cells, with_picture
 from tests.console.compositor.terminal_model import Mark, Terminal, assert_cell, assert_shows
 
 ROUGH = Quality(tolerance=8, threshold=10)
@@ -72,7 +72,7 @@ def scene(step: Step, before: Cells, random: np.random.Generator) -> Cells:
     rows=st.integers(1, 4),
     depth=st.sampled_from([ColourDepth.TRUECOLOUR, ColourDepth.TRUECOLOUR, *ColourDepth]),
     half=st.sampled_from([UPPER_HALF, LOWER_HALF]),
-    fine=st.booleans(),
+    quadrants=st.booleans(),
     sequence=st.lists(steps, min_size=1, max_size=6),
 )
 def test_no_cell_is_ever_further_off_than_the_quality_allows_or_wrong_for_ever(
@@ -81,19 +81,20 @@ def test_no_cell_is_ever_further_off_than_the_quality_allows_or_wrong_for_ever(
     rows: int,
     depth: ColourDepth,
     half: str,
-    fine: bool,  # noqa: FBT001 - given by name
+    quadrants: bool,  # noqa: FBT001 - given by name
     sequence: list[Step],
 ) -> None:
     random = np.random.default_rng(seed)
     terminal = Terminal(columns, rows, coloured=depth is not ColourDepth.MONO)
     encoder = ScreenEncoder(half=half)
     frame = random_cells(seed, columns, rows, 5, 0.1)
-    cells = frame
+    looks = looks_of(frame)
     for step in sequence:
         frame = scene(step, frame, random)
-        # Finer pixels that change while the others stay, too.
-        drawn = refined(frame, int(random.integers(1 << 30))) if fine else frame
-        cells = at_depth(drawn, depth)
+        looks = looks_of(at_depth(frame, depth))
+        if quadrants and depth is ColourDepth.TRUECOLOUR:
+            # Pixels of a picture that change while their means stay, too.
+            looks = looks_of(*with_picture(frame, int(random.integers(1 << 30))))
         forgotten = random.random((rows, columns)) < step.forgotten
         covered = random.random((rows, columns)) < step.covered
         if step.forgotten == 1.0:
@@ -102,27 +103,26 @@ def test_no_cell_is_ever_further_off_than_the_quality_allows_or_wrong_for_ever(
             encoder.forget(forgotten)
         for place in np.argwhere(forgotten | covered):
             terminal.scribble(*place)
-        terminal.feed(encoder.encode(cells, step.quality, covered).decode())
+        terminal.feed(encoder.encode(looks, step.quality, covered).decode())
         assert not any(covered[place] for place in terminal.touched)
         assert (encoder.known == ~covered).all()
-        cells = as_drawn(cells)
-        assert_near(terminal, encoder, cells, step.quality)
-    terminal.feed(encoder.encode(cells, EXACT).decode())
-    assert_shows(terminal, cells)
-    assert encoder.encode(cells, EXACT) == b""
-    assert encoder.encode(cells, sequence[0].quality) == b""
+        assert_near(terminal, encoder, looks, step.quality)
+    terminal.feed(encoder.encode(looks, EXACT).decode())
+    assert_shows(terminal, looks)
+    assert encoder.encode(looks, EXACT) == b""
+    assert encoder.encode(looks, sequence[0].quality) == b""
 
 
-def assert_near(terminal: Terminal, encoder: ScreenEncoder, cells: Cells, quality: Quality) -> None:
+def assert_near(terminal: Terminal, encoder: ScreenEncoder, looks: Looks, quality: Quality) -> None:
     off = 0
-    if cells.depth is ColourDepth.TRUECOLOUR:
+    if looks.depth is ColourDepth.TRUECOLOUR:
         off = max(quality.tolerance, quality.threshold)
-    shown = encoder.shown
+    shown = encoder.remembered.shown
     assert shown is not None
     for row, column in np.argwhere(encoder.known).tolist():
         mark = terminal.marks[row, column]
         assert_cell(mark, shown, row, column)
-        assert_cell(mark, cells, row, column, off=off)
+        assert_cell(mark, looks, row, column, off=off)
 
 
 @pytest.mark.parametrize("size", [(1, 1), (1, 120), (20, 5), (157, 43), (400, 1), (400, 120)])
@@ -141,21 +141,19 @@ def test_terminals_of_all_sizes_get_every_cell(size: tuple[int, int], quality: Q
 
 
 def test_quadrants_whose_colours_come_near_enough_are_not_sent_again() -> None:
-    encoder = ScreenEncoder()
-    cells = refined(flat(9, 4, 100), 1)
-    assert encoder.encode(cells, ROUGH)
-    darker = refined(flat(9, 4, 93), 1)
-    assert encoder.encode(darker, ROUGH) == b""
+    encoder, quality = ScreenEncoder(), Quality(threshold=10)
+    assert encoder.encode(looks_of(*with_picture(flat(9, 4, 100), 1)), quality)
+    darker = looks_of(*with_picture(flat(9, 4, 93), 1))
+    assert encoder.encode(darker, quality) == b""
     assert encoder.encode(darker, EXACT)
 
 
-def one_cell(*greys: int, glyph: str = "") -> Cells:
-    """A cell of four fine pixels, in reading order."""
-    fine = np.zeros((2, 2, 4), np.uint8)
-    fine[..., :3] = np.reshape(greys, (2, 2, 1))
-    cells = dataclasses.replace(flat(1, 1, 0), pixels=halved(fine), fine=fine)
+def one_cell(*greys: int, glyph: str = "") -> Looks:
+    """A cell of four pixels of a picture, in reading order."""
+    cells = flat(1, 1, 0)
     cells.glyphs[...] = ord(glyph) if glyph else 0
-    return cells
+    pixels = np.reshape(greys, (2, 2, 1)).repeat(3, axis=2).astype(np.uint8)
+    return looks_of(*in_quadrants(pixels, cells))
 
 
 @pytest.mark.parametrize("quality", [EXACT, ROUGH])
@@ -176,7 +174,7 @@ def test_quarters_that_become_one_colour_take_no_quadrant() -> None:
     assert coarse == b"\x1b[1;1H\x1b[48;2;109;109;109m \x1b[0m"
 
 
-def test_finer_pixels_under_a_character_are_nothing_to_send() -> None:
+def test_pixels_of_a_picture_under_a_character_are_nothing_to_send() -> None:
     encoder = ScreenEncoder()
     assert encoder.encode(one_cell(200, 40, 40, 40, glyph="A"))
     assert encoder.encode(one_cell(40, 200, 40, 40, glyph="A")) == b""
@@ -190,9 +188,9 @@ def test_pyte_shows_quadrants_too(seed: int, columns: int, rows: int) -> None:
     encoder = ScreenEncoder()
     for number in range(3):
         # Most cells stay as they are, so that the cursor has to move.
-        cells = refined(random_cells(seed, columns, rows, 2, 0.2), seed + number // 2)
-        stream.feed(encoder.encode(cells))
-    drawn = as_drawn(cells)
+        frame = random_cells(seed, columns, rows, 2, 0.2)
+        drawn = looks_of(*with_picture(frame, seed + number // 2))
+        stream.feed(encoder.encode(drawn))
     for row, column in np.ndindex(rows, columns):
         cell = screen.buffer[row][column]
         assert_cell(Mark(cell.data, rgb(cell.fg), rgb(cell.bg)), drawn, row, column)
@@ -309,7 +307,7 @@ def test_what_is_forgotten_is_sent_again_and_nothing_else() -> None:
     encoder.forget(np.array([[False, False, True]]))
     assert encoder.encode(cells) == b"\x1b[1;3H\x1b[48;2;3;3;3m \x1b[0m"
     encoder.forget()
-    assert encoder.shown is None
+    assert encoder.remembered.shown is None
     assert encoder.encode(cells) == whole
 
 
@@ -330,11 +328,11 @@ def test_frames_without_cells_take_no_bytes() -> None:
 def test_what_was_shown_does_not_change_with_later_frames_or_with_the_caller() -> None:
     encoder, cells = ScreenEncoder(), grey([1, 2, 3])
     encoder.encode(cells)
-    shown = encoder.shown
+    shown = encoder.remembered.shown
     assert shown is not None
     cells.pixels[...] = 99
     encoder.encode(grey([1, 2, 7]))
-    assert shown.pixels[0, :, 0].tolist() == [1, 2, 3]
+    assert unpacked(shown.upper)[0, :, 0].tolist() == [1, 2, 3]
 
 
 @pytest.mark.parametrize("numbers", [(-1, 0), (128, 0), (0, -1), (0, 256)])
@@ -387,7 +385,7 @@ def test_what_was_known_of_another_size_is_of_no_use() -> None:
     before = encoder.remembered
     encoder.encode(flat(4, 2, 9))
     encoder.return_to(before)
-    assert encoder.shown is None
+    assert encoder.remembered.shown is None
 
 
 def joined(upper: Cells, lower: Cells) -> Cells:

@@ -31,7 +31,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_a_screenshot_is_a_picture_and_a_text(home: Path):
-    outcome = user_files.write_screenshot(compose(20, 5, (9, 9, 9), []), NOW)
+    outcome = user_files.write_screenshot(compose(20, 5, (9, 9, 9), []), (), NOW)
     names = sorted(path.name for path in (home / "pictures" / "Rune").iterdir())
     assert names == ["rune-20050318-015831.png", "rune-20050318-015831.txt"]
     assert str(home) in outcome.text
@@ -55,7 +55,7 @@ def test_without_marks_no_file_is_written(home: Path):
 def test_a_folder_that_cannot_be_made_is_an_alarm_and_no_fault(home: Path):
     for name in ("pictures", "documents"):
         (home / name).write_text("no folder")
-    assert user_files.write_screenshot(compose(20, 5, (9, 9, 9), []), NOW).alarm
+    assert user_files.write_screenshot(compose(20, 5, (9, 9, 9), []), (), NOW).alarm
     assert user_files.write_marks(seeing(marked(1)).robots["magellan"], NOW).alarm
 
 

@@ -99,16 +99,52 @@ def test_a_picture_wholly_outside_changes_nothing() -> None:
     assert not canvas.pixels.any()
 
 
-def test_a_finer_picture_is_seen_as_its_mean_by_all_that_know_no_finer_ones() -> None:
-    canvas = Canvas.blank(4, 3, fine=True)
-    picture = np.array([[10, 21, 255, 255], [0, 1, 255, 0]], np.uint8)
-    canvas.paste_fine(picture[..., None].repeat(3, axis=2), 1, 1)
-    assert canvas.fine is not None
-    assert (canvas.fine[1:, 2:6, 1] == picture).all()
+def grey(*rows: list[int]) -> np.ndarray:
+    """A picture of grey pixels, shape (h, w, 3)."""
+    return np.array(rows, np.uint8)[..., None].repeat(3, axis=2)
+
+
+def test_a_placed_picture_is_seen_as_its_means_and_keeps_its_pixels() -> None:
+    canvas, pixels = Canvas.blank(4, 3, scale=(2, 1)), grey([10, 21, 255, 255], [0, 1, 255, 0])
+    canvas.place_picture(pixels, 1, 1, (2, 2))
+    (placed,) = canvas.pictures
+    assert (placed.pixels[..., :3] == pixels).all()
+    assert (placed.x, placed.y) == (1, 1)
     assert canvas.pixels[1:, 1:3, 1].tolist() == [[15, 255], [0, 127]]
     assert canvas.pixels[..., 3].tolist() == [[0, 0, 0, 0], [0, 255, 255, 0], [0, 255, 255, 0]]
 
 
-def test_a_canvas_that_shows_no_finer_pictures_takes_none() -> None:
-    with pytest.raises(ValueError, match="fine=True"):
-        Canvas.blank(4, 3).paste_fine(np.zeros((1, 2, 3), np.uint8), 0, 0)
+@pytest.mark.parametrize("scale", [(1, 1), (2, 1), (1, 2), (3, 2), (8, 8), (16, 16)])
+def test_a_canvas_shows_the_exact_means_of_a_picture(scale: tuple[int, int]) -> None:
+    across, down = scale
+    pixels = np.random.default_rng(1).integers(0, 256, (3 * down, 4 * across, 3), np.uint8)
+    canvas = Canvas.blank(4, 3, scale=scale)
+    canvas.place_picture(pixels, 0, 0, (4, 3))
+    blocks = pixels.reshape(3, down, 4, across, 3).astype(int)
+    assert (canvas.pixels[..., :3] == blocks.sum(axis=(1, 3)) // (across * down)).all()
+    assert len(canvas.pictures) == (scale != (1, 1))
+
+
+def test_a_placed_picture_is_clipped_at_the_edges_of_the_canvas() -> None:
+    canvas, pixels = Canvas.blank(2, 2, scale=(2, 1)), grey(range(8), range(10, 18), range(20, 28))
+    canvas.place_picture(pixels, -1, -2, (4, 3))
+    (placed,) = canvas.pictures
+    assert placed.pixels[..., 0].tolist() == [[22, 23, 24, 25]]
+    assert (placed.x, placed.y) == (0, 0)
+    assert canvas.pixels[..., 0].tolist() == [[22, 24], [0, 0]]
+
+
+def test_a_picture_that_is_placed_outside_changes_nothing() -> None:
+    canvas = Canvas.blank(3, 3, scale=(2, 1))
+    for x, y in ((3, 0), (-2, 0), (0, 3), (0, -2)):
+        canvas.place_picture(grey([9, 9], [9, 9]), x, y, (2, 2))
+    assert not canvas.pixels.any()
+    assert not canvas.pictures
+
+
+def test_a_picture_that_is_darkened_is_still_seen_as_its_means() -> None:
+    canvas = Canvas.blank(2, 1, scale=(2, 1))
+    canvas.place_picture(grey([11, 20, 255, 0]), 0, 0, (2, 1), brightness=150)
+    (placed,) = canvas.pictures
+    assert placed.pixels[..., 0].tolist() == [[6, 11, 150, 0]]
+    assert canvas.pixels[..., 0].tolist() == [[8, 75]]

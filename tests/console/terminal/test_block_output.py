@@ -8,12 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rune_tui.compositor.cells import Cells
-from rune_tui.compositor.screen_encoder import ScreenEncoder
+from rune_tui.compositor.glyph_set import GlyphSet
+from rune_tui.compositor.looks import looks_of
+from rune_tui.compositor.output import Frame
 from rune_tui.raster.urgency import Urgency
-from rune_tui.terminal.block_output import Frame, FrameWriter, coarsened
+from rune_tui.terminal.block_output import BlockOutput, coarsened
 from rune_tui.terminal.pacing import Acknowledgement, SentFrame
 from rune_tui.terminal.rate import LADDER, RateController
-from tests.console.compositor.frames import as_drawn, flat, random_cells, refined
+from tests.console.compositor.frames import flat, random_cells, with_picture
 from tests.console.compositor.terminal_model import Terminal, assert_shows
 
 COLUMNS, ROWS = 24, 10
@@ -41,14 +43,14 @@ def scene(seed: int) -> Cells:
     return Cells(pixels=cells.pixels, glyphs=glyphs, ink=cells.ink)
 
 
-def writer(bytes_per_s: float) -> FrameWriter:
-    return FrameWriter(ScreenEncoder(), narrow(bytes_per_s))
+def writer(bytes_per_s: float) -> BlockOutput:
+    return BlockOutput(GlyphSet.HALF, narrow(bytes_per_s))
 
 
 def test_what_is_around_the_picture_comes_first_and_exactly() -> None:
     terminal, frames = Terminal(COLUMNS, ROWS), writer(2000.0)
     for seed in range(5):
-        frame = frames.draw(scene(seed), SHOWN)
+        frame = frames.draw(scene(seed), (), SHOWN)
         terminal.feed(frame.first.decode())
         assert all(row >= 8 for row, _ in terminal.touched)
         assert all(
@@ -69,7 +71,7 @@ def test_a_still_scene_becomes_exact_whatever_was_before(width: float, seeds: li
     terminal, frames = Terminal(COLUMNS, ROWS), writer(width)
     for seed in seeds:
         cells = scene(seed)
-        frame = frames.draw(cells, SHOWN)
+        frame = frames.draw(cells, (), SHOWN)
         terminal.feed((frame.first + frame.picture).decode())
     refined = 0
     while frames.inexact:
@@ -78,15 +80,15 @@ def test_a_still_scene_becomes_exact_whatever_was_before(width: float, seeds: li
         refined += 1
         assert refined <= 3 * ROWS
     assert_shows(terminal, cells)
-    assert frames.draw(cells, SHOWN).size == 0
+    assert frames.draw(cells, (), SHOWN).size == 0
     assert not frames.refine().size
 
 
 @pytest.mark.parametrize("width", [50e3, 200e3])
 def test_a_refinement_is_no_longer_than_there_is_room_for(width: float) -> None:
     control = narrow(width)
-    frames = FrameWriter(ScreenEncoder(), control)
-    frames.draw(scene(1), SHOWN)
+    frames = BlockOutput(GlyphSet.HALF, control)
+    frames.draw(scene(1), (), SHOWN)
     row = 40 * COLUMNS
     while frames.inexact:
         assert frames.refine().size <= max(control.room(), row)
@@ -103,14 +105,14 @@ class Rows(RateController):
 
 def test_a_still_scene_becomes_exact_however_the_room_for_it_changes() -> None:
     control = Rows()
-    frames, terminal = FrameWriter(ScreenEncoder(), control), Terminal(COLUMNS, ROWS)
+    frames, terminal = BlockOutput(GlyphSet.HALF, control), Terminal(COLUMNS, ROWS)
     first, last = scene(1), scene(1)
     first.pixels[...] //= 16  # colours so like each other that they become one
     last.pixels[...] = first.pixels
     last.pixels[10:16] = 80 - first.pixels[10:16]
     for cells, control.rows in ((first, 1), (last, 5)):
         control._level = len(LADDER) - 3
-        frame = frames.draw(cells, SHOWN)
+        frame = frames.draw(cells, (), SHOWN)
         terminal.feed((frame.first + frame.picture).decode())
         while frames.inexact:
             terminal.feed(frames.refine().picture.decode())
@@ -119,19 +121,19 @@ def test_a_still_scene_becomes_exact_however_the_room_for_it_changes() -> None:
 
 def test_a_picture_that_would_be_under_way_for_too_long_is_drawn_coarser_at_once() -> None:
     control = narrow(3000.0)
-    frames = FrameWriter(ScreenEncoder(), control)
-    frame = frames.draw(scene(1), SHOWN)
+    frames = BlockOutput(GlyphSet.HALF, control)
+    frame = frames.draw(scene(1), (), SHOWN)
     assert LADDER[control.level].grain > 1
-    exact = FrameWriter(ScreenEncoder(), narrow(50e6)).draw(scene(1), SHOWN)
+    exact = BlockOutput(GlyphSet.HALF, narrow(50e6)).draw(scene(1), (), SHOWN)
     assert len(frame.picture) < len(exact.picture) / 2
 
 
 def test_a_terminal_that_may_show_anything_gets_everything_anew() -> None:
     frames = writer(50e6)
-    whole = frames.draw(scene(1), SHOWN)
-    assert frames.draw(scene(1), SHOWN).size == 0
+    whole = frames.draw(scene(1), (), SHOWN)
+    assert frames.draw(scene(1), (), SHOWN).size == 0
     frames.forget()
-    assert frames.draw(scene(1), SHOWN) == whole
+    assert frames.draw(scene(1), (), SHOWN) == whole
 
 
 def test_what_is_covered_is_left_alone_until_it_is_free() -> None:
@@ -139,10 +141,10 @@ def test_what_is_covered_is_left_alone_until_it_is_free() -> None:
     covered = np.zeros((ROWS, COLUMNS), np.bool_)
     covered[2:5, 4:9] = True
     cells = scene(1)
-    frame = frames.draw(cells, SHOWN, covered)
+    frame = frames.draw(cells, (), SHOWN, covered)
     terminal.feed((frame.first + frame.picture).decode())
     assert not terminal.touched & {tuple(place) for place in np.argwhere(covered).tolist()}
-    frame = frames.draw(cells, SHOWN)
+    frame = frames.draw(cells, (), SHOWN)
     terminal.feed((frame.first + frame.picture).decode())
     while frames.inexact:
         terminal.feed(frames.refine().picture.decode())
@@ -167,16 +169,16 @@ def test_pixels_of_one_are_what_they_were() -> None:
 
 def test_what_does_not_fit_into_a_frame_follows_in_the_next() -> None:
     control, terminal = RateController(0.0, most_bytes=2000), Terminal(COLUMNS, ROWS)
-    frames = FrameWriter(ScreenEncoder(), control)
+    frames = BlockOutput(GlyphSet.HALF, control)
     cells = random_cells(1, COLUMNS, ROWS, 99, 0.5)
-    frame = frames.draw(cells, np.full_like(SHOWN, Urgency.OTHER))
+    frame = frames.draw(cells, (), np.full_like(SHOWN, Urgency.OTHER))
     sizes = []
     while True:
         sizes.append(frame.size)
         terminal.feed((frame.first + frame.picture).decode())
         if not frames.behind:
             break
-        frame = frames.draw(cells, np.full_like(SHOWN, Urgency.OTHER))
+        frame = frames.draw(cells, (), np.full_like(SHOWN, Urgency.OTHER))
     assert max(sizes) <= 2000
     assert len(sizes) > 3
     assert_shows(terminal, cells)
@@ -185,19 +187,17 @@ def test_what_does_not_fit_into_a_frame_follows_in_the_next() -> None:
 @pytest.mark.parametrize("width", [500.0, 5e6])
 def test_a_still_picture_of_quadrants_becomes_exact_at_every_width(width: float) -> None:
     terminal, frames = Terminal(COLUMNS, ROWS), writer(width)
-    cells = refined(scene(1), 1)
-    plain = cells.pixels[16:].repeat(2, axis=1)
-    cells.fine[16:] = plain  # finer pixels are in the picture only
-    terminal.feed(b"".join(parts(frames.draw(cells, SHOWN))).decode())
+    cells, pictures = with_picture(scene(1), 1)
+    terminal.feed(b"".join(parts(frames.draw(cells, pictures, SHOWN))).decode())
     for _ in range(200):
         if not frames.inexact and not frames.behind:
             break
         terminal.feed(
             b"".join(
-                parts(frames.refine() if frames.inexact else frames.draw(cells, SHOWN))
+                parts(frames.refine() if frames.inexact else frames.draw(cells, pictures, SHOWN))
             ).decode()
         )
-    assert_shows(terminal, as_drawn(cells))
+    assert_shows(terminal, looks_of(cells, pictures))
 
 
 def urgent_scene() -> np.ndarray:
@@ -214,7 +214,7 @@ def test_alarms_come_before_the_drive_state_before_ranges_before_the_rest_before
     terminal, frames, urgencies = Terminal(COLUMNS, ROWS), writer(50e6), urgent_scene()
     for seed in (1, 2):  # all is new on the screen, then all but the characters changes
         cells = random_cells(seed, COLUMNS, ROWS, 99, 0.0)
-        frame = frames.draw(cells, urgencies)
+        frame = frames.draw(cells, (), urgencies)
         terminal.feed((frame.first + frame.picture).decode())
         order = [int(urgencies[place]) for place in terminal.order]
         assert order == sorted(order)
@@ -227,10 +227,10 @@ def test_alarms_come_before_the_drive_state_before_ranges_before_the_rest_before
 @pytest.mark.parametrize("most_bytes", [300, 900, 2500])
 def test_in_frames_that_hold_little_the_most_urgent_comes_first(most_bytes: int) -> None:
     control, terminal = RateController(0.0, most_bytes=most_bytes), Terminal(COLUMNS, ROWS)
-    frames, urgencies = FrameWriter(ScreenEncoder(), control), urgent_scene()
+    frames, urgencies = BlockOutput(GlyphSet.HALF, control), urgent_scene()
     cells, order = random_cells(3, COLUMNS, ROWS, 99, 0.0), []
     for _ in range(200):
-        frame = frames.draw(cells, urgencies)
+        frame = frames.draw(cells, (), urgencies)
         assert len(frame.first) <= most_bytes
         terminal.feed((frame.first + frame.picture).decode())
         order += [int(urgencies[place]) for place in terminal.order]
@@ -244,5 +244,15 @@ def parts(frame: Frame) -> tuple[bytes, bytes]:
     return frame.first, frame.picture
 
 
-def test_coarser_pixels_have_no_finer_ones() -> None:
-    assert coarsened(refined(scene(1), 1), 2).fine is None
+@pytest.mark.parametrize(("width", "cut"), [(3000.0, False), (50e6, True)])
+def test_a_picture_that_is_drawn_coarser_takes_no_quadrants(width: float, cut: bool) -> None:  # noqa: FBT001
+    frame = writer(width).draw(*with_picture(flat(COLUMNS, ROWS, 100), 1, steps=(60,)), SHOWN)
+    assert bool(set(frame.picture.decode()) & set("▘▚▌▙▜▛")) is cut
+
+
+@pytest.mark.parametrize(
+    ("glyphs", "size"),
+    [(GlyphSet.HALF, (1, 2)), (GlyphSet.LOWER, (1, 2)), (GlyphSet.QUADRANTS, (2, 2))],
+)
+def test_an_output_says_how_many_pixels_it_shows(glyphs: GlyphSet, size: tuple[int, int]) -> None:
+    assert BlockOutput(glyphs, narrow(50e6)).pixels_per_cell == size

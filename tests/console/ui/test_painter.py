@@ -18,7 +18,7 @@ from tests.console.compositor.frames import flat, random_cells
 
 def test_a_frame_for_a_pane_that_is_on_no_screen_any_more_is_left_out() -> None:
     painter = Painter(App(), ViewPane(), traits_of(Answers(), {}, (16, 4)), 0.0)
-    painter.paint(0.0, flat(16, 4, 9), np.zeros((4, 16), np.uint8))
+    painter.paint(0.0, flat(16, 4, 9), (), np.zeros((4, 16), np.uint8))
     assert painter.display(0.0).frames_per_s == 0.0
 
 

@@ -104,29 +104,33 @@ def test_the_token_changes_with_the_words(made) -> None:
     assert first != shown.source(robot, ConsoleState(now=made.now + 1.0))
 
 
-def drawn_fine(made, size: tuple[int, int], age: float = 0.1, fit: str = FIT) -> Canvas:
-    canvas = Canvas.blank(*size, fine=True)
+def for_quadrants(made, size: tuple[int, int], age: float = 0.1, fit: str = FIT) -> Canvas:
+    canvas = Canvas.blank(*size, scale=(2, 1))
     robot = made.robot(picture=made.received(made.picture(), age))
     CameraImage(fit=fit).draw(canvas, robot, ConsoleState(now=made.now))
     return canvas
 
 
-def test_a_canvas_for_finer_pictures_gets_one_in_the_same_place(made, draw) -> None:
-    fine, plain = drawn_fine(made, (10, 3)), draw(NAME, made.robot(), (10, 3))
+def test_for_quadrants_the_picture_lies_in_the_same_place_with_more_pixels(made, draw) -> None:
+    canvas, plain = for_quadrants(made, (10, 3)), draw(NAME, made.robot(), (10, 3))
     # Eight pixels across the picture in four of the canvas; the viewport has bars beside it.
-    assert (fine.fine[[0, 2], 6:14, :3] == made.picture().pixels[[0, 5]]).all()
-    assert (fine.fine[..., :3].any(axis=2) == plain.pixels[..., :3].any(axis=2).repeat(2, 1)).all()
-    assert np.abs(fine.pixels.astype(int) - plain.pixels).max() <= 1
+    (placed,) = canvas.pictures
+    assert (placed.x, placed.y, placed.pixels.shape) == (3, 0, (3, 8, 4))
+    assert (placed.pixels[[0, 2], :, :3] == made.picture().pixels[[0, 5]]).all()
+    assert not plain.pictures
+    assert np.abs(canvas.pixels.astype(int) - plain.pixels).max() <= 1
 
 
-def test_a_finer_picture_is_cut_like_any_other(made, draw) -> None:
-    fine, plain = drawn_fine(made, (16, 4), fit=FILL), draw(NAME, made.robot(), (16, 4), fit=FILL)
-    assert fine.fine.any()
-    assert np.abs(fine.pixels.astype(int) - plain.pixels).max() <= 30
+def test_a_picture_with_more_pixels_is_cut_like_any_other(made, draw) -> None:
+    canvas = for_quadrants(made, (16, 4), fit=FILL)
+    plain = draw(NAME, made.robot(), (16, 4), fit=FILL)
+    assert canvas.pictures[0].pixels.any()
+    assert np.abs(canvas.pixels.astype(int) - plain.pixels).max() <= 30
 
 
-def test_what_is_drawn_over_a_fine_picture_is_drawn_as_without(made, draw) -> None:
+def test_what_is_drawn_over_a_picture_with_more_pixels_is_drawn_as_without(made, draw) -> None:
     stale = made.received(made.picture(), 4.25)
-    fine, plain = drawn_fine(made, (20, 16), 4.25), draw(NAME, made.robot(picture=stale), (20, 16))
-    assert (fine.glyphs == plain.glyphs).all()
-    assert np.abs(fine.pixels.astype(int) - plain.pixels).max() <= 1
+    canvas = for_quadrants(made, (20, 16), 4.25)
+    plain = draw(NAME, made.robot(picture=stale), (20, 16))
+    assert (canvas.glyphs == plain.glyphs).all()
+    assert np.abs(canvas.pixels.astype(int) - plain.pixels).max() <= 1
