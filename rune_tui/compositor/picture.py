@@ -6,8 +6,8 @@ import functools
 import io
 import math
 from collections.abc import Collection
+from html import escape
 from pathlib import Path
-from xml.sax.saxutils import escape
 
 import numpy as np
 import numpy.typing as npt
@@ -185,7 +185,7 @@ def svg(cells: Cells, pictures: Collection[SeenPicture] = (), *, scale: int = 8)
         'xml:space="preserve">'
     )
     for row, column in _characters(cells):
-        glyph = escape(_visible(int(cells.glyphs[row, column])))
+        glyph = escape(_visible(int(cells.glyphs[row, column])), quote=False)
         parts.append(
             f'<text x="{(column + 0.5) * scale:g}" y="{(2 * row + 1.55) * scale:g}" '
             f'fill="{_hexadecimal(cells.ink[row, column])}">{glyph}</text>'

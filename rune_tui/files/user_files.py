@@ -18,8 +18,6 @@ from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.picture import PictureFile
 from rune_tui.compositor.seen_pictures import SeenPicture
 from rune_tui.controls.joystick.calibration_store import CalibrationStore
-from rune_tui.export.points import csv_table, geojson
-from rune_tui.export.report import html_page
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.effects import ControlEffect, MissionEffect, SendEffect
 from rune_tui.model.lacks import untaken
@@ -89,6 +87,8 @@ def write_screenshot(
     cells: Cells, pictures: Collection[SeenPicture], now: datetime.datetime
 ) -> Outcome:
     """Write what is shown into the user's pictures folder, as PNG and as text."""
+    from rune_tui.compositor import picture
+
     base = platformdirs.user_pictures_path() / _FOLDER / f"rune-{now:%Y%m%d-%H%M%S}"
     try:
         base.parent.mkdir(parents=True, exist_ok=True)
@@ -102,6 +102,9 @@ def write_screenshot(
 
 def write_marks(robot: RobotState, now: datetime.datetime) -> Outcome:
     """Write what is marked into the user's documents folder: CSV, GeoJSON and a page."""
+    from rune_tui.export.points import csv_table, geojson
+    from rune_tui.export.report import html_page
+
     newest = robot.newest(INTEREST_POINTS)
     points = newest.value.points if newest is not None else ()
     if not points:
