@@ -17,11 +17,13 @@ import psutil
 import pytest
 from hypothesis import settings
 
+from tests.support import warm_start
 from tests.support.sharing_out import shared_out
 from tests.support.waiting import until
 
 # As the commands do: NumPy's own threads cost each process that a test starts time at its start.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+warm_start.use()
 
 # A busy machine is no failure. Other examples are tried each time, and `make soak` tries twenty
 # times as many.
@@ -101,12 +103,17 @@ def _descendants() -> list[psutil.Process]:
     Most tests have none, and the system tells so at once; to find some, psutil reads about every
     process of the machine.
     """
-    if hasattr(os, "waitid"):
+    forked = [psutil.Process(pid) for pid in warm_start.running() if psutil.pid_exists(pid)]
+    if hasattr(os, "waitid") and not forked:
         try:
             os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)  # reaps none
         except ChildProcessError:
             return []
-    return psutil.Process().children(recursive=True)
+    below = [psutil.Process().children(recursive=True)]
+    for each in forked:
+        with contextlib.suppress(psutil.NoSuchProcess):  # it has just ended
+            below.append([each, *each.children(recursive=True)])
+    return list(itertools.chain.from_iterable(below))
 
 
 @pytest.fixture

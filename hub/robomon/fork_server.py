@@ -268,11 +268,11 @@ def _set_command(request: ForkRequest) -> None:
     name = f"rune-{request.run.rpartition('.')[2]}".encode()[:_NAME_BYTES]
     with contextlib.suppress(OSError, AttributeError):
         ctypes.CDLL(None).prctl(_PR_SET_NAME, name, 0, 0, 0)
-    _show_command((Path(command[0]).name, *command[1:]))
+    show_command((Path(command[0]).name, *command[1:]))
 
 
-def _show_command(words: Iterable[str]) -> None:
-    """Write the command over the parent's in memory, from where `ps` reads it."""
+def show_command(words: Iterable[str]) -> None:
+    """Write a command over this process's own in memory, from where `ps` reads it."""
     try:
         stat = Path("/proc/self/stat").read_text().rpartition(")")[2].split()
         start, end = int(stat[_ARGUMENTS_FROM]), int(stat[_ARGUMENTS_TO])

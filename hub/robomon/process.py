@@ -15,7 +15,7 @@ from pathlib import Path
 
 from hub.errors import ModuleStartError
 from hub.robomon import orphan_reaper
-from hub.robomon.child_environment import MARK, child_environment
+from hub.robomon.child_environment import child_environment, mark
 from hub.robomon.module_table import ModuleSpec
 from hub.robomon.warm_parent import ChildProcess, WarmParent
 
@@ -73,7 +73,7 @@ class OrphanReaper:
             process.wait()
 
     def _start(self) -> None:
-        command = [sys.executable, "-I", "-S", orphan_reaper.__file__, MARK]
+        command = [sys.executable, "-I", "-S", orphan_reaper.__file__, mark()]
         try:
             process = subprocess.Popen(
                 command,

@@ -30,7 +30,7 @@ from pathlib import Path
 from typing import Protocol
 
 from hub.robomon import fork_server
-from hub.robomon.child_environment import MARK, child_environment
+from hub.robomon.child_environment import child_environment, mark
 from hub.robomon.fork_server import PID, SEVERAL_THREADS, ForkRequest
 from hub.robomon.module_table import ModuleSpec
 
@@ -171,7 +171,7 @@ class WarmParent:
             return
         if pid == 0:
             ours.close()
-            fork_server.serve(theirs, MARK)
+            fork_server.serve(theirs, mark())
         theirs.close()
         self._process, self._link, self._ready = ForkedProcess(pid), ours, True
 
@@ -270,7 +270,7 @@ class WarmParent:
 
     def _spawn(self) -> None:
         ours, theirs = socket.socketpair()
-        command = [sys.executable, "-m", fork_server.__name__, str(theirs.fileno()), MARK]
+        command = [sys.executable, "-m", fork_server.__name__, str(theirs.fileno()), mark()]
         try:
             process = subprocess.Popen(
                 [*command, *self._imports],

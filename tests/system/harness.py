@@ -29,6 +29,7 @@ from hub.gcm import navigation
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.message_info import MessageInfo
+from tests.support import warm_start
 from tests.support.waiting import until
 
 ROBOT_FILE = """
@@ -101,12 +102,12 @@ class HubProcess:
         self.log = folder / "hub.log"
         command = [sys.executable, "-m", "hub", "run", str(robot), "--json", "--stop-with-stdin"]
         with self.log.open("wb") as log:
-            self.process = subprocess.Popen(
+            self.process = warm_start.start(
                 [*command, *options],
+                environment={**os.environ, **(environment or {})},
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
-                stderr=log,
-                env={**os.environ, **(environment or {})},
+                stderr=log.fileno(),
             )
         self.running.append(self)
         try:
@@ -267,15 +268,13 @@ class TerminalProcess:
         self.output_bytes = 0
         self._unread = b""
         fcntl.ioctl(inner, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
-        self.process = subprocess.Popen(
+        self.process = warm_start.start(
             command,
+            environment={**_surroundings(), **_TERMINAL, **(environment or {})},
             stdin=inner,
             stdout=inner,
             stderr=inner,
-            start_new_session=True,
-            # The terminal has to be its own, so that closing it hangs up.
-            preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),  # noqa: PLW1509
-            env={**_surroundings(), **_TERMINAL, **(environment or {})},
+            terminal=True,
         )
         os.close(inner)
         os.set_blocking(self.terminal, False)

@@ -28,6 +28,7 @@ from hub.gcm.common import (
 )
 from hub.gcm.supervision import CapabilityPhase, ModulePhase
 from hub.ipc.client import Client
+from tests.support import warm_start
 from tests.support.command_line import rune_hub
 from tests.support.waiting import until
 from tests.system.harness import family, gone
@@ -49,10 +50,14 @@ class Robot:
         path.write_text(modules if whole else head + modules)
         self.log = folder / "hub.log"
         with self.log.open("wb") as log:
-            self.process = subprocess.Popen(
+            self.process = warm_start.start(
                 [sys.executable, "-m", "hub", "run", str(path), "--json", "--stop-with-stdin"],
-                stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log, cwd=ROOT,
-            )  # fmt: skip
+                environment=os.environ,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=log.fileno(),
+                folder=ROOT,
+            )
         assert self.process.stdout is not None
         self.endpoint = json.loads(self.process.stdout.readline())["hub"]
         self.connect()
