@@ -71,7 +71,8 @@ UP: Final = (
             "rune_tui.compositor.blend",
             "rune_tui.compositor.cells",
             "rune_tui.compositor.screen_encoder",
-            "rune_tui.terminal.frames",
+            "rune_tui.terminal.block_output",
+            "rune_tui.compositor.output",
             "rune_tui.ui.painter",
         ),
     ),
@@ -218,7 +219,8 @@ def drawn(title: str, way: tuple[Process, ...]) -> str:
         before = process
     marker = (
         '<defs><marker id="head" viewBox="0 0 8 8" refX="6" refY="4" markerWidth="7"'
-        ' markerHeight="7" orient="auto"><path d="M 0 0 L 8 4 L 0 8 z" fill="#333"/></marker></defs>'
+        ' markerHeight="7" orient="auto"><path d="M 0 0 L 8 4 L 0 8 z" fill="#333"/>'
+        "</marker></defs>"
     )
     head = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{_WIDTH}" height="{y + 12}">',

@@ -15,7 +15,6 @@ import platformdirs
 from hub.gcm.mapping import INTEREST_POINTS
 from hub.ipc.definition import Keep
 from rune_tui.compositor.cells import Cells
-from rune_tui.compositor.picture import PictureFile
 from rune_tui.compositor.seen_pictures import SeenPicture
 from rune_tui.controls.joystick.calibration_store import CalibrationStore
 from rune_tui.layout.spec import LayoutSpec
@@ -87,7 +86,7 @@ def write_screenshot(
     cells: Cells, pictures: Collection[SeenPicture], now: datetime.datetime
 ) -> Outcome:
     """Write what is shown into the user's pictures folder, as PNG and as text."""
-    from rune_tui.compositor import picture
+    from rune_tui.compositor.picture import PictureFile
 
     base = platformdirs.user_pictures_path() / _FOLDER / f"rune-{now:%Y%m%d-%H%M%S}"
     try:
