@@ -23,6 +23,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hub.gcm.control import ANSWER_S, LOST_S
+from hub.own_pauses import OwnPauses
 
 MOST_REQUESTS = 8
 """How many may ask at a time."""
@@ -65,7 +66,8 @@ class ControlLease:
         self.owner: Console | None = None
         self.requests: list[Console] = []
         self.why = "nobody has taken control yet"
-        self._looked = now
+        self._pauses = OwnPauses(STALL_S)
+        self._pauses.look(now)
 
     def take(self, number: int, operator: str, now: float) -> Answer:
         """Somebody wants control of a robot that nobody has."""
@@ -162,9 +164,7 @@ class ControlLease:
 
     def look(self, now: float) -> None:
         """Time has gone by."""
-        away = now - self._looked
-        self._looked = now
-        if away > STALL_S:
+        if away := self._pauses.look(now):
             self._forgive(away)
         for request in [each for each in self.requests if now - each.heard >= LOST_S]:
             self._withdraw(request.number, now)

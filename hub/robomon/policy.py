@@ -13,6 +13,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from hub.gcm.supervision import CapabilityPhase, ModuleOrder, ModulePhase
+from hub.own_pauses import OwnPauses
 from hub.robomon.module_lifecycle import ModuleLifecycle, ProcessAction
 from hub.robomon.module_table import ModuleSpec
 from hub.robomon.wants import MAX_CAPABILITIES, MAX_NAME, Wants
@@ -80,7 +81,7 @@ class ModulePolicy:
         self.wants = Wants()
         self._chosen: dict[str, str] = {}
         self._over: dict[str, int] = {}
-        self._stepped: float | None = None
+        self._pauses = OwnPauses(AWAY_S)
         self._outside: frozenset[str] = frozenset()
         self._offered: frozenset[str] = frozenset()
         self._known: frozenset[str] = frozenset()
@@ -139,10 +140,9 @@ class ModulePolicy:
 
     def step(self, now: float) -> list[tuple[ModuleLifecycle, ProcessAction]]:
         """What is to be done now, in order."""
-        if self._stepped is not None and now - self._stepped > AWAY_S:
+        if self._pauses.look(now):
             for life in self.lives.values():
                 life.forgive(now)
-        self._stepped = now
         self.strangers = {
             name: one for name, one in self.strangers.items() if now - one.heard < STRANGER_S
         }

@@ -6,6 +6,11 @@ from dataclasses import dataclass
 
 from rune_tui.model.world import WorldPoint
 
+PAUSE_S = 0.3
+"""A longer time between two ticks of the console is a pause of it [s]."""
+STALE_S = 0.2
+"""Input may be from a pause for this time after it [s]."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Hit:

@@ -23,13 +23,13 @@ from typing import Final
 
 from textual import events
 
+from hub.own_pauses import OwnPauses
 from rune_tui.controls.devices import local_devices
-from rune_tui.controls.events import ControlEvent
+from rune_tui.controls.events import PAUSE_S, STALE_S, ControlEvent
 from rune_tui.controls.joystick.calibration_store import CalibrationStore
 from rune_tui.controls.joystick_set import Joysticks
 from rune_tui.controls.joystick_sources import Sources
 from rune_tui.controls.keyboard import KeyboardHold, name_of_key, without_shift
-from rune_tui.controls.pause_guard import PauseGuard
 from rune_tui.controls.remote_pad.far_pads import FarPads
 from rune_tui.layout.key_notes import untold_keys
 from rune_tui.layout.names import MOUSE, WAY_OUT
@@ -84,7 +84,7 @@ class InputEvents:
         self.joysticks = Joysticks(
             current.layout.joysticks, Sources(local_devices.reader(), pads), CalibrationStore()
         )
-        self._pauses = PauseGuard()
+        self._pauses = OwnPauses(PAUSE_S, stale_s=STALE_S)
         self._heard = 0.0
         self._focused = -math.inf
 
@@ -205,7 +205,7 @@ class InputEvents:
     def time_now(self) -> float:
         """The time now [s]; after a pause of the console, or a stop, nothing counts as held."""
         now = time.monotonic()
-        if self._pauses.paused(now):
+        if self._pauses.look(now):
             self.release_all()
         self._execute(self._current.dispatch.look(self._state()))
         return now

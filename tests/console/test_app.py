@@ -11,7 +11,7 @@ import pytest
 from textual import events
 
 from hub.gcm.navigation import STOP, Stop
-from rune_tui.controls.pause_guard import PAUSE_S
+from rune_tui.controls.events import PAUSE_S
 from rune_tui.layout.loader import load_layout
 from rune_tui.model.effects import SendEffect
 from rune_tui.terminal.input_stream import KeyMove

@@ -36,6 +36,7 @@ from hub.modules.autonomy.goal_watch import GoalWatch, Outcome
 from hub.modules.autonomy.novelty import Limits
 from hub.modules.autonomy.senses import MAP_PERIOD_S, Senses
 from hub.modules.autonomy.wandering import Wander
+from hub.own_pauses import OwnPauses
 
 MOST_POINTS = 100
 FARTHEST_POINT = 1000.0
@@ -84,7 +85,7 @@ class AutonomyDriver:
         self._asked, self._commands = Behaviour.HOLD, 0
         self._began = self._ended = math.nan
         self._explored = NOWHERE
-        self._acted = self._back = -math.inf
+        self._pauses = OwnPauses(STALL_S, stale_s=SETTLE_S)
         self._left_at: tuple[float, float] | None = None
         self._commanded = self._asked_map = self._stopped = -math.inf
         self._waits_since: float | None = None
@@ -184,7 +185,8 @@ class AutonomyDriver:
             self._check_for_takeover(now)
         if self._task is None:
             return self._stop(now)
-        if self._has_paused(now):
+        self._pauses.look(now)
+        if self._pauses.is_stale(now):  # messages from the pause are not read yet
             return None
         trouble = self._senses.trouble(now, needs_map=self._task.needs_map)
         if not trouble and self._senses.driven(now):
@@ -271,13 +273,6 @@ class AutonomyDriver:
     def _give_way(self, why: str, now: float, phase: Phase = Phase.TAKEN_OVER) -> None:
         self._end(phase, why, now)
         self._watch.forget()
-
-    def _has_paused(self, now: float) -> bool:
-        """Whether this process paused just before, so that messages are not read yet."""
-        if math.isfinite(self._acted) and now - self._acted > STALL_S:
-            self._back = now
-        self._acted = now
-        return now - self._back < SETTLE_S
 
     def _wait(self, trouble: str, now: float) -> GoalCommand | None:
         """Stand until the data is fresh again, at most `PATIENCE_S`."""

@@ -31,6 +31,7 @@ from __future__ import annotations
 import math
 
 from hub.gcm.navigation import Cause, MotionState
+from hub.own_pauses import OwnPauses
 
 SILENCE_S = 0.3
 """Time without a fresh command after which the robot is stopped [s]."""
@@ -76,8 +77,8 @@ class SpeedGovernor:
         self._sender: int | None = None
         self._fresh_until = now
         self._driver_until = now
-        self._updated = now
-        self._ignore_until = now
+        self._pauses = OwnPauses(STALL_S, stale_s=IGNORE_S)
+        self._pauses.look(now)
         self._settled_at = now
         self.refused = 0
         self.held = Cause.NONE
@@ -89,7 +90,7 @@ class SpeedGovernor:
         """A sender commands a velocity [m/s, rad/s], given at `measured`."""
         self._update(now)
         usable = math.isfinite(linear) and math.isfinite(angular)
-        if not usable or now < self._ignore_until or measured + self._silence_s <= now:
+        if not usable or self._pauses.is_stale(now) or measured + self._silence_s <= now:
             self.refused += 1
         elif linear == 0.0 and angular == 0.0:
             self._neutral(sender, now)
@@ -145,7 +146,7 @@ class SpeedGovernor:
         if self.has_task:
             self._armed.clear()
             self._count_stop()
-            self._hold(Cause.DRIVER, self._updated)
+            self._hold(Cause.DRIVER, self._pauses.seen)
         else:
             self._disarm(MotionState.WAITING)
 
@@ -214,10 +215,7 @@ class SpeedGovernor:
 
     def _update(self, now: float) -> None:
         """Apply the time limits of the table."""
-        away = now - self._updated > STALL_S
-        self._updated = now
-        if away:
-            self._ignore_until = now + IGNORE_S
+        away = self._pauses.look(now) > 0.0
         if self.has_task:
             self._update_task(now, away=away)
             return
@@ -233,7 +231,7 @@ class SpeedGovernor:
     def _update_task(self, now: float, *, away: bool) -> None:
         """Hold a task while something is missing; release it when all is fresh again."""
         silent = now >= self._driver_until
-        if away or (silent and now < self._ignore_until):
+        if away or (silent and self._pauses.is_stale(now)):
             # Reports that came during the pause are not read yet.
             self._hold(Cause.BUSY, now)
         elif silent:

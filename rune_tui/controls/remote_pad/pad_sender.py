@@ -10,11 +10,11 @@ import numpy as np
 
 from hub.gcm import pad
 from hub.gcm.pad import PadDevice, PadState
+from hub.own_pauses import OwnPauses
 from rune_tui.controls.devices.matching import DeviceInfo
 from rune_tui.controls.hid.device_controls import PhysicalControl
 from rune_tui.controls.hid.reading import Value
 from rune_tui.controls.joystick.logical import LogicalJoystick
-from rune_tui.controls.pause_guard import PauseGuard
 from rune_tui.controls.remote_pad.pad_values import Row
 from rune_tui.layout.spec import ControlKind, ControlSpec, JoystickSpec
 
@@ -56,7 +56,7 @@ class PadSender:
         self.active = False
         self._send_device, self._send_state = send_device, send_state
         self._operator, self._machine = operator, machine
-        self._guard = PauseGuard(pause_s=pad.OLDEST_S)
+        self._pauses = OwnPauses(pad.OLDEST_S)
         self._described: PadDevice | None = None
         self._row = Row(())
         self._joystick = LogicalJoystick(JoystickSpec(name="pad", line=0))
@@ -115,11 +115,11 @@ class PadSender:
         values = tuple(values)
         changed = self._row.take(values)
         self._joystick.feed(values, now)
-        stalled = self._guard.paused(now)
+        paused = self._pauses.look(now)
         if self._described is None:
             self._report_absence(now)
             return
-        if stalled:
+        if paused:
             # Input during a pause of this process is not known: the device must be neutral first.
             self._begin()
         self._changed = now if changed else self._changed

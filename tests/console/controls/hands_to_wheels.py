@@ -14,12 +14,12 @@ from typing import Any
 
 from hub.gcm.control import CONTROL_STATE, ConsoleHeartbeat, ControlAction, ControlState
 from hub.gcm.navigation import ROBOT_STATE, STOP, VELOCITY_COMMAND
+from hub.own_pauses import OwnPauses
 from rune_tui.controls.devices.device_reader import Gone, Opened, Scanned
-from rune_tui.controls.events import ControlEvent
+from rune_tui.controls.events import PAUSE_S, STALE_S, ControlEvent
 from rune_tui.controls.joystick.calibration_store import CalibrationStore
 from rune_tui.controls.joystick_set import Joysticks
 from rune_tui.controls.keyboard import KeyboardHold
-from rune_tui.controls.pause_guard import PauseGuard
 from rune_tui.dispatch import Dispatch
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState
@@ -69,7 +69,7 @@ class Console:
         self.resting = False
         self._dispatch = Dispatch(layout)
         self._keyboard = KeyboardHold(self._dispatch.waits_for_hold)
-        self._pauses = PauseGuard()
+        self._pauses = OwnPauses(PAUSE_S, stale_s=STALE_S)
         self._owner = self._stops = 0
         self._due = now + phase * TICK_S
         self._robots = self._known()
@@ -116,7 +116,7 @@ class Console:
         self._handle(released, now)
 
     def _look_up(self, now: float) -> None:
-        if self._pauses.paused(now):
+        if self._pauses.look(now):
             self.let_go(now)
 
     def _handle(self, events: Iterable[ControlEvent], now: float) -> None:
