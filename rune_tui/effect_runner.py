@@ -42,9 +42,9 @@ from rune_tui.model.effects import (
     ToggleHelp,
     ToggleLog,
     TurnPage,
-    changed,
 )
 from rune_tui.model.leaving import ordered, reasons_to_stay
+from rune_tui.model.state_changes import changed
 from rune_tui.startup.following import LayoutFollower
 from rune_tui.ui.covered import CoveredApp
 from rune_tui.ui.current_layout import CurrentLayout

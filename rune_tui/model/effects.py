@@ -1,27 +1,20 @@
-"""Effects of widgets: the app executes them, or `changed` applies them to the console's state."""
+"""Effects of widgets: the app executes them, or they change the console's state."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any
 
 from hub.gcm.control import ControlAction
 from hub.gcm.mission import MissionAction
 from hub.ipc.definition import MessageDefinition
-from rune_tui.model.console_state import MOST_NOTICES, ConsoleState, Ghost, Notice, PictureWish
+from rune_tui.model.console_state import ConsoleState, Ghost, Notice, PictureWish
 from rune_tui.model.page import Page
-from rune_tui.model.theme import THEMES
-
-LEAST_ZOOM = 0.05
-MOST_ZOOM = 50.0
 
 SPEED_LIMITS = (0.1, 0.25, 0.5, 1.0)
 """Shares of the full speed that a robot is driven with."""
-
-K = TypeVar("K")
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -371,103 +364,3 @@ ActionEffect = (
 )
 """Effects that the app executes."""
 Effect = ActionEffect | StateEffect
-
-
-def changed(state: ConsoleState, effect: StateEffect) -> ConsoleState:
-    """The console's state after an effect that concerns nothing else."""
-    match effect:
-        case ShowViewport():
-            return _showing(state, effect)
-        case FillView() | ToggleHelp() | ToggleLog() | TurnPage() | AskToLeave():
-            return _covered(state, effect)
-        case ChooseRobot(robot=name):
-            return dataclasses.replace(state, chosen=name or _next(state.chosen, state.robots))
-        case Zoom(viewport=name, factor=factor):
-            zoom = state.zooms.get(name, 1.0) * factor if factor > 0.0 else 1.0
-            zoom = min(MOST_ZOOM, max(LEAST_ZOOM, zoom))
-            return dataclasses.replace(state, zooms=_with(state.zooms, name, zoom))
-        case WishPictures() | ToggleNight() | LimitSpeed() | ShowGhost():
-            return _of_robot(state, effect)
-        case MarksWaiting(source=source, robot=name, count=count, overdue=overdue):
-            return dataclasses.replace(
-                state,
-                unconfirmed=_with(state.unconfirmed, (source, name), count),
-                overdue=_with(state.overdue, (source, name), overdue),
-            )
-        case SetTheme(name=name):
-            theme = THEMES.get(name or _next(state.theme.name, THEMES), state.theme)
-            return dataclasses.replace(state, theme=theme)
-        case Notify(notice=notice):
-            notices = (*state.notices[1 - MOST_NOTICES :], notice)
-            return dataclasses.replace(state, notices=notices)
-
-
-def _covered(state: ConsoleState, effect: CoverEffect) -> ConsoleState:
-    """The state with something over the whole view, or with the view again."""
-    match effect:
-        case FillView(viewport=name):
-            return dataclasses.replace(state, full="" if state.full == name else name)
-        case ToggleHelp():
-            return dataclasses.replace(state, help=not state.help, log=False, page=Page())
-        case ToggleLog():
-            shown = not state.log
-            return dataclasses.replace(state, log=shown, help=False, page=Page())
-        case TurnPage(page=page):
-            return dataclasses.replace(state, page=page)
-        case AskToLeave(reasons=reasons):
-            clear = not reasons
-            return dataclasses.replace(
-                state, leaving=reasons, help=state.help and clear, log=state.log and clear
-            )
-
-
-def _of_robot(
-    state: ConsoleState, effect: WishPictures | ToggleNight | LimitSpeed | ShowGhost
-) -> ConsoleState:
-    """The state after an effect that concerns one robot."""
-    match effect:
-        case WishPictures(robot=name, wish=wish):
-            return dataclasses.replace(state, wishes=_with(state.wishes, name, wish))
-        case ToggleNight(robot=name, on=on):
-            wanted = name not in state.night if on is None else on
-            night = state.night | {name} if wanted else state.night - {name}
-            return dataclasses.replace(state, night=night)
-        case LimitSpeed(robot=name):
-            limits = _with(state.speed_limits, name, _limit(state.speed_limit(name), effect))
-            return dataclasses.replace(state, speed_limits=limits)
-        case ShowGhost(robot=name, ghost=ghost):
-            others = {each: shown for each, shown in state.ghosts.items() if each != name}
-            ghosts = others if ghost is None else {**others, name: ghost}
-            return dataclasses.replace(state, ghosts=ghosts)
-
-
-def _limit(now: float, effect: LimitSpeed) -> float:
-    """The speed limit after an effect."""
-    if effect.share is not None:
-        return min(1.0, max(0.0, effect.share))
-    if effect.up:
-        return next((limit for limit in SPEED_LIMITS if limit > now), SPEED_LIMITS[-1])
-    return next((limit for limit in reversed(SPEED_LIMITS) if limit < now), SPEED_LIMITS[0])
-
-
-def _showing(state: ConsoleState, effect: ShowViewport) -> ConsoleState:
-    """The state with a viewport shown or hidden, and a notice if this size has no room for it."""
-    name = effect.viewport
-    if state.places and name not in state.places:
-        text = f"{name} has no place on a terminal of this size"
-        return changed(state, Notify.now(state, text))
-    now = state.shown.get(name, state.places.get(name, True))
-    wanted = not now if effect.shown is None else effect.shown
-    return dataclasses.replace(state, shown=_with(state.shown, name, wanted))
-
-
-def _with(mapping: Mapping[K, T], name: K, value: T) -> Mapping[K, T]:
-    return {**mapping, name: value}
-
-
-def _next(name: str, names: Mapping[str, object]) -> str:
-    """The one behind a name in a circle; the first if it is none of them."""
-    known = list(names)
-    if not known:
-        return ""
-    return known[(known.index(name) + 1) % len(known)] if name in known else known[0]

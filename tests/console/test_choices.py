@@ -16,7 +16,8 @@ from rune_tui.dispatch import Dispatch
 from rune_tui.layout.actions import actions_of
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import ChooseRobot, Effect, SendEffect, StateEffect, ToggleHelp, changed
+from rune_tui.model.effects import ChooseRobot, Effect, SendEffect, StateEffect, ToggleHelp
+from rune_tui.model.state_changes import changed
 from rune_tui.startup.opening import open_layout
 from tests.console.visualizers.conftest import Made
 

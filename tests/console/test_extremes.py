@@ -30,8 +30,9 @@ from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link.pictures import picture_of
 from rune_tui.model.change_notifier import ChangeNotifier
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import SendEffect, StateEffect, changed
+from rune_tui.model.effects import SendEffect, StateEffect
 from rune_tui.model.robot_state import LinkPhase, LinkState, Received, RobotState
+from rune_tui.model.state_changes import changed
 from rune_tui.view import View
 from rune_tui.visualizers.words.status_words import status_parts
 from tests.console.situations import shipped

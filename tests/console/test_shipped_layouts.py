@@ -18,7 +18,8 @@ from rune_tui.dispatch import Dispatch
 from rune_tui.layout.placing import Placed, arrangement_for, placed
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import AskEffect, StateEffect, changed
+from rune_tui.model.effects import AskEffect, StateEffect
+from rune_tui.model.state_changes import changed
 from rune_tui.model.theme import LEAST_CONTRAST, THEMES, Theme
 from rune_tui.startup.opening import BUILT_IN
 from rune_tui.view import View

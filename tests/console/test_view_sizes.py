@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import FillView, ShowViewport, changed
+from rune_tui.model.effects import FillView, ShowViewport
+from rune_tui.model.state_changes import changed
 from rune_tui.startup.opening import open_layout
 from rune_tui.view import View
 from tests.console.view_scenes import STATE, robot, words

@@ -9,9 +9,10 @@ import pytest
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.navigation import MotionState
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import AskToLeave, changed
+from rune_tui.model.effects import AskToLeave
 from rune_tui.model.leaving import ORDERED_S, question, reasons_to_stay
 from rune_tui.model.robot_state import LinkPhase, LinkState, Received, RobotState
+from rune_tui.model.state_changes import changed
 from tests.console.states import robot_of
 from tests.support.messages import robot_state
 

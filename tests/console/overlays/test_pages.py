@@ -10,8 +10,9 @@ import pytest
 from rune_tui.dispatch import Dispatch
 from rune_tui.layout.rules import Section
 from rune_tui.model.console_state import ConsoleState, Notice
-from rune_tui.model.effects import Effect, StateEffect, changed
+from rune_tui.model.effects import Effect, StateEffect
 from rune_tui.model.page import Page
+from rune_tui.model.state_changes import changed
 from rune_tui.model.theme import LIGHT
 from rune_tui.overlays.page_layer import PageLayer
 from rune_tui.raster.canvas import Canvas

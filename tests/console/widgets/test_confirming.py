@@ -16,9 +16,10 @@ from hub.gcm.mapping import (
 )
 from hub.gcm.mission import MISSION_STATE, MissionState
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import AskEffect, Effect, MarksWaiting, Notify, SendEffect, changed
+from rune_tui.model.effects import AskEffect, Effect, MarksWaiting, Notify, SendEffect
 from rune_tui.model.leaving import reasons_to_stay
 from rune_tui.model.robot_state import LinkPhase
+from rune_tui.model.state_changes import changed
 from rune_tui.widgets.confirming import AGAIN_S, ANSWER_S
 from tests.console.visualizers.conftest import NOW, received
 from tests.console.widgets.presses import click, event_spec, marked, points, seeing, widget_of

@@ -31,9 +31,9 @@ from rune_tui.model.effects import (
     Notify,
     SendEffect,
     StateEffect,
-    changed,
 )
 from rune_tui.model.robot_state import Picture
+from rune_tui.model.state_changes import changed
 from rune_tui.model.world import WorldPoint
 from rune_tui.widgets.marks import GHOST_S
 from tests.console.visualizers.conftest import NOW, received

@@ -27,8 +27,8 @@ from rune_tui.model.effects import (
     ToggleNight,
     WishPictures,
     Zoom,
-    changed,
 )
+from rune_tui.model.state_changes import changed
 from tests.console.visualizers.conftest import received
 from tests.console.widgets.presses import (
     again,

@@ -16,7 +16,8 @@ from rune_tui.controls.keyboard import KeyboardHold, name_of_key, without_shift
 from rune_tui.dispatch import Dispatch
 from rune_tui.layout.spec import ControlKind, EventSpec
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import LimitSpeed, SendEffect, changed
+from rune_tui.model.effects import LimitSpeed, SendEffect
+from rune_tui.model.state_changes import changed
 from rune_tui.startup.opening import open_layout
 from rune_tui.widgets.speed import SetSpeed
 

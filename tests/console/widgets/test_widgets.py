@@ -10,7 +10,8 @@ import pytest
 from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Twist
 from hub.gcm.vision import CAMERA_COMMAND, CameraCommand, CameraMotion
 from rune_tui.controls.events import ControlEvent
-from rune_tui.model.effects import AskEffect, QuitEffect, SendEffect, ShowGhost, changed
+from rune_tui.model.effects import AskEffect, QuitEffect, SendEffect, ShowGhost
+from rune_tui.model.state_changes import changed
 from rune_tui.widgets.registry import WIDGETS
 from rune_tui.widgets.speed import SetSpeed
 from tests.console.widgets.presses import (
