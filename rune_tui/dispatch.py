@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import logging
 from collections import defaultdict
 from collections.abc import Callable, Iterable
@@ -10,35 +9,27 @@ from dataclasses import dataclass
 from functools import partial
 from typing import cast
 
-from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Twist
+from hub.gcm.navigation import VELOCITY_COMMAND, Twist
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.actions import Action
 from rune_tui.layout.names import JOYSTICK, MOUSE
 from rune_tui.layout.rules import Purpose
-from rune_tui.layout.spec import CHOSEN, EventSpec, LayoutSpec
+from rune_tui.layout.spec import EventSpec, LayoutSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.control import refusal, refused, taking
 from rune_tui.model.control_changes import ControlChanges
 from rune_tui.model.effects import (
     AskToLeave,
-    ControlEffect,
     Effect,
-    ExportEffect,
-    LimitSpeed,
-    MissionEffect,
     Notify,
-    PaletteEffect,
     QuitEffect,
     ReleaseFirst,
     SendEffect,
-    SuspendEffect,
     ToggleHelp,
     ToggleLog,
-    ToggleNight,
     TurnPage,
-    WishPictures,
 )
-from rune_tui.model.own_keys import own_effect
+from rune_tui.model.own_keys import own_key
 from rune_tui.model.page import scrolled, turned
 from rune_tui.widgets.driving import DrivingWidgets
 from rune_tui.widgets.widget import TakingWidget, Widget, commanded
@@ -53,15 +44,6 @@ _YES = "enter"
 _TYPED_WHILE_AWAY = "what was typed while the console was held up does not count: press it again"
 _CLICKED_TO_FOCUS = (
     "that click brought the terminal to the front and means nothing else: click again"
-)
-_TO_ROBOTS = (
-    SendEffect
-    | ControlEffect
-    | MissionEffect
-    | ExportEffect
-    | WishPictures
-    | ToggleNight
-    | LimitSpeed
 )
 
 
@@ -143,8 +125,8 @@ class Dispatch:
         Of two keys that go up together, the second would else drive alone for no time.
         """
         effects = [effect for event in events for effect in self.handle(event, state)]
-        last = {_driven(effect): effect for effect in effects}
-        return tuple(each for each in effects if last[_driven(each)] is each or not _driven(each))
+        last = {effect.driven: effect for effect in effects}
+        return tuple(each for each in effects if last[each.driven] is each or not each.driven)
 
     def _handled(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
         fresh = event.pressed and not event.repeat
@@ -161,8 +143,8 @@ class Dispatch:
         if state.paged:
             return self._paged(event, listeners, state)
         if fresh and event.name not in self._by_input:
-            own = own_effect(event.name)
-            return () if own is None else (own,)
+            own = own_key(event.name)
+            return () if own is None else (own.effect,)
         return self._woken(event, listeners, state)
 
     def _paged(
@@ -189,15 +171,15 @@ class Dispatch:
             page = turned(state.page, event.name, state.rows)
         if page != state.page:
             return (TurnPage(page=page), *stopping)
-        own = None if event.name in self._by_input else own_effect(event.name)
+        own = None if event.name in self._by_input else own_key(event.name)
         close = ToggleHelp() if state.help else ToggleLog()
-        if not event.repeat and isinstance(own, PaletteEffect | SuspendEffect):
-            return (close, own) if isinstance(own, PaletteEffect) else (own,)
+        if own is not None and not event.repeat and (own.under_page or own.ends_page):
+            return (close, own.effect) if own.ends_page else (own.effect,)
         if event.repeat or state.page.typing:
             return stopping
         if event.name == _CLOSE:
             return (close, *stopping)
-        return self._woken(event, safe, state) if own is None else (own,)
+        return self._woken(event, safe, state) if own is None else (own.effect,)
 
     def _answered(
         self, event: ControlEvent, listeners: Iterable[_Listener], state: ConsoleState
@@ -222,7 +204,7 @@ class Dispatch:
         safe = [each for each in waiting if each.widget.rule.under_help]
         if safe:
             return self._woken(event, safe, state)
-        meant = waiting or own_effect(event.name) is not None
+        meant = waiting or own_key(event.name) is not None
         text = _CLICKED_TO_FOCUS if event.name.startswith(MOUSE) else _TYPED_WHILE_AWAY
         return (Notify.now(state, text),) if meant and not event.repeat else ()
 
@@ -251,8 +233,8 @@ class Dispatch:
                 widget, self._asked(widget, ask, state), state, fresh=fresh
             ):
                 effects.append(effect)
-                if isinstance(effect, SendEffect) and effect.definition is STOP:
-                    stopped[effect.robot] = None
+                if effect.stopped:
+                    stopped[effect.stopped] = None
         for robot in stopped:
             effects += self._stop(robot, state)
         return tuple(effects)
@@ -344,7 +326,8 @@ class Dispatch:
     ) -> list[Effect]:
         """What a widget wants done; if it fails, that its robot stands and somebody is told."""
         try:
-            return [effect for given in ask() for effect in _addressed(given, state)]
+            given = [_effect(each).addressed(state.chosen) for each in ask()]
+            return [effect for effect in given if effect is not None]
         except Exception:  # a fault in one widget must not take the others from the operator
             name = type(widget).__name__
             _logger.exception("the widget %s failed", name)
@@ -366,18 +349,9 @@ def _of(listeners: Iterable[_Listener], *purposes: Purpose) -> list[_Listener]:
     return [each for each in listeners if each.widget.rule.purpose in purposes]
 
 
-def _addressed(effect: Effect, state: ConsoleState) -> tuple[Effect, ...]:
-    """The effect, if it is for the chosen robot addressed to it; none if there is none."""
-    if not isinstance(effect, Effect):
-        text = f"a widget gave {effect!r:.80}, which is no effect"
+def _effect(given: object) -> Effect:
+    """What a widget gave; a widget of somebody else may give anything."""
+    if not isinstance(given, Effect):
+        text = f"a widget gave {given!r:.80}, which is no effect"
         raise TypeError(text)
-    if not isinstance(effect, _TO_ROBOTS) or effect.robot != CHOSEN:
-        return (effect,)
-    return (dataclasses.replace(effect, robot=state.chosen),) if state.chosen else ()
-
-
-def _driven(effect: Effect) -> str:
-    """The robot whose velocity an effect sets; empty: none."""
-    if isinstance(effect, SendEffect) and effect.definition is VELOCITY_COMMAND:
-        return effect.robot
-    return ""
+    return given

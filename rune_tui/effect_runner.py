@@ -22,11 +22,9 @@ from rune_tui.model.effects import (
     AskEffect,
     AskToLeave,
     CalibrateEffect,
-    ChooseRobot,
     ControlEffect,
     Effect,
     ExportEffect,
-    FillView,
     MissionEffect,
     NextLayoutEffect,
     Notify,
@@ -36,11 +34,8 @@ from rune_tui.model.effects import (
     ReleaseFirst,
     ScreenshotEffect,
     SendEffect,
-    ShowViewport,
     StateEffect,
     SuspendEffect,
-    ToggleHelp,
-    ToggleLog,
     TurnPage,
 )
 from rune_tui.model.leaving import ordered, reasons_to_stay
@@ -163,10 +158,7 @@ class EffectRunner:
 
     def _change(self, effect: StateEffect) -> None:
         current = self._current
-        moved = isinstance(effect, ShowViewport | FillView) and current.dispatch.button_held
-        asked = isinstance(effect, AskToLeave) and effect.reasons
-        if moved or asked or isinstance(effect, ChooseRobot | ToggleHelp | ToggleLog):
-            # What is held was meant for the robot before, and for the view as it was.
+        if effect.ends_holds or (effect.moves_view and current.dispatch.button_held):
             self._inputs.release_all()
         current.console = changed(self._state(), effect)
         if isinstance(effect, TurnPage):

@@ -5,13 +5,11 @@ from __future__ import annotations
 import enum
 import math
 from collections.abc import Iterable, Iterator
-from typing import TypeGuard
 
-from hub.gcm.control import CONTROL_STATE, DRIVING, RESTRICTED, ControlAction, ControlState
-from hub.gcm.navigation import Twist
+from hub.gcm.control import CONTROL_STATE, ControlAction, ControlState
 from rune_tui.layout.rules import Purpose
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import ControlEffect, Effect, Notify, SendEffect
+from rune_tui.model.effects import ControlEffect, Effect, Notify
 from rune_tui.model.robot_state import LinkPhase, RobotState
 
 _ANSWERS = ((Purpose.GRANT_CONTROL, "hands it over"), (Purpose.DENY_CONTROL, "keeps it"))
@@ -99,11 +97,13 @@ def refused(
         state: Of the console.
         by_hand: Robots whose control only a key takes, and not driving.
     """
-    for command in filter(_is_command, effects):
-        robot = state.robots.get(command.robot)
+    for effect in effects:
+        if not effect.controlled:
+            continue
+        robot = state.robots.get(effect.controlled)
         stands = standing(robot)
-        waits = stands is Standing.FREE and _drives(command) and command.robot in by_hand
-        if stands is Standing.OTHERS or waits:
+        by_key = effect.takes_control and effect.controlled in by_hand
+        if stands is Standing.OTHERS or (stands is Standing.FREE and by_key):
             return robot
     return None
 
@@ -116,24 +116,10 @@ def refusal(robot: RobotState, state: ConsoleState) -> Notify:
 
 def taking(effects: Iterable[Effect], state: ConsoleState) -> tuple[Effect, ...]:
     """Requests for control of the free robots that these effects drive."""
-    free = dict.fromkeys(
-        command.robot
-        for command in filter(_is_command, effects)
-        if _drives(command) and standing(state.robots.get(command.robot)) is Standing.FREE
-    )
+    driven = dict.fromkeys(each.controlled for each in effects if each.takes_control)
+    free = [name for name in driven if standing(state.robots.get(name)) is Standing.FREE]
     take = ControlAction.TAKE
     return tuple(ControlEffect(robot=name, action=take, by_driving=True) for name in free)
-
-
-def _is_command(effect: Effect) -> TypeGuard[SendEffect]:
-    """Whether only the owner of a robot may send it; any console may send zero speed."""
-    if not isinstance(effect, SendEffect) or effect.definition.name not in RESTRICTED:
-        return False
-    return not (isinstance(effect.value, Twist) and effect.value.neutral)
-
-
-def _drives(command: SendEffect) -> bool:
-    return command.definition.name in DRIVING
 
 
 def is_lost(before: Standing, now: Standing) -> bool:

@@ -5,11 +5,14 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar, Self
 
-from hub.gcm.control import ControlAction
+from hub.gcm.autonomy import AUTONOMY_COMMAND
+from hub.gcm.control import DRIVING, RESTRICTED, ControlAction
 from hub.gcm.mission import MissionAction
+from hub.gcm.navigation import GOAL_COMMAND, STOP, VELOCITY_COMMAND, Twist
 from hub.ipc.definition import MessageDefinition
+from rune_tui.layout.spec import CHOSEN
 from rune_tui.model.console_state import ConsoleState, Ghost, Notice, PictureWish
 from rune_tui.model.page import Page
 
@@ -17,38 +20,132 @@ SPEED_LIMITS = (0.1, 0.25, 0.5, 1.0)
 """Shares of the full speed that a robot is driven with."""
 
 
+_SENDS_OFF = frozenset({GOAL_COMMAND.name, AUTONOMY_COMMAND.name})
+"""Messages that send a robot somewhere on its own."""
+
+
+class EffectFacts:
+    """What the console asks of each effect before it is carried out.
+
+    Attributes:
+        moves_view: Whether viewports may stand elsewhere afterwards.
+    """
+
+    __slots__ = ()
+
+    moves_view: ClassVar[bool] = False
+
+    @property
+    def ends_holds(self) -> bool:
+        """Whether held inputs were meant for another robot or another view."""
+        return False
+
+    @property
+    def stopped(self) -> str:
+        """The robot that it stops; empty: none."""
+        return ""
+
+    @property
+    def driven(self) -> str:
+        """The robot whose velocity it sets; empty: none."""
+        return ""
+
+    @property
+    def controlled(self) -> str:
+        """The robot whose control it needs; empty: none."""
+        return ""
+
+    @property
+    def takes_control(self) -> bool:
+        """Whether a new press takes control of a free robot for it."""
+        return False
+
+    @property
+    def sent_off(self) -> str:
+        """The robot that it sends somewhere on its own; empty: none."""
+        return ""
+
+    def addressed(self, chosen: str) -> Self | None:
+        """The effect with the chosen robot's name, if it is for that one; None: there is none.
+
+        Args:
+            chosen: The chosen robot; empty: none.
+        """
+        del chosen
+        return self
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SendEffect:
+class RobotEffect(EffectFacts):
+    """An effect on one robot, which may be the chosen one.
+
+    Attributes:
+        robot: The robot's name in the layout; `CHOSEN` until it is addressed.
+    """
+
+    robot: str
+
+    def addressed(self, chosen: str) -> Self | None:
+        """The effect with the chosen robot's name, if it is for that one; None: there is none."""
+        if self.robot != CHOSEN:
+            return self
+        return dataclasses.replace(self, robot=chosen) if chosen else None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SendEffect(RobotEffect):
     """Publish a message to a robot.
 
     Attributes:
-        robot: The robot's name in the layout.
         definition: Which message.
         value: Its value.
     """
 
-    robot: str
     definition: MessageDefinition[Any]
     value: Any
 
+    @property
+    def stopped(self) -> str:
+        """The robot, by a stop."""
+        return self.robot if self.definition is STOP else ""
+
+    @property
+    def driven(self) -> str:
+        """The robot, by a command of its velocity."""
+        return self.robot if self.definition is VELOCITY_COMMAND else ""
+
+    @property
+    def controlled(self) -> str:
+        """The robot, by what only its owner may send; any console may send zero speed."""
+        neutral = isinstance(self.value, Twist) and self.value.neutral
+        return self.robot if self.definition.name in RESTRICTED and not neutral else ""
+
+    @property
+    def takes_control(self) -> bool:
+        """Whether it drives the robot, other than to rest."""
+        return bool(self.controlled) and self.definition.name in DRIVING
+
+    @property
+    def sent_off(self) -> str:
+        """The robot, by a goal or an order to autonomy."""
+        return self.robot if self.definition.name in _SENDS_OFF else ""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ControlEffect:
+class ControlEffect(RobotEffect):
     """Take control of a robot, ask for it, hand it over or give it up.
 
     Attributes:
-        robot: The robot's name in the layout.
         action: The requested action.
         by_driving: Whether a key that drives causes it, and not the key of control.
     """
 
-    robot: str
     action: ControlAction
     by_driving: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ReleaseFirst:
+class ReleaseFirst(EffectFacts):
     """A robot was stopped: its keys that are down must be released before a key drives.
 
     Attributes:
@@ -59,27 +156,27 @@ class ReleaseFirst:
 
 
 @dataclass(frozen=True, slots=True)
-class QuitEffect:
+class QuitEffect(EffectFacts):
     """End the console."""
 
 
 @dataclass(frozen=True, slots=True)
-class NextLayoutEffect:
+class NextLayoutEffect(EffectFacts):
     """Open the next of the layouts that the console was started with."""
 
 
 @dataclass(frozen=True, slots=True)
-class ScreenshotEffect:
+class ScreenshotEffect(EffectFacts):
     """Write what is shown into files, a picture and a text."""
 
 
 @dataclass(frozen=True, slots=True)
-class RecordEffect:
+class RecordEffect(EffectFacts):
     """Begin to record all that comes from robots and goes to them, or end it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AskEffect:
+class AskEffect(EffectFacts):
     """Ask the operator for a text, and execute the effects of the answer.
 
     Attributes:
@@ -96,22 +193,20 @@ class AskEffect:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MissionEffect:
+class MissionEffect(RobotEffect):
     """Begin, name or end a robot's mission.
 
     Attributes:
-        robot: The robot's name in the layout.
         action: The requested action.
         name: The mission's name.
     """
 
-    robot: str
     action: MissionAction
     name: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MarksWaiting:
+class MarksWaiting(EffectFacts):
     """Marks that a widget has sent and that are not confirmed yet.
 
     Attributes:
@@ -128,18 +223,12 @@ class MarksWaiting:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ExportEffect:
-    """Write a robot's interest points into files.
-
-    Attributes:
-        robot: The robot's name in the layout.
-    """
-
-    robot: str
+class ExportEffect(RobotEffect):
+    """Write a robot's interest points into files."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CalibrateEffect:
+class CalibrateEffect(EffectFacts):
     """Begin the calibration of a joystick's axes; if it is active, end it.
 
     Attributes:
@@ -152,17 +241,17 @@ class CalibrateEffect:
 
 
 @dataclass(frozen=True, slots=True)
-class PaletteEffect:
+class PaletteEffect(EffectFacts):
     """Open the list of all that the layout's inputs do, to choose from."""
 
 
 @dataclass(frozen=True, slots=True)
-class SuspendEffect:
+class SuspendEffect(EffectFacts):
     """Give the terminal back to the shell for a while."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ShowViewport:
+class ShowViewport(EffectFacts):
     """Show or hide a viewport.
 
     Attributes:
@@ -170,12 +259,14 @@ class ShowViewport:
         shown: The requested state; None: toggle.
     """
 
+    moves_view: ClassVar[bool] = True
+
     viewport: str
     shown: bool | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ChooseRobot:
+class ChooseRobot(EffectFacts):
     """Choose the robot that some viewports show and command.
 
     Attributes:
@@ -184,9 +275,14 @@ class ChooseRobot:
 
     robot: str = ""
 
+    @property
+    def ends_holds(self) -> bool:
+        """Always."""
+        return True
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Zoom:
+class Zoom(EffectFacts):
     """Show the world larger or smaller in a viewport.
 
     Attributes:
@@ -199,48 +295,42 @@ class Zoom:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class WishPictures:
+class WishPictures(RobotEffect):
     """Ask for another kind of pictures.
 
     Attributes:
-        robot: The robot.
         wish: The kind.
     """
 
-    robot: str
     wish: PictureWish
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LimitSpeed:
+class LimitSpeed(RobotEffect):
     """Drive a robot with no more than a share of its speed.
 
     Attributes:
-        robot: Which robot.
         share: The share, 0 to 1; None: the next of `SPEED_LIMITS`.
         up: Whether the next one is larger.
     """
 
-    robot: str
     share: float | None = None
     up: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ToggleNight:
+class ToggleNight(RobotEffect):
     """The report's local message `RuneToggleNightMode`: night mode on, or off again.
 
     Attributes:
-        robot: The robot.
         on: The requested state; None: toggle.
     """
 
-    robot: str
     on: bool | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SetTheme:
+class SetTheme(EffectFacts):
     """Take other colours.
 
     Attributes:
@@ -251,17 +341,27 @@ class SetTheme:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ToggleHelp:
+class ToggleHelp(EffectFacts):
     """Open or close the page of keys."""
 
+    @property
+    def ends_holds(self) -> bool:
+        """Always."""
+        return True
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ToggleLog:
+class ToggleLog(EffectFacts):
     """Show or hide the page of all that happened."""
 
+    @property
+    def ends_holds(self) -> bool:
+        """Always."""
+        return True
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TurnPage:
+class TurnPage(EffectFacts):
     """Show the page over the view otherwise.
 
     Attributes:
@@ -272,7 +372,7 @@ class TurnPage:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AskToLeave:
+class AskToLeave(EffectFacts):
     """Ask the operator to confirm the end of the console.
 
     Attributes:
@@ -281,20 +381,27 @@ class AskToLeave:
 
     reasons: tuple[str, ...]
 
+    @property
+    def ends_holds(self) -> bool:
+        """When the question comes; the answer ends nothing."""
+        return bool(self.reasons)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FillView:
+class FillView(EffectFacts):
     """Show one viewport over the whole view; if it is, show all of them again.
 
     Attributes:
         viewport: Its name.
     """
 
+    moves_view: ClassVar[bool] = True
+
     viewport: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ShowGhost:
+class ShowGhost(EffectFacts):
     """Show the place of a mark before it is made.
 
     Attributes:
@@ -307,7 +414,7 @@ class ShowGhost:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Notify:
+class Notify(EffectFacts):
     """Report an event to the operator.
 
     Attributes:

@@ -7,15 +7,12 @@ import math
 from collections.abc import Callable, Iterator
 from typing import Final
 
-from hub.gcm.autonomy import AUTONOMY_COMMAND
-from hub.gcm.navigation import GOAL_COMMAND, MotionState
+from hub.gcm.navigation import MotionState
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.control import Standing, standing
-from rune_tui.model.effects import Effect, SendEffect
+from rune_tui.model.effects import Effect
 from rune_tui.model.mission import mission_of
 
-_SENDS_OFF: Final = frozenset({GOAL_COMMAND.name, AUTONOMY_COMMAND.name})
-"""Messages that have a robot go by itself."""
 ORDERED_S: Final = 3.0
 """After an order to go, a robot counts as going for this time, with or without a report [s]."""
 
@@ -28,9 +25,9 @@ def ordered(state: ConsoleState, effect: Effect, now: float) -> ConsoleState:
         effect: The order; nothing changes if it sends no robot anywhere.
         now: The time [s].
     """
-    if not isinstance(effect, SendEffect) or effect.definition.name not in _SENDS_OFF:
+    if not effect.sent_off:
         return state
-    return dataclasses.replace(state, sent_off={**state.sent_off, effect.robot: now})
+    return dataclasses.replace(state, sent_off={**state.sent_off, effect.sent_off: now})
 
 
 def reasons_to_stay(state: ConsoleState) -> tuple[str, ...]:

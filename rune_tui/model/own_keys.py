@@ -18,31 +18,41 @@ class OwnKey:
         effect: Its effect.
         words: The same in plain words.
         section: Its section of the help.
+        under_page: Whether it counts while a page covers the view, and leaves the page open.
+        ends_page: Whether it counts while a page covers the view, and closes the page.
     """
 
     key: str
     effect: Effect
     words: str
     section: Section = Section.SCREEN
+    under_page: bool = False
+    ends_page: bool = False
 
 
 OWN_KEYS = (
     OwnKey(key="f1", effect=ToggleHelp(), words="This help"),
     OwnKey(key="?", effect=ToggleHelp(), words="This help"),
     OwnKey(key="ctrl+e", effect=ToggleLog(), words="All messages, to read and to search"),
-    OwnKey(key="ctrl+p", effect=PaletteEffect(), words="A list of all this, to choose from"),
+    OwnKey(
+        key="ctrl+p",
+        effect=PaletteEffect(),
+        words="A list of all this, to choose from",
+        ends_page=True,
+    ),
     OwnKey(
         key="ctrl+z",
         effect=SuspendEffect(),
         words="Back to the shell, until fg",
         section=Section.SESSION,
+        under_page=True,
     ),
 )
 
 
-def own_effect(key: str) -> Effect | None:
-    """What a key does that a layout binds to nothing."""
-    return next((each.effect for each in OWN_KEYS if each.key == key), None)
+def own_key(name: str) -> OwnKey | None:
+    """The console's key of this name, where a layout binds it to nothing."""
+    return next((each for each in OWN_KEYS if each.key == name), None)
 
 
 def unbound(bound: Iterable[str]) -> Iterator[OwnKey]:
