@@ -22,7 +22,7 @@ from hub.command_line import (
     write_completion,
 )
 from hub.errors import CentralUnreachableError, HubError, QueryError
-from hub.ipc.endpoints import DEFAULT_ENDPOINT, DEFAULT_PORT
+from hub.ipc.endpoints import DEFAULT_ENDPOINT, LARGEST_PORT, endpoint_of
 from hub.ipc.roles import Role
 from hub.nonblocking_logging import LEVELS, start_logging
 from hub.plain_text import plain
@@ -240,17 +240,10 @@ def _run_daemon(options: argparse.Namespace) -> int:
 
 
 def _port(text: str) -> int:
-    if not (text.isdigit() and int(text) <= 65529):
-        reason = f"{text!r} is no port from 0 to 65529"
+    if not (text.isdigit() and int(text) <= LARGEST_PORT):
+        reason = f"{text!r} is no port from 0 to {LARGEST_PORT}"
         raise argparse.ArgumentTypeError(reason)
     return int(text)
-
-
-def _endpoint(text: str) -> str:
-    """HOST, HOST:PORT or a whole endpoint as an endpoint."""
-    if "://" in text:
-        return text
-    return f"tcp://{text}" if ":" in text else f"tcp://{text}:{DEFAULT_PORT}"
 
 
 def _positive(text: str) -> float:
@@ -307,7 +300,7 @@ def _parser() -> CommandParser:
     look = CommandParser(add_help=False)
     look.add_argument(
         "--hub",
-        type=_endpoint,
+        type=endpoint_of,
         default=DEFAULT_ENDPOINT,
         help="HOST, HOST:PORT or an endpoint (%(default)s)",
     )

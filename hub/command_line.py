@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 import enum
 import re
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import NoReturn, TypeAlias
+
+from hub.nearest import did_you_mean, nearest_word
 
 DISTRIBUTION = "robot-user-nexus"
 _UNKNOWN = re.compile(r"invalid choice: '(?P<word>[^']{1,64})' \(choose from (?P<known>.*)\)")
@@ -62,7 +63,7 @@ class CommandParser(argparse.ArgumentParser):
         if not option:
             return f"{unknown[0]!r} is one argument too many"
         names = {name.lstrip("-"): name for name in self._option_string_actions}
-        near = nearest(option.lstrip("-"), names)
+        near = nearest_word(option.lstrip("-"), names)
         hint = f"; did you mean {names[near]}?" if near else or_else
         return f"{option!r} is no option here{hint}"
 
@@ -98,17 +99,6 @@ class ShowVersion(argparse.Action):
         parser.exit()
 
 
-def nearest(word: str, known: Iterable[str], *, cutoff: float = 0.6) -> str:
-    """The nearest known word; empty where none is as near as `cutoff`, 0 (any) to 1 (the same)."""
-    return next(iter(difflib.get_close_matches(word[:64], known, n=1, cutoff=cutoff)), "")
-
-
-def nearest_word(word: str, known: Iterable[str]) -> str:
-    """The part of a message that names the nearest known word; empty where none is near."""
-    near = nearest(word, known)
-    return f"; did you mean {near!r}?" if near else ""
-
-
 def add_completion(commands: Commands) -> None:
     """Add the command that prints what completes this command's words in a shell."""
     completion = commands.add_parser(
@@ -130,5 +120,5 @@ def write_completion(parser: Callable[[], CommandParser], shell: str) -> int:
 
 
 def _unknown(word: str, known: Sequence[str]) -> str:
-    hint = nearest_word(word, known)
+    hint = did_you_mean(word, known)
     return f"{word!r} is unknown" + (hint or f"; it has to be one of {', '.join(known)}")

@@ -7,7 +7,6 @@ gets its value; `tables_of` collects the keys, `read_table` reads them.
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import enum
 import functools
 import math
@@ -18,6 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from hub.nearest import did_you_mean
 from hub.plain_text import is_plain, plain
 
 MAX_FILE_BYTES = 1_000_000
@@ -272,7 +272,7 @@ def choice(names: Iterable[str] | Mapping[str, Any]) -> Within:
     def read(value: object) -> Any:  # noqa: ANN401 - the mapping's type
         if isinstance(value, str) and value in known:
             return known[value]
-        reason = f"{shorten(value)} is none of {', '.join(known)}{nearest(value, known)}"
+        reason = f"{shorten(value)} is none of {', '.join(known)}{did_you_mean(value, known)}"
         raise RefusedError(reason)
 
     return Within(read, ", ".join(f"`{name}`" for name in known))
@@ -295,14 +295,6 @@ def shorten(value: object) -> str:
     except ValueError:  # Python refuses to write whole numbers of thousands of digits
         return "a number of many digits"
     return shown if len(shown) <= 40 else shown[:37] + "..."
-
-
-def nearest(value: object, known: Iterable[str]) -> str:
-    """The part of a message that names the nearest known name; empty where none is near."""
-    if not isinstance(value, str):
-        return ""
-    near = difflib.get_close_matches(value[:64], list(known), n=1, cutoff=0.5)
-    return f"; did you mean {near[0]!r}?" if near else ""
 
 
 def load(
@@ -384,7 +376,7 @@ def read_table(
         values = {}
     for name in values:
         if name not in keys and name not in tables:
-            hint = nearest(name, [*keys, *tables])
+            hint = did_you_mean(name, [*keys, *tables])
             problems.add(place, f"{place}: unknown key {shorten(name)}{hint}", name)
     fields: dict[str, Any] = {}
     for name, key in keys.items():

@@ -242,8 +242,8 @@ def _watch_layouts_joysticks(options: argparse.Namespace) -> None:
 
 
 def _pad(options: argparse.Namespace) -> int:
+    from hub.ipc.endpoints import endpoint_of
     from rune_tui.commands import pad
-    from rune_tui.layout.names import endpoint_of
 
     _refuse_two_ways(options)
     if not (options.hub or options.ssh):
@@ -339,7 +339,7 @@ def _refuse_two_ways(options: argparse.Namespace) -> None:
 
 def _endpoints(hubs: Sequence[str]) -> list[str]:
     """HOST, HOST:PORT or whole endpoints as endpoints."""
-    from rune_tui.layout.names import endpoint_of
+    from hub.ipc.endpoints import endpoint_of
 
     return [endpoint_of(hub) for hub in hubs]
 

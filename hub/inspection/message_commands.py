@@ -28,8 +28,8 @@ from hub.ipc.message_info import MessageInfo, decode
 from hub.ipc.security.client_keys import read_client_keys
 from hub.ipc.wire import control
 from hub.ipc.wire.definition_listing import from_listing
+from hub.nearest import did_you_mean
 from hub.plain_text import plain
-from hub.toml_reader import nearest
 
 T = TypeVar("T")
 
@@ -193,7 +193,7 @@ def find(client: Client, name: str) -> MessageDefinition[Any]:
         entry.name: entry for entry in client.directory.listing(_ANSWER_S).definitions
     }
     if name not in listed:
-        advice = nearest(name, listed) or "; `rune-hub list` shows all"
+        advice = did_you_mean(name, listed) or "; `rune-hub list` shows all"
         text = f"no message {name!r} is defined at {client.endpoint}{advice}"
         raise UndefinedMessageError(text)
     return from_listing(listed[name])

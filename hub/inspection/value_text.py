@@ -17,7 +17,8 @@ from hub.ipc.formats import grammar as formats
 from hub.ipc.formats.codegen import DTYPES
 from hub.ipc.formats.dataclass_codec import DataclassCodec
 from hub.ipc.formats.ranges import no_note
-from hub.toml_reader import nearest, shorten
+from hub.nearest import did_you_mean
+from hub.toml_reader import shorten
 
 _LONGEST_ARRAY = 64
 
@@ -183,7 +184,7 @@ def _assigned(value: Any, path: list[str], text: str, where: str) -> Any:  # noq
     name, rest = path[0], path[1:]
     if name not in names:
         known = ", ".join(names)
-        reason = f"{where} has no field {name!r}{nearest(name, names)}; it has {known}"
+        reason = f"{where} has no field {name!r}{did_you_mean(name, names)}; it has {known}"
         raise CodecError(reason)
     member = getattr(value, name)
     if dataclasses.is_dataclass(member) != bool(rest):
@@ -224,7 +225,7 @@ def _wanted(old: Any, text: str) -> str:  # noqa: ANN401 - any member
     """What could stand in the place of a value."""
     if isinstance(old, enum.IntEnum):
         names = [member.name for member in type(old)]
-        return f"one of {', '.join(names)}{nearest(text.upper(), names)}"
+        return f"one of {', '.join(names)}{did_you_mean(text.upper(), names)}"
     if isinstance(old, int | float):
         return "a number"
     return 'a JSON list, such as [1, 2] or [{"x": 1}]'

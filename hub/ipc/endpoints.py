@@ -13,6 +13,8 @@ from hub.errors import EndpointError
 
 DEFAULT_PORT = 1381
 DEFAULT_ENDPOINT = f"tcp://127.0.0.1:{DEFAULT_PORT}"
+LARGEST_PORT = 65529
+"""Of a hub, which takes the six ports behind it as well."""
 DIRECT_PREFIX = "ipc://@rune-"
 """Prefix of the direct addresses of clients on this machine."""
 _MAX_DIRECT = 100
@@ -45,6 +47,13 @@ class IpcEndpoint:
 
     def __str__(self) -> str:
         return f"ipc://{self.path}"
+
+
+def endpoint_of(hub: str) -> str:
+    """A host, a host and its port, or a whole endpoint, as an endpoint."""
+    if "://" in hub:
+        return hub
+    return f"tcp://{hub}" if ":" in hub else f"tcp://{hub}:{DEFAULT_PORT}"
 
 
 def parse_endpoint(text: str, *, beyond_loopback: bool = False) -> TcpEndpoint | IpcEndpoint:
@@ -113,8 +122,8 @@ def _tcp(text: str) -> TcpEndpoint:
     host, colon, port = rest.rpartition(":")
     if not separator or scheme != "tcp" or not colon or not (port.isdigit() and port.isascii()):
         raise EndpointError(_refusal(text, "write tcp://127.0.0.1:1381 or ipc:///a/path"))
-    if len(port) > 5 or int(port) > 65529:
-        raise EndpointError(_refusal(text, "its port is above 65529"))
+    if len(port) > 5 or int(port) > LARGEST_PORT:
+        raise EndpointError(_refusal(text, f"its port is above {LARGEST_PORT}"))
     host = host.strip("[]")
     return TcpEndpoint("127.0.0.1" if host == "localhost" else host, int(port))
 

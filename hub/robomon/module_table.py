@@ -11,6 +11,7 @@ from typing import Any
 from hub import toml_reader as toml
 from hub.errors import ArenaError, RobotFileError, UnknownKindError
 from hub.gcm.capability import Capability
+from hub.nearest import did_you_mean
 from hub.robots.description import RobotDescription, find_robot_file, read_description
 from hub.robots.registry import kind_of
 from hub.toml_reader import choice, key, number, several, text, variables, whole_number
@@ -29,7 +30,7 @@ def _capability(value: object) -> str:
         return value
     reason = (
         f"{toml.shorten(value)} is none of {', '.join(known)}, and no capability of your own, "
-        f"which begins with {_OWN}{toml.nearest(value, known)}"
+        f"which begins with {_OWN}{did_you_mean(value, known)}"
     )
     raise toml.RefusedError(reason)
 

@@ -13,11 +13,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from hub.gcm.supervision import CapabilityPhase, ModuleOrder, ModulePhase
+from hub.nearest import did_you_mean
 from hub.own_pauses import OwnPauses
 from hub.robomon.module_lifecycle import ModuleLifecycle, ProcessAction
 from hub.robomon.module_table import ModuleSpec
 from hub.robomon.wants import MAX_CAPABILITIES, MAX_NAME, Wants
-from hub.toml_reader import nearest
 
 AWAY_S = 1.0
 """A longer pause between two steps means that this process itself was away [s]."""
@@ -135,7 +135,7 @@ class ModulePolicy:
     def unknown(self, name: str) -> str:
         """What to say of a module that the robot does not have."""
         known = ", ".join(self.lives)
-        near = nearest(name, self.lives)
+        near = did_you_mean(name, self.lives)
         return f"there is no module {name[:40]!r}; this robot has {known}{near}"
 
     def step(self, now: float) -> list[tuple[ModuleLifecycle, ProcessAction]]:

@@ -13,7 +13,8 @@ from typing import Any
 from hub import toml_reader as toml
 from hub.errors import CameraError, RobotFileError
 from hub.gcm.body import MOST_CORNERS, Point32, RobotBody
-from hub.ipc.endpoints import DEFAULT_PORT
+from hub.ipc.endpoints import DEFAULT_PORT, LARGEST_PORT
+from hub.nearest import did_you_mean
 from hub.robots.left_alone import SURFACE_AFTER_S, LeftAlone
 from hub.robots.video_source import video_source
 from hub.toml_reader import choice, degrees, key, number, plain_name, text, truth, whole_number
@@ -85,7 +86,10 @@ class RobotDescription:
     name: str = key(plain_name(32), meaning="the robot's name")
     kind: str = key(text(64), meaning="its kind: a shipped one, or `FILE:NAME` of your own")
     port: int = key(
-        whole_number(0, 65529), DEFAULT_PORT, "TCP port of its hub; 0 takes a free one", at="hub."
+        whole_number(0, LARGEST_PORT),
+        DEFAULT_PORT,
+        "TCP port of its hub; 0 takes a free one",
+        at="hub.",
     )
     gateway: str = key(
         text(100),
@@ -260,7 +264,7 @@ def find_robot_file(name_or_path: str) -> Path:
     names = sorted(file.stem for file in SHIPPED.glob("*.toml"))
     if name_or_path in names:
         return SHIPPED / f"{name_or_path}.toml"
-    hint = toml.nearest(name_or_path, names)
+    hint = did_you_mean(name_or_path, names)
     advice = f"; give the path of a robot file, or the name of a shipped one: {', '.join(names)}"
     raise RobotFileError(name_or_path, [f"there is no such file{hint or advice}"])
 

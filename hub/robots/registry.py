@@ -8,9 +8,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from hub.errors import CameraError, UnknownKindError
+from hub.nearest import did_you_mean
 from hub.robots.description import ROBOTS_OWN, RobotDescription
 from hub.robots.interfaces import Camera, DriveBase
-from hub.toml_reader import nearest
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,7 +75,7 @@ def kind_of(robot: RobotDescription) -> RobotKind:
     if not (colon and name.isidentifier() and all(map(str.isidentifier, module.split(".")))):
         text = (
             f"kind {robot.kind!r} is none of {', '.join(KINDS)}, and no file:NAME of a Python file"
-            f" beside the robot file{nearest(robot.kind, KINDS)}"
+            f" beside the robot file{did_you_mean(robot.kind, KINDS)}"
         )
         raise UnknownKindError(text)
     folder = str(robot.path.resolve().parent)

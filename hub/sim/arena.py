@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.errors import ArenaError
+from hub.nearest import did_you_mean
 from hub.pose import Pose
 from hub.sim.arena_file import read_arena_file
 from hub.sim.arena_specs import ArenaSpec
@@ -164,8 +164,7 @@ def load_arena(name_or_path: str) -> Arena:
         path = Path(name_or_path)
         if path.suffix != ".toml" and path.name == name_or_path:
             known = shipped_arenas()
-            near = difflib.get_close_matches(name_or_path[:64], known, n=1)
-            hint = f"; did you mean {near[0]!r}?" if near else ""
+            hint = did_you_mean(name_or_path, known)
             text = f"no arena of this name; give a .toml file or one of {', '.join(known)}{hint}"
             raise ArenaError(name_or_path, [text])
     arena = arena_from_spec(read_arena_file(path))

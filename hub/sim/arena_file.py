@@ -13,6 +13,7 @@ from typing import Any
 
 from hub import toml_reader as toml
 from hub.errors import ArenaError
+from hub.nearest import did_you_mean
 from hub.sim.arena_specs import (
     MAX_DOORWAYS,
     ArenaSpec,
@@ -73,7 +74,7 @@ def check_arena(data: Mapping[str, Any]) -> tuple[ArenaSpec | None, list[str]]:
     top = toml.keys_of(ArenaSpec)
     known = [*top, *_TABLES]
     problems += [
-        f"unknown table or key {toml.shorten(name)}{toml.nearest(name, known)}"
+        f"unknown table or key {toml.shorten(name)}{did_you_mean(name, known)}"
         for name in data
         if name not in known
     ]

@@ -10,8 +10,9 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from hub.nearest import did_you_mean
 from hub.sim.geometry import Colour, Side
-from hub.toml_reader import RefusedError, choice, key, nearest, number, numbers, shorten, text
+from hub.toml_reader import RefusedError, choice, key, number, numbers, shorten, text
 
 COLOURS: Mapping[str, Colour] = {
     "white": (236, 236, 230),
@@ -49,7 +50,7 @@ def _colour(value: object) -> Colour:
         return red, green, blue
     if isinstance(value, str) and value in COLOURS:
         return COLOURS[value]
-    hint = nearest(value, COLOURS)
+    hint = did_you_mean(value, COLOURS)
     reason = f"{shorten(value)} is neither '#rrggbb' nor one of {', '.join(COLOURS)}{hint}"
     raise RefusedError(reason)
 

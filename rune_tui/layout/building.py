@@ -6,6 +6,7 @@ import logging
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
+from hub.ipc.endpoints import endpoint_of
 from rune_tui.layout import names
 from rune_tui.layout.checks import viewport_robot
 from rune_tui.layout.grammar import Mistake, Node, Rules
@@ -95,7 +96,7 @@ class SpecBuilder:
         drawn = {message for viewport in viewports for message in self._drawn(viewport)}
         return RobotSpec(
             name=name,
-            hub=names.endpoint_of(self._text(node, "hub")),
+            hub=endpoint_of(self._text(node, "hub")),
             keys=self._file(self._text(node, "keys")),
             capabilities=tuple(map(self._capability, node.of("capability"))),
             messages=frozenset(drawn.union(*(rule.uses for rule in rules))),

@@ -5,10 +5,11 @@ Values that break the schema are skipped here; the schema's own check has report
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Mapping
 
+from hub.errors import EndpointError
 from hub.gcm.catalog import BY_NAME
+from hub.ipc.endpoints import connectable, endpoint_of
 from rune_tui.layout import names
 from rune_tui.layout.arrangement_checks import arrangement_mistakes
 from rune_tui.layout.grammar import Mistake, Node, Rules, hint, quoted, tag
@@ -20,10 +21,6 @@ from rune_tui.layout.references import reference_mistakes
 from rune_tui.layout.rules import HandlerRule, NumberOption, Option, Vocabulary
 from rune_tui.layout.spec import CHOSEN
 from rune_tui.layout.wants import Wants
-
-_TCP = re.compile(r"tcp://([A-Za-z0-9._-]+|\[[0-9A-Fa-f:.]+\]):([0-9]{1,5})")
-_IPC = re.compile(r"ipc://[^\x00]+")
-_LARGEST_PORT = 65535
 
 
 def find_mistakes(root: Node, rules: Rules, vocabulary: Vocabulary) -> Iterator[Mistake]:
@@ -95,7 +92,7 @@ def _duplicates(nodes: Iterable[Node], what: str, rules: Rules) -> Iterator[Mist
 
 def _robot_mistakes(robot: Node, rules: Rules) -> Iterator[Mistake]:
     hub = rules.value(robot, "hub")
-    if hub is not None and not _is_endpoint(names.endpoint_of(hub)):
+    if hub is not None and not _is_endpoint(endpoint_of(hub)):
         message = (
             f"the hub {quoted(hub)} is no endpoint; write a host, tcp://host:port or ipc://path"
         )
@@ -117,9 +114,11 @@ def _robot_mistakes(robot: Node, rules: Rules) -> Iterator[Mistake]:
 
 
 def _is_endpoint(text: str) -> bool:
-    if found := _TCP.fullmatch(text):
-        return 1 <= int(found[2]) <= _LARGEST_PORT
-    return _IPC.fullmatch(text) is not None
+    try:
+        connectable(text, with_keys=True)  # whether there are keys, the layout does not say
+    except EndpointError:
+        return False
+    return True
 
 
 def _viewport_mistakes(viewport: Node, robots: tuple[str, ...], rules: Rules) -> Iterator[Mistake]:

@@ -6,7 +6,6 @@ each element is defined once, and its content is a set of children with a least 
 
 from __future__ import annotations
 
-import difflib
 import functools
 import math
 import re
@@ -14,6 +13,7 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 
+from hub.nearest import did_you_mean
 from rune_tui.layout.places import Place
 
 _RELAX_NG = "{http://relaxng.org/ns/structure/1.0}"
@@ -237,16 +237,13 @@ def quoted(text: str) -> str:
 
 def hint(word: str, known: Collection[str]) -> str:
     """The nearest known name, and all names if they are few, to be put behind a sentence."""
-    near = _nearest(word[:_SHOWN_LENGTH], tuple(known))
-    text = f"; did you mean {near!r}?" if near else ""
+    text = _did_you_mean(word, tuple(known))
     if 0 < len(known) <= _SHORT_SET:
         text += f" (allowed: {', '.join(known)})"
     return text
 
 
-@functools.lru_cache(maxsize=1024)
-def _nearest(word: str, known: tuple[str, ...]) -> str:
-    return next(iter(difflib.get_close_matches(word, known, n=1)), "")
+_did_you_mean = functools.lru_cache(maxsize=1024)(did_you_mean)
 
 
 def read_rules(schema: Node) -> Rules:

@@ -20,17 +20,6 @@ CAPABILITY_INTERVALS_MS: Mapping[str, int] = {
 }
 """Known capabilities and their shortest time between two requests [ms]."""
 
-DEFAULT_PORT = 1381
-"""Where a hub is on its machine, if nobody says."""
-
-
-def endpoint_of(hub: str) -> str:
-    """A host, a host and its port, or a whole endpoint, as an endpoint."""
-    if "://" in hub:
-        return hub
-    return f"tcp://{hub}" if ":" in hub else f"tcp://{hub}:{DEFAULT_PORT}"
-
-
 MOUSE = "mouse "
 """What the names of the mouse's inputs begin with; no key's name does."""
 

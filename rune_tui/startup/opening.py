@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
-from hub.command_line import nearest_word
+from hub.nearest import did_you_mean
 from rune_tui.errors import LayoutError, LayoutProblem
 from rune_tui.layout.extensions import with_installed
 from rune_tui.layout.loader import load_layout
@@ -38,7 +38,7 @@ def open_layout(name_or_path: str | Path, variables: Mapping[str, str] | None = 
     """
     path = layout_path(str(name_or_path))
     if path == Path(name_or_path) and _is_bare(path, str(name_or_path)) and not path.exists():
-        hint = nearest_word(str(name_or_path), list(shipped_layouts()))
+        hint = did_you_mean(str(name_or_path), list(shipped_layouts()))
         text = f"there is no such file and no such layout{hint or '; `rune layouts` lists them'}"
         raise LayoutError([LayoutProblem(path=path.name, line=0, column=0, message=text)])
     return load_layout(path, with_installed(BUILT_IN), variables)

@@ -8,7 +8,6 @@ program uses all its messages.
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import enum
 import functools
 import types
@@ -21,6 +20,7 @@ from hub.errors import CodecError, MessageFormatError
 from hub.ipc.formats import grammar as formats
 from hub.ipc.formats import ranges, wire_types
 from hub.ipc.formats.ranges import Note
+from hub.nearest import did_you_mean
 
 FAULTS = (TypeError, ValueError, IndexError, KeyError, AttributeError)
 """Exceptions that a value of the wrong kind may raise."""
@@ -180,8 +180,7 @@ def _check_names(value: Mapping[Any, Any], names: Sequence[str], where: str) -> 
     missing = [name for name in names if name not in value]
     for key in value:
         if key not in names:
-            near = difflib.get_close_matches(str(key), missing or names, 1)
-            hint = f"; did you mean {near[0]!r}?" if near else f"; it has {', '.join(names)}"
+            hint = did_you_mean(key, missing or names) or f"; it has {', '.join(names)}"
             text = f"{where} has no field {str(key)[:40]!r}{hint}"
             raise CodecError(text)
     if missing:

@@ -14,13 +14,13 @@ LENGTH stands for [ubyte:LENGTH].
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 from dataclasses import dataclass
 from typing import NoReturn
 
 from hub.errors import MessageFormatError
+from hub.nearest import did_you_mean
 
 MAX_TEXT = 4096
 MAX_DEPTH = 16
@@ -191,8 +191,7 @@ class _Parser:
         if self.token in ("<", "*!"):
             what = "variable array" if self.token == "<" else "self pointer"
             self.fail(f"a {what} stands directly inside a struct")
-        near = difflib.get_close_matches(self.token, PRIMITIVES, 1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
+        hint = did_you_mean(self.token, PRIMITIVES)
         self.fail(f"expected a type, found {self.token[:20] or 'the end'!r}{hint}")
 
     def braces(self, depth: int) -> Format:

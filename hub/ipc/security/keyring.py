@@ -17,7 +17,8 @@ from hub.errors import KeyFileError, KeyNameError
 from hub.ipc.roles import Principal, Role
 from hub.ipc.security import key_files
 from hub.ipc.security.client_keys import ClientKeys, KeyPair, write_client_keys
-from hub.toml_reader import Key, nearest
+from hub.nearest import did_you_mean
+from hub.toml_reader import Key
 
 MAX_KEYS = 1000
 _ADVICE = "put the file back, or delete it and make a new key for every client"
@@ -143,7 +144,7 @@ class Keyring:
             holders = self.holders()
             names = [holder.name for holder in holders]
             if name not in names:
-                known = nearest(name, names) or "; `rune-hub keys list` shows all"
+                known = did_you_mean(name, names) or "; `rune-hub keys list` shows all"
                 text = f"there is no key {name[:80]!r} in {self.folder}{known}"
                 raise KeyNameError(text)
             self._write(holder for holder in holders if holder.name != name)
