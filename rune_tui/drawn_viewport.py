@@ -14,7 +14,7 @@ import logging
 import math
 from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, cast
 
 from rune_tui.compositor.blend import Layer
 from rune_tui.controls.events import Hit
@@ -128,7 +128,7 @@ class DrawnViewport:
 
     def hit(self, x: int, y: int, state: ConsoleState) -> Hit | None:
         """Where in it a pixel of the terminal lies, if it does and somebody can see it."""
-        place, robot = self.place, self.drawn_of
+        place, robot, rule = self.place, self.drawn_of, self.visualizer.rule
         across, down = x - place.x, y - place.y
         inside = 0 <= across < place.width and 0 <= down < place.height
         if not inside or not self.visible(state):
@@ -136,10 +136,11 @@ class DrawnViewport:
         shown, in_picture = None, None
         pixel, size = (across + 0.5, down + 0.5), (place.width, place.height)
         try:
-            if robot is not None and isinstance(self.visualizer, Locating):
-                shown = self.visualizer.locate(pixel, size, robot, state)
-            if robot is not None and isinstance(self.visualizer, Picturing):
-                in_picture = self.visualizer.in_picture(pixel, size, robot, state)
+            if robot is not None and rule.locates:
+                shown = cast("Locating", self.visualizer).locate(pixel, size, robot, state)
+            if robot is not None and rule.pictures:
+                picturing = cast("Picturing", self.visualizer)
+                in_picture = picturing.in_picture(pixel, size, robot, state)
         except Exception:  # as above; then no place is known there
             if not self.lost:
                 _logger.exception("viewport %s cannot tell what was clicked", self.spec.name)
@@ -162,10 +163,10 @@ class DrawnViewport:
 
     def _drawn_over(self, robot: RobotState, state: ConsoleState) -> Canvas | None:
         """What the ranges over it must not cover; None if there is nothing."""
-        if self.over_zpos is None or not isinstance(self.visualizer, Overlaying):
+        if self.over_zpos is None or not self.visualizer.rule.draws_over:
             return None
         canvas = Canvas.blank(self.place.width, self.place.height)
-        self.visualizer.draw_over(canvas, robot, state)
+        cast("Overlaying", self.visualizer).draw_over(canvas, robot, state)
         return canvas if canvas.glyphs.any() or canvas.pixels.any() else None
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 import importlib.metadata
 import inspect
+import itertools
 import logging
 import sys
 from collections.abc import Mapping
@@ -34,7 +35,11 @@ _PURPOSE_METHODS: Mapping[Purpose, tuple[str, ...]] = {
     Purpose.DRIVE: ("accepts", "forget"),
     Purpose.TAKE_CONTROL: ("takes_by_driving",),
 }
-_PICTURE_METHODS = ("picture_size", "in_picture")
+_FLAG_METHODS: Mapping[str, tuple[str, ...]] = {
+    "pictures": ("picture_size", "in_picture"),
+    "locates": ("locate",),
+    "draws_over": ("draw_over",),
+}
 _LONGEST_REASON = 200
 
 
@@ -54,7 +59,7 @@ def with_installed(vocabulary: Vocabulary) -> Vocabulary:
             if lack := _lack(table, found):
                 faults[point.name] = f"{point.name} of {point.value} {lack}"
             else:
-                _keep_purpose(found)
+                _complete(found)
                 tables[table][point.name] = found
     return dataclasses.replace(_joined(vocabulary, tables), faults=faults)
 
@@ -116,7 +121,7 @@ def _read(path: Path) -> dict[str, dict[str, Any]]:
             if lack := _lack(table, found):
                 text = f"offers {quoted(str(offer))}, which {lack}"
                 raise _ExtensionFault(text)
-            _keep_purpose(found)
+            _complete(found)
         tables[table] = {str(offer): found for offer, found in offered.items()}
     if not any(tables.values()):
         text = "has neither a table VISUALIZERS nor a table WIDGETS"
@@ -160,19 +165,34 @@ def _lack(table: str, found: object) -> str:
     return f"names a message {quoted(unknown[0])}, which is not known" if unknown else ""
 
 
-def _keep_purpose(found: Any) -> None:  # noqa: ANN401 - a class of an extension
-    """Give a widget the purpose of the class that it is derived from, if its rule names none."""
+def _complete(found: Any) -> None:  # noqa: ANN401 - a class of an extension
+    """Fill in what the rule leaves out.
+
+    A widget gets the purpose of the class from which it is derived, a visualizer the flags of its
+    methods.
+    """
     rules = [getattr(each, "rule", None) for each in found.__mro__]
     purposes = [each.purpose for each in rules if isinstance(each, HandlerRule) and each.purpose]
     if purposes and found.rule.purpose is None:
         found.rule = dataclasses.replace(found.rule, purpose=purposes[0])
+    if isinstance(found.rule, VisualizerRule):
+        flags: dict[str, Any] = {
+            flag: True for flag, names in _FLAG_METHODS.items() if _has(found, names)
+        }
+        found.rule = dataclasses.replace(found.rule, **flags)
+
+
+def _has(found: object, names: tuple[str, ...]) -> bool:
+    """Whether a class has all of these methods."""
+    return all(callable(getattr(found, name, None)) for name in names)
 
 
 def _methods_of(rule: VisualizerRule | HandlerRule) -> tuple[str, ...]:
     """The methods that the flags of a rule promise."""
     if isinstance(rule, HandlerRule):
         return _PURPOSE_METHODS.get(rule.purpose, ()) if rule.purpose else ()
-    return _PICTURE_METHODS if rule.pictures else ()
+    flagged = (names for flag, names in _FLAG_METHODS.items() if getattr(rule, flag))
+    return tuple(itertools.chain.from_iterable(flagged))
 
 
 def _messages(rule: VisualizerRule | HandlerRule) -> tuple[str, ...]:

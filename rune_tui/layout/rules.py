@@ -209,7 +209,10 @@ class VisualizerRule:
         vital: Whether it shows what keeps people and robots safe: its drawing never rests, and it
             stays to be seen while another viewport fills the view.
         pictures: Whether it shows the camera's pictures; it is a `Picturing`.
-        above: Whether what lies below it must not be hidden by it: an `Overlaying` is drawn again.
+        locates: Whether it knows the place that a pixel shows; it is a `Locating`.
+        draws_over: Whether a part of it must be seen over those with `above`; it is an
+            `Overlaying`.
+        above: Whether a visualizer below it with `draws_over` is drawn again over it.
         logs: Whether it lists notices, so that they need not pass over the view.
         heads: Whether nothing covers a row of it at the upper edge.
     """
@@ -224,6 +227,8 @@ class VisualizerRule:
     options: Mapping[str, Option] = field(default_factory=dict)
     vital: bool = False
     pictures: bool = False
+    locates: bool = False
+    draws_over: bool = False
     above: bool = False
     logs: bool = False
     heads: bool = False

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from typing import ClassVar, Protocol, Self, runtime_checkable
+from typing import ClassVar, Protocol, Self
 
 from rune_tui.layout.rules import VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
@@ -52,9 +52,8 @@ class PlainVisualizer:
         return cls()
 
 
-@runtime_checkable
 class Locating(Protocol):
-    """A visualizer that shows the world, and can tell where in it a pixel is."""
+    """A visualizer with `locates` in its rule: it knows where in the world a pixel is."""
 
     def locate(
         self,
@@ -76,9 +75,8 @@ class Locating(Protocol):
         """
 
 
-@runtime_checkable
 class Overlaying(Protocol):
-    """A visualizer with a part that the ranges over it must not cover."""
+    """A visualizer with `draws_over` in its rule: ranges over it must not cover a part of it."""
 
     def draw_over(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Draw that part again, on a clear canvas.
@@ -90,9 +88,8 @@ class Overlaying(Protocol):
         """
 
 
-@runtime_checkable
 class Picturing(Protocol):
-    """A visualizer that shows the camera's picture, and can tell where in it a pixel is."""
+    """A visualizer with `pictures` in its rule: it knows where in the picture a pixel is."""
 
     def picture_size(self, width: int, height: int) -> tuple[int, int]:
         """Width and height of the picture that fits a viewport of this size best [pixels]."""

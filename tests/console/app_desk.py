@@ -68,7 +68,7 @@ TRAITS = traits_of(Answers(truecolour=True), {}, (60, 20))
 class Floor:
     """Shows ten by ten metres from above; the upper half is wall."""
 
-    rule: ClassVar = VisualizerRule(meaning="a floor")
+    rule: ClassVar = VisualizerRule(meaning="a floor", locates=True)
     whole_cells: ClassVar[bool] = False
 
     @classmethod

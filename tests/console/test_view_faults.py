@@ -34,7 +34,7 @@ class Processor:
 class Foreign:
     """Counts its drawings, each of which takes a while, and fails to tell where anything is."""
 
-    rule: ClassVar = VisualizerRule(meaning="a count")
+    rule: ClassVar = VisualizerRule(meaning="a count", locates=True)
     whole_cells: ClassVar[bool] = True
     takes: ClassVar[float] = 0.0
     drawn: ClassVar[int] = 0

@@ -55,6 +55,7 @@ class MapData:
     """Draws a robot's map; remembers where it has been."""
 
     rule: ClassVar = VisualizerRule(
+        locates=True,
         meaning="the map: walls, free floor, the unknown dotted; the robot and its heading, where "
         "it has been and where it wants to go, what its camera sees, victims (V) and landmarks (L)",
         message="GCM_Common_Map",

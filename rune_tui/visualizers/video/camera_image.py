@@ -52,6 +52,8 @@ class CameraImage:
 
     rule: ClassVar = VisualizerRule(
         pictures=True,
+        locates=True,
+        draws_over=True,
         meaning="the camera's picture",
         message="GCM_Common_Image",
         option=NumberOption(

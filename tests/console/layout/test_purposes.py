@@ -37,10 +37,10 @@ VISUALIZER = """
 from rune_tui.layout.rules import VisualizerRule
 
 class Own:
-    rule = VisualizerRule(meaning="own", pictures=True)
-    from_spec = draw = source = print
+    rule = VisualizerRule(meaning="own"{flags})
+    from_spec = draw = source = {methods} print
 
-VISUALIZERS = {"visualizeOwn": Own}
+VISUALIZERS = {{"visualizeOwn": Own}}
 """
 
 
@@ -49,7 +49,9 @@ VISUALIZERS = {"visualizeOwn": Own}
     [
         (WIDGET.format(purpose="DRIVE"), "accepts"),
         (WIDGET.format(purpose="TAKE_CONTROL"), "takes_by_driving"),
-        (VISUALIZER, "picture_size"),
+        (VISUALIZER.format(flags=", pictures=True", methods=""), "picture_size"),
+        (VISUALIZER.format(flags=", locates=True", methods=""), "locate"),
+        (VISUALIZER.format(flags=", draws_over=True", methods=""), "draw_over"),
     ],
 )
 def test_a_class_without_the_methods_of_its_rule_is_refused(
@@ -87,3 +89,30 @@ def test_a_class_derived_from_a_stop_is_a_stop(tmp_path: Path) -> None:
     rule = load_layout(path, BUILT_IN).vocabulary.widgets["widgetOwn"].rule
     assert rule.purpose is Purpose.STOP
     assert rule.meaning == "stops in its own way"
+
+
+@pytest.mark.parametrize(
+    ("methods", "flags"),
+    [
+        ("", (False, False, False)),
+        ("locate =", (True, False, False)),
+        ("draw_over = in_picture =", (False, True, False)),
+        ("picture_size = in_picture =", (False, False, True)),
+    ],
+)
+def test_a_visualizer_has_the_flags_of_its_methods(
+    tmp_path: Path, methods: str, flags: tuple[bool, ...]
+) -> None:
+    (tmp_path / "own.py").write_text(VISUALIZER.format(flags="", methods=methods))
+    path = tmp_path / "layout.xml"
+    path.write_text(LAYOUT)
+    rule = load_layout(path, BUILT_IN).vocabulary.visualizers["visualizeOwn"].rule
+    assert (rule.locates, rule.draws_over, rule.pictures) == flags
+
+
+@pytest.mark.parametrize("name", BUILT_IN.visualizers)
+def test_the_rules_of_rune_name_all_flags_of_their_classes(name: str) -> None:
+    kind = BUILT_IN.visualizers[name]
+    assert kind.rule.locates == hasattr(kind, "locate")
+    assert kind.rule.draws_over == hasattr(kind, "draw_over")
+    assert kind.rule.pictures == hasattr(kind, "picture_size") == hasattr(kind, "in_picture")
