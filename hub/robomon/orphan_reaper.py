@@ -3,8 +3,8 @@
 It is a small process, started by the file's name, without imports of Rune. Standard input names the
 process groups of running modules: lines "123", and "-123" for those that have ended. When the input
 ends, modules have `STOP_TIME_S` to stop by themselves. Then the reaper kills the rest of the groups
-and every process with the mark, this program's argument, as a variable of the environment or as the
-name of a mapped page. Processes that modules start have it in any group and session.
+and every process with the mark. The mark is this program's argument; a process has it as a variable
+of its environment or as the name of a mapped page, in any group and session.
 """
 
 from __future__ import annotations
