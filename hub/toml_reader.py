@@ -23,7 +23,7 @@ from hub.plain_text import is_plain, plain
 MAX_FILE_BYTES = 1_000_000
 TOP = "top of the file"
 """What the place outside of all tables is called."""
-_HEADER = re.compile(r"\s*\[+\s*([^\[\]#]+?)\s*\]+\s*(?:#.*)?")
+_HEADER = re.compile(r"\s*+\[++\s*+([^\[\]#]*[^\[\]#\s])\s*+\]++\s*+(?:#.*)?")
 _PLAIN_NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9._-]*")
 _LINE = 1000
 """Headers and keys are looked for in so much of a line [characters]."""
