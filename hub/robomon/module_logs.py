@@ -1,7 +1,8 @@
-"""The modules' output: read at once, and kept in files that rotate.
+"""What the modules write: read at once, so that none waits, and kept in files that rotate.
 
-One thread reads all the pipes, and waits for nothing else. A second one writes files and standard
-error, which may be slow. It drops lines that it cannot write in time, and writes their number.
+One thread reads all the pipes and never waits for anything else. A second one writes files and
+standard error, which may be slow; what it cannot take in time is left out there, and how much that
+was is said where it is missing.
 """
 
 from __future__ import annotations
@@ -27,11 +28,11 @@ from hub.robomon.log_file import RETRY_S, LogFile
 _logger = logging.getLogger(__name__)
 
 REMEMBERED_LINES = 1000
-"""Number of lines that are kept of each module."""
+"""Lines of each module that can be asked for."""
 LINE_BYTES = 4096
-"""Longest line; a longer one is cut."""
+"""Longer lines are cut."""
 BYTES_PER_S = 200_000
-"""Most output of a module; more is dropped."""
+"""What a module may write; more is left out."""
 _ROOM = 5000
 _CHUNK = 65_536
 _LAST_WORDS_S = 1.0
@@ -52,12 +53,10 @@ class _Source:
     unwritten: int = 0
 
     def missing(self) -> str:
-        """A line with the number of lines dropped since the last one; empty: none."""
+        """A line that says how many others were not written since the last one; empty if none."""
         count, self.unwritten = self.unwritten, 0
-        subject = (
-            f"{count} lines of {self.name} were" if count > 1 else f"a line of {self.name} was"
-        )
-        return f"({subject} left out here, as the disk was too slow)\n" if count else ""
+        what = f"{count} lines of {self.name} were" if count > 1 else f"a line of {self.name} was"
+        return f"({what} left out here, as the disk was too slow)\n" if count else ""
 
 
 class ModuleLogs:
@@ -67,7 +66,7 @@ class ModuleLogs:
         """Start the threads.
 
         Args:
-            folder: Folder of the files; None: no files.
+            folder: Where the files go; None: there are none.
         """
         self._folder = folder
         self._sources: dict[str, _Source] = {}
@@ -85,7 +84,7 @@ class ModuleLogs:
         self._writer.start()
 
     def add(self, name: str, pipe: int) -> None:
-        """Read this pipe to its end, and close it."""
+        """Read this pipe, from now to its end; it is ours to close."""
         with self._lock:
             self._sources.setdefault(name, _Source(name))
         os.set_blocking(pipe, False)
@@ -93,15 +92,15 @@ class ModuleLogs:
         os.write(self._waker, b"+")
 
     def recent(self, name: str, first: int, most: int) -> tuple[int, list[str]]:
-        """Recent lines of a module.
+        """Lines that were written lately.
 
         Args:
             name: Of the module.
-            first: Number of the first line, from 1; 0: the last ones.
-            most: Most lines.
+            first: Number of the first wanted, from 1; 0: the last ones.
+            most: How many at most.
 
         Returns:
-            Number of the first line, and the lines.
+            Number of the first, and the lines.
         """
         with self._lock:
             source = self._sources.get(name)
@@ -110,8 +109,8 @@ class ModuleLogs:
         skip = max(0, first - oldest) if first > 0 else max(0, len(lines) - most)
         return oldest + min(skip, len(lines)), lines[skip : skip + most]
 
-    def fault(self, name: str) -> str:
-        """The fault of a module's log file, as words after its name; empty: none."""
+    def trouble(self, name: str) -> str:
+        """What is wrong with the log file of a module, after its name; empty if nothing is."""
         file = self._files.get(name)
         if file is None or not file.lost:
             return ""
@@ -119,14 +118,14 @@ class ModuleLogs:
         return f"has lost {lines} of its log: {file.reason}"
 
     def close(self) -> None:
-        """Write the rest, and end the threads."""
+        """Write what has come, and end the threads."""
         if self._ended.is_set():
             return
         self._ended.set()
         os.write(self._waker, b"-")
         self._reader.join(_LAST_WORDS_S)
         if not self._reader.is_alive():
-            # Only now: another file may get the number after the thread's end.
+            # Only now: the thread may end before we write, and its number may be another file's.
             os.close(self._wake)
             os.close(self._waker)
         with contextlib.suppress(queue.Full):
@@ -170,8 +169,8 @@ class ModuleLogs:
         second = int(time.monotonic())
         if second != source.second:
             if source.left_out:
-                notice = b"(%d bytes were left out: more than a module may write)" % source.left_out
-                self._keep(source, [notice])
+                said = b"(%d bytes were left out: more than a module may write)" % source.left_out
+                self._keep(source, [said])
             source.second, source.read, source.left_out = second, 0, 0
         source.read += len(chunk)
         if source.read > BYTES_PER_S:
@@ -224,24 +223,24 @@ class ModuleLogs:
         if self._folder is None:
             return
         if name not in self._files:
-            # A new table: another thread may read the old one.
+            # A new table: another thread may be looking through the old one.
             self._files = {**self._files, name: LogFile(self._folder / f"{name}.log")}
         self._files[name].write(text, time.monotonic())
 
 
 def _readable(line: bytes) -> str:
-    """The text of a line, with control characters as numbers: they command terminals."""
+    """The text of a line; control characters, which command terminals, as their numbers."""
     return plain(line.decode(errors="replace").rstrip("\r"), lines=True)
 
 
 class LogFolder:
-    """The folder of a robot's log files, for one daemon at a time."""
+    """The folder of a robot's log files, which no other daemon uses at the same time."""
 
     def __init__(self, wanted: str, robot: str) -> None:
         """Make and claim it.
 
         Args:
-            wanted: From the robot file; empty: the system's place for such files.
+            wanted: From the robot file; empty: where the system wants such files.
             robot: Name of the robot.
         """
         self.path: Path | None = None
@@ -264,6 +263,6 @@ class LogFolder:
             _logger.warning("there are no log files: %d daemons write to %s", _FOLDERS, parent)
 
     def close(self) -> None:
-        """Release it to other daemons."""
+        """Leave it to others."""
         if self._lock is not None:
             self._lock.close()

@@ -1,8 +1,8 @@
-"""The modules that run: from events and time to actions; pure.
+"""Which modules run: from what happened and the time to what is to be done; pure.
 
-A module runs in four cases: it runs always, an order started it, one of its capabilities is wanted,
-or another running module needs one. A module that ended too often, or again soon after a start, has
-a spare: another module with the same capabilities replaces it, until that one fails.
+A module runs if it is to run always, if somebody started it, if one of its capabilities is wanted,
+or if another that runs needs one. One that ended too often, or again soon after it ended, is
+replaced by another that can do the same, where there is one, and stays so until that one fails.
 """
 
 from __future__ import annotations
@@ -20,44 +20,44 @@ from hub.robomon.module_table import ModuleSpec
 from hub.robomon.wants import MAX_CAPABILITIES, MAX_NAME, Wants
 
 AWAY_S = 1.0
-"""Pause between two steps after which this process counts as paused [s]."""
-EXTERNAL_SILENCE_S = 4.0
+"""A longer pause between two steps means that this process itself was away [s]."""
+STRANGER_S = 4.0
 """Silence after which a module that the daemon did not start is forgotten [s]."""
-MAX_EXTERNALS = 64
+MAX_STRANGERS = 64
 MAX_UNKNOWN = 64
-"""Most reported capabilities that are wanted and that no module has."""
+"""Wanted capabilities that no module has, of which is told."""
 MAX_SHOWN = 16
-"""Most holders of a want that are named."""
-_OVER_LIMIT_SAMPLES = 3
-"""Samples in a row above a limit after which a module restarts."""
+"""Holders of a want who are named."""
+_OVER_LIMIT_LOOKS = 3
+"""Looks in a row at which a module takes too much before it is started anew."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExternalModule:
-    """A module that another program started.
+    """A module that somebody else started.
 
     Attributes:
         pid: Process id on its machine.
         provides: Its capabilities.
-        needs: The capabilities it needs.
-        last_heard: Time of its last announcement [s].
+        needs: What it needs of others.
+        heard: When it announced itself last [s].
     """
 
     pid: int
     provides: frozenset[str]
     needs: frozenset[str]
-    last_heard: float
+    heard: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CapabilityView:
-    """The state of a capability.
+    """What can be expected of a capability.
 
     Attributes:
-        phase: Its phase.
-        module: The module that provides it, or would; empty: none can.
-        modules: All modules that have it.
-        wanted_by: The holders that want it.
+        phase: That.
+        module: Who provides it, or would; empty if nobody can.
+        modules: All that have it.
+        wanted_by: Who wants it.
     """
 
     phase: CapabilityPhase
@@ -67,17 +67,17 @@ class CapabilityView:
 
 
 class ModulePolicy:
-    """All modules of a robot; methods get the time [s].
+    """All modules of a robot; every method that needs it gets the time [s].
 
     Attributes:
-        lifecycles: The modules by name, in the order of the robot file.
-        externals: Modules that another program started, by name.
-        wants: The wanted capabilities.
+        lives: The modules by name, in the order of the robot file.
+        strangers: Modules that somebody else started, by name.
+        wants: Who wants which capabilities.
     """
 
     def __init__(self, specs: Sequence[ModuleSpec]) -> None:
-        self.lifecycles = {spec.name: ModuleLifecycle(spec) for spec in specs}
-        self.externals: dict[str, ExternalModule] = {}
+        self.lives = {spec.name: ModuleLifecycle(spec) for spec in specs}
+        self.strangers: dict[str, ExternalModule] = {}
         self.wants = Wants()
         self._chosen: dict[str, str] = {}
         self._over: dict[str, int] = {}
@@ -90,41 +90,39 @@ class ModulePolicy:
     def announced(
         self, name: str, pid: int, provides: Iterable[str], needs: Iterable[str], now: float
     ) -> None:
-        """Note a module's announcement and its capabilities."""
+        """A module says that it lives, and what it can do."""
         can, lacks = _usable(provides), _usable(needs)
-        life = self.lifecycles.get(name)
+        life = self.lives.get(name)
         shown = "".join(name.split())[:MAX_NAME]
         if life is not None and life.has_process:
             if life.announced(pid, now):
                 life.learned(can, lacks)
-        elif life is None and (shown in self.externals or len(self.externals) < MAX_EXTERNALS):
-            self.externals[shown] = ExternalModule(
-                pid=pid, provides=can, needs=lacks, last_heard=now
-            )
+        elif life is None and (shown in self.strangers or len(self.strangers) < MAX_STRANGERS):
+            self.strangers[shown] = ExternalModule(pid=pid, provides=can, needs=lacks, heard=now)
 
     def used(self, name: str, memory_mb: float, now: float) -> None:
-        """Note a sample of a module's memory."""
-        life = self.lifecycles[name]
+        """A look at what a module takes."""
+        life = self.lives[name]
         limit = life.spec.memory_limit_mb
         over = self._over.get(name, 0) + 1 if 0.0 < limit < memory_mb else 0
         self._over[name] = over
-        if over >= _OVER_LIMIT_SAMPLES:
+        if over >= _OVER_LIMIT_LOOKS:
             self._over[name] = 0
             life.over_limit(f"took {memory_mb:.0f} MB and may take {limit:g}", now)
 
     def ordered(self, name: str, order: ModuleOrder, now: float) -> tuple[bool, str]:
-        """Carry out an order about a module; whether it is done, and the result or the reason."""
-        life = self.lifecycles.get(name)
+        """Somebody wants something done with a module; whether it is, and what or why not."""
+        life = self.lives.get(name)
         if life is None:
             return False, self.unknown(name)
         if order is ModuleOrder.STOP:
-            life.stop_by_order(now)
+            life.told_to_stop(now)
             return True, f"{name} is stopped, and stays so until somebody starts it"
         if order is ModuleOrder.RESTART:
-            life.restart_by_order(now)
+            life.told_to_restart(now)
             return True, f"{name} is started anew"
         running = life.up
-        life.start_by_order()
+        life.told_to_start()
         if running:
             return True, f"{name} runs already"
         self._survey()
@@ -135,28 +133,26 @@ class ModulePolicy:
         return True, f"{name} is started"
 
     def unknown(self, name: str) -> str:
-        """The sentence about a module that the robot does not have."""
-        known = ", ".join(self.lifecycles)
-        near = did_you_mean(name, self.lifecycles)
+        """What to say of a module that the robot does not have."""
+        known = ", ".join(self.lives)
+        near = did_you_mean(name, self.lives)
         return f"there is no module {name[:40]!r}; this robot has {known}{near}"
 
     def step(self, now: float) -> list[tuple[ModuleLifecycle, ProcessAction]]:
-        """The next actions, in order."""
+        """What is to be done now, in order."""
         if self._pauses.look(now):
-            for life in self.lifecycles.values():
-                life.skip_pause(now)
-        self.externals = {
-            name: one
-            for name, one in self.externals.items()
-            if now - one.last_heard < EXTERNAL_SILENCE_S
+            for life in self.lives.values():
+                life.forgive(now)
+        self.strangers = {
+            name: one for name, one in self.strangers.items() if now - one.heard < STRANGER_S
         }
-        for life in self.lifecycles.values():
-            life.check_silence(now)
+        for life in self.lives.values():
+            life.look(now)
         self._survey()
         wanted = self._plan(now)
         self._providers.clear()
         actions = []
-        for name, life in self.lifecycles.items():
+        for name, life in self.lives.items():
             lacking = self._lacking(life, wanted) if name in wanted and not life.up else ()
             action = life.step(now, wanted=name in wanted, ready=not lacking)
             if action is not None:
@@ -165,16 +161,16 @@ class ModulePolicy:
                 life.why = f"waits for {' and '.join(lacking)}"
         return actions
 
-    def undescribed(self) -> list[ModuleLifecycle]:
-        """Modules without a report of their capabilities, because they were never started."""
+    def unasked(self) -> list[ModuleLifecycle]:
+        """Modules that have not yet said what they can do, as they were not started."""
         return [
             life
-            for life in self.lifecycles.values()
+            for life in self.lives.values()
             if not life.asked and not life.starts and life.keep_alive_s > 0.0
         ]
 
     def capabilities(self, now: float) -> dict[str, CapabilityView]:
-        """Every capability of a module, by name, and some wanted ones without a module."""
+        """Every capability that a module has, in alphabetical order, and some that are wanted."""
         self._survey()
         wants = self.wants.current(now)
         known = self._outside | self._known
@@ -186,12 +182,12 @@ class ModulePolicy:
 
     @property
     def undeclared(self) -> int:
-        """Number of modules without a report of their capabilities, or a hint of them."""
-        return sum(not (life.asked or life.provides) for life in self.lifecycles.values())
+        """Number of modules that have not said what they can do, and have no hint of it."""
+        return sum(not (life.asked or life.provides) for life in self.lives.values())
 
     def _view(self, capability: str, wanted_by: tuple[str, ...]) -> CapabilityView:
-        others = [n for n, one in self.externals.items() if capability in one.provides]
-        owners = [n for n, life in self.lifecycles.items() if capability in life.provides]
+        others = [n for n, one in self.strangers.items() if capability in one.provides]
+        owners = [n for n, life in self.lives.items() if capability in life.provides]
         life = self._provider(capability)
         if others and not (life and life.phase is ModulePhase.RUNNING):
             phase, module = CapabilityPhase.RUNNING, others[0]
@@ -209,12 +205,12 @@ class ModulePolicy:
         )
 
     def _plan(self, now: float) -> set[str]:
-        """The modules that should run."""
+        """The modules that are to run."""
         plan: set[str] = set()
-        for name, life in self.lifecycles.items():
-            stands_back = life.spec.always and self._is_replaced_by_spare(name, life)
+        for name, life in self.lives.items():
+            stands_back = life.spec.always and self._stands_back(name, life)
             if stands_back:
-                self._include(self.lifecycles[life.replaced_by], plan)
+                self._include(self.lives[life.replaced_by], plan)
             elif life.pinned or life.spec.always:
                 self._include(life, plan)
         for capability in self.wants.current(now):
@@ -223,64 +219,64 @@ class ModulePolicy:
         return plan
 
     def _include(self, life: ModuleLifecycle | None, plan: set[str]) -> None:
-        """Add a module with all its needs."""
+        """Add a module with all that it needs."""
         if life is None or life.spec.name in plan:
             return
         plan.add(life.spec.name)
         if not life.usable or not self._possible(life):
-            return  # then no other module runs for it
+            return  # then nobody is to run for its sake
         for need in life.needs:
             if need not in self._outside:
                 self._include(self._provider(need), plan)
 
-    def _is_replaced_by_spare(self, name: str, life: ModuleLifecycle) -> bool:
-        """Whether a spare replaces this failed always-on module."""
-        if life.replaced_by and self._can_replace(self.lifecycles[life.replaced_by], life):
+    def _stands_back(self, name: str, life: ModuleLifecycle) -> bool:
+        """Whether another does the work of a module that is to run always, as it cannot."""
+        if life.replaced_by and self._could_do_it(self.lives[life.replaced_by], life):
             return True
         life.replaced_by = ""
         if life.held or life.sound:
             return False
-        for other, spare in self.lifecycles.items():
-            if other != name and self._can_replace(spare, life):
-                life.replace_by(other)
+        for other, spare in self.lives.items():
+            if other != name and self._could_do_it(spare, life):
+                life.stand_back(other)
                 return True
         return False
 
-    def _can_replace(self, spare: ModuleLifecycle, life: ModuleLifecycle) -> bool:
-        """Whether a module can do all the work of another now."""
+    def _could_do_it(self, spare: ModuleLifecycle, life: ModuleLifecycle) -> bool:
+        """Whether a module can do all that another should do, and now."""
         able = bool(life.provides) and spare.provides >= life.provides
         return able and spare.sound and self._possible(spare)
 
     def _provider(self, capability: str) -> ModuleLifecycle | None:
-        """The module for a capability: the present provider, if it still can."""
+        """The module that shall provide a capability: the one that did, if it still can."""
         able = [
             life
-            for life in self.lifecycles.values()
+            for life in self.lives.values()
             if capability in life.provides and life.usable and not life.replaced_by
         ]
         possible = [life for life in able if self._possible(life)] or able
         sound = [life for life in possible if life.sound] or possible
         if not sound:
             return None
-        chosen = self.lifecycles.get(self._chosen.get(capability, ""))
+        chosen = self.lives.get(self._chosen.get(capability, ""))
         if chosen not in sound:
             chosen = next((life for life in sound if life.up), sound[0])
             self._chosen[capability] = chosen.spec.name
         return chosen
 
     def _possible(self, life: ModuleLifecycle) -> bool:
-        """Whether all needs of a module, direct and indirect, have modules."""
+        """Whether there are modules for all that a module needs, and for what those need."""
         return life.needs <= self._offered
 
     def _survey(self) -> None:
-        """Note the capabilities from outside, and those that are possible at all.
+        """See what comes from outside, and what can be had at all.
 
-        Modules that lack a capability are removed until no one does. Circles of needs stay,
-        because their members start together.
+        Of the modules that can be started, those that lack something are left out until no more
+        does; so circles of needs stay, as their members are started together.
         """
-        self._outside = frozenset().union(*(one.provides for one in self.externals.values()))
-        self._known = frozenset().union(*(life.provides for life in self.lifecycles.values()))
-        able = [life for life in self.lifecycles.values() if life.usable]
+        self._outside = frozenset().union(*(one.provides for one in self.strangers.values()))
+        self._known = frozenset().union(*(life.provides for life in self.lives.values()))
+        able = [life for life in self.lives.values() if life.usable]
         while True:
             self._offered = self._outside.union(*(life.provides for life in able))
             left = [life for life in able if self._possible(life)]
@@ -289,7 +285,7 @@ class ModulePolicy:
             able = left
 
     def _lacking(self, life: ModuleLifecycle, plan: set[str]) -> tuple[str, ...]:
-        """The missing capabilities of a module, without those of modules that need it in turn."""
+        """What a module needs and nobody provides yet; who needs it in turn is not waited for."""
         return tuple(
             need
             for need in sorted(life.needs)
@@ -303,7 +299,7 @@ class ModulePolicy:
         return life is not None and life.phase is ModulePhase.RUNNING and life.spec.name in plan
 
     def _depends(self, life: ModuleLifecycle | None, on: ModuleLifecycle) -> bool:
-        """Whether a module needs another, directly or indirectly."""
+        """Whether a module needs another, itself or through others."""
         seen: set[str] = set()
         ahead = [life] if life else []
         while ahead:
@@ -316,7 +312,7 @@ class ModulePolicy:
         return False
 
     def _needed(self, life: ModuleLifecycle) -> list[ModuleLifecycle]:
-        """The providers of a module's needs, in the present step."""
+        """Who provides what a module needs, in the step that is under way."""
         name = life.spec.name
         if name not in self._providers:
             found = {each.spec.name: each for need in life.needs if (each := self._provider(need))}
@@ -325,6 +321,6 @@ class ModulePolicy:
 
 
 def _usable(names: Iterable[str]) -> frozenset[str]:
-    """The valid names of capabilities among these."""
+    """What of this can be names of capabilities; the rest is left out."""
     some = itertools.islice(names, MAX_CAPABILITIES)
     return frozenset(name for name in some if name.isidentifier() and len(name) <= MAX_NAME)

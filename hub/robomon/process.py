@@ -1,4 +1,4 @@
-"""Processes: starts a module, watches its end and its usage, and ends it."""
+"""Processes: starts a module, sees whether it runs and what it uses, and ends it."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from hub.robomon.warm_parent import ChildProcess, WarmParent
 _logger = logging.getLogger(__name__)
 
 _PR_SET_CHILD_SUBREAPER = 36
-_END_TIMEOUT_S = 2.0
-"""Longest wait for the end of a killed process, and for the reaper's work [s]."""
+_PATIENCE_S = 2.0
+"""Longest wait for a killed process to end, and for the reaper to do its work [s]."""
 
 
 class OrphanReaper:
-    """Starts the reaper, which ends the modules if the daemon dies, and informs it.
+    """Starts the process that ends the modules if the daemon dies, and informs it.
 
-    No method raises, and only `close` waits. Modules run even without a reaper;
-    `restart_if_ended` starts another.
+    No method raises, and none but `close` waits. While there is no reaper, modules run without it;
+    `look` starts another.
     """
 
     def __init__(self) -> None:
@@ -40,33 +40,33 @@ class OrphanReaper:
 
     @property
     def pid(self) -> int:
-        """Its process id; 0: it does not run."""
+        """Its process id; 0 if it does not run."""
         return self._process.pid if self._process else 0
 
     def watch(self, group: int) -> None:
-        """Add a process group to end when the daemon dies."""
+        """Have it end this process group when the daemon dies."""
         self._groups.add(group)
         self._send(f"{group}\n")
 
     def forget(self, group: int) -> None:
-        """Remove a process group that has ended."""
+        """This process group has ended."""
         self._groups.discard(group)
         self._send(f"-{group}\n")
 
-    def restart_if_ended(self) -> None:
-        """Start another one if it has ended."""
+    def look(self) -> None:
+        """Start another one if it was ended."""
         if self._process is None or self._process.poll() is not None:
             self._replace()
 
     def close(self) -> None:
-        """Let it end the rest; then it ends itself."""
+        """Have it end what is left; it then ends itself."""
         process = self._process
         if process is None:
             return
         if process.stdin is not None:
             process.stdin.close()
         try:
-            process.wait(orphan_reaper.STOP_TIME_S + _END_TIMEOUT_S)
+            process.wait(orphan_reaper.GRACE_S + _PATIENCE_S)
         except subprocess.TimeoutExpired:
             _logger.warning("the orphan reaper hangs; it is killed")
             process.kill()
@@ -107,7 +107,7 @@ class OrphanReaper:
         self._start()
 
     def _write(self, text: str) -> bool:
-        """Write to it; False: it has ended, or hangs."""
+        """Whether it has taken this text; one that has ended or hangs has not."""
         if self._process is None or self._process.stdin is None:
             return False
         try:
@@ -118,10 +118,10 @@ class OrphanReaper:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Usage:
-    """Usage of a process.
+    """What a process has used.
 
     Attributes:
-        processor_s: Processor time since its start [s].
+        processor_s: Processor time since it started [s].
         memory_mb: Resident memory [MB].
     """
 
@@ -132,26 +132,27 @@ class Usage:
 class ModuleProcess:
     """A running module, in a process group of its own.
 
-    The daemon keeps the other end of the process's standard input. When the daemon dies, that pipe
-    ends and the module stops by itself. `output` reads its standard output and standard error.
+    The daemon keeps the other end of the process's standard input. When the daemon dies, however
+    it dies, that pipe ends and the module stops by itself. What it writes to standard output and
+    standard error comes out of `output`.
     """
 
     def __init__(
         self, spec: ModuleSpec, arguments: Sequence[str], parent: WarmParent | None = None
     ) -> None:
-        """Start it: fork it from the parent if possible, else spawn it.
+        """Start it: forked from the parent where that can do it, else spawned.
 
         Raises:
             ModuleStartError: The system cannot execute the command.
         """
         self.spec = spec
-        with contextlib.ExitStack() as opened, contextlib.ExitStack() as module_ends:
+        with contextlib.ExitStack() as opened, contextlib.ExitStack() as theirs:
             try:
                 stdin, self._stdin = os.pipe()
-                module_ends.callback(os.close, stdin)
+                theirs.callback(os.close, stdin)
                 opened.callback(os.close, self._stdin)
                 self.output, output = os.pipe()
-                module_ends.callback(os.close, output)
+                theirs.callback(os.close, output)
                 opened.callback(os.close, self.output)
             except OSError as error:
                 text = f"could not be started: {error.strerror}"
@@ -168,7 +169,7 @@ class ModuleProcess:
             self._renice(process.pid)
         if forked:
             with contextlib.suppress(BrokenPipeError):  # it has ended already
-                os.write(self._stdin, b"\n")  # it waits for this byte
+                os.write(self._stdin, b"\n")  # it waits for this
         return process
 
     def _spawn(self, arguments: Sequence[str], files: tuple[int, int]) -> ChildProcess:
@@ -180,7 +181,7 @@ class ModuleProcess:
                 stdout=output,
                 stderr=output,
                 env=child_environment(dict(self.spec.environment)),
-                # Its own group: Ctrl-C in the daemon's terminal reaches only the daemon, which
+                # Its own group: Ctrl-C in the daemon's terminal is for the daemon alone, which
                 # ends the modules in order.
                 process_group=0,
             )
@@ -195,11 +196,11 @@ class ModuleProcess:
         return self._process.pid
 
     def exit_code(self) -> int | None:
-        """Its exit code (negative: a signal); None: it runs."""
+        """How it ended (negative: by that signal); None while it runs."""
         return self._process.poll()
 
     def usage(self) -> Usage | None:
-        """Its usage; None: the system does not report it."""
+        """What it uses; None where the system does not say."""
         try:
             words = Path(f"/proc/{self.pid}/stat").read_text().rpartition(")")[2].split()
         except OSError:
@@ -215,7 +216,7 @@ class ModuleProcess:
             self._process.terminate()
 
     def kill(self) -> None:
-        """Kill it and its descendants; returns at once."""
+        """Kill it and what it has started; returns at once."""
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(self._process.pid, signal.SIGKILL)
         self._process.kill()  # it may have left its group
@@ -229,12 +230,12 @@ class ModuleProcess:
         return True
 
     def end(self) -> None:
-        """Kill it and its descendants; returns after its end.
+        """Kill what runs of it and of what it has started; returns when it has ended.
 
-        A process that waits for a broken device ignores SIGKILL; then this returns soon.
+        A process that waits for a broken device does not end at SIGKILL; then this returns soon.
         """
         self.kill()
-        if not self.wait(_END_TIMEOUT_S):
+        if not self.wait(_PATIENCE_S):
             _logger.warning("process %d was killed and does not end", self.pid)
         if self._stdin >= 0:
             os.close(self._stdin)
@@ -249,18 +250,18 @@ class ModuleProcess:
 
 
 def adopt_orphans() -> bool:
-    """Become the parent of processes whose parent ends; False: the system cannot."""
+    """Become the parent of processes whose own parent ends; False where there is no such thing."""
     try:
         return bool(ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0) == 0)
     except (OSError, AttributeError):
         return False
 
 
-def kill_leftovers(known: Collection[int]) -> int:
-    """Kill unknown children: ended modules have left them.
+def end_strays(known: Collection[int]) -> int:
+    """Kill children that are not known: what ended modules have left behind.
 
     Returns:
-        Their number.
+        How many there were.
     """
     try:
         found = Path(f"/proc/self/task/{os.getpid()}/children").read_text().split()
@@ -271,7 +272,7 @@ def kill_leftovers(known: Collection[int]) -> int:
         if pid in known:
             continue
         with contextlib.suppress(OSError):
-            if os.waitpid(pid, os.WNOHANG) == (0, 0):  # else it has ended already
+            if os.waitpid(pid, os.WNOHANG) == (0, 0):  # else it has ended, by itself or by us
                 os.kill(pid, signal.SIGKILL)
                 killed += 1
     return killed

@@ -1,4 +1,4 @@
-"""Wanted capabilities: leases that end unless they are renewed; pure."""
+"""Who wants which capabilities: leases that end when they are not renewed; pure."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ class Wants:
     """The leases of all holders; every method gets the time [s].
 
     Attributes:
-        refused: Number of refused wants: too many holders, no capability, or a wrong length.
+        refused: Wants that were not taken: of too many holders, of what is no capability, or for no
+            time or too long.
     """
 
     def __init__(self) -> None:
@@ -42,12 +43,12 @@ class Wants:
         *,
         lease_s: float = LEASE_S,
     ) -> None:
-        """Set all wants of a holder, by its number at central; an empty set ends them."""
+        """A holder, by its number at central, says all that it wants; nothing gives it up."""
         wanted = frozenset(capabilities)
         usable = all(each.isidentifier() and len(each) <= MAX_NAME for each in wanted)
         full = len(self._leases) >= MAX_HOLDERS and holder not in self._leases
-        in_limit = 0.0 < lease_s <= MAX_LEASE_S
-        if not (usable and in_limit) or len(wanted) > MAX_CAPABILITIES or full:
+        lasts = 0.0 < lease_s <= MAX_LEASE_S
+        if not (usable and lasts) or len(wanted) > MAX_CAPABILITIES or full:
             self.refused += 1
         elif wanted:
             shown = "".join(name.split())[:MAX_NAME] or "somebody"
@@ -58,8 +59,8 @@ class Wants:
         elif self._leases.pop(holder, None):
             self._wanted = None
 
-    def disconnected(self, name: str) -> None:
-        """Remove the wants of a client that has left."""
+    def gone(self, name: str) -> None:
+        """Who connected under this name has left."""
         self._keep(lambda lease: lease.name != name)
 
     def current(self, now: float) -> dict[str, list[str]]:

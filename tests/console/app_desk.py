@@ -133,8 +133,8 @@ class Desk:
         end = time.monotonic() + TIMEOUT
         while not condition():
             assert time.monotonic() < end, self.notices
-            self.robot.client.listen(0.005)
-            await self.pilot.pause(0.005)
+            self.robot.client.listen(0.01)
+            await self.pilot.pause(0.01)
 
     @property
     def notices(self) -> list[str]:

@@ -43,6 +43,7 @@ from rune_tui.model.theme import DARK, Theme
 from rune_tui.startup.opening import open_layout
 from rune_tui.view import View
 from tests.console.states import described, robot_of
+from tests.support.footprints import distances
 from tests.support.messages import robot_state
 
 ROOT: Final = Path(__file__).parents[2]
@@ -79,15 +80,11 @@ def _map() -> OccupancyMap:
     footprints = load_arena("yellow").footprints
     size = round(12.0 / _RESOLUTION)
     edges = -1.0 + _RESOLUTION * (np.arange(size) + 0.5)
-    cells = np.full((size, size), -1, np.int8)
-    for row, y in enumerate(edges.tolist()):
-        for column, x in enumerate(edges.tolist()):
-            away = math.hypot(x - 4.6, y - 3.0)
-            if away > 4.2 + 0.6 * math.sin(5.0 * math.atan2(y - 3.0, x - 4.6)):
-                continue
-            if not (0.0 <= x <= 10.0 and 0.0 <= y <= 10.0):
-                continue
-            cells[row, column] = 100 if footprints.distances(x, y).min() < 0.5 * _RESOLUTION else 5
+    x, y = np.meshgrid(edges, edges)
+    near = np.hypot(x - 4.6, y - 3.0) <= 4.2 + 0.6 * np.sin(5.0 * np.arctan2(y - 3.0, x - 4.6))
+    known = near & (x >= 0.0) & (x <= 10.0) & (y >= 0.0) & (y <= 10.0)
+    wall = distances(footprints, x, y) < 0.5 * _RESOLUTION
+    cells = np.where(known, np.where(wall, 100, 5), -1).astype(np.int8)
     return OccupancyMap(cells=cells, resolution=_RESOLUTION, origin_x=-1.0, origin_y=-1.0)
 
 

@@ -16,7 +16,7 @@ from rune_tui.ui.question import Question
 from tests.console.app_desk import Desk, Script, scrolled_up
 
 
-def test_the_words_of_a_mark_are_changed_and_keys_do_not_drive_meanwhile(
+def test_the_words_of_a_mark_are_changed_once_and_keys_do_not_drive_meanwhile(
     play: Callable[[Script], None],
 ):
     async def script(desk: Desk) -> None:
@@ -31,6 +31,15 @@ def test_the_words_of_a_mark_are_changed_and_keys_do_not_drive_meanwhile(
         await desk.until(lambda: desk.console.screen.focused is not None)
         await desk.press("ctrl+u", "w", "e", "t", "enter")
         await desk.until(lambda: desk.robot.book.message.points[0].note == "wet")
+        await desk.until(lambda: not isinstance(desk.console.screen, Question))
+        await desk.pilot.click(offset=(29, 14), button=3)
+        await desk.until(lambda: isinstance(desk.console.focused, Input))
+        line = desk.console.screen.focused
+        for _ in range(3):  # as of enters that come at once
+            line.post_message(Input.Submitted(line, "dry"))
+        await desk.until(lambda: desk.robot.book.message.points[0].note == "dry")
+        await desk.until(lambda: not isinstance(desk.console.screen, Question))
+        assert len(desk.console.screen_stack) == 1
         assert not any(desk.robot.speeds)
 
     play(script)
@@ -61,9 +70,7 @@ def test_under_the_palette_keys_do_not_drive_and_what_is_chosen_is_done(
 
 
 @pytest.mark.usefixtures("ends")
-@pytest.mark.parametrize(
-    "keys", [("q", "q"), ("q", "enter"), ("ctrl+c", "ctrl+c"), ("ctrl+p", "ctrl+c", "ctrl+c")]
-)
+@pytest.mark.parametrize("keys", [("q", "q"), ("ctrl+p", "ctrl+c", "ctrl+c")])
 def test_with_a_recording_the_console_asks_before_it_ends(
     play: Callable[[Script], None],
     tmp_path: Path,
@@ -149,25 +156,6 @@ def test_an_answer_that_its_widget_cannot_take_leaves_the_console_running(
         await desk.press("x", "enter")
         await desk.until(lambda: any("could not be done" in text for text in desk.notices))
         await desk.drive()
-
-    play(script)
-
-
-def test_two_enters_at_once_answer_a_question_once(play: Callable[[Script], None]):
-    async def script(desk: Desk) -> None:
-        await desk.pilot.click(offset=(29, 14))
-        await desk.until(lambda: desk.console.state.ghosts)
-        await desk.pilot.click(offset=(29, 14))
-        await desk.until(lambda: any("victim 1 is marked" in text for text in desk.notices))
-        await desk.pilot.click(offset=(29, 14), button=3)
-        await desk.until(lambda: isinstance(desk.console.screen, Question))
-        await desk.until(lambda: desk.console.screen.focused is not None)
-        line = desk.console.screen.focused
-        for _ in range(3):
-            line.post_message(Input.Submitted(line, "wet"))
-        await desk.until(lambda: desk.robot.book.message.points[0].note == "wet")
-        await desk.until(lambda: not isinstance(desk.console.screen, Question))
-        assert len(desk.console.screen_stack) == 1
 
     play(script)
 

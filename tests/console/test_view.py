@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import random
 import re
 from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rune_tui.compositor.ansi import encoded_rows
@@ -35,12 +36,14 @@ from tests.console.view_scenes import (
     viewport,
     words,
 )
+from tests.support.repetitions import repetitions
 
 DESIGN = (160, 96)
 
 
 def test_every_terminal_size_shows_something_of_that_size() -> None:
-    for columns, rows in itertools.product(range(1, 61), range(1, 21)):
+    sizes = list(itertools.product(range(1, 61), range(1, 21)))
+    for columns, rows in random.sample(sizes, repetitions(90, len(sizes))):
         cells = shown(EVERYTHING, columns, rows)
         assert cells.pixels.shape == (2 * rows, columns, 4)
         assert cells.glyphs.shape == (rows, columns)
@@ -294,7 +297,6 @@ def test_the_picture_size_is_the_largest_shown_of_each_robot() -> None:
     assert screen.picture_sizes(state)["magellan"] == (40, 30)
 
 
-@settings(max_examples=60)
 @given(st.text(), st.text(), st.lists(st.text(), max_size=3), st.integers(1, 60))
 def test_no_text_from_outside_puts_a_control_byte_on_the_terminal(
     name: str, detail: str, held: list[str], columns: int

@@ -53,24 +53,3 @@ def test_locked_versions_name_no_registry() -> None:
     assert set(re.findall(r"^\S+==.*$", demo, re.MULTILINE)) < set(
         re.findall(r"^\S+==.*$", whole, re.MULTILINE)
     )
-
-
-def test_attributes_that_a_docstring_names_exist() -> None:
-    """A renamed attribute takes its line along; classes that inherit may name what they inherit."""
-    absent = []
-    for path in SOURCES:
-        for node in ast.walk(ast.parse(path.read_text())):
-            if not isinstance(node, ast.ClassDef) or node.bases:
-                continue
-            part = (ast.get_docstring(node) or "").partition("Attributes:\n")[2]
-            named = set(re.findall(r"^    (\w+):", part, re.MULTILINE))
-            there = {each.attr for each in ast.walk(node) if isinstance(each, ast.Attribute)}
-            there |= {each.id for each in ast.walk(node) if isinstance(each, ast.Name)}
-            there |= {each.name for each in node.body if isinstance(each, ast.FunctionDef)}
-            there |= {
-                each.value
-                for each in ast.walk(node)
-                if isinstance(each, ast.Constant) and isinstance(each.value, str)
-            }
-            absent += [f"{path.relative_to(ROOT)}: {node.name}.{name}" for name in named - there]
-    assert absent == []

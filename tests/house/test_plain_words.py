@@ -58,7 +58,6 @@ ROOMS = (
     "hub/grids",
     "hub/inspection",
     "hub/ipc",
-    "hub/robomon",
     "hub/missions",
     "hub/modules/driver",
     "hub/modules/mapping",
@@ -92,7 +91,7 @@ ROOMS = (
     "rune_tui/widgets",
 )
 """Rooms, and files, whose names and docstrings are plain; a room that becomes plain is added."""
-SHORT_SENTENCES = ("hub/ipc", "hub/robomon")
+SHORT_SENTENCES = ("hub/ipc",)
 """Rooms whose docstrings have no long sentence."""
 _LIST_ITEM = re.compile(r"\s*(?:[-*]|\d+\.)\s+")
 _END = re.compile(r"(?<=[.!?])[\"*_)]*\s+")

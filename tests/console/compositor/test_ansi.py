@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pyte
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rune_tui.compositor.ansi import encoded_rows
@@ -34,7 +34,6 @@ def wanted(cells: Cells, row: int, column: int) -> Shown:
 
 
 @pytest.mark.parametrize("depth", ColourDepth)
-@settings(max_examples=40)
 @given(cells=frames)
 def test_a_strict_terminal_that_eats_the_rows_shows_the_cells(
     depth: ColourDepth, cells: Cells
@@ -49,7 +48,6 @@ def test_a_strict_terminal_that_eats_the_rows_shows_the_cells(
     assert_shows(terminal, cells)
 
 
-@settings(max_examples=40, deadline=None)
 @given(frames)
 def test_pyte_that_eats_the_rows_shows_the_cells(cells: Cells) -> None:
     screen = pyte.Screen(cells.columns, cells.rows)
@@ -90,7 +88,6 @@ def looks(cell: pyte.screens.Char, depth: ColourDepth) -> tuple[str, int, int]:
 
 
 @pytest.mark.parametrize("depth", FEWER)
-@settings(max_examples=25, deadline=None)
 @given(cells=frames)
 def test_pyte_shows_the_cells_in_the_colours_that_there_are(
     depth: ColourDepth, cells: Cells

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pyte.graphics
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rune_tui.compositor.cells import Cells
@@ -42,7 +42,6 @@ def test_truecolour_is_left_as_it_is() -> None:
     assert at_depth(cells, ColourDepth.TRUECOLOUR) is cells
 
 
-@settings(max_examples=30, deadline=None)
 @given(frames)
 def test_256_colours_are_those_of_xterm_but_for_the_16_that_people_choose(cells: Cells) -> None:
     shown = at_depth(cells, ColourDepth.INDEXED_256)
@@ -54,7 +53,6 @@ def test_256_colours_are_those_of_xterm_but_for_the_16_that_people_choose(cells:
         assert tuple(colour) == XTERM[number]
 
 
-@settings(max_examples=50, deadline=None)
 @given(st.lists(st.tuples(*[st.integers(0, 31)] * 3), min_size=1, max_size=30))
 def test_256_colours_are_the_nearest_ones(fives: list[tuple[int, int, int]]) -> None:
     wanted = np.array(fives) * 255 // 31
@@ -96,7 +94,6 @@ def test_a_dark_panel_has_no_grain() -> None:
 
 
 @pytest.mark.parametrize("depth", FEWER)
-@settings(max_examples=30, deadline=None)
 @given(cells=frames)
 def test_text_stays_and_has_one_colour_behind_it(depth: ColourDepth, cells: Cells) -> None:
     shown = at_depth(cells, depth)
@@ -106,7 +103,6 @@ def test_text_stays_and_has_one_colour_behind_it(depth: ColourDepth, cells: Cell
 
 
 @pytest.mark.parametrize("depth", FEWER)
-@settings(max_examples=50)
 @given(
     ink=st.tuples(*[st.integers(0, 255)] * 3),
     ground=st.tuples(*[st.integers(0, 255)] * 3),

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pyte
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rune_tui.compositor.cells import Cells
@@ -65,7 +65,6 @@ def scene(step: Step, before: Cells, random: np.random.Generator) -> Cells:
     return Cells(pixels=np.clip(pixels, 0, 255).astype(np.uint8), glyphs=glyphs, ink=ink)
 
 
-@settings(max_examples=150, deadline=None)
 @given(
     seed=st.integers(0, 1 << 30),
     columns=st.integers(1, 19),
@@ -125,7 +124,7 @@ def assert_near(terminal: Terminal, encoder: ScreenEncoder, looks: Looks, qualit
         assert_cell(mark, looks, row, column, off=off)
 
 
-@pytest.mark.parametrize("size", [(1, 1), (1, 120), (20, 5), (157, 43), (400, 1), (400, 120)])
+@pytest.mark.parametrize("size", [(1, 1), (1, 120), (20, 5), (157, 43), (400, 1), (150, 120)])
 @pytest.mark.parametrize("quality", [EXACT, ROUGH])
 def test_terminals_of_all_sizes_get_every_cell(size: tuple[int, int], quality: Quality) -> None:
     columns, rows = size
@@ -180,7 +179,6 @@ def test_pixels_of_a_picture_under_a_character_are_nothing_to_send() -> None:
     assert encoder.encode(one_cell(40, 200, 40, 40, glyph="A")) == b""
 
 
-@settings(max_examples=20, deadline=None)
 @given(seed=st.integers(0, 1 << 30), columns=st.integers(1, 9), rows=st.integers(1, 4))
 def test_pyte_shows_quadrants_too(seed: int, columns: int, rows: int) -> None:
     screen = pyte.Screen(columns, rows)
@@ -201,7 +199,6 @@ def rgb(told: str) -> tuple[int, ...] | None:
     return None if told == "default" else tuple(bytes.fromhex(told))
 
 
-@settings(max_examples=20, deadline=None)
 @given(seed=st.integers(0, 1 << 30), columns=st.integers(1, 19), rows=st.integers(1, 4))
 def test_pyte_shows_the_frames_too(seed: int, columns: int, rows: int) -> None:
     screen = pyte.Screen(columns + 3, rows + 2)

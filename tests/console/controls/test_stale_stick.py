@@ -17,7 +17,7 @@ from tests.console.controls.hands_to_wheels import Console, World
 from tests.console.controls.pure_agent import PadAgent
 from tests.support.repetitions import repetitions
 
-TIMES = repetitions(50, 1000)
+TIMES = repetitions(12, 1000)
 TOLD_S = 0.35
 REST_S = 0.7
 INSISTED_S = 0.2
@@ -108,7 +108,7 @@ def heal(world: World) -> None:
 def end(world: World) -> None:
     world.console.runs = False
     world.consoles.remove(world.console)
-    world.robot.arbiter.disconnected(world.console.link.number, world.now)
+    world.robot.arbiter.gone(world.console.link.number, world.now)
 
 
 def start_again(world: World) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rune_tui.compositor.cells import Cells
@@ -62,7 +62,6 @@ def test_what_is_around_the_picture_comes_first_and_exactly() -> None:
         assert all(row < 8 for row, _ in terminal.touched)
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     width=st.sampled_from([500.0, 5e3, 50e3, 5e6]),
     seeds=st.lists(st.integers(0, 3), min_size=1, max_size=5),

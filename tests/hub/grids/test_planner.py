@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.grids.clearance import clearance
@@ -105,7 +105,6 @@ def test_a_way_costs_hardly_more_than_the_cheapest(
     assert cost <= 1.02 * cheapest + 1e-9
 
 
-@settings(max_examples=50)
 @given(st.integers(-12, 12), st.integers(-12, 12))
 def test_a_line_over_even_ground_costs_its_length(down: int, right: int) -> None:
     factors = np.full((25, 25), 3.0)

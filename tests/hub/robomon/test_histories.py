@@ -5,18 +5,20 @@ from __future__ import annotations
 import random
 from typing import Any
 
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hub.gcm.supervision import CapabilityPhase, ModuleOrder, ModulePhase
 from hub.robomon.module_lifecycle import ProcessAction
 from hub.robomon.module_table import ModuleSpec
 from tests.hub.robomon.world import World, ways
+from tests.support.repetitions import repetitions
 
 _MODULES = ("a", "b", "c", "d")
 _CAPABILITIES = ("A", "B", "C")
 
 
+@settings(max_examples=repetitions(8, 400))
 @given(st.integers(0, 2**32))
 def test_random_histories(seed: int) -> None:
     """Whatever modules do and whoever wants what: no storm, no doubles, no zombie, no deadlock."""
@@ -76,19 +78,17 @@ def test_random_histories(seed: int) -> None:
         process.deaf_to = frozenset()
     world.run(40.0, wants="A")
     view = world.supervisor.capabilities(world.now).get("A")
-    able = [name for name, life in world.supervisor.lifecycles.items() if "A" in life.provides]
+    able = [name for name, life in world.supervisor.lives.items() if "A" in life.provides]
     reachable = any(world[name].usable and not _lacks_for_ever(world, name, set()) for name in able)
     assert view is not None
     assert (view.phase is CapabilityPhase.RUNNING) or not reachable
     world.run(40.0)
-    for name, life in world.supervisor.lifecycles.items():
+    for name, life in world.supervisor.lives.items():
         needed = any(
             other.phase is ModulePhase.RUNNING and life.provides & other.needs
-            for other in world.supervisor.lifecycles.values()
+            for other in world.supervisor.lives.values()
         )
-        replaces = any(
-            f"{name} does its work" in o.why for o in world.supervisor.lifecycles.values()
-        )
+        replaces = any(f"{name} does its work" in o.why for o in world.supervisor.lives.values())
         if life.up and not needed and not replaces:
             assert life.spec.always or life.pinned, f"{name} runs and nobody wants it"
 
@@ -101,7 +101,7 @@ def _lacks_for_ever(world: World, name: str, seen: set[str]) -> bool:
     return any(
         not any(
             need in life.provides and life.usable and not _lacks_for_ever(world, other, seen)
-            for other, life in world.supervisor.lifecycles.items()
+            for other, life in world.supervisor.lives.items()
         )
         for need in world[name].needs
     )

@@ -14,6 +14,7 @@ from hub.sim.arena import BODY_RADIUS, load_arena, shipped_arenas
 from hub.sim.arena_file import MAX_OBJECTS, check_arena
 from hub.sim.arena_specs import COLOURS, GAPS, SURFACE_TEXTURES
 from hub.sim.textures import TEXTURES
+from tests.support.footprints import distances
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "writing-an-arena.md"
 GOOD = """
@@ -162,15 +163,8 @@ def test_every_room_of_the_yellow_arena_can_be_reached() -> None:
     """Flood the places where the robot fits, in steps of 5 cm, from its start."""
     arena = load_arena("yellow")
     step, count = 0.05, 200
-    free = np.array(
-        [
-            [
-                arena.footprints.distances(x * step, y * step).min() > BODY_RADIUS + 0.05
-                for y in range(count)
-            ]
-            for x in range(count)
-        ]
-    )
+    x, y = np.indices((count, count)) * step
+    free = distances(arena.footprints, x, y) > BODY_RADIUS + 0.05
     reached = np.zeros_like(free)
     reached[round(arena.start.x / step), round(arena.start.y / step)] = True
     while True:

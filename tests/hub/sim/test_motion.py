@@ -15,6 +15,7 @@ from hub.sim.arena import BODY_RADIUS, Arena, load_arena
 from hub.sim.battery import Battery
 from hub.sim.kinematics import ANGULAR, LINEAR, approach, moved
 from tests.hub.sim.arenas import VOID, arena_of
+from tests.support.repetitions import repetitions
 
 YELLOW = load_arena("yellow")
 EMPTY = load_arena("empty")
@@ -35,7 +36,6 @@ def clearance(arena: Arena, robot: SimulatedMagellan) -> float:
     return float(arena.footprints.distances(truth.x, truth.y).min()) - BODY_RADIUS
 
 
-@settings(max_examples=40)
 @given(commands=st.lists(VELOCITIES, min_size=1, max_size=8), seed=st.integers(0, 2**32))
 def test_no_commands_bring_the_body_into_anything(
     commands: list[tuple[float, float, float]], seed: int
@@ -51,7 +51,7 @@ def test_no_commands_bring_the_body_into_anything(
 def test_driving_at_random_through_the_yellow_arena_touches_but_never_enters() -> None:
     random = np.random.default_rng(1)
     robot = SimulatedMagellan(YELLOW, seed=3)
-    for _ in range(300):
+    for _ in range(repetitions(80, 1000)):
         robot.set_velocity(float(random.uniform(-0.1, 0.5)), float(random.uniform(-1, 1)))
         robot.advance(0.5)
         assert clearance(YELLOW, robot) >= -1e-9
@@ -172,7 +172,7 @@ def test_the_body_slides_along_a_wall_that_it_meets_at_an_angle() -> None:
     assert second.y == pytest.approx(first.y, abs=1e-5)
 
 
-@settings(max_examples=15)
+@settings(max_examples=repetitions(5, 100))
 @given(seed=st.integers(0, 2**32))
 def test_odometry_drifts_but_not_without_bound(seed: int) -> None:
     robot = SimulatedMagellan(EMPTY, seed=seed)
@@ -192,7 +192,7 @@ def test_odometry_drifts_but_not_without_bound(seed: int) -> None:
 
 def test_odometry_of_most_robots_is_off_by_more_than_a_hundredth_of_a_straight_way() -> None:
     errors = []
-    for seed in range(20):
+    for seed in range(repetitions(9, 40)):
         robot = SimulatedMagellan(EMPTY, seed=seed)
         robot.set_velocity(0.5, 0.0)
         for _ in range(3):

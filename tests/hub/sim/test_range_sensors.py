@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.pose import Pose
@@ -131,7 +131,6 @@ def test_infrared_misses_a_dark_wall_that_it_would_see_if_it_were_bright() -> No
     assert near <= BODY_RADIUS + INFRARED_FARTHEST
 
 
-@settings(max_examples=30)
 @given(angle=st.floats(-math.pi, math.pi), seed=st.integers(0, 1000))
 def test_first_hits_lie_on_the_outline_of_what_they_name(angle: float, seed: int) -> None:
     arena = load_arena("yellow")

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.errors import CodecError
@@ -206,7 +206,6 @@ def _decode_or_refuse(coder: codec.Codec, raw: bytes) -> None:
     coder.encode(value)
 
 
-@settings(max_examples=40)
 @given(
     structs(),
     st.recursive(

@@ -143,7 +143,6 @@ def test_any_mapping_is_encoded_or_refused(
 
 
 @pytest.mark.parametrize("definition", MESSAGES, ids=lambda definition: definition.name)
-@settings(max_examples=40)
 @given(st.data())
 def test_damaged_payload_is_a_message_or_refused(
     definition: MessageDefinition[Any], data: st.DataObject

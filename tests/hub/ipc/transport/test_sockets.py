@@ -35,8 +35,9 @@ def test_a_reader_that_paused_with_a_full_queue_lives_on() -> None:
         port = sender.bind_to_random_port("tcp://127.0.0.1")
         address = f"tcp://127.0.0.1:{port}"
         reader = subprocess.Popen([sys.executable, "-c", SLOW_READER, address])
+        sender.recv()  # the subscription: what is left unread would end each poll at once
         while reader.poll() is None:
-            for _ in range(5):
+            for _ in range(20):
                 sender.send(bytes(20_000))
             sender.poll(20)
     assert reader.returncode == 0

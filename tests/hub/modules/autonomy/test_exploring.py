@@ -418,8 +418,8 @@ def test_exploring_ends_when_free_ground_grows_only_behind_walls() -> None:
         seconds += 1
         if scene.task is Task.GOING and seconds % 10 == 0:
             scene.grid = _open_at(seconds // 10)
-            scene.grid.cells[:, 44] = 100
-            scene.grid.cells[:, 45 : 46 + seconds // 10] = 0
+            scene.grid.cells[:, 34] = 100
+            scene.grid.cells[:, 35 : 36 + seconds // 20] = 0
             scene.arrive()
     assert scene.why.startswith("explored: ")
     assert seconds <= Limits().seconds + 15.0
@@ -427,8 +427,7 @@ def test_exploring_ends_when_free_ground_grows_only_behind_walls() -> None:
 
 def test_exploring_turns_back_in_time_although_new_ground_is_left() -> None:
     scene = Scene()
-    grid = hall(width=400, known=30)
-    scene.grid = grid
+    scene.grid = hall(width=200, height=24, known=30)
     scene.ask(Behaviour.EXPLORE)
     began = scene.now
     known = 30
@@ -436,7 +435,7 @@ def test_exploring_turns_back_in_time_although_new_ground_is_left() -> None:
         scene.wait(30.0)
         if scene.task is Task.GOING and scene.targets[-1] != (0.0, 0.0):
             known += 6
-            scene.grid = hall(width=400, known=known)
+            scene.grid = hall(width=200, height=24, known=known)
             scene.arrive()
     way = math.hypot(scene.x, scene.y)
     assert scene.targets[-1] == (0.0, 0.0)
@@ -451,7 +450,7 @@ def test_exploring_turns_back_in_time_although_new_ground_is_left() -> None:
 
 def _open_at(place: int) -> Grid:
     """A hall with a gap in its right wall, each time in another of ten places."""
-    grid = hall(height=130, known=30)
+    grid = hall(width=50, height=130, known=30)
     first = 2 + 12 * (place % 10)
     grid.cells[:, 29] = 100
     grid.cells[first : first + 6, 29] = 0
@@ -460,7 +459,7 @@ def _open_at(place: int) -> Grid:
 
 def test_the_real_parts_explore_together() -> None:
     exploration = Exploration(1)
-    exploration.explore(20.0)
+    exploration.explore(12.0)
     state = exploration.autonomy.state(exploration.now)
     assert state.behaviour is Behaviour.EXPLORE
     assert state.explored > 0.3

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import pytest
 
 from hub.modules.mapping.grid import OccupancyGrid
+from hub.pose import Pose
 from hub.robots.magellan import SimulatedMagellan
 from hub.sim.arena import Arena
 from tests.hub.modules.mapping.touring import (
+    Floats,
     PoseSource,
     Report,
     Score,
@@ -58,30 +61,54 @@ def reports(arena: Arena) -> list[Report]:
     return driven
 
 
-def result(arena: Arena, reports: list[Report], source: object) -> Score:
-    grid = mapped(reports, source, OccupancyGrid(0.05, 14.0))  # type: ignore[arg-type]
-    return score(grid, arena, surfaces_in_sight(reports, arena))
+@pytest.fixture(scope="module")
+def surfaces(arena: Arena, reports: list[Report]) -> Floats:
+    """One round sees all that there is to see."""
+    return surfaces_in_sight(reports[: len(reports) // 3], arena)
 
 
-def test_with_true_poses_the_map_is_true(arena: Arena, reports: list[Report]) -> None:
-    made = result(arena, reports, true_pose(arena.start))
+Result = Callable[[list[Report], Callable[[Report], Pose]], Score]
+
+
+@pytest.fixture(scope="module")
+def result(arena: Arena, surfaces: Floats) -> Result:
+    return lambda reports, source: score(
+        mapped(reports, source, OccupancyGrid(0.05, 14.0)), arena, surfaces
+    )
+
+
+@pytest.fixture(scope="module")
+def two_rounds(reports: list[Report]) -> list[Report]:
+    return reports[: len(reports) * 2 // 3]
+
+
+@pytest.fixture(scope="module")
+def drifting(arena: Arena, two_rounds: list[Report], result: Result) -> Score:
+    """Of a map that two rounds without a landmark made."""
+    return result(two_rounds, PoseSource(arena.start, math.inf))
+
+
+def test_with_true_poses_the_map_is_true(
+    arena: Arena, reports: list[Report], result: Result
+) -> None:
+    made = result(reports[: len(reports) // 3], true_pose(arena.start))
     assert made.wall_error < 0.05
     assert made.f1 > 0.9
 
 
-def test_landmarks_keep_a_map_from_drifting_away(arena: Arena, reports: list[Report]) -> None:
-    drifting = result(arena, reports, PoseSource(arena.start, math.inf))
-    corrected = result(arena, reports, PoseSource(arena.start, 8.0))
+def test_landmarks_keep_a_map_from_drifting_away(
+    arena: Arena, two_rounds: list[Report], drifting: Score, result: Result
+) -> None:
+    corrected = result(two_rounds, PoseSource(arena.start, 8.0))
     assert drifting.wall_error > 0.12
     assert corrected.wall_error < 0.5 * drifting.wall_error
     assert corrected.f1 > drifting.f1 + 0.4
 
 
-def test_after_a_late_correction_the_map_heals(arena: Arena, reports: list[Report]) -> None:
-    """Two rounds without a landmark, then one: the next rounds put the walls right again."""
-    two_thirds = reports[len(reports) * 2 // 3].time
-    before = reports[: len(reports) * 2 // 3]
-    smeared = result(arena, before, PoseSource(arena.start, math.inf))
-    healed = result(arena, reports, PoseSource(arena.start, two_thirds))
-    assert healed.wall_error < 0.7 * smeared.wall_error
-    assert healed.f1 > smeared.f1 + 0.3
+def test_after_a_late_correction_the_map_heals(
+    arena: Arena, reports: list[Report], two_rounds: list[Report], drifting: Score, result: Result
+) -> None:
+    """Two rounds without a landmark, then one: the next round puts the walls right again."""
+    healed = result(reports, PoseSource(arena.start, reports[len(two_rounds)].time))
+    assert healed.wall_error < 0.7 * drifting.wall_error
+    assert healed.f1 > drifting.f1 + 0.3

@@ -18,8 +18,9 @@ from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.drift_watch import DriftWatch
 from hub.pose import Pose, wrapped
 from hub.robots.magellan import SimulatedMagellan
-from hub.sim.arena import BODY_RADIUS, Arena, Footprints
+from hub.sim.arena import BODY_RADIUS, Arena
 from hub.sim.range_sensors import first_hits
+from tests.support.footprints import distances
 
 Floats = npt.NDArray[np.float64]
 
@@ -185,7 +186,7 @@ def score(grid: OccupancyGrid, arena: Arena, surfaces: Floats) -> Score:
     rows, columns = np.nonzero(grid.log_odds >= OCCUPIED)
     cells = np.stack((columns, rows), axis=1) * grid.resolution + grid.low + grid.resolution / 2
     cells = np.stack(arena.start.outward(cells[:, 0], cells[:, 1]), axis=1)
-    errors = distances(arena.footprints, cells)
+    errors = distances(arena.footprints, *cells.T)
     gaps = np.concatenate(
         [
             np.hypot(*(part[:, None, :] - cells).transpose(2, 0, 1)).min(axis=1)
@@ -197,16 +198,6 @@ def score(grid: OccupancyGrid, arena: Arena, surfaces: Floats) -> Score:
         recall=float((gaps <= TOLERANCE).mean()),
         wall_error=float(errors.mean()),
     )
-
-
-def distances(footprints: Footprints, points: Floats) -> Floats:
-    """From each point to the nearest thing [m], shape (n,); 0: inside of it."""
-    low, high = footprints.low[:, None, :], footprints.high[:, None, :]
-    beyond = np.maximum(np.maximum(low - points, points - high), 0.0)
-    nearest = np.hypot(beyond[..., 0], beyond[..., 1]).min(axis=0, initial=np.inf)
-    away = points - footprints.centre[:, None, :]
-    round_ones = np.hypot(away[..., 0], away[..., 1]) - footprints.radius[:, None]
-    return np.minimum(nearest, np.maximum(round_ones, 0.0).min(axis=0, initial=np.inf))
 
 
 def surfaces_in_sight(

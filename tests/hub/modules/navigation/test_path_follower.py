@@ -14,6 +14,8 @@ from hub.modules.navigation.path_follower import known_part
 from hub.pose import Pose, wrapped
 from hub.sim.arena import Arena, load_arena
 from tests.hub.modules.navigation.drives import Drive, random_start
+from tests.support.footprints import distances
+from tests.support.repetitions import repetitions
 
 EMPTY = load_arena("empty")
 YELLOW = load_arena("yellow")
@@ -26,14 +28,14 @@ def goal(
     return GoalCommand(points=points, theta=theta, patience=patience)
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(repetitions(4, 40)))
 def test_full_speed_ahead_from_anywhere_touches_nothing(seed: int) -> None:
     drive = Drive(YELLOW, random_start(YELLOW, seed), seed)
     drive.push(0.5, 0.0, 6.0)
     assert drive.truth.contacts == 0
 
 
-@pytest.mark.parametrize("seed", range(100, 103))
+@pytest.mark.parametrize("seed", range(100, 100 + repetitions(2, 20)))
 def test_full_speed_back_from_anywhere_touches_nothing(seed: int) -> None:
     drive = Drive(YELLOW, random_start(YELLOW, seed), seed)
     drive.push(-0.5, 0.0, 5.0)
@@ -164,12 +166,10 @@ def test_the_pose_is_put_right_by_what_is_seen_of_the_map() -> None:
 def seen_from(arena: Arena, start: Pose) -> Grid:
     """The arena as a grid in the frame of a robot that starts there, looking north."""
     side, resolution = 200, 0.05
-    cells = np.zeros((side, side), dtype=np.int8)
-    for row in range(side):
-        for column in range(side):
-            ahead, left = (column + 0.5) * resolution - 5.0, (row + 0.5) * resolution - 5.0
-            inside = arena.footprints.distances(start.x - left, start.y + ahead).min() <= 0.0
-            cells[row, column] = 100 if inside else 0
+    middles = (np.arange(side) + 0.5) * resolution - 5.0
+    ahead, left = np.meshgrid(middles, middles)
+    inside = distances(arena.footprints, start.x - left, start.y + ahead) <= 0.0
+    cells = np.where(inside, 100, 0).astype(np.int8)
     return Grid(cells=cells, resolution=resolution, origin_x=-5.0, origin_y=-5.0)
 
 
