@@ -19,17 +19,15 @@ from rune_tui.drawn_viewport import DrawnViewport, is_shown
 from rune_tui.layout.placing import Placed, arrangement_for, filled, placed
 from rune_tui.layout.rules import Vocabulary
 from rune_tui.layout.spec import CHOSEN, LayoutSpec, ViewportSpec
-from rune_tui.model.console_state import ConsoleState, Notice
-from rune_tui.model.leaving import question
+from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.theme import DARK, Theme
 from rune_tui.overlays.banner_layer import BannerLayer
+from rune_tui.overlays.notice_layer import NoticeLayer, notice_only
 from rune_tui.overlays.page_layer import PageLayer
-from rune_tui.raster.canvas import Canvas
-from rune_tui.raster.urgency import Urgencies, Urgency
-from rune_tui.visualizers.parts.notice import write_notice
+from rune_tui.raster.urgency import Urgencies
 from rune_tui.visualizers.visualizer import Picturing, Visualizer
 from rune_tui.visualizers.words.title import with_title
-from rune_tui.visualizers.words.troubles import REPORT_S, banner_of
+from rune_tui.visualizers.words.troubles import banner_of
 
 _logger = logging.getLogger(__name__)
 
@@ -37,7 +35,6 @@ MIN_COLUMNS = 16
 MIN_ROWS = 4
 _INVISIBLE = 255
 """The transparency of what cannot be seen."""
-_COMPLAINT_ROWS = 4
 MIN_PICTURE = (16, 12)
 """Smallest picture worth asking for, width and height [pixels]."""
 
@@ -69,7 +66,7 @@ class View:
         self._spec = layout.view
         self._vocabulary = layout.vocabulary
         self._choice = any(each.robot == CHOSEN for each in layout.view.viewports)
-        self._said: tuple[str, str, str, Notice | None] = ("", "", "", None)
+        self._look = "", ""
         self._columns = 0
         self._rows = 0
         self._panes: list[DrawnViewport] = []
@@ -87,6 +84,7 @@ class View:
         self._page_rows = 0
         self._sizes: Mapping[str, tuple[int, int]] = {}
         self._banner = BannerLayer()
+        self._notices = NoticeLayer()
         self._urgencies: Urgencies = np.zeros((0, 0), np.uint8)
         self._pictures: tuple[SeenPicture, ...] = ()
 
@@ -172,7 +170,7 @@ class View:
                 return None
             self._failed, self._complete = True, False
             _logger.exception("the picture cannot be made")
-            layers = [self._apology("this cannot be drawn; the log says why", state)]
+            layers = [self._only("this cannot be drawn; the log says why", state)]
             self._urgencies = urgencies_of(self._columns, self._rows, layers)
             self._pictures = ()
             return compose(self._columns, self._rows, self._ground(state.theme), layers)
@@ -188,25 +186,17 @@ class View:
         top, rows = self._page_place
         nearest = self._nearest + 1
         changed.append(self._page.refresh(self._columns, top, rows, nearest, state))
-        passing = self._passing(state)
-        urgent = question(state.leaving) or state.trouble or _asked(state)
-        now_said = (state.theme.name, state.chosen, urgent, passing)
-        said = now_said == self._said
-        if self._complete and not any(changed) and said:
+        changed.append(self._refresh_notices(state))
+        look = state.theme.name, state.chosen
+        if self._complete and not any(changed) and look == self._look:
             return None
-        self._said = now_said
-        self._complete = True
-        layers = [layer for pane in self._panes for layer in pane.layers(state)]
-        layers += [pane.over for pane in self._panes if pane.over is not None]
-        layers += self._page.layers
+        self._look, self._complete = look, True
         if self._too_small:
-            layers = [self._apology("too small", state)]
-        elif urgent:
-            layers.append(self._urgent(urgent, state))
-        elif passing:
-            layers.append(self._told(passing, state))
-        if not self._too_small:
-            layers += self._banner.layers
+            layers = [self._only("too small", state)]
+        else:
+            layers = [layer for pane in self._panes for layer in pane.layers(state)]
+            layers += [pane.over for pane in self._panes if pane.over is not None]
+            layers += [*self._page.layers, *self._notices.layers, *self._banner.layers]
         self._urgencies = urgencies_of(self._columns, self._rows, layers)
         cells = compose(self._columns, self._rows, self._ground(state.theme), layers)
         make_legible(cells, state.theme.tint)
@@ -292,41 +282,16 @@ class View:
     def _too_small(self) -> bool:
         return self._columns < MIN_COLUMNS or self._rows < MIN_ROWS
 
-    def _urgent(self, text: str, state: ConsoleState) -> Layer:
-        """What stays until something is done about it, over the upper edge of everything."""
-        canvas = Canvas.blank(self._columns, 2 * min(_COMPLAINT_ROWS, self._rows))
-        if state.leaving:
-            canvas.fill(state.theme.panel)  # nothing else is to be read before it is answered
-        write_notice(canvas, text, state.theme, state.theme.warning if state.leaving else None)
-        return self._on_top(canvas)
-
-    def _passing(self, state: ConsoleState) -> Notice | None:
-        """What happened just now, where neither the banner nor an event log tells of it."""
-        newest = state.notices[-1] if state.notices else None
-        if (
-            newest is None
-            or state.log
-            or newest.quiet
-            or newest.alarm
-            or state.now - newest.when > REPORT_S
-        ):
-            return None
+    def _refresh_notices(self, state: ConsoleState) -> bool:
         logged = any(pane.visualizer.rule.logs and pane.visible(state) for pane in self._panes)
-        return None if logged else newest
-
-    def _told(self, notice: Notice, state: ConsoleState) -> Layer:
-        """A notice, over the upper edge of everything for a while."""
-        canvas = Canvas.blank(self._columns, 2 * min(_COMPLAINT_ROWS, self._rows))
-        # A page has what its keys do at its upper edge.
-        below = max(0, 2 * self._page_rows - canvas.height) if state.paged else None
-        whose = f"{state.title(notice.robot)}: " if notice.robot else ""
-        write_notice(canvas, f"{whose}{notice.text}", state.theme)
-        return self._on_top(canvas, below)
-
-    def _on_top(self, canvas: Canvas, y: int | None = None) -> Layer:
-        """Over everything, below the banner where no other place is given [pixels]."""
-        y = 2 * (self._kept_rows + self._banner.rows) if y is None else y
-        return Layer(canvas=canvas, x=0, y=y, zpos=self._nearest + 2, urgency=Urgency.ALARM)
+        return self._notices.refresh(
+            (self._columns, self._rows),
+            self._kept_rows + self._banner.rows,
+            self._nearest + 2,
+            state,
+            page_rows=self._page_rows,
+            logged=logged,
+        )
 
     def _ground(self, theme: Theme) -> tuple[int, int, int]:
         """What is behind all viewports: a layout's colour suits the theme it was made for only."""
@@ -337,15 +302,8 @@ class View:
     def _nearest(self) -> int:
         return max((place.zpos for place in self._arrangement.places), default=0)
 
-    def _apology(self, text: str, state: ConsoleState) -> Layer:
-        canvas = Canvas.blank(self._columns, 2 * self._rows)
-        write_notice(canvas, text, state.theme)
-        return Layer(canvas=canvas, x=0, y=0)
-
-
-def _asked(state: ConsoleState) -> str:
-    """What the operator is asked to do with a joystick now."""
-    return next((each.prompt for each in state.joysticks.values() if each.prompt), "")
+    def _only(self, text: str, state: ConsoleState) -> Layer:
+        return notice_only(text, self._columns, self._rows, state.theme)
 
 
 def _made(viewport: ViewportSpec, vocabulary: Vocabulary) -> Visualizer:
