@@ -7,6 +7,7 @@ import contextlib
 import gc
 import io
 import logging
+import math
 import os
 import sys
 from collections.abc import Sequence
@@ -19,6 +20,7 @@ from hub.command_line import (
     ExitCode,
     ShowVersion,
     add_completion,
+    number_type,
     write_completion,
 )
 from hub.errors import CentralUnreachableError, HubError, QueryError
@@ -239,29 +241,9 @@ def _run_daemon(options: argparse.Namespace) -> int:
     )
 
 
-def _port(text: str) -> int:
-    if not (text.isdigit() and int(text) <= LARGEST_PORT):
-        reason = f"{text!r} is no port from 0 to {LARGEST_PORT}"
-        raise argparse.ArgumentTypeError(reason)
-    return int(text)
-
-
-def _positive(text: str) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        number = 0.0
-    if not 0.0 < number <= 1e6:
-        reason = f"{text!r} is no number above 0"
-        raise argparse.ArgumentTypeError(reason)
-    return number
-
-
-def _whole(text: str) -> int:
-    if not (text.isdigit() and int(text) > 0):
-        reason = f"{text!r} is no whole number above 0"
-        raise argparse.ArgumentTypeError(reason)
-    return int(text)
+_port = number_type(int, 0, LARGEST_PORT, f"port from 0 to {LARGEST_PORT}")
+_positive = number_type(float, sys.float_info.min, 1e6, "number above 0")
+_whole = number_type(int, 1, math.inf, "whole number above 0")
 
 
 def _parser() -> CommandParser:

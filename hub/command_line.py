@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import enum
+import getpass
 import re
 import sys
 from collections.abc import Callable, Sequence
-from typing import NoReturn, TypeAlias
+from typing import NoReturn, TypeAlias, TypeVar
 
 from hub.nearest import did_you_mean, nearest_word
+
+N = TypeVar("N", int, float)
 
 DISTRIBUTION = "robot-user-nexus"
 _UNKNOWN = re.compile(r"invalid choice: '(?P<word>[^']{1,64})' \(choose from (?P<known>.*)\)")
@@ -97,6 +101,37 @@ class ShowVersion(argparse.Action):
 
         sys.stdout.write(f"{parser.prog} {version(DISTRIBUTION)}\n")
         parser.exit()
+
+
+def number_type(
+    kind: Callable[[str], N], least: float, most: float, allowed: str
+) -> Callable[[str], N]:
+    """What reads an argument that is a number.
+
+    Args:
+        kind: Converts the text: int or float.
+        least: Smallest value allowed.
+        most: Largest value allowed.
+        allowed: What an argument has to be, for people.
+    """
+
+    def read(text: str) -> N:
+        with contextlib.suppress(ValueError):
+            number = kind(text)
+            if least <= number <= most:
+                return number
+        reason = f"{text!r} is no {allowed}"
+        raise argparse.ArgumentTypeError(reason)
+
+    return read
+
+
+def login_name() -> str:
+    """Who is logged in here; empty if the system does not say."""
+    try:
+        return getpass.getuser()
+    except (OSError, KeyError, ImportError):
+        return ""
 
 
 def add_completion(commands: Commands) -> None:

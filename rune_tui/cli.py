@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TextIO
 
-from hub.command_line import ExitCode, write_completion
+from hub.command_line import ExitCode, login_name, write_completion
 from hub.plain_text import plain
 from rune_tui.commands.arguments import parser
 from rune_tui.compositor.depth import ColourDepth
@@ -311,12 +311,9 @@ def _links(
     tunnels: Sequence[Tunnel] = (),
     operator: str | None = None,
 ) -> RobotLinks:
-    from rune_tui.files.user_files import operator_name
     from rune_tui.link.robot_links import RobotLinks
 
-    return RobotLinks(
-        layout, hubs, keys=keys, operator=operator or operator_name(), tunnels=tunnels
-    )
+    return RobotLinks(layout, hubs, keys=keys, operator=operator or login_name(), tunnels=tunnels)
 
 
 def _tunnels(

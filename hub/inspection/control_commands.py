@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from hub.errors import HubError, NoHandlerError, QueryError, QueryTimeoutError
+from hub.errors import HubError
 from hub.gcm.autonomy import DrivingMode
 from hub.gcm.common import COMMON_RESULT
 from hub.gcm.control import (
@@ -16,22 +16,15 @@ from hub.gcm.control import (
     ControlState,
 )
 from hub.inspection import value_text
-from hub.inspection.module_commands import no_daemon
+from hub.inspection.module_commands import ask_daemon, last_report
 from hub.inspection.output import outcome, put, span
 from hub.ipc.client import Client
 from hub.plain_text import plain
 
-_ANSWER_S = 2.0
-
 
 def show(client: Client, *, as_json: bool) -> int:
     """Show who has control, who asks for it, and who moves the robot."""
-    try:
-        state = client.last_value(CONTROL_STATE, timeout=_ANSWER_S)
-    except QueryTimeoutError:
-        raise
-    except QueryError as error:
-        raise no_daemon(client) from error
+    state = last_report(client, CONTROL_STATE)
     if as_json:
         put(json.dumps(value_text.plain(state)))
         return 0
@@ -50,13 +43,7 @@ def release(client: Client, *, force: bool) -> int:
         text = "this takes control from whoever has it; if you stand by the robot, add --force"
         raise HubError(text)
     request = ControlRequest(action=ControlAction.FREE)
-    try:
-        result = client.query_response(CONTROL_REQUEST, request, COMMON_RESULT, timeout=_ANSWER_S)
-    except NoHandlerError as error:
-        raise no_daemon(client) from error
-    if result.done:
-        put(plain(result.text))
-    return outcome(result)
+    return outcome(ask_daemon(client, CONTROL_REQUEST, request, COMMON_RESULT))
 
 
 def _lines(state: ControlState) -> list[str]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import time
 
+from hub.command_line import login_name
 from hub.gcm.navigation import ROBOT_STATE, STOP, MotionState, RobotState, Stop
-from hub.inspection.login import login_name
 from hub.inspection.output import complain, put
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo

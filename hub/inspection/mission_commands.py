@@ -6,10 +6,10 @@ import json
 from pathlib import Path
 from typing import Any
 
+from hub.command_line import login_name
 from hub.errors import MissionError, NoHandlerError, QueryError
 from hub.gcm.common import COMMON_RESULT
 from hub.gcm.mission import MISSION_COMMAND, MissionAction, MissionCommand
-from hub.inspection.login import login_name
 from hub.inspection.output import outcome, put, span, table
 from hub.ipc.client import Client
 from hub.missions.export import MissionPhase, facts_of_marks, mission_facts, moment
@@ -104,8 +104,6 @@ def order(client: Client, action: MissionAction, name: str) -> int:
     except NoHandlerError as error:
         text = "mapping, which keeps missions, does not run; `rune-hub start mapping` starts it"
         raise QueryError(text) from error
-    if result.done:
-        put(plain(result.text))
     return outcome(result)
 
 

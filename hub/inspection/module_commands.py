@@ -7,7 +7,7 @@ import math
 import sys
 import time
 from collections.abc import Sequence
-from typing import Any
+from typing import TypeVar
 
 from hub.errors import (
     HandlerFailedError,
@@ -22,8 +22,12 @@ from hub.gcm.supervision import CapabilityPhase, ModuleOrder
 from hub.inspection import value_text
 from hub.inspection.output import outcome, put, span, table
 from hub.ipc.client import Client
+from hub.ipc.definition import MessageDefinition
 from hub.ipc.message_info import MessageInfo
 from hub.plain_text import plain
+
+T = TypeVar("T")
+R = TypeVar("R")
 
 _ANSWER_S = 2.0
 _RENEW_S = supervision.LEASE_S / 3
@@ -33,7 +37,7 @@ _MOST_LINES = 1000
 
 def modules(client: Client, *, as_json: bool) -> int:
     """Show what the daemon knows of each module."""
-    reports = _last(client, supervision.MODULE_REPORTS)
+    reports = last_report(client, supervision.MODULE_REPORTS)
     if as_json:
         put(json.dumps(value_text.plain(reports)))
         return 0
@@ -61,7 +65,7 @@ def modules(client: Client, *, as_json: bool) -> int:
 
 def capabilities(client: Client, *, as_json: bool) -> int:
     """Show what the robot can do, and who wants it."""
-    reports = _last(client, supervision.CAPABILITY_REPORTS)
+    reports = last_report(client, supervision.CAPABILITY_REPORTS)
     if as_json:
         put(json.dumps(value_text.plain(reports)))
         return 0
@@ -77,15 +81,8 @@ def capabilities(client: Client, *, as_json: bool) -> int:
 def order(client: Client, module: str, wanted: str) -> int:
     """Have the daemon start, stop or restart a module."""
     command = supervision.ModuleCommand(module=module, order=ModuleOrder[wanted.upper()])
-    try:
-        result = client.query_response(
-            supervision.MODULE_COMMAND, command, COMMON_RESULT, timeout=_ANSWER_S
-        )
-    except NoHandlerError as error:
-        raise no_daemon(client) from error
-    if result.done:
-        put(plain(result.text))
-    else:
+    result = ask_daemon(client, supervision.MODULE_COMMAND, command, COMMON_RESULT)
+    if not result.done:
         _need_known(client, module, result.text)
     return outcome(result)
 
@@ -114,10 +111,7 @@ def want(client: Client, wanted: Sequence[str], *, seconds: float) -> int:
 
 def logs(client: Client, module: str, *, lines: int, follow: bool) -> int:
     """Show what a module has written lately, and with `follow` what it writes from now on."""
-    try:
-        shown = _lines(client, module, 0, lines)
-    except NoHandlerError as error:
-        raise no_daemon(client) from error
+    shown = _lines(client, module, 0, lines)
     _show(shown)
     if not shown.text:
         sys.stderr.write(f"rune-hub: {module} has written nothing since this hub was started\n")
@@ -148,9 +142,7 @@ def _show(shown: supervision.LogLines) -> None:
 def _lines(client: Client, module: str, first: int, most: int) -> supervision.LogLines:
     request = supervision.LogRequest(module=module, first=first, most=min(most, _MOST_LINES))
     try:
-        return client.query_response(
-            supervision.LOG_REQUEST, request, supervision.LOG_LINES, timeout=_ANSWER_S
-        )
+        return ask_daemon(client, supervision.LOG_REQUEST, request, supervision.LOG_LINES)
     except HandlerFailedError as error:
         _need_known(client, module, str(error))
         raise
@@ -158,24 +150,42 @@ def _lines(client: Client, module: str, first: int, most: int) -> supervision.Lo
 
 def _need_known(client: Client, module: str, text: str) -> None:
     """That something is not done may be because there is no such module: then it is wrong usage."""
-    reports = _last(client, supervision.MODULE_REPORTS)
+    reports = last_report(client, supervision.MODULE_REPORTS)
     if module not in (each.name for each in reports.modules):
         raise UnknownModuleError(plain(text))
 
 
-def _last(client: Client, definition: Any) -> Any:  # noqa: ANN401 - a report of any kind
+def last_report(client: Client, definition: MessageDefinition[T]) -> T:
+    """The newest report of the daemon.
+
+    Raises:
+        QueryError: It does not answer, or no daemon runs.
+    """
     try:
         return client.last_value(definition, timeout=_ANSWER_S)
     except QueryTimeoutError:
         raise
     except QueryError as error:
-        raise no_daemon(client) from error
+        raise _no_daemon(client) from error
 
 
-def no_daemon(client: Client) -> QueryError:
-    """Nobody answers what only a daemon answers."""
+def ask_daemon(
+    client: Client, request: MessageDefinition[T], value: T, response: MessageDefinition[R]
+) -> R:
+    """The daemon's answer.
+
+    Raises:
+        QueryError: It does not answer, or no daemon runs.
+    """
+    try:
+        return client.query_response(request, value, response, timeout=_ANSWER_S)
+    except NoHandlerError as error:
+        raise _no_daemon(client) from error
+
+
+def _no_daemon(client: Client) -> NoHandlerError:
     text = f"no daemon answers at {client.endpoint}: is it `rune-hub run` that runs there?"
-    return QueryError(text)
+    return NoHandlerError(text)
 
 
 def _outlook(name: str, report: supervision.CapabilityReport | None) -> str:

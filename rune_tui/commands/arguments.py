@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from hub.command_line import CommandParser, Commands, ShowVersion, add_completion
+from hub.command_line import CommandParser, Commands, ShowVersion, add_completion, number_type
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import GlyphSet
 
@@ -29,17 +29,6 @@ def _size(text: str) -> tuple[int, int]:
     raise argparse.ArgumentTypeError(reason)
 
 
-def _seconds(text: str) -> float:
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = -1.0
-    if not 0.0 <= seconds <= 3600.0:
-        reason = f"{text!r} is no time from 0 to 3600 s"
-        raise argparse.ArgumentTypeError(reason)
-    return seconds
-
-
 def _name(text: str) -> str:
     name = text.strip()
     if not name or not name.isprintable() or len(name) > _LONGEST_NAME:
@@ -48,15 +37,8 @@ def _name(text: str) -> str:
     return name
 
 
-def _aspect(text: str) -> float:
-    try:
-        ratio = float(text)
-    except ValueError:
-        ratio = 0.0
-    if not 1.0 <= ratio <= 4.0:
-        reason = f"{text!r} is no ratio from 1 to 4, such as 2.2"
-        raise argparse.ArgumentTypeError(reason)
-    return ratio
+_seconds = number_type(float, 0.0, 3600.0, "time from 0 to 3600 s")
+_aspect = number_type(float, 1.0, 4.0, "ratio from 1 to 4, such as 2.2")
 
 
 def parser() -> CommandParser:

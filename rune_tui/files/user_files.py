@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import datetime
-import getpass
 import logging
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -46,14 +45,6 @@ class Outcome:
     alarm: bool = False
     robot: str = ""
     routine: bool = False
-
-
-def operator_name() -> str:
-    """Who is logged in here; empty if the system does not say."""
-    try:
-        return getpass.getuser()
-    except (OSError, KeyError, ImportError):
-        return ""
 
 
 def undelivered(

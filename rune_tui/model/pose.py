@@ -3,29 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 import numpy.typing as npt
 
+from hub import pose
 from hub.gcm.vision import CameraState
 from rune_tui.model.sightings import Floats
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Pose:
-    """The pose of a robot.
+class Pose(pose.Pose):
+    """The pose of a robot in `map`; points are arrays."""
 
-    Attributes:
-        x: Its centre in `map` [m].
-        y: Its centre in `map` [m].
-        theta: Its heading in `map` [rad], counter-clockwise from x.
-    """
-
-    x: float
-    y: float
-    theta: float
+    __slots__ = ()
 
     @classmethod
     def of(cls, camera: CameraState) -> Self | None:
@@ -38,14 +29,9 @@ class Pose:
     def to_map(self, points: npt.ArrayLike) -> Floats:
         """Points of the robot's frame in `map` [m], shape (..., 2) both."""
         ahead, left = np.moveaxis(np.asarray(points, np.float64), -1, 0)
-        cos, sin = math.cos(self.theta), math.sin(self.theta)
-        return np.stack(
-            (self.x + ahead * cos - left * sin, self.y + ahead * sin + left * cos), axis=-1
-        )
+        return np.stack(self.outward(ahead, left), axis=-1)
 
     def from_map(self, points: npt.ArrayLike) -> Floats:
         """Points of `map` in the robot's frame [m], shape (..., 2) both."""
         x, y = np.moveaxis(np.asarray(points, np.float64), -1, 0)
-        x, y = x - self.x, y - self.y
-        cos, sin = math.cos(self.theta), math.sin(self.theta)
-        return np.stack((x * cos + y * sin, y * cos - x * sin), axis=-1)
+        return np.stack(self.inward(x, y), axis=-1)

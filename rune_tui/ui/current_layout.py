@@ -6,8 +6,8 @@ import dataclasses
 import time
 from typing import Any
 
+from hub.command_line import login_name
 from rune_tui.dispatch import Dispatch
-from rune_tui.files.user_files import operator_name
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState, carried_over
 from rune_tui.view import View
@@ -43,7 +43,7 @@ class CurrentLayout:
         self._pixels_per_cell = pixels_per_cell
         self.view = View(layout, pixels_per_cell=pixels_per_cell)
         self.dispatch = Dispatch(layout)
-        start = ConsoleState.at_start(layout, time.monotonic(), operator or operator_name())
+        start = ConsoleState.at_start(layout, time.monotonic(), operator or login_name())
         self.console = dataclasses.replace(start, pixel_height=aspect / 2.0)
 
     def open(self, layout: LayoutSpec, columns: int, rows: int) -> None:
