@@ -1,4 +1,4 @@
-"""Messages of the autonomy module: what it is to do, and what it does."""
+"""Messages of the autonomy module: its commands and its state."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from hub.ipc.formats.wire_types import Counted
 
 
 class Behaviour(enum.IntEnum):
-    """What the robot does by itself.
+    """A behaviour of the robot on its own.
 
     Attributes:
         HOLD: Nothing; the operator drives.
-        EXPLORE: Go where the map ends, until no such place can be reached or nothing new comes.
+        EXPLORE: Go to the edges of the map, until none can be reached or none brings new ground.
         GO: Go to a point.
-        FOLLOW: Go to one point after the other.
-        RETURN: Go back to where the robot started.
-        WANDER: Drive about where there is room.
+        FOLLOW: Go to several points in order.
+        RETURN: Go back to the start.
+        WANDER: Drive around in free space.
     """
 
     HOLD = 0
@@ -43,11 +43,11 @@ class Behaviour(enum.IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AutonomyCommand:
-    """Tell autonomy what to do.
+    """Set the behaviour of autonomy.
 
     Attributes:
-        behaviour: What.
-        points: Where to in `map`: one for GO, some for FOLLOW, else none.
+        behaviour: The behaviour.
+        points: Goals in `map`: one for GO, some for FOLLOW, else none.
     """
 
     behaviour: Behaviour = Behaviour.HOLD
@@ -64,7 +64,7 @@ AUTONOMY_COMMAND = MessageDefinition(
 
 
 class DrivingMode(enum.IntEnum):
-    """Who drives."""
+    """The driver of the robot."""
 
     NOBODY = 0
     OPERATOR = 1
@@ -72,17 +72,17 @@ class DrivingMode(enum.IntEnum):
 
 
 class Phase(enum.IntEnum):
-    """How what was asked for stands.
+    """The state of the last command.
 
     Attributes:
-        IDLE: Nobody has asked for anything, or somebody asked to hold.
+        IDLE: No command yet, or the command was HOLD.
         ACTIVE: It is under way.
-        WAITING: The robot stands until something comes back or clears, and goes on then.
+        WAITING: The robot stands until data comes back or the path clears, and goes on then.
         DONE: It is done.
-        BLOCKED: There was no way.
-        STOPPED: Somebody stopped it.
-        TAKEN_OVER: Somebody drives, has control now, or sent the robot elsewhere.
-        LOST: What autonomy has to know did not come back in time.
+        BLOCKED: There was no path.
+        STOPPED: A client stopped it.
+        TAKEN_OVER: An operator drives, has control now, or sent the robot elsewhere.
+        LOST: Data that autonomy needs did not come back in time.
         REFUSED: The command made no sense.
     """
 
@@ -99,24 +99,24 @@ class Phase(enum.IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AutonomyState:
-    """What autonomy does, and why; when it changes and twice a second.
+    """The state of autonomy; sent at each change and twice a second.
 
     Attributes:
-        behaviour: What it does.
-        pilot: Who drives now.
-        x: Where it goes in `map` [m]; NaN: nowhere.
-        y: Where it goes in `map` [m].
+        behaviour: The present behaviour.
+        pilot: The driver now.
+        x: Its goal in `map` [m]; NaN: none.
+        y: Its goal in `map` [m].
         frontier_m: Length of the map's edge that is left to explore [m]; NaN: not exploring.
-        why: Why it does so, for people: "the operator took over", "explored: nothing is left".
-        phase: How what was asked for last stands.
-        asked: What was asked for last.
+        why: The reason, for people: "the operator took over", "explored: nothing is left".
+        phase: The state of the last command.
+        asked: The last command.
         explored: Share of the edge of the known free ground that needs no exploring, 0 to 1;
             NaN: it has not explored.
-        distance_m: Length of the way that is left to where it goes [m]; NaN: not known.
-        seconds: How long it has taken so far, or took in all [s].
-        ended_s: Time since it ended [s]; NaN: it is under way, or nobody has asked yet.
+        distance_m: Length of the remaining path to the goal [m]; NaN: not known.
+        seconds: Its time so far, or in all [s].
+        ended_s: Time since its end [s]; NaN: it is under way, or there was no command.
         sender: The module's number at central, as in `NavigationStatus.sender`.
-        number: Counts what was asked for since the module started.
+        number: Counts the commands since the start of the module.
     """
 
     behaviour: Behaviour

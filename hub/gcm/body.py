@@ -1,4 +1,4 @@
-"""What a robot is: its name, its kind, and the ground that it covers.
+"""The body of a robot: its name, its kind, and its footprint.
 
 Positions are in `base_link` (ROS REP 103): x forward, y left, the origin where the robot turns.
 """
@@ -15,7 +15,7 @@ from hub.ipc.formats.wire_types import FLOAT32, Counted
 
 Metres32: TypeAlias = Annotated[Metres, FLOAT32]
 MOST_CORNERS = 32
-"""Corners of a footprint at most."""
+"""Most corners of a footprint."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,13 +35,13 @@ class Point32:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotBody:
-    """What does not change while the robot runs; the hub publishes it once and keeps it.
+    """The constants of a robot; the hub publishes them once and keeps them.
 
     Attributes:
         name: The robot's own name, from its robot file.
         kind: Its kind, such as "simulated-magellan".
-        radius: Of the circle around the origin in which all of it lies [m].
-        footprint: Corners of the ground that it covers, counter-clockwise, shape (n,); none:
+        radius: Radius of the circle around the origin that encloses the robot [m].
+        footprint: Corners of its outline on the ground, counter-clockwise, shape (n,); none:
             the circle.
     """
 

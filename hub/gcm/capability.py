@@ -1,4 +1,4 @@
-"""The capabilities a robot can have: finer than modules, one kind of action or data each."""
+"""The capabilities of a robot: each is one kind of action or data."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 
 class Capability(enum.StrEnum):
-    """What a module can do or provide.
+    """One kind of action or data of a module.
 
     Attributes:
         CON_REAL: Real-time control: keep-alives and screen updates of a console.
@@ -40,11 +40,11 @@ class Capability(enum.StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Abilities:
-    """What a module can do on a given robot, and what it cannot do it without.
+    """The capabilities of a module on a given robot, and its needs.
 
     Attributes:
         provides: Its capabilities.
-        needs: Capabilities of other modules that have to run before it is of use.
+        needs: Capabilities of other modules that it cannot work without.
     """
 
     provides: tuple[Capability, ...]

@@ -1,4 +1,4 @@
-"""What any module may be told, by name: the common commands."""
+"""The common commands to any module."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from hub.ipc.definition import Keep, MessageDefinition, Plane
 
 
 class CommonCommandKind(enum.IntEnum):
-    """What a `CommonCommand` asks for.
+    """The order in a `CommonCommand`.
 
     Attributes:
-        START: Run; the daemon starts the module if it does not.
-        STOP: End in order; the daemon does not start the module again until it is told to.
-        RESTART: End in order and begin anew.
+        START: Run; the daemon starts the module if needed.
+        STOP: End in order; the daemon starts the module again only after START.
+        RESTART: End in order and start again.
         STATUS: Publish `GCM_ModuleInfo` now.
-        LOG_LEVEL: Log from the level in `argument` on: debug, info, warning or error.
+        LOG_LEVEL: Set the log level to `argument`: debug, info, warning or error.
         CAPABILITIES: Publish `GCM_ModuleInfo` now, which lists them.
     """
 
@@ -31,12 +31,12 @@ class CommonCommandKind(enum.IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CommonCommand:
-    """Tell a module something that any module understands.
+    """An order that any module understands.
 
     Attributes:
-        module: Its name; empty means all of them.
-        command: What to do.
-        argument: As the command says; empty otherwise.
+        module: Its name; empty: all modules.
+        command: The order.
+        argument: Argument of the order; else empty.
     """
 
     module: Name = ""
@@ -55,7 +55,7 @@ COMMON_COMMAND = MessageDefinition(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RequestData:
-    """Ask whoever publishes a message to publish it now.
+    """Ask the publishers of a message to publish it now.
 
     Attributes:
         message: Its name.
@@ -75,11 +75,11 @@ REQUEST_DATA = MessageDefinition(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CommonResult:
-    """What is said to a request that can be done or refused.
+    """The answer to a request.
 
     Attributes:
-        done: 1 if it is done, 0 if it cannot be.
-        text: What was done, or why not.
+        done: 1: it is done; 0: it is refused.
+        text: The result, or the reason.
     """
 
     done: Flag

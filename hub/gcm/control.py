@@ -1,4 +1,4 @@
-"""Messages of the control lease: one operator commands a robot at a time, and all see who."""
+"""Messages of the control lease: one operator commands a robot at a time."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from hub.gcm.fields import Count, Flag, Name, Number, Numbers, Seconds, Sentence
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 
 HEARTBEAT_HZ = 5.0
-"""How often a console says that it lives [Hz]."""
+"""Rate of a console's heartbeats [Hz]."""
 WARNED_S = 1.0
-"""Silence of the owner's console after which the others are told [s]."""
+"""Silence of the owner's console after which the state shows it [s]."""
 LOST_S = 3.0
-"""Silence of the owner's console after which it has lost control [s]."""
+"""Silence of the owner's console after which it loses control [s]."""
 ANSWER_S = 10.0
-"""Time the owner has to answer who asks for control [s]."""
+"""Time of the owner to answer a request for control [s]."""
 
 DRIVING: frozenset[str] = frozenset(
     definition.name
@@ -30,7 +30,7 @@ DRIVING: frozenset[str] = frozenset(
         autonomy.AUTONOMY_COMMAND,
     )
 )
-"""Messages that move the robot: who sends one to a free robot means to have control."""
+"""Messages that move the robot; one to a free robot takes control."""
 RESTRICTED: frozenset[str] = DRIVING | {
     definition.name
     for definition in (
@@ -40,20 +40,20 @@ RESTRICTED: frozenset[str] = DRIVING | {
         vision.NIGHT_COMMAND,
     )
 }
-"""Messages that only the owner sends while there is one; `GCM_Stop` is not among them."""
+"""Messages of the owner alone, while there is one; `GCM_Stop` is not among them."""
 
 
 class ControlAction(enum.IntEnum):
-    """What a `ControlRequest` asks for.
+    """The order in a `ControlRequest`.
 
     Attributes:
-        TAKE: Control of a robot that nobody commands.
-        RELEASE: Give up one's own control.
-        ASK: Control of a robot that somebody commands: its owner is asked.
-        GRANT: Of the owner: hand it to who asks.
-        DENY: Of the owner: keep it.
-        TAKE_OVER: Control, whoever has it; needs the role `supervise`.
-        FREE: Nobody is to have control; needs the role `supervise`.
+        TAKE: Take control of a free robot.
+        RELEASE: Give up the sender's control.
+        ASK: Ask the owner for control.
+        GRANT: From the owner: hand control to the first request.
+        DENY: From the owner: refuse the first request.
+        TAKE_OVER: Take control from any owner; needs the role `supervise`.
+        FREE: End any control; needs the role `supervise`.
     """
 
     TAKE = 0
@@ -67,11 +67,11 @@ class ControlAction(enum.IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ControlRequest:
-    """Something about control is wanted; answered by `CommonResult`.
+    """An order about control; answered by `CommonResult`.
 
     Attributes:
-        action: What.
-        operator: Who sits at the console, for the others to read.
+        action: The order.
+        operator: Operator of the console, for others to read.
     """
 
     action: ControlAction = ControlAction.TAKE
@@ -87,10 +87,10 @@ CONTROL_REQUEST = MessageDefinition(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConsoleHeartbeat:
-    """A console lives.
+    """The heartbeat of a console.
 
     Attributes:
-        holds: 1 if it knows that it has control, and so keeps it; else 0.
+        holds: 1: it has control and keeps it; else 0.
     """
 
     holds: Flag = 0
@@ -107,23 +107,23 @@ CONSOLE_HEARTBEAT = MessageDefinition(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ControlState:
-    """Who has control; when it changes and once a second.
+    """The owner of control; sent at each change and once a second.
 
     Attributes:
-        owner: Whose commands count: its number at central, as in frame headers; 0: anybody's.
+        owner: Number at central of the owner, as in frame headers; 0: none, all commands count.
         owner_name: Its name at central.
-        operator: Who sits there.
-        held_s: How long it has had control [s].
-        silent_s: Time since its console was heard [s].
-        asker: Who asks for control: its number at central; 0: nobody.
+        operator: Its operator.
+        held_s: Time since it got control [s].
+        silent_s: Time since its last heartbeat [s].
+        asker: Number at central of the first console that asks for control; 0: none.
         asker_name: Its name at central.
-        asker_operator: Who sits there.
-        left_s: Time that the owner has left to answer [s]; 0 if nobody asks.
-        waiting: How many more ask, and come to their turn later.
-        commander: Who moves the robot now.
-        commander_name: Who that is, for people; empty if nobody does.
-        why: How control came to be as it is, for people.
-        modules: Numbers of the robot's own modules, whose commands always count, shape (n,).
+        asker_operator: Its operator.
+        left_s: Remaining time for the owner's answer [s]; 0: no request.
+        waiting: Number of further requests.
+        commander: Number of the sender that moves the robot now.
+        commander_name: Its name, for people; empty: none.
+        why: The reason for this state, for people.
+        modules: Numbers of the robot's own modules, shape (n,); their commands always count.
     """
 
     owner: Number = 0
@@ -151,14 +151,14 @@ CONTROL_STATE = MessageDefinition(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ControlRefusal:
-    """A module has not carried out a command, as its sender has no control; at most one a second.
+    """A module refused a command, because its sender has no control; at most one a second.
 
     Attributes:
-        sender: Whose command: its number at central.
+        sender: Number at central of the command's sender.
         message: Name of the command.
-        owner: Who has control: its number at central.
-        operator: Who sits there.
-        refused: How many commands the module has refused since it started.
+        owner: Number at central of the owner of control.
+        operator: Its operator.
+        refused: Commands that the module has refused since its start.
     """
 
     sender: Number

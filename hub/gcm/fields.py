@@ -1,7 +1,6 @@
-"""Kinds of fields that messages share, each with what it may hold; see `hub.ipc.formats.ranges`.
+"""Shared kinds of fields with their ranges; see `hub.ipc.formats.ranges`.
 
-A field of another range declares it where it stands. `Known` kinds are NaN where a value is not
-known.
+A field with another range declares it itself. `Known` kinds are NaN for an unknown value.
 """
 
 from __future__ import annotations
@@ -16,11 +15,11 @@ from hub.ipc.formats.ranges import Most, Range, Text
 from hub.ipc.formats.wire_types import Counted, Uint8, Uint32
 
 FARTHEST_M: Final = 1e6
-"""No place is farther than this from the origin along one axis [m]."""
+"""Largest distance of a place from the origin, along one axis [m]."""
 LONGEST_M: Final = 1e10
-"""No way is longer [m], not even one that leads to and fro between the farthest places."""
+"""Longest path [m]: even one back and forth between the farthest places."""
 MOST_REPORTS: Final = 1000
-"""Entries of the longest list that everybody takes, such as modules."""
+"""Most entries of a list, such as modules."""
 
 Stamp: TypeAlias = Annotated[float, Range(0.0, 1e10, unit="s")]
 """Time since the epoch [s], until the year 2286."""
@@ -36,7 +35,7 @@ Length: TypeAlias = Annotated[float, Range(0.0, LONGEST_M, unit="m")]
 LengthIfKnown: TypeAlias = Annotated[float, Range(0.0, LONGEST_M, unit="m", nan=True)]
 
 Radians: TypeAlias = Annotated[float, Range(-math.tau, math.tau, unit="rad")]
-"""A direction [rad]; a whole turn more than (-pi, pi] does no harm."""
+"""A direction [rad]; up to a whole turn beyond (-pi, pi]."""
 RadiansIfKnown: TypeAlias = Annotated[float, Range(-math.tau, math.tau, unit="rad", nan=True)]
 
 Speed: TypeAlias = Annotated[float, Range(-100.0, 100.0, unit="m/s")]
@@ -52,13 +51,13 @@ ShareIfKnown: TypeAlias = Annotated[float, Range(0.0, 1.0, nan=True)]
 Flag: TypeAlias = Annotated[Uint8, Range(0, 1)]
 """1 for yes, 0 for no."""
 Number: TypeAlias = Annotated[Uint32, Range(0, 0xFFFF_FFFF)]
-"""A number at central, or a count that never ends."""
+"""A number at central, or an endless count."""
 Count: TypeAlias = Annotated[int, Range(0, 1_000_000)]
-"""How many."""
+"""A number of things."""
 ProcessId: TypeAlias = Annotated[int, Range(0, 0x7FFF_FFFF)]
 
 Name: TypeAlias = Annotated[str, Text(64)]
-"""What something is called: a module, a message, a person."""
+"""The name of a module, a message or a person."""
 Names: TypeAlias = Annotated[str, Text(4000)]
 """Names with spaces between them."""
 Sentence: TypeAlias = Annotated[str, Text(1000)]
@@ -69,7 +68,7 @@ Lines: TypeAlias = Annotated[str, Text(1_000_000, lines=True)]
 Ranges: TypeAlias = Annotated[
     npt.NDArray[np.float32], Range(0.0, 1000.0, unit="m", nan=True, infinite=True)
 ]
-"""What range sensors measure [m]; infinite: nothing is there, NaN: there is no sensor."""
+"""Measurements of range sensors [m]; infinite: no obstacle, NaN: no sensor."""
 Numbers: TypeAlias = Annotated[npt.NDArray[np.uint32], Counted(), Most(MOST_REPORTS)]
 """Numbers at central."""
 Octets: TypeAlias = Annotated[npt.NDArray[np.uint8], Counted("length", "uint"), Most(1 << 26)]

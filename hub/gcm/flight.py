@@ -11,14 +11,13 @@ from hub.ipc.definition import MessageDefinition
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Attitude:
-    """How the robot is tilted: the turns that lead from `map` to `base_link`.
+    """The tilt of the robot: the rotations from `map` to `base_link`.
 
-    They are made one after the other about the axes as they then lie, yaw first, then pitch,
-    then roll. sensor_msgs/Imu would tell more than most sensors know: covariances and
-    accelerations.
+    Each rotation turns the axes of the next one: yaw first, then pitch, then roll.
+    sensor_msgs/Imu has more than most sensors measure: covariances and accelerations.
 
     Attributes:
-        stamp: When it was measured [s since the epoch]; for records only.
+        stamp: Time of measurement [s since the epoch]; for records only.
         roll: About x [rad], in (-pi, pi], positive right side down.
         pitch: About y [rad], in [-pi/2, pi/2], positive nose down.
         yaw: About z [rad], in (-pi, pi], counter-clockwise; NaN when not measured.
@@ -35,13 +34,12 @@ ATTITUDE = MessageDefinition(name="GCM_Attitude", type=Attitude, rate_hz=20.0)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Altitude:
-    """How high or deep the robot is.
+    """The height and depth of the robot.
 
     Attributes:
-        stamp: When it was measured [s since the epoch]; for records only.
+        stamp: Time of measurement [s since the epoch]; for records only.
         height: Above the origin of `map` [m]; NaN when not measured.
-        above_ground: Above what lies below it, the sea's floor included [m]; NaN when not
-            measured.
+        above_ground: Above the ground or the sea floor [m]; NaN when not measured.
         depth: Below the water's surface [m]; NaN when not measured.
         climb: Vertical velocity [m/s], positive up; NaN when not measured.
     """

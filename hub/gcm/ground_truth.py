@@ -1,4 +1,4 @@
-"""Where a simulated robot really is: a message for tests and experiments."""
+"""The true pose of a simulated robot: a message for tests and experiments."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from hub.ipc.definition import MessageDefinition
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GroundTruth:
-    """Where a simulated robot really is; for tests and experiments, never for modules that drive.
+    """The true pose of a simulated robot; for tests and experiments, never for modules that drive.
 
     Attributes:
         time: Simulated time since the start [s].
@@ -21,8 +21,8 @@ class GroundTruth:
         angular: True turn rate [rad/s].
         commanded_linear: Commanded forward velocity [m/s].
         commanded_angular: Commanded turn rate [rad/s].
-        contacts: Times the body has come into contact with something since the start.
-        touching: Whether it touches something now (0 or 1).
+        contacts: Number of collisions of the body since the start.
+        touching: Whether it touches an obstacle now (0 or 1).
     """
 
     time: Seconds

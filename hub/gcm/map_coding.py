@@ -1,14 +1,14 @@
-"""Coding of grid maps: runs of equal cells, then deflate, which finds the rows that repeat.
+"""Coding of grid maps: runs of equal cells, then deflate, which finds repeated rows.
 
-A coded map is a byte that says how, then a zlib stream of one of these:
+A coded map is a byte for the coding, then a zlib stream of one of these:
 
-| first byte | what is deflated |
+| first byte | deflated data |
 | --- | --- |
-| 0 | the cells as they are, 1 byte each |
+| 0 | the cells, 1 byte each |
 | 1 | the runs' lengths (uint16, little-endian, 1 to 65,535), then the runs' cells (1 byte each) |
 
-The encoder takes the runs if they are shorter. zlib is in the standard library, and for maps of a
-few levels it comes as close as anything: what it has to look at is a few kilobytes.
+The encoder takes the runs if they are shorter. zlib is in the standard library, and no coding is
+much shorter for maps of a few levels.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from hub.errors import CodecError
 from hub.gcm.runs import cut_runs, run_ends
 
 MAX_CELLS = 1 << 24
-"""Cells of the largest map that is coded or decoded."""
+"""Most cells of a map."""
 
 _CELLS, _RUNS = 0, 1
 _LONGEST = 65_535
 _LEVEL = {_CELLS: 1, _RUNS: 6}
-"""Runs are few, so they are worth the time; noise is neither short nor worth it."""
+"""Level of deflate: runs are few, so more work pays; noise stays long at any level."""
 
 _Map = npt.NDArray[np.int8]
 _Coded = npt.NDArray[np.uint8]
@@ -71,7 +71,7 @@ def decode(coded: _Coded, height: int, width: int) -> _Map:
         return np.frombuffer(raw, np.int8).reshape(height, width)
     runs = len(raw) // 3
     lengths = np.frombuffer(raw, "<u2", runs)
-    # Checked before anything is made of that size: a few bytes must not cost gigabytes.
+    # Checked before any allocation: a few bytes must not cost gigabytes.
     if way != _RUNS or len(raw) % 3 or lengths.sum(dtype=np.int64) != count:
         text = f"{len(coded)} coded bytes do not make {width}x{height} cells"
         raise CodecError(text)
@@ -80,11 +80,11 @@ def decode(coded: _Coded, height: int, width: int) -> _Map:
 
 
 def _inflated(stream: bytes, most: int) -> bytes:
-    """What was deflated, `most` bytes at most; neither way of coding is ever longer."""
+    """The inflated data, `most` bytes at most; neither coding is longer."""
     inflate = zlib.decompressobj()
     try:
         raw = inflate.decompress(stream, most)
-        # The check sum at the end may still be waiting when the limit is met exactly.
+        # At exactly this limit, the final check sum may still wait.
         raw += inflate.decompress(inflate.unconsumed_tail, 1)
     except zlib.error as error:
         text = f"a coded map of {len(stream)} bytes is damaged: {error}"

@@ -32,8 +32,8 @@ class MapRequest:
     """Ask for the map, or a window of it.
 
     Attributes:
-        x: Middle of the window in `map` [m]; NaN: the whole map.
-        y: Middle of the window in `map` [m].
+        x: Centre of the window in `map` [m]; NaN: the whole map.
+        y: Centre of the window in `map` [m].
         width: Extent of the window along x [m].
         height: Extent of the window along y [m].
     """
@@ -49,10 +49,10 @@ MAP_REQUEST = MessageDefinition(name="GCM_Map_Request", type=MapRequest)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Map:
-    """An occupancy grid as nav_msgs/OccupancyGrid means it, coded by `hub.gcm.map_coding`.
+    """An occupancy grid like nav_msgs/OccupancyGrid, coded by `hub.gcm.map_coding`.
 
     Attributes:
-        stamp: When the newest measurement in it was made [s since the epoch].
+        stamp: Time of its newest measurement [s since the epoch].
         resolution: Edge of a cell [m].
         width_cells: Cells along x.
         height_cells: Cells along y.
@@ -78,7 +78,7 @@ MAP = MessageDefinition(
 
 
 class PointKind(enum.IntEnum):
-    """What an interest point is."""
+    """The kind of an interest point."""
 
     VICTIM = 0
     LANDMARK = 1
@@ -86,27 +86,26 @@ class PointKind(enum.IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class InterestPoint:
-    """Something found.
+    """A marked point on the map.
 
     Attributes:
-        number: Unique on this robot; 0 lets the map choose one.
-        kind: What it is.
-        x: Where, in `map` [m].
-        y: Where, in `map` [m].
-        uncertainty: How far off the place may be [m]; NaN if that is not known. In a picture, the
-            diagonal of the ground that the clicked pixel covers, or what map or ranges leave open;
-            on the map, half the diagonal of the pixel or the cell. Rather a bound than one standard
-            deviation. What is seen in a picture includes two standard deviations of the pose.
-        distance: How far from the robot it was seen [m]; NaN if that is not known. When a point is
-            marked, 0 says so as well, of both.
-        stamp: When it was marked [s since the epoch].
-        by: Who marked it.
+        number: Unique on this robot; 0: the map chooses one.
+        kind: Its kind.
+        x: Position in `map` [m].
+        y: Position in `map` [m].
+        uncertainty: Bound of the position's error [m]; NaN: not known. In a picture: the diagonal
+            of the ground in the clicked pixel, or the error of map or ranges, and two standard
+            deviations of the pose. On the map: half the diagonal of the pixel or the cell.
+        distance: Distance from the robot when it was seen [m]; NaN: not known. In a new point,
+            0 means "not known" too, for distance and uncertainty.
+        stamp: Time of marking [s since the epoch].
+        by: The operator who marked it.
         note: The operator's words.
-        thumbnail: A small picture of it as JPEG; none if empty. Shape (n,).
-        version: How often it was marked or changed, from 1. Who changes it sends the version that
-            is changed; 0 for a new point.
-        kept: 1 if it is on the robot's disk, 0 if it is in memory only.
-        height: How high above the floor [m]; 0: on the floor, or that is not known.
+        thumbnail: A small picture of it as JPEG, shape (n,); empty: none.
+        version: Counts its marks and changes, from 1. A change carries the version that it
+            replaces; 0: a new point.
+        kept: 1: it is on the robot's disk; 0: in memory only.
+        height: Height above the floor [m]; 0: on the floor, or not known.
     """
 
     number: Number = 0
@@ -125,11 +124,11 @@ class InterestPoint:
 
 
 class PointAction(enum.IntEnum):
-    """What to do with an interest point.
+    """An order about an interest point.
 
     Attributes:
-        MARK: Add it if its number is 0; else replace the one with its number and version.
-        REMOVE: Remove the one with its number and version; version 0 removes any version.
+        MARK: Add it if its number is 0; else replace the point with its number and version.
+        REMOVE: Remove the point with its number and version; version 0: any version.
     """
 
     MARK = 0
@@ -141,8 +140,8 @@ class PointCommand:
     """Change the interest points.
 
     Attributes:
-        action: What to do.
-        point: With what; to remove one only its number and version count.
+        action: The order.
+        point: The point; REMOVE uses only its number and version.
     """
 
     action: PointAction = PointAction.MARK
@@ -159,10 +158,10 @@ POINT_COMMAND = MessageDefinition(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class InterestPoints:
-    """All interest points; when they change, on request, and every few seconds.
+    """All interest points; sent at each change, on request, and every few seconds.
 
     Attributes:
-        points: In the order of their numbers.
+        points: By number.
     """
 
     points: Annotated[tuple[InterestPoint, ...], Counted(), Most(MOST_REPORTS)]
@@ -177,12 +176,12 @@ INTEREST_POINTS = MessageDefinition(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PointRefusal:
-    """A `PointCommand` was not carried out.
+    """The refusal of a `PointCommand`.
 
     Attributes:
-        sender: Whose command: its number at central, as in frame headers.
-        number: Number of the point that was to be changed; 0: a new one.
-        text: Why, for people.
+        sender: Number at central of the command's sender, as in frame headers.
+        number: Number of the point to change; 0: a new one.
+        text: The reason, for people.
     """
 
     sender: Number
@@ -194,12 +193,12 @@ POINT_REFUSAL = MessageDefinition(name="GCM_Point_Refusal", type=PointRefusal, k
 
 
 class MapOrder(enum.IntEnum):
-    """What is to be done with the map.
+    """An order about the map.
 
     Attributes:
         SAVE: Write map and points to files.
-        LOAD: Begin a new sheet with the map and the points of files.
-        CLEAR: Begin a new sheet; the points are kept on it.
+        LOAD: Start a new sheet with the map and the points of files.
+        CLEAR: Start a new sheet; it keeps the points.
     """
 
     SAVE = 0
@@ -209,11 +208,11 @@ class MapOrder(enum.IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MapCommand:
-    """Ask mapping to do something with the whole map; answered by `CommonResult`.
+    """An order to mapping about the whole map; answered by `CommonResult`.
 
     Attributes:
-        order: What to do.
-        name: Name of the map's files, without folder and ending; empty takes a default.
+        order: The order.
+        name: Name of the map's files, without folder and ending; empty: a default.
     """
 
     order: MapOrder = MapOrder.SAVE

@@ -1,4 +1,4 @@
-"""Messages of missions: what the robot keeps of what was found, and whether it is kept."""
+"""Messages of missions: the robot's records of its findings, and their state on disk."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ MarkCount: TypeAlias = Annotated[Count, Wire("uint")]
 
 
 class MissionAction(enum.IntEnum):
-    """What a `MissionCommand` asks for.
+    """The order in a `MissionCommand`.
 
     Attributes:
-        BEGIN: A new mission; while one runs, this is refused.
-        NAME: Another name for the mission that runs.
-        END: The end of the mission that runs; its folder stays.
+        BEGIN: Start a mission; refused while one runs.
+        NAME: Rename the running mission.
+        END: End the running mission; its folder stays.
     """
 
     BEGIN = 0
@@ -31,12 +31,12 @@ class MissionAction(enum.IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MissionCommand:
-    """Begin, name or end a mission; answered by `CommonResult`.
+    """Start, name or end a mission; answered by `CommonResult`.
 
     Attributes:
-        action: What to do.
+        action: The order.
         name: The mission's name; empty: the robot chooses one.
-        by: Who wants it, for others to read.
+        by: The sender's operator, for others to read.
     """
 
     action: MissionAction = MissionAction.BEGIN
@@ -53,23 +53,23 @@ MISSION_COMMAND = MessageDefinition(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MissionState:
-    """The robot's mission; when it changes, on request and once a second.
+    """The robot's mission; sent at each change, on request and once a second.
 
     Attributes:
-        id: Name of its folder; empty: there was none since mapping started.
-        name: What the operator calls it.
-        by: Who began it.
-        running: 1 while it runs; 0 before and after.
-        begun: When it was begun [s since the epoch]; 0: never.
-        running_s: How long ago that was [s].
-        sheet: Number of the sheet of the map that is in use, from 1.
+        id: Name of its folder; empty: no mission since the start of mapping.
+        name: The operator's name for it.
+        by: The operator who started it.
+        running: 1: it runs; 0: before and after.
+        begun: Time of its start [s since the epoch]; 0: never.
+        running_s: Time since its start [s].
+        sheet: Number of the map's present sheet, from 1.
         marks: Marks on that sheet.
         earlier: Marks on the sheets before.
         unkept: Marks, changes and removals that are in memory only.
-        map_age_s: How old what the disk has of the map is [s]; NaN: it has none yet.
-        size_mb: Files of the mission [MB].
-        free_mb: What the disk has left [MB].
-        fault: What is not kept, and why; empty: all is.
+        map_age_s: Age of the map on the disk [s]; NaN: none yet.
+        size_mb: Size of the mission's files [MB].
+        free_mb: Free space on the disk [MB].
+        fault: What is not on the disk, and the reason; empty: everything is.
         folder: The folder of this robot's missions, on the robot.
     """
 

@@ -1,8 +1,8 @@
 """Messages of motion and robot state, between console, navigation and driver.
 
 Frames after ROS REP 103 and 105: x forward, y left, angles counter-clockwise from x; velocities are
-in `base_link`. `odom` is dead reckoning, which drifts; `map` is `odom` corrected by landmarks, the
-same until the first correction.
+in `base_link`. `odom` is dead reckoning, which drifts; `map` is `odom` corrected by landmarks. Both
+are equal until the first correction.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ from hub.gcm.fields import (
     Stamp,
     TurnRate,
 )
-from hub.gcm.ground_truth import GROUND_TRUTH as GROUND_TRUTH  # noqa: PLC0414 for others
-from hub.gcm.ground_truth import GroundTruth as GroundTruth  # noqa: PLC0414 for others
+from hub.gcm.ground_truth import GROUND_TRUTH as GROUND_TRUTH  # noqa: PLC0414 - an export
+from hub.gcm.ground_truth import GroundTruth as GroundTruth  # noqa: PLC0414 - an export
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.formats.ranges import Most, Range
 from hub.ipc.formats.wire_types import FLOAT32, Counted, Fixed
 
 MOST_POINTS = 1000
-"""Points of the longest way."""
+"""Most points of a path."""
 
 Axis: TypeAlias = Annotated[float, Range(-100.0, 100.0, unit="m/s or rad/s")]
 """A velocity along or about one axis [m/s or rad/s]."""
@@ -45,7 +45,7 @@ Axis: TypeAlias = Annotated[float, Range(-100.0, 100.0, unit="m/s or rad/s")]
 SENSOR_COUNT = 16
 """Sonars, infrared sensors and bumpers of a Magellan Pro, one of each every 22.5 degrees.
 
-Sensor 0 looks straight ahead (along x), the others follow counter-clockwise.
+Sensor 0 points straight ahead (along x), the others follow counter-clockwise.
 """
 
 
@@ -83,7 +83,7 @@ class Twist:
 
     @property
     def neutral(self) -> bool:
-        """Whether nothing is commanded to move."""
+        """Whether all velocities are 0."""
         parts = (self.linear, self.angular)
         return all(part.x == part.y == part.z == 0.0 for part in parts)
 
@@ -96,7 +96,7 @@ VELOCITY_COMMAND = MessageDefinition(
     lifespan_s=0.3,
     ros_type="geometry_msgs/msg/Twist",
 )
-"""What the operator wants the robot to do; navigation decides what it does."""
+"""The operator's velocity; navigation decides whether the robot follows it."""
 
 DRIVE_COMMAND = MessageDefinition(
     name="GCM_Drive_Command",
@@ -106,20 +106,20 @@ DRIVE_COMMAND = MessageDefinition(
     lifespan_s=0.3,
     ros_type="geometry_msgs/msg/Twist",
 )
-"""What navigation tells the driver; nobody else sends it."""
+"""Navigation's velocity for the driver; no other client sends it."""
 
 
 class MotionState(enum.IntEnum):
-    """What navigation does with velocity commands.
+    """The state of navigation's velocity commands.
 
     Attributes:
-        STANDING: Commanded to stand; ready.
-        MOVING: Following fresh commands.
-        SILENCE: Commands stopped coming while moving; stopped, waits for a neutral command.
-        STOPPED: Somebody sent a stop; waits for a neutral command.
-        NO_DRIVER: The driver does not report; nothing can move.
-        WAITING: Nobody has commanded yet, or control was handed over; waits for a neutral command.
-        GOING: Going to a point, or turning, by itself.
+        STANDING: The commanded velocity is 0; ready.
+        MOVING: The robot follows fresh commands.
+        SILENCE: Commands ended while the robot moved; stopped, waits for a neutral command.
+        STOPPED: A client sent a stop; waits for a neutral command.
+        NO_DRIVER: The driver does not report; the robot cannot move.
+        WAITING: No command yet, or a new owner of control; waits for a neutral command.
+        GOING: The robot goes to a point, or turns, by itself.
     """
 
     STANDING = 0
@@ -132,11 +132,11 @@ class MotionState(enum.IntEnum):
 
 
 class Assistance(enum.IntEnum):
-    """Whether velocities that would lead into something are held back.
+    """Whether the robot slows down before obstacles.
 
     Attributes:
-        OFF: The robot follows the operator into walls.
-        ON: It stops before them.
+        OFF: The robot follows commands into walls.
+        ON: The robot stops before walls.
     """
 
     OFF = 0
@@ -145,10 +145,10 @@ class Assistance(enum.IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measured:
-    """What the hardware measures, as `DriveState` and `RobotState` both say it.
+    """The measurements of the hardware, common to `DriveState` and `RobotState`.
 
     Attributes:
-        stamp: When it was measured [s since the epoch]; for records only.
+        stamp: Time of measurement [s since the epoch]; for records only.
         x: Position [m], in `map` for a `RobotState` and in `odom` for a `DriveState`.
         y: Position in the same frame [m].
         theta: Heading in the same frame [rad], in (-pi, pi].
@@ -159,7 +159,7 @@ class Measured:
         sonar: Range of each sonar from the robot's centre [m], shape (16,); inf: no echo,
             NaN: no sensor.
         infrared: Range of each infrared sensor from the centre [m], shape (16,);
-            inf: nothing seen, NaN: no sensor.
+            inf: no obstacle, NaN: no sensor.
         bumpers: Bit i is set while bumper i is pressed.
         battery_voltage: Battery [V]; NaN when not measured.
         battery_fraction: Charge left, 0 to 1; NaN when not known.
@@ -182,20 +182,20 @@ class Measured:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotState(Measured):
-    """What is known of the robot now.
+    """The present state of the robot.
 
     Attributes:
-        motion: What is done with velocity commands.
-        refused: Commands refused since the module started: late, out of order, not finite, not
-            from neutral, or not from who has control.
-        assistance: Whether velocities that would lead into something are held back.
-        held_back: How much of the commanded velocity is held back now, 0 (nothing) to 1.
-        frame: Number of the frame `map`. With another number, positions cannot be compared with
-            those of before: the robot has lost its place. 0: not known.
-        position_off: Standard deviation of the position in the map [m]; NaN if it is not known.
-        heading_off: Standard deviation of the heading in the map [rad]; NaN if it is not known.
-        stops: Counts how often whoever drives had to become neutral first: stops, silences,
-            hand-overs, other drivers. Another number than before means that there was one.
+        motion: The state of velocity commands.
+        refused: Commands refused since the module's start: late, out of order, not finite, not
+            from neutral, or not from the owner of control.
+        assistance: Whether the robot slows down before obstacles.
+        held_back: Withheld part of the commanded velocity now, 0 (none) to 1.
+        frame: Number of the frame `map`; 0: not known. After a change, earlier positions are in
+            another frame: the robot has lost its place.
+        position_off: Standard deviation of the position in the map [m]; NaN: not known.
+        heading_off: Standard deviation of the heading in the map [rad]; NaN: not known.
+        stops: Counts the events after which a driver has to become neutral first: stops,
+            silences, hand-overs, other drivers.
     """
 
     motion: MotionState
@@ -217,13 +217,13 @@ ROBOT_STATE = MessageDefinition(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DriveState(Measured):
-    """What the hardware reports.
+    """The report of the hardware.
 
     Attributes:
-        odometry: Number of this dead reckoning; another one when it began anew. 0: the driver
+        odometry: Number of this dead reckoning; it changes with each restart. 0: the driver
             process gives it one.
-        origin: Number of the place where `odom` begins; equal numbers, equal places, also after
-            the dead reckoning began anew. 0: where the robot was then.
+        origin: Number of the origin of `odom`; equal numbers mean equal places, even after a
+            restart of the dead reckoning. 0: the robot's place at the restart.
     """
 
     odometry: Number = 0
@@ -239,10 +239,10 @@ DRIVE_STATE = MessageDefinition(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stop:
-    """Stop now; accepted from anyone who may connect.
+    """Stop now; accepted from every client.
 
     Attributes:
-        reason: Who stops and why, for the log.
+        reason: The sender and the reason, for the log.
     """
 
     reason: Sentence = ""
@@ -272,13 +272,13 @@ class Point:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GoalCommand:
-    """Go to points, one after the other; no points: stand and forget them.
+    """Go to points in order; no points: stand and forget them.
 
     Attributes:
-        points: Where to, in `map`.
+        points: The goals in `map`.
         theta: Heading at the last one in `map` [rad]; NaN: any.
-        linear_limit: Fastest [m/s]; NaN: the robot's own limit.
-        patience: How long the robot waits where the way is closed, 600 at most [s]; 0 or NaN: 30.
+        linear_limit: Highest speed [m/s]; NaN: the robot's own limit.
+        patience: Longest wait at a closed path, 600 at most [s]; 0 or NaN: 30.
     """
 
     points: Annotated[tuple[Point, ...], Counted(), Most(MOST_POINTS)] = ()
@@ -301,7 +301,7 @@ class TurnCommand:
     """Turn on the spot.
 
     Attributes:
-        angle: By how much [rad], positive counter-clockwise; more than a whole turn is allowed.
+        angle: Angle [rad], positive counter-clockwise; more than a whole turn is allowed.
     """
 
     angle: Annotated[float, Range(-100.0, 100.0, unit="rad")] = 0.0
@@ -318,10 +318,10 @@ TURN_COMMAND = MessageDefinition(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AssistanceCommand:
-    """Switch the holding back of velocities that would lead into something.
+    """Switch the slowdown before obstacles.
 
     Attributes:
-        assistance: On or off from now on.
+        assistance: On or off.
     """
 
     assistance: Assistance = Assistance.ON
@@ -338,13 +338,13 @@ ASSISTANCE_COMMAND = MessageDefinition(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LandmarkCorrection:
-    """Correct the pose by a landmark whose place is known and that is seen now.
+    """Correct the pose by a landmark with a known place that is seen now.
 
     Attributes:
-        x: Where the landmark is, in `map` [m].
-        y: Where the landmark is, in `map` [m].
-        seen_x: Where it is seen from the robot, in `base_link` [m].
-        seen_y: Where it is seen from the robot, in `base_link` [m].
+        x: Place of the landmark in `map` [m].
+        y: Place of the landmark in `map` [m].
+        seen_x: Its measured place in `base_link` [m].
+        seen_y: Its measured place in `base_link` [m].
     """
 
     x: Metres
@@ -363,15 +363,15 @@ LANDMARK_CORRECTION = MessageDefinition(
 
 
 class Task(enum.IntEnum):
-    """What navigation does by itself, or how it ended.
+    """Navigation's own task, or its end.
 
     Attributes:
         NONE: It follows velocity commands only.
         GOING: It goes to a point.
         TURNING: It turns.
-        REACHED: It has done so.
-        BLOCKED: There is no way, or it made no headway.
-        CANCELLED: Somebody ended it: by a velocity command, a stop, or another task.
+        REACHED: The task is done.
+        BLOCKED: There is no path, or no progress.
+        CANCELLED: A velocity command, a stop, or another task ended it.
     """
 
     NONE = 0
@@ -383,19 +383,19 @@ class Task(enum.IntEnum):
 
 
 class Cause(enum.IntEnum):
-    """Why a task waits, or why it ended before it was done.
+    """The reason why a task waits, or ended early.
 
     Attributes:
         NONE: It does not wait; it is done.
-        CLOSED: The map shows no way, or the robot makes no headway.
-        OCCUPIED: Something stands where it should go.
+        CLOSED: The map shows no path, or the robot makes no progress.
+        OCCUPIED: An obstacle is at the goal.
         BUSY: Navigation was too busy to steer.
-        DRIVER: The driver is silent, or began anew at another place.
-        STOP: Somebody sent a stop.
-        STICK: Somebody drives by hand.
-        CONTROL: Somebody else has control now.
-        REPLACED: Another task came.
-        WITHDRAWN: Somebody sent a goal without points.
+        DRIVER: The driver is silent, or restarted at another place.
+        STOP: A client sent a stop.
+        STICK: An operator drives by hand.
+        CONTROL: Another console has control now.
+        REPLACED: Another task replaced it.
+        WITHDRAWN: A client sent a goal without points.
     """
 
     NONE = 0
@@ -412,22 +412,22 @@ class Cause(enum.IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NavigationStatus:
-    """What navigation does by itself; when it changes and twice a second.
+    """Navigation's own task; sent at each change and twice a second.
 
     Attributes:
-        number: Counts the tasks since the module started.
-        task: What it does, or how it ended.
-        sender: Whose task it is or was: its number at central, as in frame headers.
-        driver: Who sends the velocity commands that are followed now; 0: nobody.
-        points_left: Points not yet reached.
-        distance_left: Length of the way that is left [m]; NaN: not known.
-        why: Why it waits or how it ended, for people; empty while it goes on.
-        path: The planned way in `map`, from the robot to the goal; none if it has no map.
+        number: Counts the tasks since the module's start.
+        task: The task, or its end.
+        sender: Number at central of the task's sender, as in frame headers.
+        driver: Number of the sender whose velocity commands count now; 0: none.
+        points_left: Points that are not yet reached.
+        distance_left: Length of the remaining path [m]; NaN: not known.
+        why: The reason for a wait or an end, for people; empty while it goes on.
+        path: The planned path in `map`, from the robot to the goal; empty: there is no map.
         cause: The same as `why`, for programs.
-        x: Where the task leads or led to in `map` [m]; NaN: it is a turn, or there was none.
-        y: Likewise [m].
-        seconds: How long it has taken so far, or took in all [s].
-        ended_s: Time since it ended [s]; NaN: it is under way, or there was none.
+        x: Goal of the task in `map` [m]; NaN: a turn, or no task.
+        y: Goal of the task in `map` [m].
+        seconds: Its time so far, or in all [s].
+        ended_s: Time since its end [s]; NaN: it is under way, or there was none.
     """
 
     number: Number

@@ -1,4 +1,4 @@
-"""Messages of a gamepad at another machine than the console: what it is, says, and who uses it."""
+"""Messages of a gamepad at another machine than the console: its kind, its state, and its users."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from hub.ipc.formats.ranges import Most
 from hub.ipc.formats.wire_types import Counted, Wire
 
 STATE_HZ = 50.0
-"""How often a pad that is being used says its state [Hz]."""
+"""Rate of states of a pad in use [Hz]."""
 ALIVE_HZ = 5.0
-"""How often one says so that nobody touches [Hz]."""
+"""Rate of states of an idle pad [Hz]."""
 DEVICE_HZ = 0.5
-"""How often one says what it is [Hz]: so long a console that was opened later has to wait."""
+"""Rate of `PadDevice` [Hz]; a console that starts later waits one period at most."""
 CONSOLE_HZ = 1.0
-"""How often a console that takes pads says whose it uses [Hz]."""
+"""Rate of `PadConsole` [Hz]."""
 OLDEST_S = 0.25
-"""Older states are dropped, and so long a silence of a pad that is being used lets go of it [s]."""
+"""Age from which states are dropped, and silence after which a pad in use is released [s]."""
 MOST_CONTROLS = 10_000
-"""Axes, buttons, hats and balls of one pad."""
+"""Most axes, buttons, hats and balls of one pad."""
 NO_VALUE = -(1 << 31)
-"""Of an axis or a hat that has none: nothing has come yet, or a hat's centre."""
+"""The value of an axis without data, or of a centred hat."""
 
 
 _Values = Annotated[npt.NDArray[np.int32], Counted(), Most(MOST_CONTROLS)]
@@ -46,19 +46,19 @@ def _no_numbers() -> npt.NDArray[np.uint32]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PadDevice:
-    """What the gamepad is whose states follow; when it is plugged in and now and then.
+    """A gamepad; sent when it is plugged in, and at `DEVICE_HZ`.
 
     Attributes:
-        session: Counts how often the sender began anew; its states name the same number.
-        operator: Whose console it is for; empty: any at this hub.
-        machine: Where it is plugged in, for people.
-        name: What the device calls itself.
+        session: Counts the sender's restarts; its states have the same number.
+        operator: Operator of the console it is for; empty: any at this hub.
+        machine: Its machine, for people.
+        name: The device's own name.
         vid: The vendor's number.
         pid: The product's number.
-        serial: Its serial number; empty if it tells none.
-        port: Where at that machine it is plugged in; empty if that is not known.
-        bus: As Linux counts: 3 for USB, 5 for Bluetooth, 0 if it is not known.
-        descriptor: The report descriptor, from which follows what controls it has, shape (n,).
+        serial: Its serial number; empty: none.
+        port: Its port at that machine; empty: not known.
+        bus: Linux's number of the bus: 3 for USB, 5 for Bluetooth, 0: not known.
+        descriptor: The report descriptor, which defines its controls, shape (n,).
     """
 
     session: Number
@@ -84,17 +84,17 @@ PAD_DEVICE = MessageDefinition(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PadState:
-    """How all controls of a gamepad stand; each state says all, so that the newest is enough.
+    """The state of all controls of a gamepad; the newest one is enough.
 
     Attributes:
-        session: Which `PadDevice` it is of.
-        active: 1 while something is moved or was in the last second: then the next state follows
-            within 20 ms; else 0, and it follows within 200 ms. Where `values` is empty: 1 if the
-            sender waits for the device and says so again every 2 s, 0 if it ends.
+        session: Number of its `PadDevice`.
+        active: 1: a control moved in the last second, and the next state follows within 20 ms;
+            0: it follows within 200 ms. With empty `values`: 1: the sender waits for the device,
+            and repeats this every 2 s; 0: it ends.
         values: One for each control of the descriptor, in its order, shape (n,); empty: the device
             is gone, or its sender ends. An axis, a hat: the newest raw number [device units] or
-            `NO_VALUE`. A button: how often it went down or up, modulo 2^31, so that it is down
-            when that is odd. A ball: the sum of its counts, modulo 2^32.
+            `NO_VALUE`. A button: the count of its changes, modulo 2^31; odd: it is down.
+            A ball: the sum of its counts, modulo 2^32.
     """
 
     session: Number
@@ -113,10 +113,10 @@ PAD_STATE = MessageDefinition(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PadConsole:
-    """A console that takes gamepads of other machines, and which it uses; for those who send them.
+    """A console and the gamepads of other machines that it uses; for their senders.
 
     Attributes:
-        operator: Who sits there; pads for others it leaves out.
+        operator: Its operator; it ignores pads for others.
         taken: The numbers at central of their senders, shape (n,).
     """
 

@@ -1,4 +1,4 @@
-"""Which capabilities bring which messages, and which take them."""
+"""The capabilities that publish each message, and those that receive it."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ PROVIDED_BY: Mapping[str, tuple[Capability, ...]] = {
     mission.MISSION_STATE.name: (Capability.PRO_POINTS,),
     autonomy.AUTONOMY_STATE.name: (Capability.AUT_PILOT,),
 }
-"""The capabilities that bring a message, any of them, by its name; the nearest first."""
+"""The capabilities that publish a message, by its name; the nearest first."""
 
 TAKEN_BY: Mapping[str, tuple[Capability, ...]] = {
     navigation.VELOCITY_COMMAND.name: (Capability.NAV_MOVE,),
@@ -63,7 +63,7 @@ TAKEN_BY: Mapping[str, tuple[Capability, ...]] = {
     mission.MISSION_COMMAND.name: (Capability.PRO_POINTS,),
     autonomy.AUTONOMY_COMMAND.name: (Capability.AUT_PILOT,),
 }
-"""The capabilities that take a message, any of them, by its name; the nearest first."""
+"""The capabilities that receive a message, by its name; the nearest first."""
 
 ALWAYS_THERE: frozenset[str] = frozenset(
     definition.name
@@ -75,4 +75,4 @@ ALWAYS_THERE: frozenset[str] = frozenset(
         *pad.MESSAGES,
     )
 )
-"""Messages of the hub and of every module, whatever the robot can do."""
+"""Messages of the hub and of every module, on every robot."""

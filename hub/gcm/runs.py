@@ -1,4 +1,4 @@
-"""Runs of equal numbers: where they end, and how long they are if none may be too long."""
+"""Runs of equal numbers: their ends, and their lengths below a limit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Messages between the modules, those who want their capabilities, and the daemon."""
+"""Messages between modules, consoles and the daemon about modules and capabilities."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from hub.ipc.formats.wire_types import FLOAT32, Counted
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModuleInfo:
-    """A module says that it lives and what it can do; also its keep-alive.
+    """The announcement of a module: its keep-alive, with its capabilities.
 
     Attributes:
         name: Name at central.
@@ -35,7 +35,7 @@ class ModuleInfo:
         state: "running" or "stopping".
         capabilities: Names from `hub.gcm.capability`, separated by spaces.
         needs: Capabilities of others that it needs, separated by spaces.
-        errors: Exceptions its loop has logged since it started.
+        errors: Exceptions that its loop has logged since its start.
     """
 
     name: Name
@@ -54,9 +54,9 @@ MODULE_INFO = MessageDefinition(
 
 KEEP_ALIVE_S = 5.0
 DRIVER_KEEP_ALIVE_S = 1.0
-"""Silence after which a module counts as hanging, and one that moves the wheels [s]."""
+"""Silence after which a module counts as hanging, in general and for the driver [s]."""
 _ANNOUNCEMENTS = 4
-"""So many a module makes in that time, so that one that comes late does no harm."""
+"""Number of announcements in that time: a late one does no harm."""
 
 
 def keep_alive_s(capabilities: Container[str]) -> float:
@@ -65,20 +65,20 @@ def keep_alive_s(capabilities: Container[str]) -> float:
 
 
 def announce_every_s(capabilities: Container[str]) -> float:
-    """How often a module with these capabilities announces itself: the time between two [s]."""
+    """Time between two announcements of a module with these capabilities [s]."""
     return min(1.0 / MODULE_INFO.rate_hz, keep_alive_s(capabilities) / _ANNOUNCEMENTS)
 
 
 class ModulePhase(enum.IntEnum):
-    """What the daemon does with a module.
+    """The phase of a module at the daemon.
 
     Attributes:
-        STOPPED: It does not run, as nobody wants it or somebody stopped it.
+        STOPPED: It does not run: it is not wanted, or an order stopped it.
         STARTING: Its process runs, and has not announced itself yet.
         RUNNING: It announces itself.
-        STOPPING: It was asked to end.
-        WAITING: It ended by itself; it is started again after a pause.
-        FAILED: It ended too often and is given up until somebody starts it.
+        STOPPING: It has the order to end.
+        WAITING: It ended by itself; the daemon restarts it after a pause.
+        FAILED: It ended too often; only an order starts it again.
     """
 
     STOPPED = 0
@@ -91,21 +91,21 @@ class ModulePhase(enum.IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModuleReport:
-    """What the daemon knows of one module.
+    """The daemon's report on one module.
 
     Attributes:
         name: Its name.
-        phase: What the daemon does with it.
-        pid: Process id; 0 while it does not run.
-        capabilities: What it can do, separated by spaces; it said so itself if `asked` is 1.
-        needs: What it needs of others, separated by spaces.
-        asked: 1 if it answered with its real capabilities, 0 if these are the robot file's hint.
-        always: 1 if it is to run always, 0 if on demand.
-        starts: How often it was started.
-        processor: Part of one processor that it takes; NaN when not known.
-        memory_mb: Resident memory [MB]; NaN when not known.
-        age_s: Time since it was started [s]; 0 while it does not run.
-        why: Why it is in this phase, for people, after its name; empty where it simply runs.
+        phase: Its phase.
+        pid: Process id; 0: it does not run.
+        capabilities: Its capabilities, separated by spaces.
+        needs: The capabilities it needs, separated by spaces.
+        asked: 1: the module itself reported its capabilities; 0: they are the robot file's hint.
+        always: 1: it runs always; 0: on demand.
+        starts: Number of its starts.
+        processor: Part of one processor that it uses; NaN: not known.
+        memory_mb: Resident memory [MB]; NaN: not known.
+        age_s: Time since its start [s]; 0: it does not run.
+        why: The reason for its phase, for people, after its name; empty: it simply runs.
     """
 
     name: Name
@@ -124,7 +124,7 @@ class ModuleReport:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModuleReports:
-    """What the daemon knows of all modules; when it changes, on request, and each second.
+    """The daemon's report on all modules; sent at each change, on request, and each second.
 
     Attributes:
         robot: Name of the robot.
@@ -143,13 +143,13 @@ MODULE_REPORTS = MessageDefinition(
 
 
 class CapabilityPhase(enum.IntEnum):
-    """What can be expected of a capability.
+    """The state of a capability.
 
     Attributes:
-        AVAILABLE: A module could be started that has it.
-        STARTING: A module that has it is being started.
-        RUNNING: A module that has it runs.
-        UNAVAILABLE: Modules have it, and none of them can be started.
+        AVAILABLE: A module with it could start.
+        STARTING: A module with it is starting.
+        RUNNING: A module with it runs.
+        UNAVAILABLE: No module with it can start.
     """
 
     AVAILABLE = 0
@@ -164,10 +164,10 @@ class CapabilityReport:
 
     Attributes:
         name: From `hub.gcm.capability`, or a module's own.
-        phase: What can be expected of it.
-        module: The module that provides it, or would; empty if none can.
+        phase: Its state.
+        module: The module that provides it, or would; empty: none can.
         modules: All modules that have it, separated by spaces.
-        wanted_by: Who wants it, separated by spaces.
+        wanted_by: The holders that want it, separated by spaces.
     """
 
     name: Name
@@ -179,12 +179,12 @@ class CapabilityReport:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CapabilityReports:
-    """What the robot can do; when it changes, on request, and each second.
+    """The robot's capabilities; sent at each change, on request, and each second.
 
     Attributes:
         robot: Name of the robot.
         capabilities: One each, in alphabetical order.
-        undeclared: Number of modules that have not said yet what they can do.
+        undeclared: Number of modules without a report of their capabilities.
     """
 
     robot: Name
@@ -200,17 +200,17 @@ CAPABILITY_REPORTS = MessageDefinition(
 
 
 LEASE_S = 3.0
-"""Time after which a want that is not repeated is given up, unless it says another [s]."""
+"""Default time after which a want ends unless it is repeated [s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CapabilityWants:
-    """What a console or module wants to be available: its keep-alive, which it repeats.
+    """The wanted capabilities of a console or module, which it repeats.
 
     Attributes:
-        holder: Who wants it; the name at central.
-        capabilities: All it wants, separated by spaces; empty gives up the others.
-        lease_s: How long it holds unless it is repeated [s].
+        holder: Name of the holder at central.
+        capabilities: All its wanted capabilities, separated by spaces; empty: none any more.
+        lease_s: Time after which the want ends unless it is repeated [s].
     """
 
     holder: Name
@@ -228,7 +228,7 @@ CAPABILITY_WANTS = MessageDefinition(
 
 
 class ModuleOrder(enum.IntEnum):
-    """What is to be done with a module."""
+    """An order about a module."""
 
     START = 0
     STOP = 1
@@ -237,11 +237,11 @@ class ModuleOrder(enum.IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModuleCommand:
-    """Ask the daemon to do something with a module; answered by `CommonResult`.
+    """An order to the daemon about a module; answered by `CommonResult`.
 
     Attributes:
         module: Its name.
-        order: What to do.
+        order: The order.
     """
 
     module: Name = ""
@@ -257,12 +257,12 @@ MODULE_COMMAND = MessageDefinition(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LogRequest:
-    """Ask the daemon for what a module has written to its outputs.
+    """Ask the daemon for the output of a module.
 
     Attributes:
         module: Its name.
-        first: Number of the first line wanted, from 1; 0: the last `most` lines.
-        most: How many lines at most.
+        first: Number of the first line, from 1; 0: the last `most` lines.
+        most: Most lines.
     """
 
     module: Name = ""
@@ -272,11 +272,11 @@ class LogRequest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LogLines:
-    """Lines that a module has written; the daemon remembers the last thousand.
+    """Lines of a module's output; the daemon keeps the last thousand.
 
     Attributes:
-        first: Number of the first of them; higher than asked for where older ones are forgotten.
-        next: Number of the line after the last of them.
+        first: Number of the first line; higher than requested if older ones are dropped.
+        next: Number of the line after the last.
         text: The lines, each with its end.
     """
 

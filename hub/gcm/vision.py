@@ -22,7 +22,7 @@ from hub.ipc.formats.ranges import Range
 from hub.ipc.formats.wire_types import FLOAT32
 
 FieldOfView: TypeAlias = Annotated[float, Range(1e-6, 3.1, unit="rad")]
-"""What a flat picture can show from one edge to the other [rad]."""
+"""Field of view of a flat picture from one edge to the other [rad]."""
 Mount: TypeAlias = Annotated[float, Range(-1000.0, 1000.0, unit="m")]
 Limit: TypeAlias = Annotated[float, Range(0.0, math.tau, unit="rad")]
 
@@ -35,13 +35,13 @@ class ImageKind(enum.IntEnum):
 
 
 class ImageCoding(enum.IntEnum):
-    """How the bytes of a picture are coded.
+    """The coding of a picture.
 
     Attributes:
         RLE: Two-dimensional run-length coding, `hub.gcm.rle`.
         JPEG: A JPEG file.
-        RAW: The values themselves, row by row.
-        WEBP: A WebP file; of all codings the fewest bytes for a picture that looks the same.
+        RAW: The values, row by row.
+        WEBP: A WebP file; the fewest bytes for the same quality.
     """
 
     RLE = 0
@@ -58,9 +58,8 @@ class ImageRequest:
         kind: Grey or colour.
         width_px: Width wanted; the answer is never larger than the camera's.
         height_px: Height wanted; the answer is never larger than the camera's.
-        quality: 1 to 100; for RLE 100 is exact and less keeps fewer shades a channel, for JPEG and
-            WebP it is the quality of the file.
-        coding: How the picture shall be coded.
+        quality: 1 to 100, as in JPEG and WebP; RLE: 100 is exact, less keeps fewer shades.
+        coding: Coding of the picture.
     """
 
     kind: ImageKind = ImageKind.COLOUR
@@ -75,10 +74,10 @@ IMAGE_REQUEST = MessageDefinition(name="GCM_Image_Request", type=ImageRequest)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CameraState:
-    """Where the camera looks.
+    """The direction and field of view of the camera.
 
     Attributes:
-        stamp: When it was measured [s since the epoch]; for records only.
+        stamp: Time of measurement [s since the epoch]; for records only.
         pan: Angle from straight ahead [rad], positive left.
         tilt: Angle from the horizontal [rad], positive up.
         zoom: 0 (wide) to 1 (tele).
@@ -88,12 +87,12 @@ class CameraState:
         mount_height: Camera above the ground [m].
         pan_limit: Largest pan to either side [rad].
         tilt_limit: Largest tilt up or down [rad].
-        slewing: 1 while it still moves to where it was sent, else 0.
-        robot_x: Where the robot was then in `map` [m]; NaN when not known.
-        robot_y: Where the robot was then in `map` [m]; NaN when not known.
-        robot_theta: Its heading then in `map` [rad]; NaN when not known.
-        gain: How much brighter pictures are made than they come; 1 as they come.
-        headlight: Brightness of the headlight, 0 to 1; NaN where there is none.
+        slewing: 1 while it moves to a commanded direction, else 0.
+        robot_x: The robot's position then in `map` [m]; NaN: not known.
+        robot_y: The robot's position then in `map` [m]; NaN: not known.
+        robot_theta: Its heading then in `map` [rad]; NaN: not known.
+        gain: Factor on the brightness of pictures; 1: unchanged.
+        headlight: Brightness of the headlight, 0 to 1; NaN: none.
     """
 
     stamp: Stamp
@@ -122,8 +121,8 @@ class Image:
     """One picture, the answer to an `ImageRequest`.
 
     Attributes:
-        camera: Where the camera looked when the picture was taken.
-        coding: How `data` is coded.
+        camera: The camera at the time of the picture.
+        coding: Coding of `data`.
         width_px: Width of the picture.
         height_px: Height of the picture.
         channels: 1 for grey, 3 for red, green, blue.
@@ -145,12 +144,12 @@ IMAGE = MessageDefinition(
 
 
 class CameraMotion(enum.IntEnum):
-    """What a `CameraCommand` means.
+    """The kind of a `CameraCommand`.
 
     Attributes:
         ABSOLUTE: Go to pan, tilt and zoom.
         RELATIVE: Change pan, tilt and zoom by the given amounts.
-        HOME: Look straight ahead, wide.
+        HOME: Point straight ahead, wide.
     """
 
     ABSOLUTE = 0
@@ -163,7 +162,7 @@ class CameraCommand:
     """Move the camera.
 
     Attributes:
-        motion: How the three amounts are meant.
+        motion: Meaning of the three amounts.
         pan: [rad], positive left; NaN leaves it.
         tilt: [rad], positive up; NaN leaves it.
         zoom: 0 to 1 (or the change of it); NaN leaves it.
@@ -186,11 +185,11 @@ CAMERA_COMMAND = MessageDefinition(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NightCommand:
-    """See in the dark, or no longer.
+    """Switch night mode.
 
     Attributes:
-        on: 1: brighten pictures as they need it, and light the headlight; 0: neither.
-        headlight: Brightness of the headlight while on, 0 to 1; NaN leaves it.
+        on: 1: brighten dark pictures, and switch the headlight on; 0: neither.
+        headlight: Brightness of the headlight while on, 0 to 1; NaN: unchanged.
     """
 
     on: Flag = 0

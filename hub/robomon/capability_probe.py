@@ -1,4 +1,4 @@
-"""Asks modules that do not run what they can do: runs their command with --describe."""
+"""Reads the capabilities of stopped modules: runs their command with --describe."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ MAX_SHOWN_BYTES = 200
 
 
 class CapabilityProbe:
-    """Asks one module after the other; call `look` repeatedly, it never waits."""
+    """Asks one module after the other; call `poll` repeatedly, it never waits."""
 
     def __init__(self, arguments: Sequence[str], parent: WarmParent | None) -> None:
         """Ask no module yet.
 
         Args:
-            arguments: What is added to a module's command.
-            parent: Forks the processes that are asked.
+            arguments: Added to a module's command.
+            parent: Forks the processes.
         """
         self._parent = parent
         self._arguments = (*arguments, "--describe")
@@ -38,23 +38,23 @@ class CapabilityProbe:
         self._asked: set[str] = set()
         self._process: ModuleProcess | None = None
         self._life: ModuleLifecycle | None = None
-        self._heard = b""
+        self._output = b""
         self._until = 0.0
 
     @property
     def pid(self) -> int:
-        """The process that is asked now; 0 if none is."""
+        """The present process; 0: none."""
         return self._process.pid if self._process else 0
 
     def ask(self, lives: Iterable[ModuleLifecycle]) -> None:
-        """Ask these, each once."""
+        """Ask each of these once."""
         for life in lives:
             if life.spec.name not in self._asked:
                 self._asked.add(life.spec.name)
                 self._waiting.append(life)
 
-    def look(self, now: float) -> None:
-        """Read the answer of the module that is asked, or ask the next; `now` is the time [s]."""
+    def poll(self, now: float) -> None:
+        """Read the present module's answer, or ask the next; `now` is the time [s]."""
         if self._process is not None:
             self._listen(self._process, now)
         elif self._waiting:
@@ -65,7 +65,7 @@ class CapabilityProbe:
                 _logger.warning("module %s %s", self._life.spec.name, error)
                 return
             os.set_blocking(self._process.output, False)
-            self._heard, self._until = b"", now + TIMEOUT_S
+            self._output, self._until = b"", now + TIMEOUT_S
 
     def close(self) -> None:
         """Ask no more modules."""
@@ -78,11 +78,11 @@ class CapabilityProbe:
     def _listen(self, process: ModuleProcess, now: float) -> None:
         code = process.exit_code()
         try:
-            while len(self._heard) <= MAX_BYTES and (chunk := os.read(process.output, MAX_BYTES)):
-                self._heard += chunk
+            while len(self._output) <= MAX_BYTES and (chunk := os.read(process.output, MAX_BYTES)):
+                self._output += chunk
         except BlockingIOError:
             pass
-        if code is None and now < self._until and len(self._heard) <= MAX_BYTES:
+        if code is None and now < self._until and len(self._output) <= MAX_BYTES:
             return
         process.end()
         os.close(process.output)
@@ -91,28 +91,28 @@ class CapabilityProbe:
             self._conclude(self._life, code)
 
     def _conclude(self, life: ModuleLifecycle, code: int | None) -> None:
-        abilities = parse(self._heard) if code == 0 else None
+        abilities = parse(self._output) if code == 0 else None
         if abilities is None:
             _logger.warning(
                 "module %s does not say what it can do when it is run with --describe%s; "
                 "what the robot file says is taken for it",
                 life.spec.name,
-                _last_words(self._heard),
+                _last_words(self._output),
             )
         else:
             life.learned(*abilities)
 
 
-def _last_words(said: bytes) -> str:
-    """The part of a warning that shows the last line that a module wrote; empty without one."""
-    line = said.strip().rpartition(b"\n")[2][:MAX_SHOWN_BYTES].decode(errors="replace")
+def _last_words(output: bytes) -> str:
+    """The part of a warning with a module's last line; empty: it wrote none."""
+    line = output.strip().rpartition(b"\n")[2][:MAX_SHOWN_BYTES].decode(errors="replace")
     return f", but {line!r}" if line else ""
 
 
-def parse(said: bytes) -> tuple[frozenset[str], frozenset[str]] | None:
-    """What a module provides and needs, from the last line it wrote; None if that is no answer."""
+def parse(output: bytes) -> tuple[frozenset[str], frozenset[str]] | None:
+    """A module's capabilities and needs, from its last line; None: that is no answer."""
     try:
-        answer = json.loads(said.strip().rpartition(b"\n")[2])
+        answer = json.loads(output.strip().rpartition(b"\n")[2])
         provides, needs = answer["provides"], answer["needs"]
         usable = all(
             isinstance(names, list)

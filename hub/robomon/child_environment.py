@@ -27,5 +27,5 @@ def mark() -> str:
 def child_environment(more: Mapping[str, str]) -> dict[str, str]:
     """The daemon's environment, `more` variables, and the mark."""
     own = {k: v for k, v in os.environ.items() if k not in _FOR_THE_DAEMON_ALONE}
-    # Unbuffered: a line of the log is needed when the module writes it.
+    # Unbuffered: log lines must not wait in the module.
     return {"PYTHONUNBUFFERED": "1", **own, **more, _MARK_NAME: _mark_value()}

@@ -25,41 +25,41 @@ from dataclasses import dataclass
 from hub.gcm.control import ANSWER_S, LOST_S
 from hub.own_pauses import OwnPauses
 
-MOST_REQUESTS = 8
-"""How many may ask at a time."""
+MAX_REQUESTS = 8
+"""Most requests at a time."""
 LONGEST_NAME = 40
-"""Letters of an operator's name."""
+"""Most letters of an operator's name."""
 STALL_S = 1.0
-"""A longer pause between two looks means that we were away ourselves, not the consoles [s]."""
+"""Pause between two checks after which this process counts as paused, not the consoles [s]."""
 
 Answer = tuple[bool, str]
-"""Whether it is done, and in words what was done or why not."""
+"""Whether the order is done, and a sentence with the result or the reason."""
 
 
 @dataclass(slots=True, kw_only=True)
 class Console:
-    """One that has control or asks for it.
+    """A console that has control or asks for it.
 
     Attributes:
         number: Its number at central.
-        operator: Who sits there.
-        since: Since when it has control, or has been the first to ask [s].
-        heard: When it was heard last [s].
+        operator: Its operator.
+        since: Start of its control, or of its place as the first request [s].
+        last_heard: Time of its last heartbeat [s].
     """
 
     number: int
     operator: str
     since: float
-    heard: float
+    last_heard: float
 
 
 class ControlLease:
-    """Decides; every method gets the present monotonic time [s].
+    """The lease; every method gets the present monotonic time [s].
 
     Attributes:
-        owner: Who has control; None: nobody.
-        requests: Who asks for it; the first is before the owner, since `since`.
-        why: How control came to be as it is, for people.
+        owner: The console with control; None: none.
+        requests: The consoles that ask for it; the first awaits the owner's answer.
+        why: The reason for the present state, for people.
     """
 
     def __init__(self, now: float) -> None:
@@ -70,8 +70,8 @@ class ControlLease:
         self._pauses.look(now)
 
     def take(self, number: int, operator: str, now: float) -> Answer:
-        """Somebody wants control of a robot that nobody has."""
-        self.look(now)
+        """Take control of a free robot."""
+        self.expire(now)
         if self.owner is None:
             self._give(number, operator, f"{shown(operator)} took control", now)
             return True, "you have control"
@@ -80,34 +80,39 @@ class ControlLease:
         return False, f"{self.owner.operator} has control; ask for it"
 
     def release(self, number: int, now: float) -> Answer:
-        """Somebody gives up control, or no longer asks for it."""
-        self.look(now)
+        """Give up control, or a request for it."""
+        self.expire(now)
         if self.owner is not None and self.owner.number == number:
             self._free(f"{self.owner.operator} gave up control", now)
             return True, "you have given up control"
         if self._asks(number):
-            self._withdraw(number, now)
+            self._remove_request(number, now)
             return True, "you no longer ask for control"
         return False, "you have no control that you could give up"
 
     def ask(self, number: int, operator: str, now: float) -> Answer:
-        """Somebody wants control, whoever has it; if somebody else has it, they are asked."""
-        self.look(now)
+        """Ask for control: a free robot is taken, another owner is asked."""
+        self.expire(now)
         if self.owner is None or self.owner.number == number:
             return self.take(number, operator, now)
-        whom = self.owner.operator
+        owner_name = self.owner.operator
         if self._asks(number):
-            return True, f"you have asked {whom} already"
-        if len(self.requests) >= MOST_REQUESTS:
-            return False, f"{MOST_REQUESTS} others ask {whom} for control already; try again later"
-        self.requests.append(Console(number=number, operator=shown(operator), since=now, heard=now))
+            return True, f"you have asked {owner_name} already"
+        if len(self.requests) >= MAX_REQUESTS:
+            return (
+                False,
+                f"{MAX_REQUESTS} others ask {owner_name} for control already; try again later",
+            )
+        self.requests.append(
+            Console(number=number, operator=shown(operator), since=now, last_heard=now)
+        )
         turns = len(self.requests) - 1
         after = f" after {turns} other{'s' if turns > 1 else ''}" if turns else ""
-        return True, f"{whom} is asked{after}, and has {ANSWER_S:.0f} s to answer"
+        return True, f"{owner_name} is asked{after}, and has {ANSWER_S:.0f} s to answer"
 
     def grant(self, number: int, now: float) -> Answer:
-        """The owner hands control to who asks."""
-        self.look(now)
+        """Hand control to the first request, as its owner."""
+        self.expire(now)
         if refusal := self._no_answer(number):
             return False, refusal
         owner, asker = self.owner, self.requests[0]
@@ -116,18 +121,18 @@ class ControlLease:
         return True, f"{asker.operator} has control"
 
     def deny(self, number: int, now: float) -> Answer:
-        """The owner keeps control."""
-        self.look(now)
+        """Refuse the first request, as the owner."""
+        self.expire(now)
         if refusal := self._no_answer(number):
             return False, refusal
         asker, owner = self.requests[0], self.owner
         self.why = f"{owner.operator if owner else ''} did not hand control to {asker.operator}"
-        self._withdraw(asker.number, now)
+        self._remove_request(asker.number, now)
         return True, f"{asker.operator} does not get control"
 
     def take_over(self, number: int, operator: str, now: float) -> Answer:
-        """Somebody who may takes control, whoever has it."""
-        self.look(now)
+        """Take control from any owner; the caller has checked the right."""
+        self.expire(now)
         owner = self.owner
         if owner is None or owner.number == number:
             return self.take(number, operator, now)
@@ -136,8 +141,8 @@ class ControlLease:
         return True, f"you have control; {owner.operator} had it"
 
     def free(self, now: float) -> Answer:
-        """Somebody who may takes control from whoever has it; those who ask do not get it."""
-        self.look(now)
+        """Take control from any owner and free the robot, without its requests."""
+        self.expire(now)
         if self.owner is None:
             return True, "nobody had control"
         text = f"control was taken from {self.owner.operator}"
@@ -145,42 +150,42 @@ class ControlLease:
         self._free(text, now)
         return True, text
 
-    def heard(self, number: int, now: float, *, holds: bool) -> None:
-        """A console lives; that of the owner keeps control only if it knows that it has it."""
-        self.look(now)
+    def heartbeat(self, number: int, now: float, *, holds: bool) -> None:
+        """Note a heartbeat; the owner keeps control only while its heartbeats claim it."""
+        self.expire(now)
         if self.owner is not None and self.owner.number == number and holds:
-            self.owner.heard = now
+            self.owner.last_heard = now
         for request in self.requests:
             if request.number == number:
-                request.heard = now
+                request.last_heard = now
 
-    def gone(self, number: int, now: float) -> None:
-        """A console has left."""
-        self.look(now)
+    def disconnected(self, number: int, now: float) -> None:
+        """Note that a console has disconnected."""
+        self.expire(now)
         if self.owner is not None and self.owner.number == number:
             self._free(f"the console of {self.owner.operator} has left", now)
         elif self._asks(number):
-            self._withdraw(number, now)
+            self._remove_request(number, now)
 
-    def look(self, now: float) -> None:
-        """Time has gone by."""
+    def expire(self, now: float) -> None:
+        """Apply the limits of time."""
         if away := self._pauses.look(now):
-            self._forgive(away)
-        for request in [each for each in self.requests if now - each.heard >= LOST_S]:
-            self._withdraw(request.number, now)
+            self._add_pause(away)
+        for request in [each for each in self.requests if now - each.last_heard >= LOST_S]:
+            self._remove_request(request.number, now)
         owner = self.owner
-        if owner is not None and now - owner.heard >= LOST_S:
+        if owner is not None and now - owner.last_heard >= LOST_S:
             self._free(f"the console of {owner.operator} fell silent", now)
         elif owner is not None and self.requests and self.left(now) <= 0.0:
             self.why = f"{owner.operator} did not answer {self.requests[0].operator}"
-            self._withdraw(self.requests[0].number, now)
+            self._remove_request(self.requests[0].number, now)
 
     def left(self, now: float) -> float:
-        """How long the owner has to answer who asks [s]; 0 if nobody does."""
+        """The owner's time to answer the first request [s]; 0: there is none."""
         return self.requests[0].since + ANSWER_S - now if self.requests else 0.0
 
     def _no_answer(self, number: int) -> str:
-        """Why somebody has nothing to answer; empty if there is something."""
+        """Why a console cannot answer a request; empty: it can."""
         if self.owner is None or self.owner.number != number:
             return "only who has control can hand it over"
         return "" if self.requests else "nobody asks for control"
@@ -188,8 +193,8 @@ class ControlLease:
     def _asks(self, number: int) -> bool:
         return any(request.number == number for request in self.requests)
 
-    def _withdraw(self, number: int, now: float) -> None:
-        """Somebody does not ask any more; if that was the first, the next one's time begins."""
+    def _remove_request(self, number: int, now: float) -> None:
+        """Remove a request; after the first, the next one's time begins."""
         first = self.requests[0]
         self.requests = [each for each in self.requests if each.number != number]
         if self.requests and self.requests[0] is not first:
@@ -197,11 +202,11 @@ class ControlLease:
 
     def _give(self, number: int, operator: str, why: str, now: float) -> None:
         if self._asks(number):
-            self._withdraw(number, now)
-        self.owner = Console(number=number, operator=shown(operator), since=now, heard=now)
+            self._remove_request(number, now)
+        self.owner = Console(number=number, operator=shown(operator), since=now, last_heard=now)
         self.why = why
         if self.requests:
-            self.requests[0].since = now  # another one is to answer now
+            self.requests[0].since = now  # another owner answers now
 
     def _free(self, why: str, now: float) -> None:
         self.owner, self.why = None, why
@@ -209,15 +214,15 @@ class ControlLease:
             first = self.requests[0]
             self._give(first.number, first.operator, f"{why}; {first.operator} had asked", now)
 
-    def _forgive(self, away: float) -> None:
-        """What came meanwhile is still to be read: nobody was silent, and no time ran out."""
+    def _add_pause(self, away: float) -> None:
+        """Add a pause of this process to all times: unread heartbeats may wait."""
         for console in (*self.requests, *([self.owner] if self.owner else [])):
-            console.heard += away
+            console.last_heard += away
         if self.requests:
             self.requests[0].since += away
 
 
 def shown(operator: str) -> str:
-    """An operator's name as all may see it."""
+    """An operator's name without control characters."""
     name = "".join(letter for letter in operator if letter.isprintable()).strip()
     return name[:LONGEST_NAME] or "somebody"

@@ -1,4 +1,4 @@
-"""The control lease on the bus: who asks the arbiter for what, and what all are told."""
+"""The control lease on the bus: requests to the arbiter, and reports to all."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from hub.runtime import publish_on_request
 
 _logger = logging.getLogger(__name__)
 
-_LOOK_S = 0.1
+_CHECK_S = 0.1
 _FRESH_S = 4.0 / NAVIGATION_STATUS.rate_hz
-"""A navigation that has been silent for longer moves nothing [s]."""
+"""Silence after which navigation counts as inactive [s]."""
 _NOT_ALLOWED = (
     False,
     "to take control from others needs a key made with --role supervise, or a console on the robot",
@@ -35,14 +35,14 @@ _NOT_ALLOWED = (
 
 
 class ControlService:
-    """Connects the arbiter with the bus; it lives as long as the hub does."""
+    """Connects the arbiter with the bus, for the life of the hub."""
 
     def __init__(self, client: Client, peer_of: Callable[[int], Peer | None]) -> None:
-        """Begin; nobody has control.
+        """Start without an owner.
 
         Args:
             client: The daemon's connection.
-            peer_of: Who has a number at central; None if nobody does any more.
+            peer_of: The peer of a number at central; None: it is gone.
         """
         self._client = client
         self._peer_of = peer_of
@@ -50,22 +50,22 @@ class ControlService:
         self._arbiter = ControlLease(self._clock())
         self._modules: set[int] = set()
         self._status: tuple[NavigationStatus, float] | None = None
-        self._said: tuple[object, ...] = ()
+        self._published: tuple[object, ...] = ()
         self._why = self._arbiter.why
-        # Whose key is to operate may use messages, but define none.
+        # A key to operate may use messages, but define none.
         client.define(control.CONTROL_STATE, *pad.MESSAGES)
-        client.subscribe(control.CONSOLE_HEARTBEAT, self._heard)
+        client.subscribe(control.CONSOLE_HEARTBEAT, self._on_heartbeat)
         client.subscribe(MODULE_INFO, self._announced)
         client.subscribe(NAVIGATION_STATUS, self._navigation)
         client.respond_later(control.CONTROL_REQUEST, COMMON_RESULT, self._requested)
         client.directory.watch(self._presence)
         publish_on_request(client, control.CONTROL_STATE, self._publish)
-        client.every(_LOOK_S, self._look)
+        client.every(_CHECK_S, self._check)
         client.every(1.0 / control.CONTROL_STATE.rate_hz, self._publish)
 
     @property
     def owned(self) -> bool:
-        """Whether somebody has control."""
+        """Whether a console has control."""
         return self._arbiter.owner is not None
 
     def _requested(self, request: ControlRequest, reply: Reply[CommonResult]) -> None:
@@ -75,7 +75,7 @@ class ControlService:
             return
         done, text = self._answer(request, peer)
         reply.answer(CommonResult(done=int(done), text=text))
-        self._look()
+        self._check()
 
     def _answer(self, request: ControlRequest, peer: Peer) -> Answer:
         arbiter, now = self._arbiter, self._clock()
@@ -97,37 +97,37 @@ class ControlService:
             return arbiter.free(now)
         return arbiter.take_over(number, operator, now)
 
-    def _heard(self, heartbeat: control.ConsoleHeartbeat, reception: MessageInfo) -> None:
+    def _on_heartbeat(self, heartbeat: control.ConsoleHeartbeat, reception: MessageInfo) -> None:
         holds = bool(heartbeat.holds)
-        self._arbiter.heard(reception.publisher, self._clock(), holds=holds)
+        self._arbiter.heartbeat(reception.publisher, self._clock(), holds=holds)
 
     def _announced(self, _info: ModuleInfo, reception: MessageInfo) -> None:
         peer = self._peer_of(reception.publisher)
         if peer is None or peer.principal.role is not Role.MODULE:
-            return  # an operator is no module, whoever says so
+            return  # an operator is no module, even with a module's INFO
         if reception.publisher not in self._modules:
             self._modules.add(reception.publisher)
-            self._look()
+            self._check()
 
     def _navigation(self, status: NavigationStatus, reception: MessageInfo) -> None:
         self._status = status, reception.measured
-        self._look()
+        self._check()
 
     def _presence(self, presence: Presence) -> None:
         if presence.change is Change.DISCONNECTED:
-            self._look()
+            self._check()
 
-    def _look(self) -> None:
-        """See who has left and what the time has changed, and tell if anything has."""
+    def _check(self) -> None:
+        """Apply disconnects and limits of time, and publish a change."""
         now, arbiter = self._clock(), self._arbiter
-        arbiter.look(now)
+        arbiter.expire(now)
         concerned = [console.number for console in arbiter.requests]
         concerned += [arbiter.owner.number] if arbiter.owner else []
         for number in concerned:
             if self._peer_of(number) is None:
-                arbiter.gone(number, now)
+                arbiter.disconnected(number, now)
         state = self._state()
-        said = (
+        content = (
             state.owner,
             state.asker,
             state.waiting,
@@ -137,8 +137,8 @@ class ControlService:
             state.silent_s >= control.WARNED_S,
             tuple(state.modules),
         )
-        if said != self._said:
-            self._said = said
+        if content != self._published:
+            self._published = content
             self._client.publish(control.CONTROL_STATE, state)
         if arbiter.why != self._why:
             self._why = arbiter.why
@@ -158,7 +158,7 @@ class ControlService:
             owner_name=self._name(owner.number) if owner else "",
             operator=owner.operator if owner else "",
             held_s=now - owner.since if owner else 0.0,
-            silent_s=max(0.0, now - owner.heard) if owner else 0.0,
+            silent_s=max(0.0, now - owner.last_heard) if owner else 0.0,
             asker=asker.number if asker else 0,
             asker_name=self._name(asker.number) if asker else "",
             asker_operator=asker.operator if asker else "",
@@ -171,7 +171,7 @@ class ControlService:
         )
 
     def _commander(self) -> tuple[DrivingMode, str]:
-        """Who moves the robot now, as navigation says."""
+        """The console that moves the robot now, by navigation's report."""
         if self._status is None or self._clock() - self._status[1] > _FRESH_S:
             return DrivingMode.NOBODY, ""
         status = self._status[0]

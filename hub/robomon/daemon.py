@@ -1,4 +1,4 @@
-"""The daemon: runs central and the robot's modules, from start to end."""
+"""The daemon: runs central and the robot's modules."""
 
 from __future__ import annotations
 
@@ -54,11 +54,11 @@ def run(table: RobotTable, *, spawn: bool, as_json: bool, stop_with_stdin: bool)
     Args:
         table: The robot and its modules.
         spawn: Start each module as a new program; do not fork it.
-        as_json: Say what happens as JSON lines.
-        stop_with_stdin: Stop when standard input ends.
+        as_json: Report events as JSON lines.
+        stop_with_stdin: Stop at the end of standard input.
 
     Returns:
-        The exit code: 0, or 1 if a module was given up.
+        The exit code: 0; 1: a module was given up.
 
     Raises:
         EndpointError: The port is busy.
@@ -69,7 +69,7 @@ def run(table: RobotTable, *, spawn: bool, as_json: bool, stop_with_stdin: bool)
         parent = WarmParent(common_imports(table))
         parent.fork_from_here()
     start_logging("hub", logging.INFO)
-    gc.freeze()  # no collection, and no end of the process, goes through what was imported
+    gc.freeze()  # neither a collection nor the end of the process visits the imported objects
     return Daemon(table, parent, as_json=as_json).run(stop_with_stdin=stop_with_stdin)
 
 
@@ -77,12 +77,12 @@ class Daemon:
     """Runs central and the modules until a signal stops it."""
 
     def __init__(self, table: RobotTable, parent: WarmParent | None, *, as_json: bool) -> None:
-        """Have the modules of this table.
+        """Take the modules of this table.
 
         Args:
             table: The robot and its modules.
             parent: Forks Python modules; None: all are spawned.
-            as_json: Say what happens as JSON lines.
+            as_json: Report events as JSON lines.
         """
         self._table = table
         self._parent = parent
@@ -95,10 +95,10 @@ class Daemon:
         self._supervisor = ModulePolicy(table.modules)
 
     def run(self, *, stop_with_stdin: bool) -> int:
-        """Serve until SIGINT, SIGTERM, or the end of standard input if that is wanted.
+        """Serve until SIGINT, SIGTERM, or, by request, the end of standard input.
 
         Returns:
-            The exit code: 0, or 1 if a module had to be given up.
+            The exit code: 0; 1: a module was given up.
 
         Raises:
             EndpointError: The port is busy.
@@ -121,12 +121,12 @@ class Daemon:
             self._gateway = central.endpoints[-1] if robot.gateway else ""
             logs = stack.enter_context(contextlib.closing(LogFolder(robot.logs, robot.name)))
             outputs = stack.enter_context(contextlib.closing(ModuleLogs(logs.path)))
-            self._say("listening", central.endpoints[0], {})
+            self._report("listening", central.endpoints[0], {})
             client = stack.enter_context(contextlib.closing(Client(ROBOMON, local)))
             desk = ControlService(client, central.peer_of)
             MissionWant(client, self._supervisor.wants, robot, controlled=lambda: desk.owned)
             self._serve(client, outputs, local, central.endpoints[0])
-        lives = self._supervisor.lives.values()
+        lives = self._supervisor.lifecycles.values()
         return 1 if any(life.phase is ModulePhase.FAILED for life in lives) else 0
 
     def _serve(self, client: Client, outputs: ModuleLogs, local: str, endpoint: str) -> None:
@@ -148,21 +148,21 @@ class Daemon:
         reporting = Reporting(client, processes, outputs, self._table.robot.body)
         ready = False
         try:
-            processes.look()
+            processes.step()
             while not self._stopping:
                 self._listen(client)
                 if not ready and self._all_run():
                     ready = True
-                    self._say("ready", endpoint, processes.pids)
+                    self._report("ready", endpoint, processes.pids)
             _logger.info("stopping")
             self._notifier.stopping()
         finally:
             processes.close()
 
     def _changed(self, reporting: Reporting) -> None:
-        """Report on the bus and to systemd what the modules do now."""
+        """Report the modules' state on the bus and to systemd."""
         reporting.publish()
-        lives = self._supervisor.lives.values()
+        lives = self._supervisor.lifecycles.values()
         words = (f"{life.spec.name} {life.phase.name.lower()}" for life in lives)
         self._notifier.status(", ".join(words))
 
@@ -174,7 +174,7 @@ class Daemon:
             _logger.exception("the daemon goes on after a fault")
 
     def _all_run(self) -> bool:
-        lives = self._supervisor.lives.values()
+        lives = self._supervisor.lifecycles.values()
         return all(life.phase is ModulePhase.RUNNING for life in lives if life.spec.always)
 
     def _end(self) -> None:
@@ -182,29 +182,29 @@ class Daemon:
         self._wake()
 
     def _wait_for_end_of_stdin(self) -> None:
-        with contextlib.suppress(OSError):  # it may be closed from the start
+        with contextlib.suppress(OSError):  # it may be closed at the start
             while os.read(_STDIN, 4096):
                 pass
         self._end()
 
-    def _say(self, event: str, endpoint: str, pids: Mapping[str, int]) -> None:
+    def _report(self, event: str, endpoint: str, pids: Mapping[str, int]) -> None:
         """Report to the process that started the daemon, on standard output."""
         name = self._table.robot.name
         if self._as_json:
             gateway = {"gateway": self._gateway} if self._gateway else {}
             facts = {"event": event, "robot": name, "hub": endpoint, "pids": dict(pids)}
-            said = json.dumps(facts | gateway)
+            text = json.dumps(facts | gateway)
         elif event == "listening":
             count = sum(spec.always for spec in self._table.modules)
             way_in = f", for holders of keys at {self._gateway}" if self._gateway else ""
-            said = f"{name}: hub at {endpoint}{way_in}, starting {count} modules"
+            text = f"{name}: hub at {endpoint}{way_in}, starting {count} modules"
         else:
-            said = f"{name}: ready; Ctrl-C ends it"
+            text = f"{name}: ready; Ctrl-C ends it"
         try:
-            sys.stdout.write(said + "\n")
+            sys.stdout.write(text + "\n")
             sys.stdout.flush()
         except (OSError, ValueError, AttributeError) as error:
-            # Nobody reads the report; the hub runs all the same.
+            # The report has no reader; the hub runs all the same.
             _logger.warning("cannot say %r on standard output: %s", event, error)
 
 

@@ -1,12 +1,12 @@
 """The warmed parent's own process: it forks a module for each request of the daemon.
 
-It has loaded what modules import. It has one thread, one socket to the daemon, and no module as a
-child: it forks twice, the process between ends at once, and the daemon adopts the module. So the
-daemon waits for modules itself, and this process may die without any harm to them.
+It has loaded the modules' imports. It has one thread, one socket to the daemon, and no module as a
+child. It forks twice, the process between ends at once, and the daemon adopts the module. So the
+daemon waits for modules itself, and the death of this process does not harm them.
 
 A request is its length, its text, and two descriptors: the module's standard input, and the pipe
-for its standard output and standard error. The answer is the module's process id, 0 if it cannot
-be forked. The module runs after the daemon has written one byte to its standard input.
+for its standard output and standard error. The answer is the module's process id; 0: the fork
+failed. The module runs after the daemon has written one byte to its standard input.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ from typing import NoReturn
 LENGTH = struct.Struct("!I")
 PID = struct.Struct("!i")
 SEVERAL_THREADS = 3
-"""Exit code of a parent whose imports have started threads: nothing can be forked from it."""
+"""Exit code of a parent whose imports have started threads: it cannot fork."""
 _FILES = 2
 _PR_SET_NAME = 15
 _NAME_BYTES = 15
 _PAGE = 4096
 _MAP_PRIVATE = 2
 _ARGUMENTS_FROM, _ARGUMENTS_TO = 45, 46
-"""Where proc(5) says in `stat`, after the name, between which addresses the command stands."""
+"""Places of the command's addresses in `stat` of proc(5), counted after the name."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,9 +48,9 @@ class ForkRequest:
     """A module to fork.
 
     Attributes:
-        run: The Python module to run, as after `python -m`.
+        run: The Python module to run, like after `python -m`.
         arguments: Its command line.
-        environment: All of its environment.
+        environment: Its whole environment.
         limits: Its resource limits: number, soft limit, hard limit.
     """
 
@@ -71,14 +71,14 @@ class ForkRequest:
 
 
 def preload(imports: Iterable[str]) -> None:
-    """Import these Python modules; nothing here is collected any more."""
+    """Import these Python modules, and keep them out of garbage collection."""
     gc.disable()
     for name in imports:
-        with contextlib.suppress(ImportError):  # the module that needs it reports it
+        with contextlib.suppress(ImportError):  # the module that needs it reports the error
             importlib.import_module(name)
         if name.endswith(".__main__"):
             sys.modules.pop(name, None)  # each process runs its own
-    gc.freeze()  # a collection would write to pages that the processes share
+    gc.freeze()  # a collection would write to shared pages
     gc.enable()
 
 
@@ -105,14 +105,14 @@ def serve(link: socket.socket, mark: str) -> NoReturn:
         if pid is not None:
             for file in files:
                 os.close(file)
-            with contextlib.suppress(BrokenPipeError):  # the next look at the link finds its end
+            with contextlib.suppress(BrokenPipeError):  # the next read of the link finds its end
                 link.sendall(PID.pack(pid))
     link.detach()
     _be_module(request, *files)
 
 
 def _prepare(link: socket.socket) -> socket.socket:
-    """Hold nothing of the daemon but the link and standard error; lead a process group."""
+    """Close the daemon's files but the link and standard error; lead a process group."""
     with contextlib.suppress(PermissionError):  # it leads one already
         os.setpgid(0, 0)  # Ctrl-C in the daemon's terminal is for the daemon alone
     kept = fcntl.fcntl(link, fcntl.F_DUPFD_CLOEXEC, 3)
@@ -127,7 +127,7 @@ def _prepare(link: socket.socket) -> socket.socket:
 def _close_all_but(*kept: int) -> None:
     for name in os.listdir("/proc/self/fd"):  # noqa: PTH208 - numbers, not paths
         if int(name) not in kept:
-            with contextlib.suppress(OSError):  # the one by which the folder was read
+            with contextlib.suppress(OSError):  # the descriptor of the listed folder itself
                 os.close(int(name))
 
 
@@ -154,7 +154,7 @@ def _map_mark(mark: str) -> None:
 
 
 def _receive(link: socket.socket) -> tuple[ForkRequest, list[int]] | None:
-    """The next request with its descriptors; None if the daemon has closed the link."""
+    """The next request with its descriptors; None: the daemon has closed the link."""
     text = b""
     try:
         start, files, _, _ = socket.recv_fds(link, LENGTH.size, _FILES)
@@ -175,7 +175,7 @@ def _fork() -> int | None:
     """Fork a process that the daemon adopts.
 
     Returns:
-        Its process id; 0 if the system refuses; None in the new process itself.
+        Its process id; 0: the system refuses; None: this is the new process.
     """
     try:
         reading, writing = os.pipe()
@@ -193,13 +193,13 @@ def _fork() -> int | None:
     os.close(writing)
     with contextlib.suppress(ChildProcessError):  # the system keeps no exit codes
         os.waitpid(between, 0)  # from here on the daemon is the new process's parent
-    said = os.read(reading, PID.size)
+    answer = os.read(reading, PID.size)
     os.close(reading)
-    return int(PID.unpack(said)[0]) if said else 0
+    return int(PID.unpack(answer)[0]) if answer else 0
 
 
 def _fork_again(writing: int) -> None:
-    """In the process between: fork, send the process id, and end; returns in the new process."""
+    """Fork in the process between, send the process id, and end; returns in the new process."""
     try:
         pid = os.fork()
     except OSError:
@@ -213,7 +213,7 @@ def _fork_again(writing: int) -> None:
 
 
 def _be_module(request: ForkRequest, stdin: int, output: int) -> NoReturn:
-    """Run the module as `python -m` does, in a process that has nothing of the parent's."""
+    """Run the module like `python -m`, without the parent's state."""
     os.setpgid(0, 0)
     os.dup2(stdin, 0)
     os.dup2(output, 1)
@@ -229,7 +229,7 @@ def _be_module(request: ForkRequest, stdin: int, output: int) -> NoReturn:
     _renew_random_numbers()
     _set_command(request)
     if not os.read(0, 1):
-        os._exit(0)  # the daemon does not know this process
+        os._exit(0)  # the daemon has not adopted this process
     try:
         runpy.run_module(request.run, run_name="__main__", alter_sys=True)
     except (Exception, KeyboardInterrupt):  # noqa: BLE001 - as a new interpreter does
@@ -251,7 +251,7 @@ def _unbuffered(descriptor: int) -> io.TextIOWrapper:
 
 
 def _renew_random_numbers() -> None:
-    """Seed NumPy's global generator anew; Python's own generators do so at a fork."""
+    """Seed NumPy's global generator; Python seeds its own generators at a fork."""
     numpy_random = sys.modules.get("numpy.random")
     if numpy_random is not None:
         numpy_random.seed()
@@ -278,7 +278,7 @@ def show_command(words: Iterable[str]) -> None:
         start, end = int(stat[_ARGUMENTS_FROM]), int(stat[_ARGUMENTS_TO])
     except (OSError, ValueError, IndexError):
         return
-    room = end - start - 1  # a last byte that is not 0 would mean: it goes on in the environment
+    room = end - start - 1  # without a final 0, `ps` would read on in the environment
     if start and room > 0:
         text = b"\0".join(os.fsencode(word) for word in words)[:room]
         ctypes.memset(start, 0, end - start)
@@ -286,7 +286,7 @@ def show_command(words: Iterable[str]) -> None:
 
 
 def main() -> NoReturn:
-    """Be a parent that the daemon has spawned: link, mark, and what to import."""
+    """Run a parent that the daemon has spawned, with link, mark and imports."""
     number, mark, *imports = sys.argv[1:]
     link = socket.socket(fileno=int(number))
     preload(imports)

@@ -1,4 +1,4 @@
-"""One module's log file: rotates, and outlives full disks, deleted files and lost folders."""
+"""One module's log file: it rotates, and survives full disks, deleted files and lost folders."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ from pathlib import Path
 _logger = logging.getLogger(__name__)
 
 FILE_BYTES = 2_000_000
-"""Size from which on a new file is begun."""
+"""Size at which a new file starts."""
 FILES = 3
-"""Older files that are kept of each module, beside the present one."""
+"""Number of older files of each module, beside the present one."""
 RETRY_S = 1.0
-"""Pause before a file that could not be written is tried again [s]."""
+"""Pause before the next attempt at a file that could not be written [s]."""
 
 
 class LogFile:
-    """A file that whole lines are added to; lines that cannot be written are lost and counted.
+    """A file of whole lines; lines that cannot be written are lost and counted.
 
-    How many are missing is said where they are, as soon as there is room. The older files have a
-    number behind their name, 1 for the last.
+    A line at their place gives the number of lost lines, as soon as there is room. Older files have
+    a number behind their name, 1 for the last.
 
     Attributes:
-        lost: Lines lost since the beginning.
-        reason: Why the last of them was lost.
+        lost: Lines lost since the start.
+        reason: Reason for the last loss.
     """
 
     def __init__(self, path: Path) -> None:
-        """Write to this path; nothing is opened yet."""
+        """Write to this path, without opening a file yet."""
         self._path = path
         self._file = -1
         self._room = 0
@@ -41,7 +41,7 @@ class LogFile:
         self.reason = ""
 
     def write(self, text: str, now: float) -> None:
-        """Add these lines; they are lost if the file could not be written a moment ago [s]."""
+        """Add these lines; they are lost if the file has just failed."""
         lines = text.count("\n")
         if now < self._retry_at:
             self._lose(lines)
@@ -59,7 +59,7 @@ class LogFile:
             self._missing = 0
 
     def retry(self, now: float) -> None:
-        """Say what is missing, if it was not said yet and there is room now [s]."""
+        """Write the pending notice of lost lines, if there is room at `now` [s]."""
         if self._missing:
             self.write("", now)
 
@@ -68,14 +68,14 @@ class LogFile:
         self.lost += lines
 
     def _notice(self) -> str:
-        """A line that says how many are missing before it; empty if none are."""
+        """A line with the number of lines lost before it; empty: none."""
         if not self._missing:
             return ""
-        what = f"{self._missing} lines were" if self._missing > 1 else "a line was"
-        return f"({what} lost here: {self.reason})\n"
+        subject = f"{self._missing} lines were" if self._missing > 1 else "a line was"
+        return f"({subject} lost here: {self.reason})\n"
 
     def _add(self, text: str) -> None:
-        """Write all of it or, if an error comes, nothing."""
+        """Write the whole text or, after an error, nothing."""
         data = text.encode(errors="replace")
         self._prepare(len(data))
         written = 0
@@ -88,20 +88,20 @@ class LogFile:
         self._room -= written
 
     def _take_back(self, written: int) -> None:
-        """Remove the beginning of what had no room, so that the file ends with a whole line."""
+        """Remove a partial text, so that the file ends with a whole line."""
         with contextlib.suppress(OSError):  # a pipe, or a file that is gone
             if written:
                 os.ftruncate(self._file, os.fstat(self._file).st_size - written)
 
     def close(self) -> None:
-        """Write no more."""
+        """Close the file."""
         if self._file >= 0:
-            with contextlib.suppress(OSError):  # it has told already that it cannot be written
+            with contextlib.suppress(OSError):  # the failed write is reported already
                 os.close(self._file)
             self._file = -1
 
     def _prepare(self, length: int) -> None:
-        """See that there is a file with room, also where somebody removed it."""
+        """Open a file with room, even after its removal."""
         if self._file >= 0 and os.fstat(self._file).st_nlink == 0:
             self.close()
         if self._file < 0:

@@ -1,12 +1,12 @@
-"""The robot's own want: what keeps the mission runs while a mission runs, whatever consoles do.
+"""The robot's own want: mapping, which keeps the mission, runs while a mission runs.
 
-| what is known | mapping is wanted |
+| state | mapping is wanted |
 | --- | --- |
-| the disk has a mission that was not ended, mapping has not told yet | yes |
-| mapping tells that a mission runs | yes |
-| mapping tells that none runs, but cannot read the disk | as before |
-| mapping tells that none runs | no |
-| somebody has control, and missions begin with that | yes |
+| the disk has a mission without an end, no report of mapping yet | yes |
+| mapping reports a running mission | yes |
+| mapping reports none, but cannot read the disk | as before |
+| mapping reports none | no |
+| a console has control, and missions start with control | yes |
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _RENEW_S = LEASE_S / 3.0
 
 
 class MissionWant:
-    """Holds the want; it lives as long as the hub does."""
+    """Holds the want, for the life of the hub."""
 
     def __init__(
         self,
@@ -47,35 +47,35 @@ class MissionWant:
         controlled: Callable[[], bool],
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Look at the disk, and listen to mapping.
+        """Read the disk, and subscribe to mapping's reports.
 
         Args:
             client: The daemon's connection.
-            wants: Who wants what.
-            robot: What the robot file says.
-            controlled: Tells whether somebody has control of the robot.
+            wants: The wants of all holders.
+            robot: The robot file.
+            controlled: Whether a console has control of the robot.
             clock: Monotonic time [s].
         """
         self._wants, self._controlled, self._clock = wants, controlled, clock
         self._with_control = robot.mission_begin is MissionBegin.WITH_CONTROL
         self._running = _on_disk(robot)
-        client.subscribe(MISSION_STATE, self._told)
+        client.subscribe(MISSION_STATE, self._on_state)
         client.every(_RENEW_S, self.renew)
         self.renew()
 
     def renew(self) -> None:
-        """Want it for a while, or no longer."""
+        """Renew the want, or let it expire."""
         wanted = self._running or (self._with_control and self._controlled())
         capabilities = _CAPABILITIES if wanted else ()
         self._wants.renew(_NUMBER, HOLDER, capabilities, self._clock())
 
-    def _told(self, state: MissionState, _reception: MessageInfo) -> None:
+    def _on_state(self, state: MissionState, _reception: MessageInfo) -> None:
         if state.running or not state.fault:
             self._running = bool(state.running)
 
 
 def _on_disk(robot: RobotDescription) -> bool:
-    """Whether a mission runs that was begun before this hub was started."""
+    """Whether a mission runs from before the start of this hub."""
     try:
         return bool(MissionFolder(for_missions(robot.mission_folder), robot.name).running())
     except MissionFileError as error:

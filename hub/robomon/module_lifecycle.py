@@ -1,4 +1,4 @@
-"""The life of one module: what happened to it and the time, to what is to be done; pure."""
+"""The lifecycle of one module: from events and time to actions; pure."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from hub.gcm.supervision import ModulePhase, keep_alive_s
 from hub.robomon.module_table import ModuleSpec
 
 _REMEMBERED = 8
-"""Process ids of earlier starts whose last words may still come."""
+"""Number of process ids of earlier starts whose late messages are ignored."""
 _TERM_S = 0.5
-"""Time that SIGTERM leaves to a module that hangs [s]; it would not hear the command."""
+"""Time after SIGTERM for a module that hangs and ignores commands [s]."""
 
 
 class ProcessAction(enum.Enum):
-    """What is to be done with a module's process."""
+    """An action on a module's process."""
 
     START = "start"
     COMMAND = "tell it to stop"
@@ -32,19 +32,19 @@ class ModuleLifecycle:
     """One module from its first start to its last end; every method gets the time [s].
 
     Attributes:
-        spec: What the robot file says.
-        phase: What is done with it.
-        why: Why it is in this phase, for people, after its name: "was stopped by somebody"; empty
-            where it runs and always did since somebody had it started.
-        pid: Process id; 0 while it has no process.
-        since: When it was started last, or was to be.
-        starts: How often it was started.
-        provides: Its capabilities, as far as known.
-        needs: What it needs of others, as far as known.
-        asked: Whether it said so itself.
-        held: Whether somebody stopped it: it is not started until somebody starts it.
-        pinned: Whether somebody started it: it runs though nobody wants its capabilities.
-        replaced_by: The module that does its work, as it could not; empty if none does.
+        spec: Its entry in the robot file.
+        phase: Its phase.
+        why: The reason for this phase, for people, after its name: "was stopped by somebody";
+            empty: it has run since its first start.
+        pid: Process id; 0: it has no process.
+        since: Time of its last start, or of the attempt.
+        starts: Number of its starts.
+        provides: Its known capabilities.
+        needs: The capabilities it needs, as far as known.
+        asked: Whether the module itself reported them.
+        held: Stopped by order: it starts only by order.
+        pinned: Started by order: it runs even without wants.
+        replaced_by: The module that does its work; empty: none.
     """
 
     def __init__(self, spec: ModuleSpec) -> None:
@@ -64,8 +64,8 @@ class ModuleLifecycle:
         self._failure = ""
         self._early = 0
         self._earlier: deque[int] = deque(maxlen=_REMEMBERED)
-        self._heard = 0.0
-        self._heard_itself = False
+        self._last_heard = 0.0
+        self._announced_itself = False
         self._start_at = 0.0
         self._stopping_since = 0.0
         self._done = 0
@@ -75,7 +75,7 @@ class ModuleLifecycle:
 
     @property
     def up(self) -> bool:
-        """Whether it has a process that is meant to go on."""
+        """Whether it has a process that should go on."""
         return self.phase in (ModulePhase.STARTING, ModulePhase.RUNNING)
 
     @property
@@ -85,7 +85,7 @@ class ModuleLifecycle:
 
     @property
     def keep_alive_s(self) -> float:
-        """Silence after which it counts as hanging [s]; 0: it does not announce itself."""
+        """Silence after which it counts as hanging [s]; 0: it never announces itself."""
         given = self.spec.keep_alive_s
         return keep_alive_s(self.provides) if given is None else given
 
@@ -95,23 +95,23 @@ class ModuleLifecycle:
         return not self.held and self.phase is not ModulePhase.FAILED
 
     @property
-    def troubled(self) -> bool:
-        """Whether it ended soon after its start, and not for the first time."""
+    def failing(self) -> bool:
+        """Whether it ended soon after its start, repeatedly."""
         return self.phase is ModulePhase.WAITING and self._early > 1
 
     @property
     def sound(self) -> bool:
         """Whether it runs, or can be started at once."""
-        return self.usable and not self.troubled
+        return self.usable and not self.failing
 
     def learned(self, provides: frozenset[str], needs: frozenset[str]) -> None:
-        """It said itself what it can do."""
+        """Note the capabilities that the module reported."""
         self.provides, self.needs, self.asked = provides, needs, True
 
     def started(self, pid: int, now: float) -> None:
-        """Its process was started."""
-        self.pid, self.since, self._heard = pid, now, now
-        self._heard_itself = False
+        """Note the start of its process."""
+        self.pid, self.since, self._last_heard = pid, now, now
+        self._announced_itself = False
         self.starts += 1
         if self.keep_alive_s > 0.0:
             self._enter(ModulePhase.STARTING, "was started")
@@ -119,43 +119,43 @@ class ModuleLifecycle:
             self._run()
 
     def not_started(self, why: str, now: float) -> None:
-        """The system could not start it."""
+        """Note that the system could not start it."""
         self.since = now
         self._fail(why, now)
 
     def announced(self, pid: int, now: float) -> bool:
-        """It says that it lives; False if that is from a process before this one, or another.
+        """Note an announcement; False: it is from an earlier process, or from another.
 
-        Where the process itself was never heard, it may have started the one that speaks.
+        Without an announcement of its own, the process may have started the announcing one.
         """
         if not self.has_process:
             return False
         if pid == self.pid:
-            self._heard_itself = True
-        elif self._heard_itself or pid in self._earlier:
+            self._announced_itself = True
+        elif self._announced_itself or pid in self._earlier:
             return False
-        self._heard = now
+        self._last_heard = now
         if self.phase is ModulePhase.STARTING:
             self._run()
         return True
 
-    def stand_back(self, other: str) -> None:
-        """Another does its work until that one cannot."""
+    def replace_by(self, other: str) -> None:
+        """Let another module do its work until that one fails."""
         self.replaced_by = other
         phase = ModulePhase.STOPPED if self.phase is ModulePhase.WAITING else self.phase
         self._enter(phase, f"{self.why.partition(';')[0]}; {other} does its work")
 
-    def forgive(self, now: float) -> None:
-        """We were away ourselves: nothing is known of the time since."""
-        self._heard = max(self._heard, now)
+    def skip_pause(self, now: float) -> None:
+        """Forget times before `now` [s], after a pause of this process."""
+        self._last_heard = max(self._last_heard, now)
 
-    def over_limit(self, what: str, now: float) -> None:
-        """It takes more than it may."""
+    def over_limit(self, excess: str, now: float) -> None:
+        """Note that it uses more than its limit."""
         if self.phase is ModulePhase.RUNNING:
-            self._stop(what, now, deliberate=False)
+            self._stop(excess, now, deliberate=False)
 
-    def told_to_stop(self, now: float) -> None:
-        """Somebody stops it; it is not started again by itself."""
+    def stop_by_order(self, now: float) -> None:
+        """Stop it by order; only an order starts it again."""
         self.held, self.pinned, self.replaced_by = True, False, ""
         if self.up:
             self._stop("was stopped by somebody", now, deliberate=True)
@@ -164,8 +164,8 @@ class ModuleLifecycle:
         else:
             self._enter(ModulePhase.STOPPED, "was stopped by somebody")
 
-    def told_to_start(self) -> None:
-        """Somebody starts it; earlier failures are forgotten."""
+    def start_by_order(self) -> None:
+        """Start it by order, without earlier failures."""
         self.replaced_by = ""
         self.held, self.pinned = False, not self.spec.always
         self._ends.clear()
@@ -174,14 +174,14 @@ class ModuleLifecycle:
         if not self.has_process:
             self._enter(ModulePhase.STOPPED, "is started by somebody")
 
-    def told_to_restart(self, now: float) -> None:
-        """Somebody has it end and begin anew."""
-        self.told_to_start()
+    def restart_by_order(self, now: float) -> None:
+        """Restart it by order."""
+        self.start_by_order()
         if self.up:
             self._stop("is started anew by somebody", now, deliberate=True)
 
     def ended(self, how: str, now: float) -> None:
-        """Its process is gone."""
+        """Note the end of its process."""
         self._earlier.append(self.pid)
         self.pid = 0
         if self.phase is not ModulePhase.STOPPING:
@@ -192,12 +192,12 @@ class ModuleLifecycle:
             self._fail(self.why, now)
 
     def step(self, now: float, *, wanted: bool, ready: bool) -> ProcessAction | None:
-        """What is to be done now.
+        """The next action.
 
         Args:
             now: The time [s].
-            wanted: Whether it is to run.
-            ready: Whether what it needs of others is there.
+            wanted: Whether it should run.
+            ready: Whether the capabilities it needs are provided.
         """
         if wanted:
             self._wanted_until = now + self.spec.linger_s
@@ -218,14 +218,17 @@ class ModuleLifecycle:
             self._enter(ModulePhase.STOPPED, _UNWANTED)
         return None
 
-    def look(self, now: float) -> None:
-        """See whether it has been silent for too long."""
+    def check_silence(self, now: float) -> None:
+        """Fail if it has been silent for too long."""
         longest = self.keep_alive_s
         if longest <= 0.0:
             return
-        if self.phase is ModulePhase.STARTING and now - self._heard > self.spec.start_timeout_s:
+        if (
+            self.phase is ModulePhase.STARTING
+            and now - self._last_heard > self.spec.start_timeout_s
+        ):
             self._hang(f"did not announce itself in {self.spec.start_timeout_s:g} s", now)
-        elif self.phase is ModulePhase.RUNNING and now - self._heard > longest:
+        elif self.phase is ModulePhase.RUNNING and now - self._last_heard > longest:
             self._hang(f"hung: silent for {longest:g} s", now)
 
     def _run(self) -> None:
@@ -241,7 +244,7 @@ class ModuleLifecycle:
         self._enter(ModulePhase.STOPPING, why)
 
     def _escalate(self, now: float) -> ProcessAction | None:
-        """The next step of ending it, when its time has come; each is taken once."""
+        """The next step of its end, if it is due; each step comes once."""
         if self._done >= len(_ESCALATION):
             return None
         spec = self.spec
@@ -254,7 +257,7 @@ class ModuleLifecycle:
         return _ESCALATION[self._done - 1]
 
     def _fail(self, why: str, now: float) -> None:
-        """It ended by itself: when it may start again, or never."""
+        """Note a failure: set the time of its restart, or give it up."""
         spec = self.spec
         while self._ends and self._ends[0] <= now - spec.restart_window_s:
             self._ends.popleft()

@@ -1,8 +1,7 @@
-"""What the modules write: read at once, so that none waits, and kept in files that rotate.
+"""The modules' output: read at once, and kept in files that rotate.
 
-One thread reads all the pipes and never waits for anything else. A second one writes files and
-standard error, which may be slow; what it cannot take in time is left out there, and how much that
-was is said where it is missing.
+One thread reads all the pipes, and waits for nothing else. A second one writes files and standard
+error, which may be slow. It drops lines that it cannot write in time, and writes their number.
 """
 
 from __future__ import annotations
@@ -28,11 +27,11 @@ from hub.robomon.log_file import RETRY_S, LogFile
 _logger = logging.getLogger(__name__)
 
 REMEMBERED_LINES = 1000
-"""Lines of each module that can be asked for."""
+"""Number of lines that are kept of each module."""
 LINE_BYTES = 4096
-"""Longer lines are cut."""
+"""Longest line; a longer one is cut."""
 BYTES_PER_S = 200_000
-"""What a module may write; more is left out."""
+"""Most output of a module; more is dropped."""
 _ROOM = 5000
 _CHUNK = 65_536
 _LAST_WORDS_S = 1.0
@@ -53,10 +52,12 @@ class _Source:
     unwritten: int = 0
 
     def missing(self) -> str:
-        """A line that says how many others were not written since the last one; empty if none."""
+        """A line with the number of lines dropped since the last one; empty: none."""
         count, self.unwritten = self.unwritten, 0
-        what = f"{count} lines of {self.name} were" if count > 1 else f"a line of {self.name} was"
-        return f"({what} left out here, as the disk was too slow)\n" if count else ""
+        subject = (
+            f"{count} lines of {self.name} were" if count > 1 else f"a line of {self.name} was"
+        )
+        return f"({subject} left out here, as the disk was too slow)\n" if count else ""
 
 
 class ModuleLogs:
@@ -66,7 +67,7 @@ class ModuleLogs:
         """Start the threads.
 
         Args:
-            folder: Where the files go; None: there are none.
+            folder: Folder of the files; None: no files.
         """
         self._folder = folder
         self._sources: dict[str, _Source] = {}
@@ -84,7 +85,7 @@ class ModuleLogs:
         self._writer.start()
 
     def add(self, name: str, pipe: int) -> None:
-        """Read this pipe, from now to its end; it is ours to close."""
+        """Read this pipe to its end, and close it."""
         with self._lock:
             self._sources.setdefault(name, _Source(name))
         os.set_blocking(pipe, False)
@@ -92,15 +93,15 @@ class ModuleLogs:
         os.write(self._waker, b"+")
 
     def recent(self, name: str, first: int, most: int) -> tuple[int, list[str]]:
-        """Lines that were written lately.
+        """Recent lines of a module.
 
         Args:
             name: Of the module.
-            first: Number of the first wanted, from 1; 0: the last ones.
-            most: How many at most.
+            first: Number of the first line, from 1; 0: the last ones.
+            most: Most lines.
 
         Returns:
-            Number of the first, and the lines.
+            Number of the first line, and the lines.
         """
         with self._lock:
             source = self._sources.get(name)
@@ -109,8 +110,8 @@ class ModuleLogs:
         skip = max(0, first - oldest) if first > 0 else max(0, len(lines) - most)
         return oldest + min(skip, len(lines)), lines[skip : skip + most]
 
-    def trouble(self, name: str) -> str:
-        """What is wrong with the log file of a module, after its name; empty if nothing is."""
+    def fault(self, name: str) -> str:
+        """The fault of a module's log file, as words after its name; empty: none."""
         file = self._files.get(name)
         if file is None or not file.lost:
             return ""
@@ -118,14 +119,14 @@ class ModuleLogs:
         return f"has lost {lines} of its log: {file.reason}"
 
     def close(self) -> None:
-        """Write what has come, and end the threads."""
+        """Write the rest, and end the threads."""
         if self._ended.is_set():
             return
         self._ended.set()
         os.write(self._waker, b"-")
         self._reader.join(_LAST_WORDS_S)
         if not self._reader.is_alive():
-            # Only now: the thread may end before we write, and its number may be another file's.
+            # Only now: another file may get the number after the thread's end.
             os.close(self._wake)
             os.close(self._waker)
         with contextlib.suppress(queue.Full):
@@ -169,8 +170,8 @@ class ModuleLogs:
         second = int(time.monotonic())
         if second != source.second:
             if source.left_out:
-                said = b"(%d bytes were left out: more than a module may write)" % source.left_out
-                self._keep(source, [said])
+                notice = b"(%d bytes were left out: more than a module may write)" % source.left_out
+                self._keep(source, [notice])
             source.second, source.read, source.left_out = second, 0, 0
         source.read += len(chunk)
         if source.read > BYTES_PER_S:
@@ -223,24 +224,24 @@ class ModuleLogs:
         if self._folder is None:
             return
         if name not in self._files:
-            # A new table: another thread may be looking through the old one.
+            # A new table: another thread may read the old one.
             self._files = {**self._files, name: LogFile(self._folder / f"{name}.log")}
         self._files[name].write(text, time.monotonic())
 
 
 def _readable(line: bytes) -> str:
-    """The text of a line; control characters, which command terminals, as their numbers."""
+    """The text of a line, with control characters as numbers: they command terminals."""
     return plain(line.decode(errors="replace").rstrip("\r"), lines=True)
 
 
 class LogFolder:
-    """The folder of a robot's log files, which no other daemon uses at the same time."""
+    """The folder of a robot's log files, for one daemon at a time."""
 
     def __init__(self, wanted: str, robot: str) -> None:
         """Make and claim it.
 
         Args:
-            wanted: From the robot file; empty: where the system wants such files.
+            wanted: From the robot file; empty: the system's place for such files.
             robot: Name of the robot.
         """
         self.path: Path | None = None
@@ -263,6 +264,6 @@ class LogFolder:
             _logger.warning("there are no log files: %d daemons write to %s", _FOLDERS, parent)
 
     def close(self) -> None:
-        """Leave it to others."""
+        """Release it to other daemons."""
         if self._lock is not None:
             self._lock.close()

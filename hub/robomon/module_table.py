@@ -1,4 +1,4 @@
-"""A robot file to the modules it names; everything that is wrong with the file, at once."""
+"""A robot file to its modules, with all mistakes of the file at once."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from hub.toml_reader import choice, key, number, several, text, variables, whole
 
 _OWN_PACKAGE = "hub.modules."
 _OWN = "X_"
-"""Capabilities that are not of the common vocabulary begin so."""
+"""Prefix of capabilities outside GCM."""
 
 
 def _capability(value: object) -> str:
-    """Read a capability: one of the vocabulary, or one of a module of one's own."""
+    """Read a capability: one of GCM, or one with the prefix `X_`."""
     known = tuple(Capability)
     if isinstance(value, str) and (
         value in known or (value.startswith(_OWN) and value.isidentifier() and len(value) <= 32)
@@ -43,15 +43,15 @@ _START = choice({"always": True, "on demand": False})
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModuleSpec:
-    """A module that the daemon runs; the `key` of each field is one of its table.
+    """A module that the daemon runs; each field has its `key` in the table.
 
     Attributes:
         name: Its name at central.
-        run: A Python module to execute; empty: `command` says what.
-        command: What to execute; options for hub and robot are added.
-        keep_alive_s: Silence after which it counts as hanging [s]; 0: it does not announce itself;
-            None: as long as its capabilities say.
-        settled_s: A module that ran for so long before it ended is started again at once [s].
+        run: A Python module to execute; empty: `command` is executed.
+        command: A program and its arguments; the daemon adds options for hub and robot.
+        keep_alive_s: Silence after which it counts as hanging [s]; 0: it never announces itself;
+            None: the default of its capabilities.
+        settled_s: Run time after which a module restarts without a pause [s].
     """
 
     name: str
@@ -107,7 +107,7 @@ class ModuleSpec:
 
     @property
     def python_module(self) -> str:
-        """The Python module that the command runs by this Python; empty if it is another one."""
+        """The Python module of the command; empty: another program, or another Python."""
         if len(self.command) == 3 and self.command[:2] == (sys.executable, "-m"):
             return self.command[2]
         return ""
@@ -115,11 +115,11 @@ class ModuleSpec:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotTable:
-    """A robot file that has no mistakes.
+    """A checked robot file.
 
     Attributes:
         robot: The robot itself.
-        modules: Its modules, in the order in which they are started.
+        modules: Its modules, in the order of their start.
     """
 
     robot: RobotDescription
@@ -134,7 +134,7 @@ def load_robot_table(name_or_path: str, settings: Sequence[str] = ()) -> RobotTa
         settings: Values in place of the file's, each as "TABLE.KEY=VALUE".
 
     Raises:
-        RobotFileError: All that is wrong with it.
+        RobotFileError: All its mistakes.
     """
     path = find_robot_file(name_or_path)
     robot, problems = read_description(path, settings)
@@ -186,10 +186,10 @@ def _importable(module: str) -> bool:
 
 
 def common_imports(table: RobotTable) -> tuple[str, ...]:
-    """What several modules of the robot import and can share; it starts no threads.
+    """The imports that modules of the robot share; none starts a thread.
 
-    That is what Rune's own modules import, and the robot's kind. Modules of other people are not
-    among it: nobody knows what their import does.
+    These are the imports of Rune's own modules and of the robot's kind. The effects of other
+    modules' imports are unknown.
     """
     runs = (spec.python_module for spec in table.modules)
     own = (f"{run}.__main__" for run in runs if run.startswith(_OWN_PACKAGE))
@@ -197,11 +197,11 @@ def common_imports(table: RobotTable) -> tuple[str, ...]:
 
 
 def robot_arguments(robot: RobotDescription) -> list[str]:
-    """The options that say to a module which robot it belongs to."""
+    """A module's options for its robot."""
     settings = [word for setting in robot.settings for word in ("--set", setting)]
     return ["--robot", str(robot.path.resolve()), *settings]
 
 
 def hub_arguments(endpoint: str, robot: RobotDescription) -> list[str]:
-    """The options that every module gets when it is to run."""
+    """The options of every module that runs."""
     return ["--hub", endpoint, *robot_arguments(robot), "--stop-with-stdin"]

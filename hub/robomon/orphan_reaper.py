@@ -1,11 +1,10 @@
-"""Ends the modules when the daemon dies without doing so, as by SIGKILL.
+"""Ends the modules when the daemon dies without an end, for example by SIGKILL.
 
-A process of its own, started by the file's name, so that it is small and imports nothing of Rune.
-Standard input names the process groups of the modules that run: lines "123", and "-123" for those
-that have ended. When the input ends, modules have a moment to stop by themselves. Then the reaper
-kills what is left of the groups, and every process that carries the mark: this program's argument,
-as a variable of the environment or as the name of a mapped page. What modules have started carries
-it in any group and session.
+It is a small process, started by the file's name, without imports of Rune. Standard input names the
+process groups of running modules: lines "123", and "-123" for those that have ended. When the input
+ends, modules have `STOP_TIME_S` to stop by themselves. Then the reaper kills the rest of the groups
+and every process with the mark. The mark is this program's argument; a process has it as a variable
+of its environment or as the name of a mapped page, in any group and session.
 """
 
 from __future__ import annotations
@@ -16,11 +15,11 @@ import signal
 import sys
 import time
 
-GRACE_S = 1.0
-"""Time that modules have to stop by themselves when the daemon is gone [s]."""
-_LOOK_S = 0.05
+STOP_TIME_S = 1.0
+"""Time for modules to stop by themselves after the daemon's end [s]."""
+_POLL_S = 0.05
 _ROUNDS = 20
-"""How often the reaper searches: marked processes may start others while it kills them."""
+"""Number of searches: marked processes may start others while the reaper kills them."""
 
 
 def _alive(group: int) -> bool:
@@ -34,7 +33,7 @@ def _alive(group: int) -> bool:
 
 
 def marked(mark: bytes) -> list[int]:
-    """The processes that carry the mark; Linux only."""
+    """The processes with the mark; Linux only."""
     found = []
     with contextlib.suppress(OSError):
         for name in os.listdir("/proc"):  # noqa: PTH208 - imports as little as possible
@@ -57,7 +56,7 @@ def _read(pid: str, name: str) -> bytes:
 
 
 def main() -> None:
-    """Wait until the daemon is gone, and end what it has left."""
+    """Wait for the end of the daemon, and end the rest of its modules."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
     mark = os.fsencode(sys.argv[1])
@@ -65,9 +64,9 @@ def main() -> None:
     for line in sys.stdin:
         group = int(line)
         (groups.add if group > 0 else groups.discard)(abs(group))
-    end = time.monotonic() + GRACE_S
+    end = time.monotonic() + STOP_TIME_S
     while any(map(_alive, groups)) and time.monotonic() < end:
-        time.sleep(_LOOK_S)
+        time.sleep(_POLL_S)
     for group in groups:
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(group, signal.SIGKILL)
@@ -78,7 +77,7 @@ def main() -> None:
         for pid in left:
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.kill(pid, signal.SIGKILL)
-        time.sleep(_LOOK_S)
+        time.sleep(_POLL_S)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Processes: starts a module, sees whether it runs and what it uses, and ends it."""
+"""Processes: starts a module, watches its end and its usage, and ends it."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from hub.robomon.warm_parent import ChildProcess, WarmParent
 _logger = logging.getLogger(__name__)
 
 _PR_SET_CHILD_SUBREAPER = 36
-_PATIENCE_S = 2.0
-"""Longest wait for a killed process to end, and for the reaper to do its work [s]."""
+_END_TIMEOUT_S = 2.0
+"""Longest wait for the end of a killed process, and for the reaper's work [s]."""
 
 
 class OrphanReaper:
-    """Starts the process that ends the modules if the daemon dies, and informs it.
+    """Starts the reaper, which ends the modules if the daemon dies, and informs it.
 
-    No method raises, and none but `close` waits. While there is no reaper, modules run without it;
-    `look` starts another.
+    No method raises, and only `close` waits. Modules run even without a reaper;
+    `restart_if_ended` starts another.
     """
 
     def __init__(self) -> None:
@@ -40,33 +40,33 @@ class OrphanReaper:
 
     @property
     def pid(self) -> int:
-        """Its process id; 0 if it does not run."""
+        """Its process id; 0: it does not run."""
         return self._process.pid if self._process else 0
 
     def watch(self, group: int) -> None:
-        """Have it end this process group when the daemon dies."""
+        """Add a process group to end when the daemon dies."""
         self._groups.add(group)
         self._send(f"{group}\n")
 
     def forget(self, group: int) -> None:
-        """This process group has ended."""
+        """Remove a process group that has ended."""
         self._groups.discard(group)
         self._send(f"-{group}\n")
 
-    def look(self) -> None:
-        """Start another one if it was ended."""
+    def restart_if_ended(self) -> None:
+        """Start another one if it has ended."""
         if self._process is None or self._process.poll() is not None:
             self._replace()
 
     def close(self) -> None:
-        """Have it end what is left; it then ends itself."""
+        """Let it end the rest; then it ends itself."""
         process = self._process
         if process is None:
             return
         if process.stdin is not None:
             process.stdin.close()
         try:
-            process.wait(orphan_reaper.GRACE_S + _PATIENCE_S)
+            process.wait(orphan_reaper.STOP_TIME_S + _END_TIMEOUT_S)
         except subprocess.TimeoutExpired:
             _logger.warning("the orphan reaper hangs; it is killed")
             process.kill()
@@ -107,7 +107,7 @@ class OrphanReaper:
         self._start()
 
     def _write(self, text: str) -> bool:
-        """Whether it has taken this text; one that has ended or hangs has not."""
+        """Write to it; False: it has ended, or hangs."""
         if self._process is None or self._process.stdin is None:
             return False
         try:
@@ -118,10 +118,10 @@ class OrphanReaper:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Usage:
-    """What a process has used.
+    """Usage of a process.
 
     Attributes:
-        processor_s: Processor time since it started [s].
+        processor_s: Processor time since its start [s].
         memory_mb: Resident memory [MB].
     """
 
@@ -132,27 +132,26 @@ class Usage:
 class ModuleProcess:
     """A running module, in a process group of its own.
 
-    The daemon keeps the other end of the process's standard input. When the daemon dies, however
-    it dies, that pipe ends and the module stops by itself. What it writes to standard output and
-    standard error comes out of `output`.
+    The daemon keeps the other end of the process's standard input. When the daemon dies, that pipe
+    ends and the module stops by itself. `output` reads its standard output and standard error.
     """
 
     def __init__(
         self, spec: ModuleSpec, arguments: Sequence[str], parent: WarmParent | None = None
     ) -> None:
-        """Start it: forked from the parent where that can do it, else spawned.
+        """Start it: fork it from the parent if possible, else spawn it.
 
         Raises:
             ModuleStartError: The system cannot execute the command.
         """
         self.spec = spec
-        with contextlib.ExitStack() as opened, contextlib.ExitStack() as theirs:
+        with contextlib.ExitStack() as opened, contextlib.ExitStack() as module_ends:
             try:
                 stdin, self._stdin = os.pipe()
-                theirs.callback(os.close, stdin)
+                module_ends.callback(os.close, stdin)
                 opened.callback(os.close, self._stdin)
                 self.output, output = os.pipe()
-                theirs.callback(os.close, output)
+                module_ends.callback(os.close, output)
                 opened.callback(os.close, self.output)
             except OSError as error:
                 text = f"could not be started: {error.strerror}"
@@ -169,7 +168,7 @@ class ModuleProcess:
             self._renice(process.pid)
         if forked:
             with contextlib.suppress(BrokenPipeError):  # it has ended already
-                os.write(self._stdin, b"\n")  # it waits for this
+                os.write(self._stdin, b"\n")  # it waits for this byte
         return process
 
     def _spawn(self, arguments: Sequence[str], files: tuple[int, int]) -> ChildProcess:
@@ -181,7 +180,7 @@ class ModuleProcess:
                 stdout=output,
                 stderr=output,
                 env=child_environment(dict(self.spec.environment)),
-                # Its own group: Ctrl-C in the daemon's terminal is for the daemon alone, which
+                # Its own group: Ctrl-C in the daemon's terminal reaches only the daemon, which
                 # ends the modules in order.
                 process_group=0,
             )
@@ -196,11 +195,11 @@ class ModuleProcess:
         return self._process.pid
 
     def exit_code(self) -> int | None:
-        """How it ended (negative: by that signal); None while it runs."""
+        """Its exit code (negative: a signal); None: it runs."""
         return self._process.poll()
 
     def usage(self) -> Usage | None:
-        """What it uses; None where the system does not say."""
+        """Its usage; None: the system does not report it."""
         try:
             words = Path(f"/proc/{self.pid}/stat").read_text().rpartition(")")[2].split()
         except OSError:
@@ -216,7 +215,7 @@ class ModuleProcess:
             self._process.terminate()
 
     def kill(self) -> None:
-        """Kill it and what it has started; returns at once."""
+        """Kill it and its descendants; returns at once."""
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(self._process.pid, signal.SIGKILL)
         self._process.kill()  # it may have left its group
@@ -230,12 +229,12 @@ class ModuleProcess:
         return True
 
     def end(self) -> None:
-        """Kill what runs of it and of what it has started; returns when it has ended.
+        """Kill it and its descendants; returns after its end.
 
-        A process that waits for a broken device does not end at SIGKILL; then this returns soon.
+        A process that waits for a broken device ignores SIGKILL; then this returns soon.
         """
         self.kill()
-        if not self.wait(_PATIENCE_S):
+        if not self.wait(_END_TIMEOUT_S):
             _logger.warning("process %d was killed and does not end", self.pid)
         if self._stdin >= 0:
             os.close(self._stdin)
@@ -250,18 +249,18 @@ class ModuleProcess:
 
 
 def adopt_orphans() -> bool:
-    """Become the parent of processes whose own parent ends; False where there is no such thing."""
+    """Become the parent of processes whose parent ends; False: the system cannot."""
     try:
         return bool(ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0) == 0)
     except (OSError, AttributeError):
         return False
 
 
-def end_strays(known: Collection[int]) -> int:
-    """Kill children that are not known: what ended modules have left behind.
+def kill_leftovers(known: Collection[int]) -> int:
+    """Kill unknown children: ended modules have left them.
 
     Returns:
-        How many there were.
+        Their number.
     """
     try:
         found = Path(f"/proc/self/task/{os.getpid()}/children").read_text().split()
@@ -272,7 +271,7 @@ def end_strays(known: Collection[int]) -> int:
         if pid in known:
             continue
         with contextlib.suppress(OSError):
-            if os.waitpid(pid, os.WNOHANG) == (0, 0):  # else it has ended, by itself or by us
+            if os.waitpid(pid, os.WNOHANG) == (0, 0):  # else it has ended already
                 os.kill(pid, signal.SIGKILL)
                 killed += 1
     return killed

@@ -1,4 +1,4 @@
-"""Carries out what the policy decides: starts, watches and ends the modules' processes."""
+"""Carries out the policy's actions: starts, watches and ends the modules' processes."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from hub.robomon.capability_probe import CapabilityProbe
 from hub.robomon.module_lifecycle import ModuleLifecycle, ProcessAction
 from hub.robomon.module_logs import ModuleLogs
 from hub.robomon.policy import ModulePolicy
-from hub.robomon.process import ModuleProcess, OrphanReaper, Usage, end_strays
+from hub.robomon.process import ModuleProcess, OrphanReaper, Usage, kill_leftovers
 from hub.robomon.warm_parent import WarmParent
 
 _logger = logging.getLogger(__name__)
 
 BY_ROBOMON = "by robomon"
-"""Argument of the common commands that the daemon sends itself."""
+"""Argument of common commands from the daemon itself."""
 _PERIOD_S = 0.05
 _SAMPLE_S = 1.0
 _SETTLED_S = 10.0
-"""Latest time at which modules that do not run are asked what they can do [s]."""
+"""Latest time at which stopped modules are asked for their capabilities [s]."""
 _IN_ORDER_S = 0.25
-"""Time within which modules are told to stop, one after the other [s]."""
+"""Time in which modules get the order to stop, one after the other [s]."""
 
 
 @dataclass(slots=True)
@@ -39,7 +39,7 @@ class _Running:
     process: ModuleProcess
     watched: int | None
     usage: Usage | None = None
-    looked: float = 0.0
+    sampled: float = 0.0
     processor: float = math.nan
 
 
@@ -61,16 +61,16 @@ class ProcessSupervisor:
         parent: WarmParent | None,
         changed: Callable[[], None],
     ) -> None:
-        """Begin; nothing is started before the client is served.
+        """Start without processes; the first start comes with the loop.
 
         Args:
             supervisor: Decides.
             client: The daemon's connection; its loop calls this.
-            outputs: Keeps what modules write.
-            arguments: What is added to each module's command.
-            description_arguments: What is added instead to ask what it can do.
+            outputs: Keeps the modules' output.
+            arguments: Added to each module's command.
+            description_arguments: Added instead to ask for its capabilities.
             parent: Forks Python modules; None: all are spawned.
-            changed: Called when a module's phase, its reason or its number of starts has changed.
+            changed: Called after a change of a module's phase, reason or number of starts.
         """
         self.supervisor = supervisor
         self._client = client
@@ -84,7 +84,7 @@ class ProcessSupervisor:
         self._running: dict[str, _Running] = {}
         self._reported: dict[str, tuple[ModulePhase, str, int]] = {}
         self._began = self._clock()
-        client.every(_PERIOD_S, self.look)
+        client.every(_PERIOD_S, self.step)
         client.every(_SAMPLE_S, self._sample)
 
     @property
@@ -93,17 +93,17 @@ class ProcessSupervisor:
         return {name: running.process.pid for name, running in self._running.items()}
 
     def processor(self, name: str) -> float:
-        """The part of one processor that a module takes; NaN when not known."""
+        """The part of one processor that a module uses; NaN: unknown."""
         running = self._running.get(name)
         return running.processor if running else math.nan
 
     def memory_mb(self, name: str) -> float:
-        """Resident memory of a module [MB]; NaN when not known."""
+        """Resident memory of a module [MB]; NaN: unknown."""
         running = self._running.get(name)
         return running.usage.memory_mb if running and running.usage else math.nan
 
-    def look(self) -> None:
-        """Look which processes have ended, and carry out what the policy decides."""
+    def step(self) -> None:
+        """Note the processes that have ended, and carry out the policy's actions."""
         for name, running in list(self._running.items()):
             code = running.process.exit_code()
             if code is not None:
@@ -114,16 +114,16 @@ class ProcessSupervisor:
         self._report_changes()
 
     def close(self) -> None:
-        """End all modules, the last started first: the driver must be there to stop the wheels.
+        """End all modules, the last started first: the driver stops the wheels until the end.
 
-        Each has a moment to end before the next is told. One that hangs delays the others no
-        longer, as the robot must not drive on meanwhile.
+        Each has a short time to end before the next gets the order. One that hangs does not delay
+        the others further, because the robot must not drive on meanwhile.
         """
         self._probe.close()
         started = self._clock()
         running = [each.process for each in reversed(self._running.values())]
         for process in running:
-            _logger.info("%s is told to stop", process.spec.name)
+            _logger.info("stopping %s", process.spec.name)
             process.ask_to_stop()
             process.wait(started + _IN_ORDER_S - self._clock())
         for process in running:
@@ -131,7 +131,7 @@ class ProcessSupervisor:
             process.end()
         if self._parent is not None:
             self._parent.close()
-        end_strays({self._reaper.pid})
+        kill_leftovers({self._reaper.pid})
         self._reaper.close()
 
     def _do(self, life: ModuleLifecycle, action: ProcessAction) -> None:
@@ -167,12 +167,12 @@ class ProcessSupervisor:
         _logger.info("%s started (pid %d)", name, process.pid)
 
     def _watch(self, pid: int) -> int | None:
-        """Have the loop call `look` when this process ends, where the system has such files."""
+        """Let the loop call `step` at the end of this process, if the system has such files."""
         try:
             file = os.pidfd_open(pid)
         except (OSError, AttributeError):
             return None
-        self._client.loop.watch(file, self.look)
+        self._client.loop.watch(file, self.step)
         return file
 
     def _end_of(self, name: str, code: int) -> None:
@@ -183,46 +183,46 @@ class ProcessSupervisor:
         running.process.end()
         self._reaper.forget(running.process.pid)
         how = f"was ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
-        life = self.supervisor.lives[name]
+        life = self.supervisor.lifecycles[name]
         life.ended(how, self._clock())
         _log_end(life)
 
     def _ask(self) -> None:
-        """Ask modules what they can do, as soon as those that always run have started."""
-        lives = self.supervisor.lives.values()
+        """Ask modules for their capabilities after the start of always-on modules."""
+        lives = self.supervisor.lifecycles.values()
         settled = not any(life.phase is ModulePhase.STARTING for life in lives if life.spec.always)
         if settled or self._clock() - self._began > _SETTLED_S:
-            self._probe.ask(self.supervisor.unasked())
-        self._probe.look(self._clock())
+            self._probe.ask(self.supervisor.undescribed())
+        self._probe.poll(self._clock())
 
     def _sample(self) -> None:
-        """Measure what the modules use, and end what ended modules have left behind."""
+        """Measure the modules' usage, and end processes that ended modules have left."""
         now = self._clock()
-        self._reaper.look()
+        self._reaper.restart_if_ended()
         if self._parent is not None:
-            self._parent.look()
+            self._parent.restart_if_ended()
         for name, running in self._running.items():
             usage = running.process.usage()
             if usage is None:
                 continue
-            if running.usage is not None and now > running.looked:
+            if running.usage is not None and now > running.sampled:
                 spent = usage.processor_s - running.usage.processor_s
-                running.processor = spent / (now - running.looked)
-            running.usage, running.looked = usage, now
+                running.processor = spent / (now - running.sampled)
+            running.usage, running.sampled = usage, now
             self.supervisor.used(name, usage.memory_mb, now)
         own = {self._reaper.pid, self._probe.pid, self._parent.pid if self._parent else 0}
-        strays = end_strays({*own, *self.pids.values()})
-        if strays:
-            _logger.warning("%d processes that modules had left behind were killed", strays)
+        leftovers = kill_leftovers({*own, *self.pids.values()})
+        if leftovers:
+            _logger.warning("%d processes that modules had left behind were killed", leftovers)
 
     def _report_changes(self) -> None:
-        lives = self.supervisor.lives
+        lives = self.supervisor.lifecycles
         now = {name: (life.phase, life.why, life.starts) for name, life in lives.items()}
         if now == self._reported:
             return
         for name, (phase, why, _) in now.items():
             if phase is ModulePhase.STOPPING and now[name] != self._reported.get(name):
-                _logger.info("%s %s; it is told to stop", name, why)
+                _logger.info("stopping %s: it %s", name, why)
         self._reported = now
         self._changed()
 

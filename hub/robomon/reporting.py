@@ -1,4 +1,4 @@
-"""The daemon on the bus: what it hears from modules and consoles, and what it tells them."""
+"""The daemon on the bus: reports and wants of modules and consoles, and its own reports."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from hub.robomon.process_supervisor import BY_ROBOMON, ProcessSupervisor
 from hub.runtime import publish_on_request
 
 _MOST_TEXT = 262_144
-"""Characters of log lines in one answer."""
+"""Most characters of log lines in one answer."""
 
 
 class Reporting:
@@ -40,7 +40,7 @@ class Reporting:
         self._robot = body.name
         self._clock = time.monotonic
         client.define(supervision.MODULE_REPORTS, supervision.CAPABILITY_REPORTS, COMMON_COMMAND)
-        client.publish(ROBOT_DESCRIPTION, body)  # central keeps it for those who come later
+        client.publish(ROBOT_DESCRIPTION, body)  # central keeps it for later subscribers
         client.subscribe(supervision.MODULE_INFO, self._announced)
         client.subscribe(supervision.CAPABILITY_WANTS, self._wanted)
         client.subscribe(COMMON_COMMAND, self._commanded)
@@ -52,7 +52,7 @@ class Reporting:
         client.every(1.0 / supervision.MODULE_REPORTS.rate_hz, self.publish)
 
     def publish(self) -> None:
-        """Publish what is known of modules and capabilities."""
+        """Publish the state of modules and capabilities."""
         self._publish_modules()
         self._publish_capabilities()
 
@@ -60,7 +60,7 @@ class Reporting:
         self._supervisor.announced(
             info.name, info.pid, info.capabilities.split(), info.needs.split(), self._clock()
         )
-        self._keeper.look()
+        self._keeper.step()
 
     def _wanted(self, wants: supervision.CapabilityWants, reception: MessageInfo) -> None:
         capabilities = wants.capabilities.split()
@@ -68,27 +68,27 @@ class Reporting:
         self._supervisor.wants.renew(
             reception.publisher, wants.holder, capabilities, now, lease_s=wants.lease_s
         )
-        self._keeper.look()
+        self._keeper.step()
 
     def _commanded(self, command: CommonCommand, _reception: MessageInfo) -> None:
-        """Somebody tells modules directly; their ends and starts are then meant."""
+        """Note a direct order to modules; their ends and starts are then intended."""
         if command.argument == BY_ROBOMON:
             return
-        for name, life in self._supervisor.lives.items():
+        for name, life in self._supervisor.lifecycles.items():
             if command.module in ("", name):
                 if command.command is CommonCommandKind.STOP:
-                    life.told_to_stop(self._clock())
+                    life.stop_by_order(self._clock())
                 elif command.command is CommonCommandKind.START:
-                    life.told_to_start()
-        self._keeper.look()
+                    life.start_by_order()
+        self._keeper.step()
 
     def _ordered(self, command: supervision.ModuleCommand) -> CommonResult:
         done, text = self._supervisor.ordered(command.module, command.order, self._clock())
-        self._keeper.look()
+        self._keeper.step()
         return CommonResult(done=int(done), text=text)
 
     def _lines(self, request: supervision.LogRequest) -> supervision.LogLines:
-        if request.module not in self._supervisor.lives:
+        if request.module not in self._supervisor.lifecycles:
             raise HandlerFailedError(self._supervisor.unknown(request.module))
         most = max(0, min(request.most, REMEMBERED_LINES))
         first, lines = self._outputs.recent(request.module, request.first, most)
@@ -103,19 +103,19 @@ class Reporting:
 
     def _presence(self, presence: Presence) -> None:
         if presence.change is Change.DISCONNECTED:
-            self._supervisor.wants.gone(presence.module)
+            self._supervisor.wants.disconnected(presence.module)
 
     def _publish_modules(self) -> None:
-        lives = self._supervisor.lives
+        lives = self._supervisor.lifecycles
         now = self._clock()
         reports = [self._report(name, life, now) for name, life in lives.items()]
         reports += [
             supervision.ModuleReport(
                 name=name,
                 phase=ModulePhase.RUNNING,
-                pid=stranger.pid,
-                capabilities=" ".join(sorted(stranger.provides)),
-                needs=" ".join(sorted(stranger.needs)),
+                pid=external.pid,
+                capabilities=" ".join(sorted(external.provides)),
+                needs=" ".join(sorted(external.needs)),
                 asked=1,
                 always=0,
                 starts=0,
@@ -124,7 +124,7 @@ class Reporting:
                 age_s=0.0,
                 why="was started by somebody else",
             )
-            for name, stranger in self._supervisor.strangers.items()
+            for name, external in self._supervisor.externals.items()
             if name not in lives
         ]
         self._client.publish(
@@ -145,7 +145,7 @@ class Reporting:
             processor=self._keeper.processor(name),
             memory_mb=self._keeper.memory_mb(name),
             age_s=now - life.since if life.has_process else 0.0,
-            why="; it ".join(filter(None, (life.why, self._outputs.trouble(name)))),
+            why="; it ".join(filter(None, (life.why, self._outputs.fault(name)))),
         )
 
     def _publish_capabilities(self) -> None:

@@ -1,4 +1,4 @@
-"""Tells systemd how the daemon fares: the protocol of sd_notify(3), datagrams on a Unix socket."""
+"""Reports the daemon's state to systemd by sd_notify(3): datagrams on a Unix socket."""
 
 from __future__ import annotations
 
@@ -7,24 +7,24 @@ import socket
 from collections.abc import Mapping
 
 _PART = 0.5
-"""systemd advises to say that we live twice within the watchdog's time (sd_watchdog_enabled(3))."""
+"""Part of the watchdog's time between two reports, as sd_watchdog_enabled(3) advises."""
 _LONGEST_STATUS = 500
-_PATIENCE_S = 1.0
-"""How long `ready` waits for room: systemd would end a service of which it never hears [s]."""
+_READY_WAIT_S = 1.0
+"""Longest wait of `ready` for room: systemd would end a service without this report [s]."""
 
 
 class Notifier:
-    """The way to whoever supervises the daemon; without one, all it does is nothing.
+    """Reports to the daemon's supervisor; without one, it does nothing.
 
-    Nothing here raises, and only `ready` may wait, for a second: a robot must not stop because
-    nobody listens.
+    No method raises, and only `ready` may wait, for `_READY_WAIT_S`: a robot must not stop because
+    its supervisor does not listen.
 
     Attributes:
-        period: How often `alive` has to be called [s]; None when no watchdog wants to hear it.
+        period: Period for `alive` [s]; None: no watchdog.
     """
 
     def __init__(self, address: str = "", period: float | None = None) -> None:
-        """Notify at `address`: a path, or @ and an abstract name; empty where nobody listens."""
+        """Notify at `address`: a path, or @ and an abstract name; empty: no listener."""
         self._address = "\0" + address[1:] if address.startswith("@") else address
         self.period = period if address else None
 
@@ -33,9 +33,9 @@ class Notifier:
         """The notifier that systemd's variables describe.
 
         Args:
-            environment: `NOTIFY_SOCKET`, `WATCHDOG_USEC` [us] and `WATCHDOG_PID`; what is missing
-                or malformed counts as not wanted.
-            pid: Of this process: a watchdog of another one is not ours to feed.
+            environment: `NOTIFY_SOCKET`, `WATCHDOG_USEC` [us] and `WATCHDOG_PID`; a missing or
+                malformed one switches the report off.
+            pid: Of this process; the watchdog may be another one's.
         """
         address = environment.get("NOTIFY_SOCKET", "")
         if address[:1] not in ("/", "@"):
@@ -47,34 +47,34 @@ class Notifier:
         return Notifier(address, period)
 
     def ready(self, status: str) -> None:
-        """The hub can be reached.
+        """Report that the hub is reachable.
 
-        Not: all modules run. systemd ends a service that takes long to be ready, and a robot whose
-        camera is broken is not to be ended for that.
+        This does not wait for the modules. systemd ends a service that is not ready in time, and a
+        broken camera must not end the robot.
         """
-        self._tell("READY=1", f"STATUS={_one_line(status)}", patience=_PATIENCE_S)
+        self._send("READY=1", f"STATUS={_one_line(status)}", longest_wait=_READY_WAIT_S)
 
     def stopping(self) -> None:
-        """The end has begun."""
-        self._tell("STOPPING=1")
+        """Report the start of the end."""
+        self._send("STOPPING=1")
 
     def status(self, text: str) -> None:
-        """One line for `systemctl status`."""
-        self._tell(f"STATUS={_one_line(text)}")
+        """Report one line for `systemctl status`."""
+        self._send(f"STATUS={_one_line(text)}")
 
     def alive(self) -> None:
-        """The watchdog's time begins anew."""
-        self._tell("WATCHDOG=1")
+        """Restart the watchdog's time."""
+        self._send("WATCHDOG=1")
 
-    def _tell(self, *lines: str, patience: float = 0.0) -> None:
+    def _send(self, *lines: str, longest_wait: float = 0.0) -> None:
         if not self._address:
             return
-        # ValueError: an address may hold what no path can.
+        # ValueError: an address may hold what a path cannot.
         with contextlib.suppress(OSError, ValueError):
             kind = socket.SOCK_DGRAM | socket.SOCK_CLOEXEC
-            with socket.socket(socket.AF_UNIX, kind) as way:
-                way.settimeout(patience)
-                way.sendto("\n".join(lines).encode(errors="backslashreplace"), self._address)
+            with socket.socket(socket.AF_UNIX, kind) as notify:
+                notify.settimeout(longest_wait)
+                notify.sendto("\n".join(lines).encode(errors="backslashreplace"), self._address)
 
 
 def _is_number(text: str) -> bool:
@@ -82,5 +82,5 @@ def _is_number(text: str) -> bool:
 
 
 def _one_line(text: str) -> str:
-    """The text without line ends, behind which another message would begin."""
+    """The text without line ends: another message would start behind one."""
     return " ".join(text.split())[:_LONGEST_STATUS]

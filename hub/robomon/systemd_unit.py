@@ -1,4 +1,4 @@
-"""The systemd unit that runs a robot's hub, filled in for one machine."""
+"""The systemd unit of a robot's hub, for one machine."""
 
 from __future__ import annotations
 
@@ -77,26 +77,26 @@ _ONLINE = "Wants=network-online.target\nAfter=network-online.target"
 DEVICE_GROUPS = ("video", "dialout", "input", "plugdev", "gpio", "i2c", "spi")
 """Groups to which systems give cameras, serial ports, HID devices and buses."""
 _ENDING_S = 5.0
-"""What the daemon takes to end besides its modules [s]."""
+"""Time for the daemon's own end, besides its modules [s]."""
 _CONTROL = dict.fromkeys((*range(32), 127, 133, 8232, 8233), " ")
 _USER = re.compile(r"[A-Za-z_][A-Za-z0-9_-]{0,30}", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ServiceSpec:
-    """What a unit is filled in with.
+    """The values of a unit.
 
     Attributes:
         robot: The robot's name.
         robot_file: The robot file, an absolute path.
-        robot_argument: The file as it was named on the command line.
-        command: What runs `rune-hub`, an absolute path first.
-        user: As whom.
+        robot_argument: The file's name on the command line.
+        command: The command of `rune-hub`, an absolute path first.
+        user: User of the hub.
         groups: Groups of devices that exist on this machine.
         keys: Folder of the keys; None for the one in the user's home.
-        writable: Folders that the hub writes to, wherever they are.
-        gateway: Whether it listens on the network, and so has to wait for that.
-        nice: Lowest niceness that one of its modules wants; 0 if none wants less.
+        writable: Folders that the hub writes to.
+        gateway: Whether it listens on the network, and so waits for it.
+        nice: Lowest niceness of its modules; at most 0.
         stop_timeout: Longest time that one of its modules may take to stop [s].
     """
 
@@ -136,15 +136,15 @@ def unit(spec: ServiceSpec) -> str:
 
 
 def for_this_machine(table: RobotTable, argument: str, user: str) -> ServiceSpec:
-    """What the unit says on this machine.
+    """The values of the unit on this machine.
 
     Args:
         table: The robot.
-        argument: How its file was named.
-        user: As whom the hub is to run.
+        argument: Its file's name on the command line.
+        user: User of the hub.
 
     Raises:
-        HubError: No user can have this name.
+        HubError: This is no valid user name.
     """
     if not _USER.fullmatch(user):
         text = f"{user[:80]!r} is no name that a user can have"
@@ -170,10 +170,10 @@ def for_this_machine(table: RobotTable, argument: str, user: str) -> ServiceSpec
 
 
 def write_unit(table: RobotTable, argument: str, user: str) -> int:
-    """Print the unit, and say on standard error what it needs besides; returns the exit code.
+    """Print the unit, and its other needs on standard error; returns the exit code.
 
     Raises:
-        HubError: No user can have this name.
+        HubError: This is no valid user name.
     """
     sys.stdout.write(unit(for_this_machine(table, argument, user)))
     try:
@@ -187,11 +187,11 @@ def write_unit(table: RobotTable, argument: str, user: str) -> int:
 
 
 def _word(text: str) -> str:
-    """A word as systemd.syntax(7) wants it: quoted where it has to be, % doubled."""
+    """A word by systemd.syntax(7): quoted if needed, % doubled."""
     text = _plain(text, backslash="\\\\").replace('"', '\\"').replace("%", "%%")
     return f'"{text}"' if any(c in text for c in " \"'\\;") else text
 
 
 def _plain(text: str, *, backslash: str = "/") -> str:
-    """The text without what would begin another line or join the next one to it."""
+    """The text without characters that start another line or join the next one."""
     return text.translate(_CONTROL).replace("\\", backslash)

@@ -1,4 +1,4 @@
-"""Who wants which capabilities: leases that end when they are not renewed; pure."""
+"""Wanted capabilities: leases that end unless they are renewed; pure."""
 
 from __future__ import annotations
 
@@ -25,8 +25,7 @@ class Wants:
     """The leases of all holders; every method gets the time [s].
 
     Attributes:
-        refused: Wants that were not taken: of too many holders, of what is no capability, or for no
-            time or too long.
+        refused: Number of refused wants: too many holders, no capability, or a wrong length.
     """
 
     def __init__(self) -> None:
@@ -43,12 +42,12 @@ class Wants:
         *,
         lease_s: float = LEASE_S,
     ) -> None:
-        """A holder, by its number at central, says all that it wants; nothing gives it up."""
+        """Set all wants of a holder, by its number at central; an empty set ends them."""
         wanted = frozenset(capabilities)
         usable = all(each.isidentifier() and len(each) <= MAX_NAME for each in wanted)
         full = len(self._leases) >= MAX_HOLDERS and holder not in self._leases
-        lasts = 0.0 < lease_s <= MAX_LEASE_S
-        if not (usable and lasts) or len(wanted) > MAX_CAPABILITIES or full:
+        in_limit = 0.0 < lease_s <= MAX_LEASE_S
+        if not (usable and in_limit) or len(wanted) > MAX_CAPABILITIES or full:
             self.refused += 1
         elif wanted:
             shown = "".join(name.split())[:MAX_NAME] or "somebody"
@@ -59,8 +58,8 @@ class Wants:
         elif self._leases.pop(holder, None):
             self._wanted = None
 
-    def gone(self, name: str) -> None:
-        """Who connected under this name has left."""
+    def disconnected(self, name: str) -> None:
+        """Remove the wants of a client that has left."""
         self._keep(lambda lease: lease.name != name)
 
     def current(self, now: float) -> dict[str, list[str]]:

@@ -2,13 +2,13 @@
 
 | state | event | action |
 |---|---|---|
-| none | the daemon begins | fork it from the daemon, which has one thread and no socket yet |
+| none | the daemon starts | fork it from the daemon, which has one thread and no socket yet |
 | none | a module starts | the caller spawns the module |
-| none | `look`, and the pause is over | spawn it |
-| loading | it says that it is ready | ready |
+| none | `restart_if_ended`, after the pause | spawn it |
+| loading | it reports that it is ready | ready |
 | loading | a module starts | the caller spawns the module |
 | ready | a module starts | fork the module |
-| ready | it does not answer in time, or wrongly | kill it: none |
+| ready | no answer in time, or a wrong one | kill it: none |
 | any | it ends | none; the next pause is twice as long |
 | any | its imports have started threads | never again: every module is spawned |
 """
@@ -37,14 +37,14 @@ from hub.robomon.module_table import ModuleSpec
 _logger = logging.getLogger(__name__)
 
 _ANSWER_S = 2.0
-"""Longest time in which the parent forks a module [s]; the daemon waits for it."""
-_LOOK_S = 0.1
-"""Time after which the daemon looks whether the parent is stopped and cannot answer [s]."""
+"""Longest wait of the daemon for a fork [s]."""
+_POLL_S = 0.1
+"""Period of the check whether a silent parent is stopped [s]."""
 _PAUSE_S = 0.5
 _LONGEST_PAUSE_S = 60.0
 _KILLED_S = 2.0
 _AT_START = ("PYTHON", "LD_", "LC_", "LANG", "MALLOC_", "GLIBC_", "OPENBLAS_", "OMP_", "MKL_")
-"""Variables with these beginnings count when a program starts, and not after a fork."""
+"""Prefixes of variables that only work at the start of a program, not after a fork."""
 
 
 class ChildProcess(Protocol):
@@ -55,10 +55,10 @@ class ChildProcess(Protocol):
         """Its process id."""
 
     def poll(self) -> int | None:
-        """How it ended (negative: by that signal); None while it runs."""
+        """Its exit code (negative: a signal); None: it runs."""
 
     def wait(self, timeout: float | None = None) -> int:
-        """How it ended; raises `subprocess.TimeoutExpired` after so long [s]."""
+        """Its exit code; raises `subprocess.TimeoutExpired` after `timeout` [s]."""
 
     def terminate(self) -> None:
         """Send it SIGTERM."""
@@ -68,18 +68,18 @@ class ChildProcess(Protocol):
 
 
 class ForkedProcess:
-    """A child of this process that `subprocess` has not started."""
+    """A child of this process that `subprocess` did not start."""
 
     def __init__(self, pid: int) -> None:
         self.pid = pid
         self._code: int | None = None
 
     def poll(self) -> int | None:
-        """How it ended (negative: by that signal); None while it runs."""
+        """Its exit code (negative: a signal); None: it runs."""
         return self._wait(os.WNOHANG)
 
     def wait(self, timeout: float | None = None) -> int:
-        """How it ended.
+        """Its exit code.
 
         Raises:
             subprocess.TimeoutExpired: It runs after `timeout` [s].
@@ -120,13 +120,13 @@ class ForkedProcess:
 
 
 class WarmParent:
-    """Forks modules; every method returns soon, and no method raises."""
+    """Forks modules; no method waits for long, and none raises."""
 
     def __init__(self, imports: Sequence[str], clock: Callable[[], float] = time.monotonic) -> None:
-        """Have no parent yet.
+        """Start without a parent.
 
         Args:
-            imports: The Python modules that it imports.
+            imports: The Python modules that the parent imports.
             clock: Monotonic time [s].
         """
         self._imports = tuple(imports)
@@ -140,7 +140,7 @@ class WarmParent:
 
     @property
     def pid(self) -> int:
-        """The parent's process id; 0 if there is none."""
+        """The parent's process id; 0: there is none."""
         return self._process.pid if self._process else 0
 
     @property
@@ -152,7 +152,7 @@ class WarmParent:
         return self._ready
 
     def fork_from_here(self) -> None:
-        """Import into this process what modules share, and fork the parent from it.
+        """Import the shared modules into this process, and fork the parent from it.
 
         Raises:
             SystemExit: In a forked module, at its end.
@@ -161,19 +161,19 @@ class WarmParent:
         if not fork_server.has_one_thread():
             self._give_up()
             return
-        ours, theirs = socket.socketpair()
+        daemon_end, parent_end = socket.socketpair()
         try:
             pid = os.fork()
         except OSError as error:
             _logger.warning("the warmed parent cannot be forked: %s", error.strerror)
-            ours.close()
-            theirs.close()
+            daemon_end.close()
+            parent_end.close()
             return
         if pid == 0:
-            ours.close()
-            fork_server.serve(theirs, mark())
-        theirs.close()
-        self._process, self._link, self._ready = ForkedProcess(pid), ours, True
+            daemon_end.close()
+            fork_server.serve(parent_end, mark())
+        parent_end.close()
+        self._process, self._link, self._ready = ForkedProcess(pid), daemon_end, True
 
     def start(
         self,
@@ -181,15 +181,15 @@ class WarmParent:
         arguments: Sequence[str],
         files: tuple[int, int],
     ) -> ForkedProcess | None:
-        """Fork a module; it runs after a byte was written to its standard input.
+        """Fork a module; it runs after a byte on its standard input.
 
         Args:
             spec: The module.
-            arguments: What is added to its command.
-            files: Its standard input, and the pipe for what it writes.
+            arguments: Added to its command.
+            files: Its standard input, and the pipe for its output.
 
         Returns:
-            The module's process; None if the caller is to spawn it.
+            The module's process; None: the caller has to spawn it.
         """
         if not _can_be_forked(spec) or not self.ready or self._link is None:
             return None
@@ -213,7 +213,7 @@ class WarmParent:
             return None
         return ForkedProcess(pid)
 
-    def look(self) -> None:
+    def restart_if_ended(self) -> None:
         """Start another parent if this one has ended."""
         if self._process is not None:
             code = self._process.poll()
@@ -228,7 +228,7 @@ class WarmParent:
             self._spawn()
 
     def close(self) -> None:
-        """End the parent; modules that it has forked go on."""
+        """End the parent; its forked modules go on."""
         process, self._process = self._process, None
         if self._link is not None:
             self._link.close()
@@ -243,20 +243,20 @@ class WarmParent:
             _logger.warning("process %d was killed and does not end", process.pid)
 
     def _wait_for_answer(self, link: socket.socket) -> bool:
-        """Whether an answer comes in time; a busy machine takes long, a stopped parent for ever."""
+        """Whether an answer arrives in time; a stopped parent never answers."""
         end = self._clock() + _ANSWER_S
         while self._clock() < end and not _is_stopped(self.pid):
-            if select.select([link], [], [], _LOOK_S)[0]:
+            if select.select([link], [], [], _POLL_S)[0]:
                 return True
         return False
 
     def _answer(self, link: socket.socket) -> int:
-        """The number that the parent has sent; 0 if it has not, or is gone."""
+        """The number from the parent; 0: it sent none, or is gone."""
         try:
-            said = link.recv(PID.size)
+            answer = link.recv(PID.size)
         except OSError:
             return 0
-        return int(PID.unpack(said)[0]) if len(said) == PID.size else 0
+        return int(PID.unpack(answer)[0]) if len(answer) == PID.size else 0
 
     def _drop(self, why: str) -> None:
         _logger.warning("the warmed parent %s; modules are spawned until there is another", why)
@@ -269,25 +269,25 @@ class WarmParent:
         self._unfit = True
 
     def _spawn(self) -> None:
-        ours, theirs = socket.socketpair()
-        command = [sys.executable, "-m", fork_server.__name__, str(theirs.fileno()), mark()]
+        daemon_end, parent_end = socket.socketpair()
+        command = [sys.executable, "-m", fork_server.__name__, str(parent_end.fileno()), mark()]
         try:
             process = subprocess.Popen(
                 [*command, *self._imports],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 env=child_environment({}),
-                pass_fds=(theirs.fileno(),),
+                pass_fds=(parent_end.fileno(),),
                 process_group=0,
             )
         except OSError as error:
             _logger.warning("the warmed parent cannot be started: %s", error.strerror)
-            ours.close()
+            daemon_end.close()
             self._drop("is not there")
             return
         finally:
-            theirs.close()
-        self._process, self._link = process, ours
+            parent_end.close()
+        self._process, self._link = process, daemon_end
 
 
 def _can_be_forked(spec: ModuleSpec) -> bool:
@@ -296,7 +296,7 @@ def _can_be_forked(spec: ModuleSpec) -> bool:
 
 
 def _limits() -> tuple[tuple[int, int, int], ...]:
-    """This process's resource limits, which a spawned module would inherit."""
+    """This process's resource limits, as a spawned module would inherit them."""
     numbers = {getattr(resource, name) for name in dir(resource) if name.startswith("RLIMIT_")}
     return tuple((number, *resource.getrlimit(number)) for number in sorted(numbers))
 
@@ -310,7 +310,7 @@ def _is_stopped(pid: int) -> bool:
 
 
 def _is_child(pid: int) -> bool:
-    """Whether this process has adopted the module; it ends by itself if not."""
+    """Whether this process has adopted the module; another module ends by itself."""
     try:
         os.waitid(os.P_PID, pid, os.WEXITED | os.WNOHANG | os.WNOWAIT)
     except ChildProcessError:

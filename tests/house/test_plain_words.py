@@ -55,9 +55,11 @@ NAMES_TO_AVOID = re.compile(
 )
 """Words that name nothing of the field; they do not occur in names of the rooms that are done."""
 ROOMS = (
+    "hub/gcm",
     "hub/grids",
     "hub/inspection",
     "hub/ipc",
+    "hub/robomon",
     "hub/missions",
     "hub/modules/driver",
     "hub/modules/mapping",
@@ -91,7 +93,7 @@ ROOMS = (
     "rune_tui/widgets",
 )
 """Rooms, and files, whose names and docstrings are plain; a room that becomes plain is added."""
-SHORT_SENTENCES = ("hub/ipc",)
+SHORT_SENTENCES = ("hub/gcm", "hub/ipc", "hub/robomon")
 """Rooms whose docstrings have no long sentence."""
 _LIST_ITEM = re.compile(r"\s*(?:[-*]|\d+\.)\s+")
 _END = re.compile(r"(?<=[.!?])[\"*_)]*\s+")

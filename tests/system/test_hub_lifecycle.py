@@ -42,7 +42,7 @@ def test_ends_in_order_on_a_signal(hub: HubProcess, number: signal.Signals) -> N
     assert hub.process.wait(15.0) == 0
     _nothing_left(hub, processes)
     log = hub.log.read_text()
-    told = [line.split()[-5] for line in log.splitlines() if "is told to stop" in line]
+    told = [line.split()[-1] for line in log.splitlines() if " stopping " in line]
     ended = {line.split()[2] for line in log.splitlines() if "INFO stopped" in line}
     assert told == [*reversed(MODULES)]
     assert ended == set(MODULES)

@@ -218,7 +218,7 @@ class World:
     def reconnect(self) -> None:
         """The console's link is there again; central takes it for another one."""
         link = self.console.link
-        self.robot.arbiter.gone(link.number, self.now)
+        self.robot.arbiter.disconnected(link.number, self.now)
         self._numbers += 1
         link.number, link.gone = self._numbers, False
         self.console.connected()
@@ -305,7 +305,7 @@ class World:
         self, effect: SendEffect | ControlEffect | ConsoleHeartbeat, number: int, sent: float
     ) -> None:
         if isinstance(effect, ConsoleHeartbeat):
-            self.robot.arbiter.heard(number, self.now, holds=bool(effect.holds))
+            self.robot.arbiter.heartbeat(number, self.now, holds=bool(effect.holds))
         elif isinstance(effect, ControlEffect):
             if effect.action is ControlAction.RELEASE:
                 self.robot.arbiter.release(number, self.now)

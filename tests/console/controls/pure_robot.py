@@ -97,7 +97,7 @@ class Robot:
 
     def pass_time(self, now: float) -> None:
         """A look of navigation and driver."""
-        self.arbiter.look(now)
+        self.arbiter.expire(now)
         self.tell(now)
         if self.navigates:
             self._governor.driver_reported(now)

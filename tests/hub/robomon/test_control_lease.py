@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.gcm.control import ANSWER_S, LOST_S
-from hub.robomon.control_lease import LONGEST_NAME, MOST_REQUESTS, ControlLease
+from hub.robomon.control_lease import LONGEST_NAME, MAX_REQUESTS, ControlLease
 
 ALICE, BOB, CAROL = 1, 2, 3
 NAMES = {ALICE: "alice", BOB: "bob", CAROL: "carol"}
@@ -37,8 +37,8 @@ class Table:
         for _ in range(round(seconds / STEP_S)):
             self.now += STEP_S
             for number in self.alive:
-                self.arbiter.heard(number, self.now, holds=number == self.owner)
-            self.arbiter.look(self.now)
+                self.arbiter.heartbeat(number, self.now, holds=number == self.owner)
+            self.arbiter.expire(self.now)
 
     def take(self, number: int) -> bool:
         return self.arbiter.take(number, NAMES[number], self.now)[0]
@@ -101,7 +101,7 @@ def test_to_ask_twice_gains_no_time_and_no_place(table: Table) -> None:
 
 
 def test_only_so_many_ask_at_a_time(table: Table) -> None:
-    for number in range(10, 10 + MOST_REQUESTS):
+    for number in range(10, 10 + MAX_REQUESTS):
         assert table.arbiter.ask(number, "", table.now)[0]
     assert not table.ask(BOB)[0]
 
@@ -119,16 +119,16 @@ def test_owner_who_falls_silent_loses_control_and_not_before(table: Table) -> No
 def test_console_that_does_not_know_it_has_control_does_not_keep_it(table: Table) -> None:
     for _ in range(round(LOST_S / STEP_S) + 1):
         table.now += STEP_S
-        table.arbiter.heard(ALICE, table.now, holds=False)
+        table.arbiter.heartbeat(ALICE, table.now, holds=False)
     assert table.owner == 0
 
 
 def test_heartbeat_gives_nobody_control() -> None:
     table = Table()
-    table.arbiter.heard(ALICE, table.now, holds=True)
+    table.arbiter.heartbeat(ALICE, table.now, holds=True)
     assert table.owner == 0
     assert table.take(BOB)
-    table.arbiter.heard(ALICE, table.now, holds=True)
+    table.arbiter.heartbeat(ALICE, table.now, holds=True)
     assert table.owner == BOB
 
 
@@ -137,9 +137,9 @@ def test_who_asks_gets_a_robot_that_becomes_free(table: Table) -> None:
     table.ask(CAROL)
     table.arbiter.release(ALICE, table.now)
     assert (table.owner, table.askers) == (BOB, [CAROL])
-    table.arbiter.gone(BOB, table.now)
+    table.arbiter.disconnected(BOB, table.now)
     assert (table.owner, table.askers) == (CAROL, [])
-    table.arbiter.gone(CAROL, table.now)
+    table.arbiter.disconnected(CAROL, table.now)
     assert table.owner == 0
 
 
@@ -148,7 +148,7 @@ def test_who_asks_can_withdraw_leave_or_fall_silent(table: Table) -> None:
     assert table.arbiter.release(BOB, table.now)[0]
     assert table.askers == []
     table.ask(BOB)
-    table.arbiter.gone(BOB, table.now)
+    table.arbiter.disconnected(BOB, table.now)
     assert table.askers == []
     table.ask(BOB)
     table.alive.discard(BOB)
@@ -169,7 +169,7 @@ def test_supervisor_takes_over_and_frees(table: Table) -> None:
 def test_pause_of_our_own_frees_nobody_and_ends_no_request(table: Table) -> None:
     table.ask(BOB)
     table.now += 60.0
-    table.arbiter.look(table.now)
+    table.arbiter.expire(table.now)
     assert (table.owner, table.askers) == (ALICE, [BOB])
     table.alive.clear()
     table.run(LOST_S + STEP_S)
@@ -200,7 +200,7 @@ def _actions(table: Table, number: int) -> tuple[Callable[[], object], ...]:
         lambda: arbiter.deny(number, table.now),
         lambda: arbiter.take_over(number, name, table.now),
         lambda: arbiter.free(table.now),
-        lambda: arbiter.gone(number, table.now),
+        lambda: arbiter.disconnected(number, table.now),
     )
 
 

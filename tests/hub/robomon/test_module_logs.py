@@ -114,13 +114,13 @@ def test_lost_lines_are_told_of_with_the_module_and_in_its_file_without_another_
         with os.fdopen(pipe, "wb", buffering=0) as file:
             file.write(b"0\n1\n2\n")
             said = "has lost 2 lines of its log: No space left on device"
-            until(lambda: outputs.trouble("one") == said, 5.0)
+            until(lambda: outputs.fault("one") == said, 5.0)
             disk.room = 1 << 20
             log = tmp_path / "one.log"
             told = "(2 lines were lost here: No space left on device)\n"
             until(lambda: log.read_text() == f"0\n{told}", 10.0)
-            assert outputs.trouble("one") == said
-            assert outputs.trouble("another") == ""
+            assert outputs.fault("one") == said
+            assert outputs.fault("another") == ""
 
 
 def test_pipe_that_nobody_reads_in_the_place_of_a_file_does_not_block(tmp_path: Path) -> None:

@@ -18,10 +18,10 @@ from hub.gcm.supervision import (
 )
 from hub.robomon.module_lifecycle import ModuleLifecycle, ProcessAction
 from hub.robomon.policy import (
+    EXTERNAL_SILENCE_S,
+    MAX_EXTERNALS,
     MAX_SHOWN,
-    MAX_STRANGERS,
     MAX_UNKNOWN,
-    STRANGER_S,
     ModulePolicy,
 )
 from hub.robomon.wants import MAX_HOLDERS, Wants
@@ -48,14 +48,14 @@ def test_wanted_capability_starts_what_it_needs_first_and_stops_when_nobody_want
     assert len(world.processes) == 3, "lingers"
     world.run(10.0)
     assert not world.processes
-    assert all(life.phase is ModulePhase.STOPPED for life in world.supervisor.lives.values())
+    assert all(life.phase is ModulePhase.STOPPED for life in world.supervisor.lifecycles.values())
 
 
 def test_console_that_leaves_gives_up_its_wants_at_once() -> None:
     wants = Wants()
     wants.renew(7, "console", ["VIS"], 0.0)
     wants.renew(8, "other", ["VIS"], 0.0)
-    wants.gone("console")
+    wants.disconnected("console")
     assert wants.current(0.1) == {"VIS": ["other"]}
     assert wants.current(LEASE_S) == {}
 
@@ -183,7 +183,7 @@ def test_program_that_announces_nothing_is_asked_for_nothing() -> None:
     world.behave = ways(announce_at=1e9)
     world.run(100.0)
     assert world["plain"].phase is ModulePhase.RUNNING
-    assert world.supervisor.unasked() == []
+    assert world.supervisor.undescribed() == []
 
 
 def test_stop_goes_from_command_to_kill() -> None:
@@ -269,13 +269,13 @@ def test_what_nobody_has_is_waited_for_and_said() -> None:
 
 def test_module_that_somebody_else_started_counts_and_is_forgotten() -> None:
     world = World(demand("mine", "VID"))
-    for number in range(2 * MAX_STRANGERS):
+    for number in range(2 * MAX_EXTERNALS):
         world.supervisor.announced(f"guest{number}", 5, ["VID"], [], world.now)
-    assert len(world.supervisor.strangers) == MAX_STRANGERS
+    assert len(world.supervisor.externals) == MAX_EXTERNALS
     world.run(2.0, wants="VID")
     assert not world.starts("mine")
     assert world.supervisor.capabilities(world.now)["VID"].phase is CapabilityPhase.RUNNING
-    world.run(STRANGER_S, wants="VID")
+    world.run(EXTERNAL_SILENCE_S, wants="VID")
     assert world.starts("mine")
 
 
@@ -326,14 +326,14 @@ def test_modules_that_all_need_each_other_start() -> None:
     for name in names:
         world[name.lower()].learned(frozenset({name}), frozenset({*names} - {name}))
     world.run(1.0)
-    assert all(life.phase is ModulePhase.RUNNING for life in world.supervisor.lives.values())
+    assert all(life.phase is ModulePhase.RUNNING for life in world.supervisor.lifecycles.values())
 
 
 def test_names_that_modules_announce_are_bounded() -> None:
     world = World(spec("one", "VID"))
     rubbish = ["GOOD", "two words", "line\nend", "A" * 65, ""]
     world.supervisor.announced(" long\nname " * 100, 5, rubbish, rubbish, world.now)
-    (name,) = world.supervisor.strangers
+    (name,) = world.supervisor.externals
     assert (len(name), name.isidentifier()) == (64, True)
     many = [f"X_{number}" for number in range(10_000)]
     world.run(0.1)
@@ -392,7 +392,7 @@ def test_module_that_cannot_be_started_is_tried_with_pauses() -> None:
             life.not_started("could not be started", now)
     pauses = [later - earlier for earlier, later in itertools.pairwise(tries)]
     assert pauses == pytest.approx([STEP_S, 0.2, 0.4, 0.8, 1.6], abs=1.5 * STEP_S)
-    assert supervisor.lives["one"].phase is ModulePhase.FAILED
+    assert supervisor.lifecycles["one"].phase is ModulePhase.FAILED
 
 
 def test_others_do_not_speak_for_a_module_that_hangs() -> None:

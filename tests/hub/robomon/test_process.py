@@ -43,7 +43,7 @@ def start() -> Iterator[Starter]:
 
 @pytest.fixture
 def watcher(monkeypatch: pytest.MonkeyPatch) -> Iterator[OrphanReaper]:
-    monkeypatch.setattr(process, "_PATIENCE_S", 0.2)
+    monkeypatch.setattr(process, "_END_TIMEOUT_S", 0.2)
     made = OrphanReaper()
     yield made
     made.close()
@@ -73,7 +73,7 @@ time.sleep(100.0)
 """
 
 
-def test_reaperfinds_what_left_its_session_or_is_stopped(start: Starter) -> None:
+def test_reaper_finds_what_left_its_session_or_is_stopped(start: Starter) -> None:
     reaper = OrphanReaper()
     module = start(SESSIONS)
     reaper.watch(module.pid)
@@ -86,17 +86,17 @@ def test_reaperfinds_what_left_its_session_or_is_stopped(start: Starter) -> None
     until(lambda: all(map(ended, pids)), 5.0)
 
 
-def test_reaperthat_hangs_does_not_keep_the_daemon(
+def test_reaper_that_hangs_does_not_keep_the_daemon(
     watcher: OrphanReaper, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(orphan_reaper, "GRACE_S", 0.1)
+    monkeypatch.setattr(orphan_reaper, "STOP_TIME_S", 0.1)
     pid = watcher.pid
     os.kill(pid, signal.SIGSTOP)
     watcher.close()
     assert ended(pid)
 
 
-def test_reaperthat_was_killed_is_replaced_by_one_that_knows_the_modules(
+def test_reaper_that_was_killed_is_replaced_by_one_that_knows_the_modules(
     watcher: OrphanReaper, start: Starter
 ) -> None:
     module = start("import os, time; os.write(1, b'1'); time.sleep(100.0)")
@@ -105,13 +105,13 @@ def test_reaperthat_was_killed_is_replaced_by_one_that_knows_the_modules(
     first = watcher.pid
     os.kill(first, signal.SIGKILL)
     until(lambda: ended(first), 5.0)
-    watcher.look()
+    watcher.restart_if_ended()
     assert watcher.pid != first
     watcher.close()
     until(lambda: ended(module.pid), 5.0)  # who is killed takes a moment to end
 
 
-def test_reaperthat_cannot_be_started_is_started_later(
+def test_reaper_that_cannot_be_started_is_started_later(
     watcher: OrphanReaper, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(*_: object, **__: object) -> None:
@@ -125,7 +125,7 @@ def test_reaperthat_cannot_be_started_is_started_later(
         watcher.watch(os.getpid() + 1)
         watcher.forget(os.getpid() + 1)
         assert watcher.pid == 0
-    watcher.look()
+    watcher.restart_if_ended()
     assert watcher.pid not in (0, first)
 
 
@@ -148,18 +148,18 @@ def test_no_descriptors_left_is_a_failed_start(monkeypatch: pytest.MonkeyPatch) 
         ModuleProcess(ModuleSpec(name="one", command=("true",)), ())
 
 
-def test_own_children_are_no_strays_and_ended_ones_are_not_counted(tmp_path: Path) -> None:
+def test_own_children_are_no_leftovers_and_ended_ones_are_not_counted(tmp_path: Path) -> None:
     """In a process of its own, which adopts what its child leaves behind."""
     code = tmp_path / "parent.py"
     code.write_text(
         "import subprocess\n"
-        "from hub.robomon.process import adopt_orphans, end_strays\n"
+        "from hub.robomon.process import adopt_orphans, kill_leftovers\n"
         "adopt_orphans()\n"
         "own = subprocess.Popen(['sleep', '100'])\n"
         "subprocess.run(['sh', '-c', 'true & exec sleep 0.1'])\n"
-        "print(end_strays({own.pid}), own.poll())\n"
+        "print(kill_leftovers({own.pid}), own.poll())\n"
         "subprocess.run(['sh', '-c', 'sleep 100 &'])\n"
-        "print(end_strays({own.pid}), own.poll())\n"
+        "print(kill_leftovers({own.pid}), own.poll())\n"
         "own.kill()\n"
     )
     said = subprocess.run([sys.executable, str(code)], capture_output=True, text=True, check=False)

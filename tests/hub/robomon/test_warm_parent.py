@@ -70,7 +70,7 @@ def parent(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stack: ExitStack) ->
 
 def ready(stack: ExitStack, imports: Sequence[str]) -> WarmParent:
     made = stack.enter_context(closing(WarmParent(imports)))
-    made.look()
+    made.restart_if_ended()
     until(lambda: made.ready, 20.0)
     return made
 
@@ -184,7 +184,7 @@ def test_modules_outlive_a_killed_parent_and_the_next_forks_again(
     os.kill(parent.pid, signal.SIGKILL)
     between = lives(start, parent)
     assert not forked(between)
-    until(lambda: parent.look() or parent.ready, 20.0)
+    until(lambda: parent.restart_if_ended() or parent.ready, 20.0)
     last = lives(start, parent)
     assert forked(last)
     assert [each.exit_code() for each in (first, between, last)] == [None] * 3
@@ -200,7 +200,7 @@ def test_a_parent_that_hangs_is_replaced_and_its_module_spawned(
     until(lambda: psutil.Process(pid).status() == psutil.STATUS_STOPPED, 5.0)
     assert not forked(lives(start, parent))
     assert not psutil.pid_exists(pid)
-    until(lambda: parent.look() or parent.ready, 20.0)
+    until(lambda: parent.restart_if_ended() or parent.ready, 20.0)
     assert forked(lives(start, parent))
 
 
@@ -245,10 +245,10 @@ def test_nothing_is_forked_after_imports_that_start_threads(
     parent = stack.enter_context(
         closing(WarmParent(("rune_busy",), clock=iter(range(1000)).__next__))
     )
-    parent.look()
-    until(lambda: parent.look() or not parent.pid, 20.0)
+    parent.restart_if_ended()
+    until(lambda: parent.restart_if_ended() or not parent.pid, 20.0)
     for _ in range(5):
-        parent.look()
+        parent.restart_if_ended()
     assert (parent.pid, parent.ready) == (0, False)
 
 
@@ -296,5 +296,5 @@ def test_strays_of_a_parent_are_found(parent: WarmParent, start: Starter) -> Non
     known = {each.pid for each in psutil.Process().children()}
     module = start("import subprocess; subprocess.Popen(['sleep', '100'])", parent)
     assert module.wait(10.0)
-    assert process.end_strays(known) == 1
-    until(lambda: process.end_strays(known) == 0 and not _strays(known), 5.0)
+    assert process.kill_leftovers(known) == 1
+    until(lambda: process.kill_leftovers(known) == 0 and not _strays(known), 5.0)

@@ -54,7 +54,7 @@ class World:
         }
 
     def __getitem__(self, name: str) -> ModuleLifecycle:
-        return self.supervisor.lives[name]
+        return self.supervisor.lifecycles[name]
 
     def run(self, seconds: float, *, wants: str = "") -> None:
         """Let time pass; somebody wants these capabilities all the while."""
@@ -130,7 +130,7 @@ class World:
     def _runs(self, capability: str) -> bool:
         return any(
             capability in self._can[name][0] and life.phase is ModulePhase.RUNNING
-            for name, life in self.supervisor.lives.items()
+            for name, life in self.supervisor.lifecycles.items()
         )
 
     def _circular(self, need: str, name: str, seen: set[str]) -> bool:
@@ -149,7 +149,7 @@ class World:
     def _could_run(self, capability: str) -> bool:
         return any(
             capability in self._can[name][0] and life.usable
-            for name, life in self.supervisor.lives.items()
+            for name, life in self.supervisor.lifecycles.items()
         )
 
 
