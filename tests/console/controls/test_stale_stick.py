@@ -108,7 +108,7 @@ def heal(world: World) -> None:
 def end(world: World) -> None:
     world.console.runs = False
     world.consoles.remove(world.console)
-    world.robot.arbiter.gone(world.console.link.number, world.now)
+    world.robot.arbiter.disconnected(world.console.link.number, world.now)
 
 
 def start_again(world: World) -> None:
