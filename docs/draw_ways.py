@@ -70,6 +70,8 @@ UP: Final = (
             "rune_tui.raster.canvas",
             "rune_tui.compositor.blend",
             "rune_tui.compositor.cells",
+            "rune_tui.compositor.seen_pictures",
+            "rune_tui.compositor.looks",
             "rune_tui.compositor.screen_encoder",
             "rune_tui.terminal.block_output",
             "rune_tui.compositor.output",

@@ -62,11 +62,6 @@ class ScreenEncoder:
         self._known: Flags = np.zeros((0, 0), np.bool_)
         self._moves = Moves((0, 0), top=top, left=left)
 
-    @property
-    def known(self) -> Flags:
-        """Where what the terminal shows is known, shape (rows, columns)."""
-        return self._known.copy()
-
     def forget(self, where: Flags | None = None) -> None:
         """The terminal may show anything; the next frame is sent anew there.
 

@@ -104,7 +104,7 @@ def test_no_cell_is_ever_further_off_than_the_quality_allows_or_wrong_for_ever(
             terminal.scribble(*place)
         terminal.feed(encoder.encode(looks, step.quality, covered).decode())
         assert not any(covered[place] for place in terminal.touched)
-        assert (encoder.known == ~covered).all()
+        assert (encoder.remembered.known == ~covered).all()
         assert_near(terminal, encoder, looks, step.quality)
     terminal.feed(encoder.encode(looks, EXACT).decode())
     assert_shows(terminal, looks)
@@ -118,7 +118,7 @@ def assert_near(terminal: Terminal, encoder: ScreenEncoder, looks: Looks, qualit
         off = max(quality.tolerance, quality.threshold)
     shown = encoder.remembered.shown
     assert shown is not None
-    for row, column in np.argwhere(encoder.known).tolist():
+    for row, column in np.argwhere(encoder.remembered.known).tolist():
         mark = terminal.marks[row, column]
         assert_cell(mark, shown, row, column)
         assert_cell(mark, looks, row, column, off=off)
@@ -313,7 +313,7 @@ def test_another_size_or_depth_is_sent_whole() -> None:
     encoder.encode(grey([1, 2, 3]))
     for cells in (grey([1, 2]), at_depth(grey([1, 2]), ColourDepth.INDEXED_256)):
         assert encoder.encode(cells) == ScreenEncoder().encode(cells)
-        assert encoder.known.all()
+        assert encoder.remembered.known.all()
 
 
 def test_frames_without_cells_take_no_bytes() -> None:
