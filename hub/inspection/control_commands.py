@@ -17,7 +17,7 @@ from hub.gcm.control import (
 )
 from hub.inspection import value_text
 from hub.inspection.module_commands import ask_daemon, last_report
-from hub.inspection.output import outcome, put, span
+from hub.inspection.output import put, report, span
 from hub.ipc.client import Client
 from hub.plain_text import plain
 
@@ -43,7 +43,7 @@ def release(client: Client, *, force: bool) -> int:
         text = "this takes control from whoever has it; if you stand by the robot, add --force"
         raise HubError(text)
     request = ControlRequest(action=ControlAction.FREE)
-    return outcome(ask_daemon(client, CONTROL_REQUEST, request, COMMON_RESULT))
+    return report(ask_daemon(client, CONTROL_REQUEST, request, COMMON_RESULT))
 
 
 def _lines(state: ControlState) -> list[str]:

@@ -10,7 +10,7 @@ from hub.command_line import login_name
 from hub.errors import MissionError, NoHandlerError, QueryError
 from hub.gcm.common import COMMON_RESULT
 from hub.gcm.mission import MISSION_COMMAND, MissionAction, MissionCommand
-from hub.inspection.output import outcome, put, span, table
+from hub.inspection.output import put, report, span, table
 from hub.ipc.client import Client
 from hub.missions.export import MissionPhase, facts_of_marks, mission_facts, moment
 from hub.missions.export import export as export_files
@@ -104,7 +104,7 @@ def order(client: Client, action: MissionAction, name: str) -> int:
     except NoHandlerError as error:
         text = "mapping, which keeps missions, does not run; `rune-hub start mapping` starts it"
         raise QueryError(text) from error
-    return outcome(result)
+    return report(result)
 
 
 def _folders(robot: str, folder: str) -> list[MissionFolder]:

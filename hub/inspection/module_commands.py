@@ -20,7 +20,7 @@ from hub.gcm import supervision
 from hub.gcm.common import COMMON_RESULT
 from hub.gcm.supervision import CapabilityPhase, ModuleOrder
 from hub.inspection import value_text
-from hub.inspection.output import outcome, put, span, table
+from hub.inspection.output import put, report, span, table
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.message_info import MessageInfo
@@ -84,7 +84,7 @@ def order(client: Client, module: str, wanted: str) -> int:
     result = ask_daemon(client, supervision.MODULE_COMMAND, command, COMMON_RESULT)
     if not result.done:
         _need_known(client, module, result.text)
-    return outcome(result)
+    return report(result)
 
 
 def want(client: Client, wanted: Sequence[str], *, seconds: float) -> int:

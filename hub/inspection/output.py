@@ -16,12 +16,18 @@ def put(line: str) -> None:
 
 
 def outcome(result: CommonResult) -> int:
-    """The exit code for an answer to a request, which is printed; a refusal on standard error."""
+    """The exit code for an answer to a request; a refusal is printed on standard error."""
     if result.done:
-        put(plain(result.text))
         return 0
     complain(plain(result.text))
     return 1
+
+
+def report(result: CommonResult) -> int:
+    """Print an answer to a request; returns the exit code."""
+    if result.done:
+        put(plain(result.text))
+    return outcome(result)
 
 
 def complain(text: str) -> None:

@@ -21,7 +21,7 @@ class Daemons:
     """Answers as daemons do, one after the other; at the end the module is unknown."""
 
     def __init__(self, *answers: LogLines | Exception) -> None:
-        self.connected = True
+        self.connected, self.endpoint = True, "ipc://nowhere"
         self.asked: list[int] = []
         self._answers: Iterator[LogLines | Exception] = iter(answers)
 
