@@ -402,7 +402,9 @@ class TerminalProcess:
             assert time.monotonic() < end, f"it did not end\n{self.text}"
             with contextlib.suppress(OSError):  # it has just closed its end
                 self.type("q")
-            self.pump(1.0)
+            again = time.monotonic() + 1.0
+            while self.process.poll() is None and time.monotonic() < again:
+                self.pump(0.03)
         return self.process.wait()
 
     def wait_ended(self, timeout: float = 15.0) -> int:
