@@ -89,7 +89,7 @@ def drive(world: World, choose: Chooser, body_radius: float = BODY.radius) -> Ou
     """Drive until the end; wheels follow as those of the simulated Magellan do."""
     pose = world.start
     linear = angular = now = 0.0
-    cycles = []
+    cycles: list[float] = []
     while now < TIMEOUT:
         if math.dist((pose.x, pose.y), world.goal) < ARRIVED:
             return Outcome(how="reached", seconds=now, cycles_ms=cycles)

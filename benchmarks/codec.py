@@ -150,7 +150,7 @@ def protobuf_work(definition: MessageDefinition[Any], value: object) -> tuple[Wo
 
 def leaves(node: formats.Format, value: object) -> Iterator[tuple[str, formats.Format, Any]]:
     """Name, format and value of each member, and of those of inner structs."""
-    for name, member in zip(type(value).__dataclass_fields__, node.members, strict=True):
+    for name, member in zip(vars(type(value))["__dataclass_fields__"], node.members, strict=True):
         item = getattr(value, name)
         if isinstance(member, formats.Struct):
             yield from leaves(member, item)

@@ -123,8 +123,8 @@ def ages(endpoint: str, seconds: float) -> dict[str, list[float]]:
             client.subscribe(each, lambda _, how, ages_of=ages_of: ages_of.append(how.age * 1e3))
         while not all(found.values()):
             client.listen(0.1)
-        for each in found.values():
-            each.clear()
+        for measured in found.values():
+            measured.clear()
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             client.listen(0.1)

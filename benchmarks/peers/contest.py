@@ -299,7 +299,7 @@ def _wait(
     while not met():
         dead = [process for process in processes if process.poll() is not None]
         if dead or time.monotonic() > deadline:
-            why = f"process {dead[0].args} ended" if dead else "it took too long"
+            why = f"process {dead[0].args!r} ended" if dead else "it took too long"
             text = f"{what} did not come: {why}"
             raise TimeoutError(text)
         time.sleep(0.004)

@@ -23,8 +23,8 @@ def _address(job: Job, place: int) -> str:
     return f"tcp://127.0.0.1:{job.port + place}"
 
 
-def _made(kind: int) -> zmq.Socket:
-    socket = zmq.Context.instance().socket(kind)
+def _made(kind: int) -> zmq.Socket[bytes]:
+    socket: zmq.Socket[bytes] = zmq.Context.instance().socket(kind)
     socket.linger = 0
     socket.sndhwm = socket.rcvhwm = _QUEUE
     return socket

@@ -55,8 +55,9 @@ def main() -> None:
         except (ImportError, AttributeError, OSError) as error:
             missing[name] = f"{type(error).__name__}: {error}"
         else:
-            own = isinstance(begun, Renderer)
-            renderers[name] = begun if own else Renderer(version=version(name), draw=begun)
+            if not isinstance(begun, Renderer):
+                begun = Renderer(version=version(name), draw=begun)
+            renderers[name] = begun
     versions = {name: renderer.version for name, renderer in renderers.items()}
     print(json.dumps({"versions": versions, "missing": missing}), file=answers)
     for line in requests:
